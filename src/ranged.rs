@@ -1,0 +1,61 @@
+//! Numbers of a config that carry their allowed range in their type: a value out of range is refused while the file is
+//! read, so that the error can point at the line.
+
+use std::fmt;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+/// A whole number from `LO` to `HI`, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Within<const LO: u64, const HI: u64>(u64);
+
+/// A power of two from `LO` to `HI`, both included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct PowerOfTwo<const LO: u64, const HI: u64>(u64);
+
+macro_rules! checked {
+    ($name:ident, $what:literal, $ok:expr) => {
+        impl<const LO: u64, const HI: u64> $name<LO, HI> {
+            /// The checked number; the error says what is allowed.
+            pub fn new(value: u64) -> Result<Self, String> {
+                let allowed: fn(u64) -> bool = $ok;
+                if (LO..=HI).contains(&value) && allowed(value) {
+                    Ok(Self(value))
+                } else {
+                    Err(format!("{value} is not allowed here: {} from {LO} to {HI} is", $what))
+                }
+            }
+
+            /// The number.
+            pub const fn get(self) -> u64 {
+                self.0
+            }
+
+            /// The number as a size in memory.
+            pub const fn size(self) -> usize {
+                self.0 as usize
+            }
+        }
+
+        impl<const LO: u64, const HI: u64> fmt::Display for $name<LO, HI> {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
+
+        impl<const LO: u64, const HI: u64> Serialize for $name<LO, HI> {
+            fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                self.0.serialize(to)
+            }
+        }
+
+        impl<'de, const LO: u64, const HI: u64> Deserialize<'de> for $name<LO, HI> {
+            fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+                Self::new(u64::deserialize(from)?).map_err(D::Error::custom)
+            }
+        }
+    };
+}
+
+checked!(Within, "a whole number", |_| true);
+checked!(PowerOfTwo, "a power of two", u64::is_power_of_two);

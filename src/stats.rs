@@ -1,0 +1,155 @@
+//! What a timing run measured, as plain data: the timing side fills it, reports read it, neither knows the other.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{Bytes, Cycle};
+
+/// What memory traffic is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrafficClass {
+    /// Nodes of the acceleration structure.
+    Node,
+    /// Primitive lists of the kd-tree.
+    List,
+    /// Triangle records.
+    Triangle,
+    /// Mode words.
+    ModeWord,
+    /// Counters of rendered pixels.
+    PixelCounter,
+    /// Ids of occluders.
+    OccluderId,
+    /// Rays.
+    Ray,
+}
+
+impl TrafficClass {
+    /// All classes.
+    pub const ALL: [Self; 7] =
+        [Self::Node, Self::List, Self::Triangle, Self::ModeWord, Self::PixelCounter, Self::OccluderId, Self::Ray];
+
+    /// The class's name in reports, as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Node => "node",
+            Self::List => "list",
+            Self::Triangle => "triangle",
+            Self::ModeWord => "mode_word",
+            Self::PixelCounter => "pixel_counter",
+            Self::OccluderId => "occluder_id",
+            Self::Ray => "ray",
+        }
+    }
+}
+
+/// The one cause that each cycle of a unit has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The unit began an operation in this cycle.
+    Busy,
+    /// It had nothing to do: no ray in it.
+    Starved,
+    /// It had rays, all inside its pipeline.
+    Pipeline,
+    /// It had rays, and the first that waits does so for data of its cache.
+    Memory,
+    /// It had a result that its neighbour could not take.
+    Blocked,
+}
+
+impl Cause {
+    /// All causes, in the order of plots.
+    pub const ALL: [Self; 5] = [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Starved];
+
+    /// The cause's name in reports, as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Busy => "busy",
+            Self::Starved => "starved",
+            Self::Pipeline => "pipeline",
+            Self::Memory => "memory",
+            Self::Blocked => "blocked",
+        }
+    }
+}
+
+/// Accesses to a cache, of one class of traffic.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CacheCounts {
+    /// Accesses: hits, half misses and misses together.
+    pub accesses: u64,
+    /// The line was there.
+    pub hits: u64,
+    /// The line was already on its way.
+    pub half_misses: u64,
+    /// The line was fetched.
+    pub misses: u64,
+    /// Dirty lines of the class that were written back.
+    pub write_backs: u64,
+}
+
+impl CacheCounts {
+    /// Hits over accesses; `None` without an access.
+    pub fn hit_rate(&self) -> Option<f64> {
+        (self.accesses > 0).then(|| self.hits as f64 / self.accesses as f64)
+    }
+}
+
+/// A DRAM's column commands and what they met.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DramCounts {
+    /// Reads served.
+    pub reads: u64,
+    /// Writes served.
+    pub writes: u64,
+    /// The row was open.
+    pub row_hits: u64,
+    /// No row was open.
+    pub row_misses: u64,
+    /// Another row was open.
+    pub row_conflicts: u64,
+    /// Refreshes.
+    pub refreshes: u64,
+}
+
+/// What one machine measured on one stream.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MachineStats {
+    /// Time from the first ray to the last write-back.
+    pub cycles: Cycle,
+    /// The machine's clock.
+    pub clock_mhz: f64,
+    /// Rays replayed, skipped ones not counted.
+    pub rays: u64,
+    /// Bytes moved a level (`l1_traversal`, ..., `l2`, `dram`) and class. A level's bytes are those moved between it
+    /// and the level above (towards the units).
+    pub bytes: BTreeMap<String, BTreeMap<TrafficClass, Bytes>>,
+    /// Accesses a cache (all instances of a kind together) and class.
+    pub caches: BTreeMap<String, BTreeMap<TrafficClass, CacheCounts>>,
+    /// Cycles of every unit kind, summed over its instances, by cause.
+    pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
+    /// Instances of every unit kind: the causes of a kind sum to `cycles` times this.
+    pub unit_counts: BTreeMap<String, u64>,
+    /// The DRAM's commands.
+    pub dram: DramCounts,
+    /// Peak bandwidth of the DRAM in bytes a machine cycle.
+    pub dram_peak_bytes_per_cycle: f64,
+}
+
+impl MachineStats {
+    /// Rays a second of simulated time.
+    pub fn rays_per_second(&self) -> f64 {
+        self.rays as f64 / self.cycles.0 as f64 * self.clock_mhz * 1e6
+    }
+
+    /// Share of its cycles in which a unit kind began an operation.
+    pub fn utilization(&self, unit: &str) -> Option<f64> {
+        let causes = self.units.get(unit)?;
+        let total: u64 = causes.values().sum();
+        (total > 0).then(|| causes.get(&Cause::Busy).copied().unwrap_or(0) as f64 / total as f64)
+    }
+}

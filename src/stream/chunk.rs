@@ -1,0 +1,151 @@
+//! A chunk of rays in memory: heads in one column, all steps in another.
+
+use super::Step;
+use crate::quantity::{LightId, PixelId, PrimitiveId};
+
+/// What a ray is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum RayKind {
+    /// From the camera; its pixel group begins here.
+    Primary,
+    /// Towards a light.
+    Shadow,
+    /// Reflected.
+    Reflection,
+    /// Refracted.
+    Refraction,
+}
+
+/// What the culling policy decided for a shadow ray; other rays are always traced.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Decision {
+    /// Trace it among everything.
+    Trace,
+    /// Known to be lit by what is static: trace it among dynamic objects only.
+    DynamicOnly,
+    /// The answer is known: trace nothing.
+    Skip,
+}
+
+/// A ray's result.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Outcome {
+    /// A primary or secondary ray hits nothing.
+    Miss,
+    /// A primary or secondary ray's nearest hit.
+    Hit(PrimitiveId),
+    /// The light is seen.
+    Lit,
+    /// The light is not seen.
+    Dark,
+}
+
+/// All of a ray but its steps.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RayHead {
+    /// What the ray is for.
+    pub kind: RayKind,
+    /// The light that a shadow ray goes to; 0 for others.
+    pub light: LightId,
+    /// What the policy decided.
+    pub decision: Decision,
+    /// The result.
+    pub outcome: Outcome,
+    /// The pixel.
+    pub pixel: PixelId,
+    /// How many rays back in the chunk the ray's parent is, on whose hit it starts; 0 for a primary ray.
+    pub parent: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Entry {
+    head: RayHead,
+    /// Where the path's steps end, and the policy's begin.
+    path_end: u32,
+    /// Where the policy's steps end.
+    end: u32,
+}
+
+/// Rays in order. Whole pixel groups only: a chunk begins with a primary ray.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Chunk {
+    entries: Vec<Entry>,
+    steps: Vec<u32>,
+}
+
+/// A ray of a chunk.
+#[derive(Clone, Copy, Debug)]
+pub struct Ray<'a> {
+    /// All but the steps.
+    pub head: RayHead,
+    path: &'a [u32],
+    policy: &'a [u32],
+}
+
+impl<'a> Ray<'a> {
+    /// The traversal's steps, in order.
+    pub fn path(&self) -> impl ExactSizeIterator<Item = Step> + use<'a> {
+        unpacked(self.path)
+    }
+
+    /// The steps of the policy on the ray's account: for a hit, what it does before the hit's shadow rays are decided;
+    /// for a shadow ray, what it does once the answer is known.
+    pub fn policy(&self) -> impl ExactSizeIterator<Item = Step> + use<'a> {
+        unpacked(self.policy)
+    }
+
+    /// The packed steps of the path.
+    pub fn packed_path(&self) -> &'a [u32] {
+        self.path
+    }
+
+    /// The packed steps of the policy.
+    pub fn packed_policy(&self) -> &'a [u32] {
+        self.policy
+    }
+}
+
+fn unpacked(steps: &[u32]) -> impl ExactSizeIterator<Item = Step> + use<'_> {
+    // Chunks are only made by `push`, which takes packed steps that the caller made with `Step::pack` or checked.
+    steps.iter().map(|&word| Step::unpack(word).expect("a chunk holds valid steps only"))
+}
+
+impl Chunk {
+    /// Adds a ray. `path` and `policy` are packed steps, every one valid.
+    pub fn push(&mut self, head: RayHead, path: &[u32], policy: &[u32]) {
+        debug_assert!(path.iter().all(|&word| Step::unpack(word).is_some_and(Step::is_traversal)));
+        debug_assert!(policy.iter().all(|&word| Step::unpack(word).is_some()));
+        self.steps.extend_from_slice(path);
+        let path_end = self.steps.len() as u32;
+        self.steps.extend_from_slice(policy);
+        self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
+    }
+
+    /// The number of rays.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there is no ray.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// The number of steps of all rays.
+    pub fn steps(&self) -> usize {
+        self.steps.len()
+    }
+
+    /// Ray `index`.
+    pub fn ray(&self, index: usize) -> Ray<'_> {
+        let start = if index == 0 { 0 } else { self.entries[index - 1].end as usize };
+        let Entry { head, path_end, end } = self.entries[index];
+        let (path_end, end) = (path_end as usize, end as usize);
+        Ray { head, path: &self.steps[start..path_end], policy: &self.steps[path_end..end] }
+    }
+
+    /// All rays in order.
+    pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray<'_>> {
+        (0..self.len()).map(|index| self.ray(index))
+    }
+}

@@ -1,0 +1,108 @@
+//! Steps: the smallest things that a ray or a policy does to memory, each packed in 32 bits.
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::{ListId, NodeId, TriangleSlot};
+
+/// Where a triangle test ended. The test has the two memory phases of the T&I engine (Nah et al. 2011, section 4): the
+/// plane's bytes first, the edges' bytes only if the plane is hit within the ray's reach.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Stop {
+    /// The plane is not hit within reach.
+    Plane,
+    /// The plane is hit outside the triangle.
+    Edges,
+    /// The triangle is hit.
+    Hit,
+}
+
+/// What a culling policy keeps in memory.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+pub enum Store {
+    /// The 32-bit word of occlusion and shadow modes, one a primitive.
+    ModeWord,
+    /// The two counters of rendered pixels, one pair a primitive.
+    PixelCounter,
+    /// Ids of occluders.
+    OccluderId,
+}
+
+/// A step of a ray's path, or of a policy's work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Step {
+    /// A node is fetched and its boxes (or plane) tested.
+    Node(NodeId),
+    /// An entry of a primitive list is read.
+    List(ListId),
+    /// A triangle is tested.
+    Triangle {
+        /// Which record is read.
+        slot: TriangleSlot,
+        /// How far the test went.
+        stop: Stop,
+    },
+    /// An entry of a policy's store is read.
+    Read {
+        /// The store.
+        store: Store,
+        /// The entry.
+        index: u32,
+    },
+    /// An entry of a policy's store is written whole.
+    Write {
+        /// The store.
+        store: Store,
+        /// The entry.
+        index: u32,
+    },
+    /// An entry of a policy's store is read, changed and written (OR, count).
+    Update {
+        /// The store.
+        store: Store,
+        /// The entry.
+        index: u32,
+    },
+}
+
+/// Bits of a packed step below the tag.
+const INDEX_BITS: u32 = 28;
+
+impl Step {
+    /// The largest id that fits a packed step.
+    pub const MAX_INDEX: u32 = (1 << INDEX_BITS) - 1;
+
+    /// The step in 32 bits: a tag of 4 bits, then the id.
+    pub fn pack(self) -> u32 {
+        let (tag, index) = match self {
+            Self::Node(NodeId(index)) => (0, index),
+            Self::List(ListId(index)) => (1, index),
+            Self::Triangle { slot, stop } => (2 + stop as u32, slot.0),
+            Self::Read { store, index } => (5 + store as u32, index),
+            Self::Write { store, index } => (8 + store as u32, index),
+            Self::Update { store, index } => (11 + store as u32, index),
+        };
+        debug_assert!(index <= Self::MAX_INDEX);
+        tag << INDEX_BITS | index
+    }
+
+    /// The step that `word` stands for; `None` if its tag is of no step.
+    pub fn unpack(word: u32) -> Option<Self> {
+        const STOPS: [Stop; 3] = [Stop::Plane, Stop::Edges, Stop::Hit];
+        const STORES: [Store; 3] = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
+        let index = word & Self::MAX_INDEX;
+        Some(match word >> INDEX_BITS {
+            0 => Self::Node(NodeId(index)),
+            1 => Self::List(ListId(index)),
+            tag @ 2..=4 => Self::Triangle { slot: TriangleSlot(index), stop: STOPS[tag as usize - 2] },
+            tag @ 5..=7 => Self::Read { store: STORES[tag as usize - 5], index },
+            tag @ 8..=10 => Self::Write { store: STORES[tag as usize - 8], index },
+            tag @ 11..=13 => Self::Update { store: STORES[tag as usize - 11], index },
+            _ => return None,
+        })
+    }
+
+    /// Whether a ray's path can hold the step.
+    pub fn is_traversal(self) -> bool {
+        matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })
+    }
+}
