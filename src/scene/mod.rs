@@ -4,6 +4,7 @@
 //! start from the same numbers.
 
 pub mod camera;
+pub mod render;
 
 use std::fmt;
 use std::path::PathBuf;
@@ -11,6 +12,7 @@ use std::path::PathBuf;
 use glam::{Vec2, Vec3};
 
 pub use camera::{Camera, PixelRay, Projection};
+pub use render::{Offset, Picture, RenderSpec, ShadowBits, ShadowRays};
 
 use crate::quantity::PrimitiveId;
 

@@ -1,0 +1,117 @@
+//! What a picture is and how it is to be made: shared words of the tracer and of the reference renderer, which share
+//! nothing else.
+
+use glam::Vec3;
+use serde::{Deserialize, Serialize};
+
+use super::{Frame, Scene};
+use crate::quantity::{PrimitiveId, Resolution};
+
+/// How pictures are traced.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct RenderSpec {
+    /// Rays in a row from the camera on, the primary ray included: 1 traces no secondary rays. GI09 uses 10.
+    #[serde(deserialize_with = "depth")]
+    pub depth: u32,
+    /// For which lights a hit asks for a shadow ray.
+    pub shadow_rays: ShadowRays,
+    /// How far from its surface a shadow or secondary ray starts, along the geometric normal.
+    pub offset: Offset,
+    /// Secondary rays whose weight in the picture is below this are not traced (Hall and Greenberg 1983).
+    #[serde(deserialize_with = "weight")]
+    pub min_weight: f32,
+}
+
+impl Default for RenderSpec {
+    fn default() -> Self {
+        Self { depth: 1, shadow_rays: ShadowRays::ViewerSide, offset: Offset::Relative(1e-5), min_weight: 1.0 / 256.0 }
+    }
+}
+
+fn depth<'de, D: serde::Deserializer<'de>>(from: D) -> Result<u32, D::Error> {
+    let depth = u32::deserialize(from)?;
+    if (1..=32).contains(&depth) {
+        Ok(depth)
+    } else {
+        Err(serde::de::Error::custom(format!("`depth` is {depth}: a whole number from 1 to 32 is allowed")))
+    }
+}
+
+fn weight<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
+    let weight = f32::deserialize(from)?;
+    if (0.0..=1.0).contains(&weight) {
+        Ok(weight)
+    } else {
+        Err(serde::de::Error::custom(format!("`min_weight` is {weight}: a number from 0 to 1 is allowed")))
+    }
+}
+
+/// For which lights a hit asks for a shadow ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ShadowRays {
+    /// Lights on the viewer's side of the surface: the others cannot light what is seen.
+    ViewerSide,
+    /// All lights.
+    Always,
+}
+
+/// How far from its surface a ray starts. A positive number.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Offset {
+    /// In world units.
+    Absolute(#[serde(deserialize_with = "length")] f64),
+    /// As a share of the diagonal of the static triangles' box (of all triangles' box if none is static).
+    Relative(#[serde(deserialize_with = "length")] f64),
+}
+
+fn length<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    let length = f64::deserialize(from)?;
+    if length > 0.0 && length.is_finite() {
+        Ok(length)
+    } else {
+        Err(serde::de::Error::custom(format!("an offset of {length}: a positive number is allowed")))
+    }
+}
+
+impl Offset {
+    /// The offset in world units; `frame` is the first of the experiment.
+    pub fn resolve(self, scene: &Scene, frame: &Frame) -> f64 {
+        match self {
+            Self::Absolute(length) => length,
+            Self::Relative(share) => {
+                let of = if scene.statics.is_empty() { &frame.dynamic } else { &scene.statics };
+                let corners = of.triangles.iter().flat_map(|triangle| triangle.v);
+                let (low, high) = corners.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), corner| {
+                    (low.min(corner), high.max(corner))
+                });
+                if of.is_empty() { share } else { share * (high - low).as_dvec3().length() }
+            }
+        }
+    }
+}
+
+/// Which shadow rays a pixel's primary hit asked for, and which found their light hidden: a bit a light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ShadowBits {
+    /// Lights asked about.
+    pub asked: u64,
+    /// Lights found hidden.
+    pub dark: u64,
+}
+
+/// A traced picture, pixel by pixel from the top left.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Picture {
+    /// Its size.
+    pub resolution: Resolution,
+    /// Linear colour.
+    pub rgb: Vec<Vec3>,
+    /// What the primary ray hit.
+    pub hits: Vec<Option<PrimitiveId>>,
+    /// The shadows of what it hit.
+    pub shadows: Vec<ShadowBits>,
+}
+
+/// The largest number of lights that a scene can have: [`ShadowBits`] has a bit for each.
+pub const MAX_LIGHTS: usize = 64;
