@@ -1,8 +1,11 @@
 //! umbrasim: a simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per
 //! primitive.
 
+pub mod accel;
+pub mod culling;
 pub mod quantity;
 pub mod ranged;
 pub mod scene;
 pub mod stats;
 pub mod stream;
+pub mod tracer;

@@ -1,0 +1,286 @@
+//! Acceleration structures: a static tree built once, a dynamic tree built every frame, both under one root.
+//!
+//! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own.
+
+pub mod build;
+pub mod ray;
+pub mod trail;
+pub mod tree;
+pub mod triangle;
+
+use glam::Vec2;
+use obvhs::BvhBuildParams;
+use serde::{Deserialize, Serialize};
+
+use self::build::{Base, Build, Item};
+pub use self::ray::Ray;
+pub use self::trail::{Observer, Silent, Trail};
+use self::tree::{Child, Forest, Node, Tree};
+use crate::quantity::{PrimitiveId, TriangleSlot};
+use crate::scene::{Frame, Scene};
+use crate::stream::{FrameInfo, Structure};
+
+/// Which structure is built, and how well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct AccelSpec {
+    /// The kind of tree.
+    pub structure: Structure,
+    /// How much work goes into the static tree.
+    pub statics: Quality,
+    /// How much work goes into the dynamic tree, each frame.
+    pub dynamic: Quality,
+}
+
+impl Default for AccelSpec {
+    fn default() -> Self {
+        Self { structure: Structure::Bvh2, statics: Quality::Medium, dynamic: Quality::Fast }
+    }
+}
+
+/// How well a tree is built: presets of obvhs without pre-splits, so that each triangle has one record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quality {
+    /// For trees that live one frame.
+    Fast,
+    /// A good tree.
+    Medium,
+    /// The best that obvhs builds.
+    Best,
+}
+
+impl Quality {
+    fn params(self) -> BvhBuildParams {
+        let preset = match self {
+            Self::Fast => BvhBuildParams::fast_build(),
+            Self::Medium => BvhBuildParams::medium_build(),
+            Self::Best => BvhBuildParams::very_slow_build(),
+        };
+        BvhBuildParams { pre_split: false, ..preset }
+    }
+}
+
+/// What a shadow ray is traced among.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// Everything, static triangles first.
+    All,
+    /// Dynamic triangles only.
+    Dynamic,
+}
+
+/// The nearest hit of a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hit {
+    /// What is hit.
+    pub primitive: PrimitiveId,
+    /// Distance in units of the ray's direction.
+    pub t: f32,
+    /// Barycentric coordinates of corners 1 and 2.
+    pub barycentric: Vec2,
+}
+
+/// The static part, made once for a scene.
+pub struct Accel {
+    spec: AccelSpec,
+    /// Whether there is a dynamic part to join.
+    joined: bool,
+    statics: Statics,
+    /// The slot of each static primitive.
+    slots: Vec<TriangleSlot>,
+}
+
+enum Statics {
+    Bvh2(Tree<2>),
+    CwBvh(Tree<8>),
+}
+
+impl Accel {
+    /// Builds the static tree.
+    pub fn new(scene: &Scene, spec: AccelSpec) -> Self {
+        let joined = scene.dynamic_count > 0;
+        let items: Vec<_> = scene
+            .statics
+            .triangles
+            .iter()
+            .enumerate()
+            .map(|(index, triangle)| Item { primitive: PrimitiveId(index as u32), triangle })
+            .collect();
+        let params = spec.statics.params();
+        let (statics, slots) = match spec.structure {
+            Structure::Bvh2 => {
+                let tree = static_tree(&items, params, joined);
+                let slots = slots(&tree.records, 0, items.len());
+                (Statics::Bvh2(tree), slots)
+            }
+            Structure::CwBvh => {
+                let tree = static_tree(&items, params, joined);
+                let slots = slots(&tree.records, 0, items.len());
+                (Statics::CwBvh(tree), slots)
+            }
+        };
+        Self { spec, joined, statics, slots }
+    }
+
+    /// Which structure it is.
+    pub fn structure(&self) -> Structure {
+        self.spec.structure
+    }
+
+    /// The number of nodes of the root and the static tree.
+    pub fn static_nodes(&self) -> u32 {
+        match &self.statics {
+            Statics::Bvh2(tree) => tree.nodes.len() as u32,
+            Statics::CwBvh(tree) => tree.nodes.len() as u32,
+        }
+    }
+
+    /// The number of static triangle records.
+    pub fn static_slots(&self) -> u32 {
+        self.slots.len() as u32
+    }
+
+    /// Builds the frame's dynamic tree and joins it with the static one.
+    pub fn frame<'a>(&'a self, scene: &'a Scene, frame: &'a Frame) -> World<'a> {
+        let first = scene.statics.len() as u32;
+        let items: Vec<_> = frame
+            .dynamic
+            .triangles
+            .iter()
+            .enumerate()
+            .filter(|&(index, _)| frame.visible[index])
+            .map(|(index, triangle)| Item { primitive: PrimitiveId(first + index as u32), triangle })
+            .collect();
+        let base = Base { node: self.static_nodes(), slot: self.static_slots() };
+        let params = self.spec.dynamic.params();
+        let (forest, nodes, dynamic_slots) = match &self.statics {
+            Statics::Bvh2(statics) => {
+                let forest = forest(statics, self.joined, &items, params, base);
+                let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
+                let nodes = forest.dynamic.nodes.len();
+                (Kind::Bvh2(forest), nodes, slots)
+            }
+            Statics::CwBvh(statics) => {
+                let forest = forest(statics, self.joined, &items, params, base);
+                let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
+                let nodes = forest.dynamic.nodes.len();
+                (Kind::CwBvh(forest), nodes, slots)
+            }
+        };
+        let info = FrameInfo {
+            number: frame.number,
+            dynamic_nodes: nodes as u32,
+            dynamic_slots: items.len() as u32,
+            dynamic_list_entries: 0,
+        };
+        World { forest, info, static_slots: &self.slots, dynamic_slots }
+    }
+}
+
+/// The static tree; with dynamic triangles to join, node 0 is kept free for the root.
+fn static_tree<const N: usize>(items: &[Item<'_>], params: BvhBuildParams, joined: bool) -> Tree<N>
+where
+    Tree<N>: Build,
+{
+    if items.is_empty() {
+        return Tree { nodes: vec![Node::default()], records: Vec::new() };
+    }
+    if !joined {
+        return Tree::build(items, params, Base::default());
+    }
+    let mut tree = Tree::build(items, params, Base { node: 1, slot: 0 });
+    tree.nodes.insert(0, Node::default());
+    tree
+}
+
+fn forest<'a, const N: usize>(
+    statics: &'a Tree<N>,
+    joined: bool,
+    items: &[Item<'_>],
+    params: BvhBuildParams,
+    base: Base,
+) -> Forest<'a, N>
+where
+    Tree<N>: Build,
+{
+    let dynamic = if items.is_empty() {
+        Tree { nodes: Vec::new(), records: Vec::new() }
+    } else {
+        Tree::build(items, params, base)
+    };
+    let mut root = statics.nodes[0];
+    if joined {
+        let trees = [(statics.nodes.get(1), 1), (dynamic.nodes.first(), base.node)];
+        for (at, (tree, index)) in trees.into_iter().enumerate() {
+            if let Some(tree) = tree {
+                let (low, high) = tree.bounds();
+                root.set(at, Child { index, count: 0 }, low, high);
+            }
+        }
+    }
+    Forest { root, joined, statics, dynamic }
+}
+
+/// The slot of each primitive from `first` on; what has no record (an invisible triangle) has a slot that is never
+/// asked for.
+fn slots(records: &[triangle::Record], first: u32, count: usize) -> Vec<TriangleSlot> {
+    let mut slots = vec![TriangleSlot(u32::MAX); count];
+    for (slot, record) in records.iter().enumerate() {
+        slots[(record.primitive.0 - first) as usize] = TriangleSlot(slot as u32);
+    }
+    slots
+}
+
+enum Kind<'a> {
+    Bvh2(Forest<'a, 2>),
+    CwBvh(Forest<'a, 8>),
+}
+
+/// Everything that rays can meet in one frame.
+pub struct World<'a> {
+    forest: Kind<'a>,
+    info: FrameInfo,
+    static_slots: &'a [TriangleSlot],
+    /// Slots of dynamic primitives, counted from the first dynamic slot.
+    dynamic_slots: Vec<TriangleSlot>,
+}
+
+impl World<'_> {
+    /// Sizes of the frame's dynamic part.
+    pub fn info(&self) -> FrameInfo {
+        self.info
+    }
+
+    /// The nearest hit; at equal distance the one on the lowest primitive.
+    pub fn closest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit> {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.closest(*ray, watch),
+            Kind::CwBvh(forest) => forest.closest(*ray, watch),
+        }
+    }
+
+    /// A triangle that blocks the ray; if it is dynamic, no static triangle blocks.
+    pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.occluded(ray, scope, watch),
+            Kind::CwBvh(forest) => forest.occluded(ray, scope, watch),
+        }
+    }
+
+    /// Tests one visible primitive's triangle: the distance of the hit, if there is one.
+    pub fn test(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> Option<f32> {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.test(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+        }
+    }
+
+    fn slot(&self, primitive: PrimitiveId) -> TriangleSlot {
+        let index = primitive.0 as usize;
+        match index.checked_sub(self.static_slots.len()) {
+            None => self.static_slots[index],
+            Some(index) => TriangleSlot(self.static_slots.len() as u32 + self.dynamic_slots[index].0),
+        }
+    }
+}

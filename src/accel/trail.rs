@@ -1,0 +1,68 @@
+//! What watches a traversal: a recorder, or nothing.
+
+use crate::quantity::{NodeId, TriangleSlot};
+use crate::stream::{Step, Stop, Store};
+
+/// Is told of every step of a traversal, in order.
+pub trait Observer {
+    /// A node was fetched and its children tested.
+    fn node(&mut self, node: NodeId);
+    /// A triangle was tested.
+    fn triangle(&mut self, slot: TriangleSlot, stop: Stop);
+}
+
+/// Watches nothing.
+pub struct Silent;
+
+impl Observer for Silent {
+    fn node(&mut self, _: NodeId) {}
+    fn triangle(&mut self, _: TriangleSlot, _: Stop) {}
+}
+
+/// Records the steps, and counts them apart: the counts must be equal to what the records say.
+#[derive(Clone, Debug, Default)]
+pub struct Trail {
+    /// Packed steps.
+    pub steps: Vec<u32>,
+    /// Nodes visited.
+    pub nodes: u64,
+    /// Triangles tested.
+    pub triangles: u64,
+    /// Entries of stores read.
+    pub reads: u64,
+    /// Entries of stores written, or read and written.
+    pub writes: u64,
+}
+
+impl Trail {
+    /// Forgets everything, keeps the memory.
+    pub fn clear(&mut self) {
+        let mut steps = std::mem::take(&mut self.steps);
+        steps.clear();
+        *self = Self { steps, ..Self::default() };
+    }
+
+    /// An entry of a store was read.
+    pub fn read(&mut self, store: Store, index: u32) {
+        self.reads += 1;
+        self.steps.push(Step::Read { store, index }.pack());
+    }
+
+    /// An entry of a store was read, changed and written.
+    pub fn update(&mut self, store: Store, index: u32) {
+        self.writes += 1;
+        self.steps.push(Step::Update { store, index }.pack());
+    }
+}
+
+impl Observer for Trail {
+    fn node(&mut self, node: NodeId) {
+        self.nodes += 1;
+        self.steps.push(Step::Node(node).pack());
+    }
+
+    fn triangle(&mut self, slot: TriangleSlot, stop: Stop) {
+        self.triangles += 1;
+        self.steps.push(Step::Triangle { slot, stop }.pack());
+    }
+}

@@ -1,0 +1,158 @@
+//! The 32-bit word of modes that each primitive keeps (GI09, "Required additional information" of the poster).
+//!
+//! Bits 1:0 hold the occlusion mode, then come two bits a light. Fifteen lights fit; the poster says "less than ten".
+//! Further lights take further words, sixteen a word.
+
+use crate::quantity::{LightId, PrimitiveId};
+
+/// Whether a primitive is fully seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Occlusion {
+    /// Nothing is known.
+    Init,
+    /// Part of it was hidden, or outside the picture.
+    PartiallyOccluded,
+    /// All of it was seen: its shadow bits can be trusted.
+    FullyRendered,
+    /// It can move: nothing is kept for it.
+    Dynamic,
+}
+
+/// What was seen of a light from a primitive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shadow {
+    /// Nothing yet.
+    Init,
+    /// Only shadow.
+    Full,
+    /// Only light.
+    Non,
+    /// Both.
+    Partial,
+}
+
+/// The bit of "a shadow was seen", before its shift to the light's place.
+pub const SEEN_DARK: u32 = 0b01;
+/// The bit of "the light was seen", before its shift to the light's place.
+pub const SEEN_LIT: u32 = 0b10;
+
+const OCCLUSION_BITS: u32 = 0b11;
+
+/// A primitive's first word.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ModeWord(pub u32);
+
+impl ModeWord {
+    /// The occlusion mode.
+    pub fn occlusion(self) -> Occlusion {
+        match self.0 & OCCLUSION_BITS {
+            0b00 => Occlusion::Init,
+            0b01 => Occlusion::PartiallyOccluded,
+            0b10 => Occlusion::FullyRendered,
+            _ => Occlusion::Dynamic,
+        }
+    }
+
+    /// The word with another occlusion mode.
+    pub fn with_occlusion(self, mode: Occlusion) -> Self {
+        let bits = match mode {
+            Occlusion::Init => 0b00,
+            Occlusion::PartiallyOccluded => 0b01,
+            Occlusion::FullyRendered => 0b10,
+            Occlusion::Dynamic => 0b11,
+        };
+        Self(self.0 & !OCCLUSION_BITS | bits)
+    }
+
+    /// The word with the occlusion mode only.
+    pub fn without_shadows(self) -> Self {
+        Self(self.0 & OCCLUSION_BITS)
+    }
+}
+
+/// Where the modes of a primitive lie, for a number of lights.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WordLayout {
+    words: u32,
+}
+
+/// The place of a light's two bits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ShadowPlace {
+    /// The word, counted over all primitives.
+    pub word: u32,
+    /// The lower bit.
+    pub shift: u32,
+}
+
+impl ShadowPlace {
+    /// The mode that `word` holds here.
+    pub fn mode(self, word: u32) -> Shadow {
+        match word >> self.shift & 0b11 {
+            0b00 => Shadow::Init,
+            SEEN_DARK => Shadow::Full,
+            SEEN_LIT => Shadow::Non,
+            _ => Shadow::Partial,
+        }
+    }
+}
+
+impl WordLayout {
+    /// The layout for `lights` lights.
+    pub fn new(lights: usize) -> Self {
+        Self { words: 1 + (lights.saturating_sub(15)).div_ceil(16) as u32 }
+    }
+
+    /// Words a primitive.
+    pub fn words_per_primitive(self) -> u32 {
+        self.words
+    }
+
+    /// The first word of a primitive: it holds the occlusion mode.
+    pub fn first(self, primitive: PrimitiveId) -> u32 {
+        primitive.0 * self.words
+    }
+
+    /// Where a light's modes are.
+    pub fn shadow(self, primitive: PrimitiveId, light: LightId) -> ShadowPlace {
+        let pair = u32::from(light.0) + 1;
+        ShadowPlace { word: self.first(primitive) + pair / 16, shift: 2 * (pair % 16) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fifteen_lights_fit_one_word() {
+        assert_eq!(WordLayout::new(0).words_per_primitive(), 1);
+        assert_eq!(WordLayout::new(15).words_per_primitive(), 1);
+        assert_eq!(WordLayout::new(16).words_per_primitive(), 2);
+        assert_eq!(WordLayout::new(31).words_per_primitive(), 2);
+        assert_eq!(WordLayout::new(32).words_per_primitive(), 3);
+    }
+
+    #[test]
+    fn no_two_modes_share_a_bit() {
+        for lights in [1, 15, 16, 40, 64] {
+            let layout = WordLayout::new(lights);
+            let mut used = std::collections::BTreeSet::from([(layout.first(PrimitiveId(3)), 0)]);
+            for light in 0..lights {
+                let place = layout.shadow(PrimitiveId(3), LightId(light as u8));
+                assert!(place.word < layout.first(PrimitiveId(4)));
+                assert!(used.insert((place.word, place.shift)), "{lights} lights, light {light}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_poster_s_example_holds() {
+        // "11 (PARTIAL_SHADOW) = 01 (FULL_SHADOW) | 10 (NON_SHADOW)"
+        let place = WordLayout::new(1).shadow(PrimitiveId(0), LightId(0));
+        let word = SEEN_DARK << place.shift;
+        assert_eq!(place.mode(word), Shadow::Full);
+        assert_eq!(place.mode(word | SEEN_LIT << place.shift), Shadow::Partial);
+        assert_eq!(ModeWord(word).with_occlusion(Occlusion::FullyRendered).0, 0b0110);
+    }
+}

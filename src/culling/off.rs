@@ -1,0 +1,20 @@
+//! No culling.
+
+use super::{Policy, Probe, SurfaceHit, Verdict, Worker};
+use crate::accel::Ray;
+use crate::quantity::LightId;
+
+/// Keeps nothing and traces every ray.
+pub struct Off;
+
+impl Policy for Off {
+    fn worker(&self) -> Box<dyn Worker + '_> {
+        Box::new(Off)
+    }
+}
+
+impl Worker for Off {
+    fn decide(&mut self, _: SurfaceHit, _: LightId, _: &Ray, _: &mut Probe<'_>) -> Verdict {
+        Verdict::Trace
+    }
+}

@@ -1,0 +1,145 @@
+//! The tracer: turns a frame into rays, once for all policies at the same time, and records what each policy leaves of
+//! them.
+//!
+//! Which rays there are depends on no policy: only which shadow rays are traced does. So every ray is traced once without
+//! culling, every policy's stream takes from it what that policy would have done, and the truth that culling is judged by
+//! is at hand for each shadow ray.
+
+mod band;
+mod lane;
+mod shade;
+mod whitted;
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use self::band::Band;
+pub use self::lane::{LaneFrame, WrongDecisions};
+use self::shade::Shader;
+use crate::accel::{Accel, AccelSpec, Trail};
+use crate::culling::{Needs, Policy};
+use crate::quantity::Resolution;
+use crate::scene::{Frame, RenderSpec, Scene};
+use crate::stream::Item;
+
+/// How frames become rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TracerSpec {
+    /// How pictures are traced.
+    pub render: RenderSpec,
+    /// What rays are traced in.
+    pub accel: AccelSpec,
+    /// The order of pixels in the stream.
+    pub order: PixelOrder,
+}
+
+/// The order of pixels in a stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PixelOrder {
+    /// Row by row from the top, as the published algorithm goes.
+    #[default]
+    Scanline,
+    /// Square tiles of eight pixels a side, row by row, and row by row inside.
+    Tiles,
+}
+
+/// Rows that are traced and recorded as one chunk. It bounds memory, and the work lost to the row above that is traced
+/// again for the reference pixels; as high as a tile.
+const BAND_ROWS: u32 = 8;
+
+/// Traces the frames of a scene.
+pub struct Tracer<'a> {
+    scene: &'a Scene,
+    spec: TracerSpec,
+    resolution: Resolution,
+    accel: Accel,
+    /// How far off their surface rays start, in world units.
+    offset: f64,
+}
+
+impl<'a> Tracer<'a> {
+    /// A tracer; `first` is the first frame of the experiment.
+    pub fn new(scene: &'a Scene, first: &Frame, resolution: Resolution, spec: TracerSpec) -> Self {
+        let accel = Accel::new(scene, spec.accel);
+        let offset = spec.render.offset.resolve(scene, first);
+        Self { scene, spec, resolution, accel, offset }
+    }
+
+    /// The static part of the acceleration structure.
+    pub fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// How far off their surface rays start, in world units.
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Traces a frame for `policies`, in the order of the animation, and hands each policy's stream to `sink` with the
+    /// policy's index. The streams come interleaved, each in its own order.
+    pub fn frame<E: Send>(
+        &self,
+        frame: &Frame,
+        policies: &mut [Box<dyn Policy>],
+        mut sink: impl FnMut(usize, Item) -> Result<(), E>,
+    ) -> Result<Vec<LaneFrame>, E> {
+        let world = self.accel.frame(self.scene, frame);
+        let shader = Shader::new(self.scene, frame, self.spec.render, self.offset as f32);
+        let needs = policies.iter().fold(Needs::default(), |all, policy| {
+            let needs = policy.needs();
+            Needs {
+                references: all.references || needs.references,
+                live: all.live || needs.live,
+                census: all.census || needs.census,
+            }
+        });
+        let band =
+            Band { world: &world, shader: &shader, frame, resolution: self.resolution, needs, order: self.spec.order };
+        let census = needs.census.then(|| self.census(&band));
+        for policy in policies.iter_mut() {
+            let census = if policy.needs().census { census.clone() } else { None };
+            policy.begin_frame(&frame.lights, census);
+        }
+        for lane in 0..policies.len() {
+            sink(lane, Item::Frame(world.info()))?;
+        }
+
+        let mut lanes: Vec<_> = policies.iter().map(|_| LaneFrame::new(self.scene, self.resolution)).collect();
+        let mut changes = vec![Vec::new(); policies.len()];
+        let band_rows = if needs.live { self.resolution.height } else { BAND_ROWS };
+        let rows: Vec<_> = (0..self.resolution.height)
+            .step_by(band_rows as usize)
+            .map(|start| start..(start + band_rows).min(self.resolution.height))
+            .collect();
+        // A few bands a thread at a time: memory stays bounded, and the sink sees them in order.
+        for batch in rows.chunks(4 * rayon::current_num_threads()) {
+            let traced: Vec<_> = batch.par_iter().map(|rows| band.trace(rows.clone(), policies)).collect();
+            for bands in traced {
+                for (lane, band) in bands.into_iter().enumerate() {
+                    changes[lane].extend(lanes[lane].take(band.record));
+                    sink(lane, Item::Rays(Arc::new(band.chunk)))?;
+                }
+            }
+        }
+        for (lane, policy) in policies.iter_mut().enumerate() {
+            let mut trail = Trail::default();
+            policy.end_frame(&changes[lane], &mut trail);
+            let totals = lanes[lane].end(&trail);
+            sink(lane, Item::End { policy: Arc::new(trail.steps), totals })?;
+        }
+        Ok(lanes)
+    }
+
+    /// How many pixels show each primitive.
+    fn census(&self, band: &Band<'_>) -> Vec<u32> {
+        let mut pixels = vec![0; self.scene.primitive_count()];
+        let rows: Vec<_> = (0..self.resolution.height).into_par_iter().map(|y| band.row(y)).collect();
+        for hit in rows.into_iter().flatten().flatten() {
+            pixels[hit.0 as usize] += 1;
+        }
+        pixels
+    }
+}

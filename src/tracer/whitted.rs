@@ -1,0 +1,115 @@
+//! Whitted's tree of rays under one pixel, traced once, recorded in every lane.
+
+use glam::Vec3;
+
+use super::lane::Lane;
+use super::shade::Shader;
+use crate::accel::{Hit, Ray, Scope, Trail, World};
+use crate::culling::{Evidence, Primary, Probe, SurfaceHit};
+use crate::quantity::{LightId, PixelId};
+use crate::stream::{Decision, Outcome, RayHead, RayKind};
+
+/// A traced primary or secondary ray, before it is recorded.
+pub(super) struct Traced<'a> {
+    pub kind: RayKind,
+    pub ray: &'a Ray,
+    pub hit: Option<Hit>,
+    pub path: &'a Trail,
+    /// The parent's place in the chunk.
+    pub parent: Option<usize>,
+    /// 1 for a primary ray.
+    pub depth: u32,
+    /// Weight in the picture.
+    pub weight: Vec3,
+}
+
+/// Traces pixel groups of a band.
+pub(super) struct Whitted<'a> {
+    pub world: &'a World<'a>,
+    pub shader: &'a Shader<'a>,
+    pub lanes: Vec<Lane<'a>>,
+    /// A shadow ray's path without culling.
+    pub full: Trail,
+    /// Its path among dynamic objects only.
+    pub dynamic: Trail,
+}
+
+impl Whitted<'_> {
+    /// Records a ray and all that follows from it; adds what it shows to each lane's colour.
+    pub fn follow(&mut self, pixel: PixelId, ray: &Traced<'_>, primary: Option<&Primary<'_>>, colors: &mut [Vec3]) {
+        let place = self.lanes.first().map_or(0, |lane| lane.chunk.len());
+        let head = RayHead {
+            kind: ray.kind,
+            light: LightId(0),
+            decision: Decision::Trace,
+            outcome: ray.hit.map_or(Outcome::Miss, |hit| Outcome::Hit(hit.primitive)),
+            pixel,
+            parent: ray.parent.map_or(0, |parent| (place - parent) as u32),
+        };
+        let Some(hit) = ray.hit else {
+            for (lane, color) in self.lanes.iter_mut().zip(colors) {
+                lane.push(head, ray.path);
+                *color += ray.weight * self.shader.background();
+            }
+            return;
+        };
+        let surface = self.shader.surface(ray.ray, &hit);
+        let shadow_rays: Vec<_> = self.shader.shadow_rays(&surface).collect();
+        let at = SurfaceHit { primitive: hit.primitive, depth: ray.depth };
+
+        // The policies decide on all lights before the first shadow ray leaves.
+        let mut verdicts = Vec::with_capacity(self.lanes.len() * shadow_rays.len());
+        for (lane, color) in self.lanes.iter_mut().zip(colors.iter_mut()) {
+            let mut probe = Probe::new(self.world, &mut lane.policy);
+            lane.worker.hit(at, primary, &mut probe);
+            verdicts.extend(shadow_rays.iter().map(|it| lane.worker.decide(at, it.light, &it.ray, &mut probe)));
+            lane.record.occlusion_tests += probe.occlusion_tests;
+            lane.push(head, ray.path);
+            *color += ray.weight * self.shader.ambient(&surface);
+        }
+
+        for (asked, shadow) in shadow_rays.iter().enumerate() {
+            self.full.clear();
+            let blocker = self.world.occluded(&shadow.ray, Scope::All, &mut self.full);
+            for (number, (lane, color)) in self.lanes.iter_mut().zip(colors.iter_mut()).enumerate() {
+                let verdict = verdicts[number * shadow_rays.len() + asked];
+                self.dynamic.clear();
+                let (found, path) = match verdict.scope() {
+                    Some(Scope::All) => (blocker, &self.full),
+                    Some(Scope::Dynamic) => {
+                        (self.world.occluded(&shadow.ray, Scope::Dynamic, &mut self.dynamic), &self.dynamic)
+                    }
+                    None => (None, &self.dynamic),
+                };
+                let dark = found.is_some() || verdict.scope().is_none();
+                let mut probe = Probe::new(self.world, &mut lane.policy);
+                lane.worker.learn(at, shadow.light, Evidence { verdict, blocker: found }, &mut probe);
+                let head = RayHead {
+                    kind: RayKind::Shadow,
+                    light: shadow.light,
+                    decision: verdict.decision(),
+                    outcome: if dark { Outcome::Dark } else { Outcome::Lit },
+                    pixel,
+                    parent: (lane.chunk.len() - place) as u32,
+                };
+                lane.push_shadow(head, path, blocker.is_some(), primary.is_some());
+                if !dark {
+                    *color += ray.weight * shadow.color;
+                }
+            }
+        }
+
+        if ray.depth < self.shader.spec.depth {
+            let secondary = self.shader.secondary_rays(&surface, ray.weight);
+            let kinds = [(RayKind::Reflection, secondary.reflection), (RayKind::Refraction, secondary.refraction)];
+            for (kind, leaving) in kinds {
+                let Some(leaving) = leaving else { continue };
+                let mut path = Trail::default();
+                let hit = self.world.closest(&leaving.ray, &mut path);
+                let (parent, depth) = (Some(place), ray.depth + 1);
+                let next = Traced { kind, ray: &leaving.ray, hit, path: &path, parent, depth, weight: leaving.weight };
+                self.follow(pixel, &next, None, colors);
+            }
+        }
+    }
+}
