@@ -3,6 +3,7 @@
 
 pub mod accel;
 pub mod culling;
+pub mod experiment;
 pub mod quantity;
 pub mod ranged;
 pub mod scene;

@@ -93,13 +93,35 @@ quantity! {
     PixelId(u32)
 }
 
-/// Width and height of a picture in pixels.
+/// Width and height of a picture in pixels, each from 1 to 8192.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(try_from = "Sides")]
 pub struct Resolution {
     /// Pixels in a row.
     pub width: u32,
     /// Rows.
     pub height: u32,
+}
+
+/// Both sides as a file has them.
+#[derive(Deserialize)]
+#[serde(rename = "Resolution", deny_unknown_fields)]
+struct Sides {
+    width: u32,
+    height: u32,
+}
+
+impl TryFrom<Sides> for Resolution {
+    type Error = String;
+
+    fn try_from(Sides { width, height }: Sides) -> Result<Self, String> {
+        let allowed = 1..=8192;
+        if allowed.contains(&width) && allowed.contains(&height) {
+            Ok(Self { width, height })
+        } else {
+            Err(format!("a resolution of {width}x{height}: each side can be from 1 to 8192"))
+        }
+    }
 }
 
 impl Resolution {
@@ -124,12 +146,8 @@ impl std::str::FromStr for Resolution {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let sides = text.split_once('x').and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-        match sides {
-            Some((width, height)) if (1..=8192).contains(&width) && (1..=8192).contains(&height) => {
-                Ok(Self { width, height })
-            }
-            _ => Err(format!("`{text}` is not a resolution; write WIDTHxHEIGHT, each from 1 to 8192, such as 512x512")),
-        }
+        let sides =
+            text.split_once('x').and_then(|(w, h)| Some(Sides { width: w.parse().ok()?, height: h.parse().ok()? }));
+        sides.ok_or_else(|| format!("`{text}` is not a resolution: write WIDTHxHEIGHT, such as 512x512"))?.try_into()
     }
 }

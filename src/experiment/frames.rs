@@ -1,0 +1,104 @@
+//! Which frames of an animation are traced, and which of these are also replayed, validated or drawn.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+
+/// Frames `first`, `first + step`, ... below `end`, written `FIRST..END:STEP`; `:STEP` may be left out for 1.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FrameRange {
+    first: u32,
+    end: u32,
+    step: u32,
+}
+
+impl FrameRange {
+    /// The frames' numbers; at least one.
+    pub fn numbers(self) -> Vec<u32> {
+        (self.first..self.end).step_by(self.step as usize).collect()
+    }
+
+    /// The number after the last that there may be.
+    pub fn end(self) -> u32 {
+        self.end
+    }
+}
+
+impl FromStr for FrameRange {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parse = || {
+            let (range, step) = text.split_once(':').unwrap_or((text, "1"));
+            let (first, end) = range.split_once("..")?;
+            Some((first.parse().ok()?, end.parse().ok()?, step.parse().ok()?))
+        };
+        match parse() {
+            Some((first, end, step)) if first < end && step > 0 => Ok(Self { first, end, step }),
+            _ => Err(format!(
+                "`{text}` is no range of frames: write FIRST..END:STEP, such as 0..800:16, with FIRST below END; END is \
+                 not included, and :STEP may be left out for 1"
+            )),
+        }
+    }
+}
+
+impl fmt::Display for FrameRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}:{}", self.first, self.end, self.step)
+    }
+}
+
+impl Serialize for FrameRange {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_str(self)
+    }
+}
+
+impl<'de> Deserialize<'de> for FrameRange {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        String::deserialize(from)?.parse().map_err(D::Error::custom)
+    }
+}
+
+/// A choice among the traced frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FrameChoice {
+    /// All of them.
+    All,
+    /// The first, and each one that follows so many after the one before: `Every(5)` takes one in five.
+    Every(std::num::NonZeroU32),
+    /// None.
+    Never,
+}
+
+impl FrameChoice {
+    /// Whether the traced frame number `index`, counted from 0, is chosen.
+    pub fn takes(self, index: usize) -> bool {
+        match self {
+            Self::All => true,
+            Self::Every(step) => index.is_multiple_of(step.get() as usize),
+            Self::Never => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_range_gives_its_frames() {
+        assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().len(), 50);
+        assert_eq!("3..6".parse::<FrameRange>().unwrap().numbers(), [3, 4, 5]);
+        assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().last(), Some(&784));
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for text in ["", "5", "5..5", "6..5", "0..9:0", "0-9", "a..b", "0..9:x", "-1..4", "0..4:1:1"] {
+            assert!(text.parse::<FrameRange>().is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,124 @@
+//! Reads RON files, and says where and what is wrong in them.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use ron::error::SpannedError;
+use ron::extensions::Extensions;
+use serde::de::DeserializeOwned;
+
+/// Why a config cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file cannot be read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The file is not what it should be, at one place.
+    #[error("{0}")]
+    At(Box<Place>),
+    /// The file's parts don't fit together.
+    #[error("{}: {what}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// What doesn't fit, and what would.
+        what: String,
+    },
+}
+
+/// A place in a config, and what is wrong there.
+#[derive(Debug)]
+pub struct Place {
+    path: PathBuf,
+    line: usize,
+    column: usize,
+    source_line: String,
+    what: String,
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { path, line, column, source_line, what } = self;
+        let number = line.to_string();
+        let margin = " ".repeat(number.len());
+        writeln!(f, "{}:{line}:{column}: {what}", path.display())?;
+        writeln!(f, " {margin} |")?;
+        writeln!(f, " {number} | {source_line}")?;
+        write!(f, " {margin} | {}^", " ".repeat(column.saturating_sub(1)))
+    }
+}
+
+/// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
+pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
+    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.into(), source })?;
+    parse(&text, path)
+}
+
+/// Reads `text`, which came from `path`, as RON.
+pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
+    let options =
+        ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
+    options.from_str(text).map_err(|error| ConfigError::At(Box::new(place(text, path, &error))))
+}
+
+fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
+    let start = error.span.start;
+    Place {
+        path: path.into(),
+        line: start.line,
+        column: start.col,
+        source_line: text.lines().nth(start.line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
+        what: error.code.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde::Deserialize;
+
+    use super::*;
+    use crate::ranged::Within;
+
+    #[derive(Debug, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    #[allow(dead_code, reason = "only its errors are looked at")]
+    struct Cache {
+        ways: Within<1, 64>,
+        name: Option<String>,
+    }
+
+    fn message(text: &str) -> String {
+        parse::<Cache>(text, Path::new("x.ron")).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_typo_is_shown_with_its_line_and_what_is_allowed() {
+        insta::assert_snapshot!(message("(\n    ways: 4,\n    nmae: \"L1\",\n)"), @r#"
+        x.ron:3:5: Unexpected field named `nmae` in `Cache`, expected either `ways` or `name` instead
+           |
+         3 |     nmae: "L1",
+           |     ^
+        "#);
+    }
+
+    #[test]
+    fn a_number_out_of_range_is_shown_with_its_line_and_what_is_allowed() {
+        insta::assert_snapshot!(message("(\n    ways: 65,\n)"), @r"
+        x.ron:2:11: 65 is not allowed here: a whole number from 1 to 64 is
+           |
+         2 |     ways: 65,
+           |           ^
+        ");
+    }
+
+    #[test]
+    fn options_need_no_some() {
+        let cache: Cache = parse("(ways: 4, name: \"L1\")", Path::new("x.ron")).unwrap();
+        assert_eq!(cache.name.as_deref(), Some("L1"));
+    }
+}
