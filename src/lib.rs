@@ -3,6 +3,8 @@
 
 pub mod quantity;
 pub mod ranged;
+pub mod reference;
 pub mod scene;
 pub mod stats;
 pub mod stream;
+pub mod validate;
