@@ -3,8 +3,13 @@
 //! All positions are world space in `f32`, rounded once from `f64`, so that the tracer and the `f64` reference renderer
 //! start from the same numbers.
 
+pub mod aff;
 pub mod camera;
+pub mod file;
+pub mod keyframes;
 pub mod render;
+pub mod tessellate;
+pub mod texture;
 
 use std::fmt;
 use std::path::PathBuf;

@@ -1,0 +1,202 @@
+//! Gathers what the files of an AFF scene define, and makes the [`Scene`] of it.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use rustc_hash::FxHashMap;
+
+use super::animation::{AffAnimation, Lamp, Moving, Node, Pose, ROOT, Shape, Times, Transform, View};
+use crate::scene::keyframes::Motion;
+use crate::scene::{Attributes, Geometry, Material, MaterialId, Scene, Texture, TextureId, texture};
+
+/// The largest distance from the origin: squares of areas still fit in `f32`.
+pub const MAX_REACH: f64 = 1e9;
+/// The largest number of triangles; the BART scenes have up to 111,000.
+pub const MAX_TRIANGLES: usize = 1 << 24;
+
+/// Where shapes go: a node, and static transforms under it.
+#[derive(Clone, Copy, Debug)]
+pub struct Space {
+    /// The animated transform.
+    pub node: usize,
+    /// The static transforms.
+    pub place: DAffine3,
+}
+
+/// A triangle as a file gives it.
+#[derive(Clone, Debug)]
+pub struct Face {
+    /// Its pose, or its poses.
+    pub shape: Shape,
+    /// Its texture coordinates.
+    pub uv: [Vec2; 3],
+}
+
+/// The scene so far.
+#[derive(Debug)]
+pub struct Builder {
+    folder: PathBuf,
+    statics: Geometry,
+    moving: Vec<Moving>,
+    nodes: Vec<Node>,
+    materials: Vec<Material>,
+    material_ids: FxHashMap<([u32; 12], Option<TextureId>), MaterialId>,
+    textures: Vec<Texture>,
+    texture_ids: BTreeMap<String, TextureId>,
+    /// The keyframes by name.
+    pub motions: BTreeMap<String, Motion>,
+    /// The lights.
+    pub lamps: Vec<Lamp>,
+    /// The camera.
+    pub view: Option<View>,
+    /// When the frames are.
+    pub times: Times,
+    /// Colour of rays that hit nothing.
+    pub background: Vec3,
+    /// Ambient light.
+    pub ambient: Vec3,
+}
+
+impl Builder {
+    /// An empty scene, whose files are in `folder`.
+    pub fn new(folder: PathBuf) -> Self {
+        Self {
+            folder,
+            statics: Geometry::default(),
+            moving: Vec::new(),
+            nodes: vec![Node { parent: ROOT, place: DAffine3::IDENTITY, name: String::new() }],
+            materials: Vec::new(),
+            material_ids: FxHashMap::default(),
+            textures: Vec::new(),
+            texture_ids: BTreeMap::new(),
+            motions: BTreeMap::new(),
+            lamps: Vec::new(),
+            view: None,
+            times: Times { start: 0.0, end: 0.0, frames: 1 },
+            background: Vec3::ZERO,
+            ambient: Vec3::ONE,
+        }
+    }
+
+    /// The folder that file names start from.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// Opens an animated transform in `space`.
+    pub fn animate(&mut self, space: Space, name: String) -> Space {
+        self.nodes.push(Node { parent: space.node, place: space.place, name });
+        Space { node: self.nodes.len() - 1, place: DAffine3::IDENTITY }
+    }
+
+    /// The number of `material`, the same for equal ones.
+    pub fn material(&mut self, material: Material) -> MaterialId {
+        let Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture } = material;
+        let [[a, b, c], [d, e, f], [g, h, i]] = [ambient, diffuse, specular].map(|color| color.to_array());
+        let numbers = [a, b, c, d, e, f, g, h, i, shininess, transmittance, index_of_refraction].map(f32::to_bits);
+        *self.material_ids.entry((numbers, texture)).or_insert_with(|| {
+            self.materials.push(material);
+            MaterialId(self.materials.len() as u32 - 1)
+        })
+    }
+
+    /// The number of the texture in file `name`, which is in the scene's folder or in `../textures`.
+    ///
+    /// BART's texture coordinates are OpenGL's for a picture loaded as it is: v = 0 is the file's first row. The
+    /// kitchen's garden (sky at the top of the file, v = 0 at the top of the wall) and the robot's `signracer.ppm`
+    /// (upside down in the file, v = 0 at the bottom of the sign) agree on that. [`Texture`] has v = 1 at its first
+    /// row, so rows change places here.
+    pub fn texture(&mut self, name: &str) -> Result<TextureId, String> {
+        if let Some(&id) = self.texture_ids.get(name) {
+            return Ok(id);
+        }
+        let beside = self.folder.join(name);
+        let path = if beside.exists() { beside } else { self.folder.join("../textures").join(name) };
+        let mut texture = texture::read_ppm(&path).map_err(|error| format!("texture `{name}`: {}", chain(&error)))?;
+        let rows: Vec<_> = texture.rgb.chunks(texture.width as usize).rev().collect();
+        texture.rgb = rows.concat();
+        self.textures.push(texture);
+        let id = TextureId(self.textures.len() as u32 - 1);
+        self.texture_ids.insert(name.into(), id);
+        Ok(id)
+    }
+
+    /// Adds triangles to `space`. The error says which limit they break.
+    pub fn add(&mut self, space: Space, material: MaterialId, faces: Vec<Face>) -> Result<(), String> {
+        if self.statics.len() + self.moving.len() + faces.len() > MAX_TRIANGLES {
+            return Err(format!("too many triangles: at most {MAX_TRIANGLES} are allowed"));
+        }
+        let place = Transform::new(space.place);
+        for Face { shape, uv } in faces {
+            match shape {
+                Shape::Rigid(pose) if space.node == ROOT => {
+                    let world = pose.transformed(&place);
+                    if let Some(corner) = world.v.iter().find(|corner| !near(**corner)) {
+                        return Err(format!(
+                            "a corner is at {corner}: at most {MAX_REACH:e} from the origin is allowed"
+                        ));
+                    }
+                    let (triangle, normals) = world.rounded();
+                    self.statics.push(triangle, Attributes { normals, uv, material });
+                }
+                shape => {
+                    let within = |pose: &Pose| pose.transformed(&place);
+                    let shape = match shape {
+                        Shape::Rigid(pose) => Shape::Rigid(within(&pose)),
+                        Shape::Morph(keys) => {
+                            Shape::Morph(keys.iter().map(|(time, pose)| (*time, within(pose))).collect())
+                        }
+                    };
+                    self.moving.push(Moving { node: space.node, shape, uv, material });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The scene. The error says what is missing, or what goes too far.
+    pub fn finish(self, name: String) -> Result<Scene, String> {
+        let view = self.view.ok_or("no camera: the command `v` is needed")?;
+        let motion = |name: &str| self.motions.get(name).cloned().unwrap_or_default();
+        let still = |lamp: &Lamp| lamp.name.as_deref().map(motion).unwrap_or_default();
+        // A light is a point: its keyframes can move it, and nothing else.
+        let lamp_motion = |lamp: &Lamp| Motion { translation: still(lamp).translation, ..Motion::default() };
+        let animation = AffAnimation {
+            nodes: self.nodes.into_iter().map(|node| (node.clone(), motion(&node.name))).collect(),
+            moving: self.moving,
+            lamps: self.lamps.into_iter().map(|lamp| (lamp.clone(), lamp_motion(&lamp))).collect(),
+            view,
+            camera: motion("camera"),
+            times: self.times,
+        };
+        let reach = animation.reach();
+        if reach.is_nan() || reach > MAX_REACH {
+            return Err(format!(
+                "keyframes may move something to {reach:e} from the origin: at most {MAX_REACH:e} is allowed"
+            ));
+        }
+        Ok(Scene {
+            name,
+            statics: self.statics,
+            dynamic_count: animation.moving.len(),
+            light_count: animation.lamps.len(),
+            frame_count: animation.times.frames,
+            materials: self.materials,
+            textures: self.textures,
+            background: self.background,
+            ambient: self.ambient,
+            animation: Box::new(animation),
+        })
+    }
+}
+
+fn near(point: DVec3) -> bool {
+    point.length() <= MAX_REACH
+}
+
+/// An error with its causes, on one line.
+pub fn chain(error: &dyn std::error::Error) -> String {
+    std::iter::successors(error.source(), |cause| cause.source())
+        .fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
+}

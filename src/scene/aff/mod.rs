@@ -1,0 +1,36 @@
+//! Scenes in AFF, the Animated File Format of the BART benchmark for animated ray tracing.
+//!
+//! Sources: Lext, Assarsson and Möller, "A benchmark for animated ray tracing", IEEE Computer Graphics and
+//! Applications 21(2), 2001, with its description of AFF; and Haines's NFF, which AFF extends. All commands are read.
+//! What the description leaves open is settled so:
+//! - A triangle can move if it is inside an `x` block, keyframes or not, or if it is a `tpa`. All else is static.
+//! - Names of files start from the first file's folder; textures may also be in `../textures` beside it.
+//! - A file closes the blocks that it opens, and no others.
+//! - `hither` is read and has no effect: rays have no near plane. Nor has `resolution`, which an experiment sets.
+//! - Lights are in world space wherever they stand in a file. Keyframes of an `la` add their translation.
+//! - Shapes before the first `f` or `fm` have [`Material::default`](super::Material).
+//! - Spheres and cones become triangles as [`tessellate`](super::tessellate) says.
+
+mod animation;
+mod builder;
+mod lexer;
+mod parser;
+mod shapes;
+
+use std::path::Path;
+
+use super::{Scene, SceneError, file};
+use parser::{Parser, WORLD};
+
+/// Reads the scene whose first file is at `path`. It is named by the file's stem in lower case.
+///
+/// # Errors
+/// [`SceneError::Read`] if the file cannot be read, [`SceneError::Syntax`] with file and line for anything wrong in it
+/// or in the files it names, [`SceneError::Content`] for a scene without camera or one that moves without bounds.
+pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    let bytes = file::read(path).map_err(|source| SceneError::Read { path: path.into(), source })?;
+    let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).into());
+    parser.parse(path, &bytes, WORLD)?;
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
+    parser.builder.finish(name).map_err(|what| SceneError::Content { path: path.into(), what })
+}
