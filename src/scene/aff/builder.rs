@@ -39,7 +39,8 @@ pub struct Builder {
     folder: PathBuf,
     statics: Geometry,
     moving: Vec<Moving>,
-    nodes: Vec<Node>,
+    /// The animated transforms, the root first.
+    pub nodes: Vec<Node>,
     materials: Vec<Material>,
     material_ids: FxHashMap<([u32; 12], Option<TextureId>), MaterialId>,
     textures: Vec<Texture>,
