@@ -55,6 +55,18 @@ fn camera_speed(scene: &Scene, frames: std::ops::Range<u32>) -> (f64, f64) {
     )
 }
 
+/// To the last digit of the numbers as measured.
+fn assert_speed(found: (f64, f64), expected: (f64, f64)) {
+    let same = |found: f64, expected: f64| (found / expected - 1.0).abs() < 0.025;
+    assert!(same(found.0, expected.0) && same(found.1, expected.1), "{found:?} is not {expected:?}");
+}
+
+/// The box of all that can move, over the whole run.
+fn dynamic_bounds(scene: &Scene) -> (Vec3, Vec3) {
+    let boxes = (0..scene.frame_count).map(|number| bounds(&scene.animation.frame(number).dynamic.triangles));
+    boxes.fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)))
+}
+
 #[test]
 fn kitchen_is_as_measured() {
     let Some(scene) = load("kitchen/aff/kitchen.aff") else { return };
@@ -67,18 +79,14 @@ fn kitchen_is_as_measured() {
     assert_eq!(scene.textures.len(), 8);
     assert_near(bounds(&scene.statics.triangles), ([-2.0, -1.1, -3.75], [6.0, 2.9, 4.33]), 0.005);
     assert_eq!(transmitting(&scene, &scene.statics) + transmitting(&scene, &first.dynamic), 19_128);
-    println!("zero areas {} {}", zero_areas(&scene.statics), zero_areas(&first.dynamic));
-    println!("speed {:?} {:?}", camera_speed(&scene, 1..61), camera_speed(&scene, 0..800));
-    let mut car = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for number in 0..800 {
-        let frame = scene.animation.frame(number);
-        let (low, high) = bounds(&frame.dynamic.triangles);
-        car = (car.0.min(low), car.1.max(high));
-    }
-    println!("car {car:?}");
-    for number in [60, 119, 120, 121] {
-        println!("{number} moved {}", moved(&first.dynamic, &scene.animation.frame(number).dynamic));
-    }
+    assert_eq!(zero_areas(&scene.statics) + zero_areas(&first.dynamic), 41);
+    assert_speed(camera_speed(&scene, 1..61), (0.020, 0.77));
+    assert_speed(camera_speed(&scene, 0..800), (0.018, 1.19));
+    let car = dynamic_bounds(&scene);
+    assert_near(car, ([1.20, 0.0, 0.13], [4.58, 0.14, 3.72]), 0.006);
+    // The toy car waits until 3.0 s: the time of frame 120 is the first after it.
+    assert_eq!(moved(&first.dynamic, &scene.animation.frame(119).dynamic), 0);
+    assert_eq!(moved(&first.dynamic, &scene.animation.frame(120).dynamic), 7_218);
 }
 
 #[test]
@@ -87,21 +95,26 @@ fn robot_is_as_measured() {
     let first = scene.animation.frame(0);
     assert_eq!(scene.name, "robot");
     assert_eq!((scene.primitive_count(), scene.dynamic_count), (71_708, 62_490));
-    println!("lights {} frames {}", scene.light_count, scene.frame_count);
-    println!("static {:?}", bounds(&scene.statics.triangles));
-    println!("trans {} {}", transmitting(&scene, &scene.statics), transmitting(&scene, &first.dynamic));
-    println!("zero areas {} {}", zero_areas(&scene.statics), zero_areas(&first.dynamic));
-    println!("speed {:?} {:?}", camera_speed(&scene, 1..61), camera_speed(&scene, 0..800));
-    let start = std::time::Instant::now();
-    let mut all = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    for number in 0..800 {
-        let frame = scene.animation.frame(number);
-        let (low, high) = bounds(&frame.dynamic.triangles);
-        all = (all.0.min(low), all.1.max(high));
+    assert_eq!((scene.light_count, first.lights.len(), scene.frame_count), (1, 1, 800));
+    assert_eq!((scene.background, scene.ambient), (Vec3::ZERO, Vec3::ONE));
+    assert_near(bounds(&scene.statics.triangles), ([-164.1, 0.0, -435.4], [164.1, 535.4, 250.1]), 0.05);
+    assert_eq!(transmitting(&scene, &scene.statics) + transmitting(&scene, &first.dynamic), 1_516);
+    assert_eq!(zero_areas(&scene.statics) + zero_areas(&first.dynamic), 128);
+    assert_speed(camera_speed(&scene, 1..61), (0.059, 0.079));
+    assert_speed(camera_speed(&scene, 0..800), (0.68, 0.763));
+    assert_near(dynamic_bounds(&scene), ([-58.8, -0.65, -239.8], [58.8, 11.5, 158.9]), 0.05);
+    for (number, count) in [(0, 62_490), (100, 62_490), (300, 62_490), (600, 62_490), (700, 43_572), (790, 6_927)] {
+        let [before, after] = [number, number + 1].map(|number| scene.animation.frame(number).dynamic);
+        assert_eq!(moved(&before, &after), count, "frame {number}");
     }
-    println!("all {all:?} {:?}", start.elapsed() / 800);
-    for number in [0, 100, 300, 500, 600, 700, 790] {
-        let [a, b] = [number, number + 1].map(|n| scene.animation.frame(n));
-        println!("{number} moved {}", moved(&a.dynamic, &b.dynamic));
-    }
+}
+
+#[test]
+fn frames_are_the_same_on_any_number_of_threads() {
+    let Some(scene) = load("robot/aff/Robot.aff") else { return };
+    let frame = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| scene.animation.frame(400)).dynamic
+    };
+    assert_eq!(frame(1), frame(3));
 }

@@ -459,7 +459,7 @@ mod tests {
     fn quaternions_that_are_too_long_stay_rotations() {
         // The longest axis of the BART robot is 1.077 units; |w| passes 1 in between.
         let keys = [0.0, 1.0, 2.0, 3.0].map(|t| {
-            let half = (10.0 - t) * 1e-3;
+            let half: f64 = (10.0 - t) * 1e-3;
             let v = DVec3::Y * 1.077 * half.sin();
             key(t, DQuat::from_xyzw(v.x, v.y, v.z, 1.00007 * half.cos()))
         });

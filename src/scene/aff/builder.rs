@@ -39,7 +39,8 @@ pub struct Builder {
     folder: PathBuf,
     statics: Geometry,
     moving: Vec<Moving>,
-    nodes: Vec<Node>,
+    /// The animated transforms, the root first.
+    pub nodes: Vec<Node>,
     materials: Vec<Material>,
     material_ids: FxHashMap<([u32; 12], Option<TextureId>), MaterialId>,
     textures: Vec<Texture>,
@@ -105,7 +106,8 @@ impl Builder {
     ///
     /// BART's texture coordinates are OpenGL's for a picture loaded as it is: v = 0 is the file's first row. The
     /// kitchen's garden (sky at the top of the file, v = 0 at the top of the wall) and the robot's `signracer.ppm`
-    /// (upside down in the file, v = 0 at the bottom of the sign) agree on that. [`Texture`] has v = 1 at its first
+    /// (upside down in the file, v = 0 at the bottom of the sign) agree on that; of the toy car, only the licence plate
+    /// comes out upside down. [`Texture`] has v = 1 at its first
     /// row, so rows change places here.
     pub fn texture(&mut self, name: &str) -> Result<TextureId, String> {
         if let Some(&id) = self.texture_ids.get(name) {

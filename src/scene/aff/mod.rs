@@ -34,3 +34,30 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let name = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
     parser.builder.finish(name).map_err(|what| SceneError::Content { path: path.into(), what })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bart_scenes_have_their_animated_transforms() {
+        // How many there are, under how many names, how deep they nest.
+        for (file, count, names, depth) in [("kitchen/aff/kitchen.aff", 7, 5, 3), ("robot/aff/Robot.aff", 190, 190, 8)]
+        {
+            let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes/bart")).join(file);
+            let Ok(bytes) = file::read(&path) else {
+                println!("skipped: {} is absent", path.display());
+                continue;
+            };
+            let mut parser = Parser::new(path.parent().unwrap().into());
+            parser.parse(&path, &bytes, WORLD).unwrap();
+            let nodes = &parser.builder.nodes;
+            let mut depths = vec![0];
+            for node in &nodes[1..] {
+                depths.push(depths[node.parent] + 1);
+            }
+            let distinct: std::collections::BTreeSet<_> = nodes[1..].iter().map(|node| &node.name).collect();
+            assert_eq!((nodes.len() - 1, distinct.len(), depths.iter().max()), (count, names, Some(&depth)), "{file}");
+        }
+    }
+}

@@ -14,7 +14,7 @@ use crate::scene::{Material, SceneError, file};
 
 /// How deep files may include one another; the BART scenes go 4 deep.
 pub const MAX_INCLUDE_DEPTH: usize = 32;
-/// How many includes a scene may have in all; the BART scenes have some 1,000.
+/// How many includes a scene may have in all; the BART robot has 835.
 pub const MAX_INCLUDES: usize = 1 << 16;
 /// What the start of a command may be.
 const COMMANDS: &str =
