@@ -143,7 +143,7 @@ fn steps(words: &Words, tags: u8) -> Vec<u32> {
     let counts = [7, 5, 11, 11, 11, 10, 10, 30, 10, 10, 30, 10, 10, 30];
     let word = |&(tag, index): &(u8, u32)| {
         let tag = tag % tags;
-        u32::from(tag) << 28 | index % counts[usize::from(tag)]
+        (u32::from(tag) << 28) | (index % counts[usize::from(tag)])
     };
     words.iter().map(word).collect()
 }
