@@ -16,6 +16,21 @@ pub enum RayKind {
     Refraction,
 }
 
+impl RayKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::Primary, Self::Shadow, Self::Reflection, Self::Refraction];
+
+    /// The kind's name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Reflection => "reflection",
+            Self::Refraction => "refraction",
+        }
+    }
+}
+
 /// What the culling policy decided for a shadow ray; other rays are always traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Decision {
@@ -25,6 +40,11 @@ pub enum Decision {
     DynamicOnly,
     /// The answer is known: trace nothing.
     Skip,
+}
+
+impl Decision {
+    /// All decisions.
+    pub const ALL: [Self; 3] = [Self::Trace, Self::DynamicOnly, Self::Skip];
 }
 
 /// A ray's result.
@@ -106,7 +126,8 @@ impl<'a> Ray<'a> {
 }
 
 fn unpacked(steps: &[u32]) -> impl ExactSizeIterator<Item = Step> + use<'_> {
-    // Chunks are only made by `push`, which takes packed steps that the caller made with `Step::pack` or checked.
+    // Chunks come from `push`, which takes packed steps that the caller made with `Step::pack`, or from a file, where a
+    // `Checker` sees them first.
     steps.iter().map(|&word| Step::unpack(word).expect("a chunk holds valid steps only"))
 }
 
@@ -119,6 +140,20 @@ impl Chunk {
         let path_end = self.steps.len() as u32;
         self.steps.extend_from_slice(policy);
         self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
+    }
+
+    /// A chunk of the rays `heads`, each with the numbers of its path's and its policy's steps, which `steps` holds one
+    /// ray after another; `None` if they are not that many in all. The steps themselves are not looked at: until a
+    /// `Checker` has done so, they must not be unpacked.
+    pub(super) fn from_columns(heads: &[(RayHead, [u32; 2])], steps: Vec<u32>) -> Option<Self> {
+        let mut end = 0u32;
+        let mut entries = Vec::with_capacity(heads.len());
+        for &(head, [path, policy]) in heads {
+            let path_end = end.checked_add(path)?;
+            end = path_end.checked_add(policy)?;
+            entries.push(Entry { head, path_end, end });
+        }
+        (end as usize == steps.len()).then_some(Self { entries, steps })
     }
 
     /// The number of rays.
@@ -134,6 +169,16 @@ impl Chunk {
     /// The number of steps of all rays.
     pub fn steps(&self) -> usize {
         self.steps.len()
+    }
+
+    /// The packed steps of all rays: of each the path's, then the policy's.
+    pub(super) fn packed_steps(&self) -> &[u32] {
+        &self.steps
+    }
+
+    /// Ray `index` without its steps.
+    pub fn head(&self, index: usize) -> RayHead {
+        self.entries[index].head
     }
 
     /// Ray `index`.

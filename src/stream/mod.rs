@@ -5,13 +5,28 @@
 //! A ray holds the path of its traversal and, apart, what the policy did on its account; it holds ids, not addresses:
 //! the replay lays out memory.
 
+pub mod check;
 pub mod chunk;
+mod columns;
+mod error;
+pub mod format;
+pub mod inspect;
+pub mod reader;
 pub mod step;
+pub mod writer;
+
+#[cfg(test)]
+mod tests;
 
 use serde::{Deserialize, Serialize};
 
+pub use check::{Checker, Violation};
 pub use chunk::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
+pub use error::{Fault, Place, StreamError};
+pub use format::FrameEntry;
+pub use reader::StreamReader;
 pub use step::{Step, Stop, Store};
+pub use writer::StreamWriter;
 
 use crate::quantity::Resolution;
 

@@ -1,0 +1,114 @@
+//! The payload of a RAYS block: a chunk of rays, column by column.
+//!
+//! ```text
+//!   0   4  rays (n)
+//!   4   4  steps of all rays (s)
+//!   8   n  class: bits 1:0 kind, bits 3:2 decision, bits 5:4 outcome, bits 7:6 zero
+//!       n  light
+//!      4n  primitive of a hit; 0 for other outcomes
+//!      4n  pixel
+//!      4n  parent
+//!      4n  steps of the path
+//!      4n  steps of the policy
+//!      4s  packed steps: of each ray the path's, then the policy's
+//! ```
+//!
+//! A column of 4-byte numbers is stored as four planes: the lowest byte of every number, then the next bytes. Planes of
+//! high bytes hardly change from ray to ray, so that LZ4, which knows no smaller unit than a match of 4 bytes, packs
+//! them to almost nothing. Steps are stored as they are: whole runs of them repeat from ray to ray.
+
+use super::error::Fault;
+use super::format::{field, put_words, words};
+use super::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
+use crate::quantity::{LightId, PixelId, PrimitiveId};
+
+/// Bytes before the columns.
+const COUNTS_BYTES: usize = 8;
+/// Bytes of a ray without its steps: two columns of a byte, five of 4 bytes.
+const RAY_BYTES: usize = 2 + 5 * 4;
+
+fn payload_len(rays: usize, steps: usize) -> usize {
+    COUNTS_BYTES + RAY_BYTES * rays + 4 * steps
+}
+
+/// Length of the payload of `chunk` in bytes.
+pub fn chunk_len(chunk: &Chunk) -> usize {
+    payload_len(chunk.len(), chunk.steps())
+}
+
+/// Appends the payload of `chunk`.
+pub fn put_chunk(chunk: &Chunk, out: &mut Vec<u8>) {
+    put_words(&[chunk.len() as u32, chunk.steps() as u32], out);
+    out.extend(chunk.rays().map(|ray| class(&ray.head)));
+    out.extend(chunk.rays().map(|ray| ray.head.light.0));
+    put_planes(chunk, out, |ray| match ray.head.outcome {
+        Outcome::Hit(primitive) => primitive.0,
+        Outcome::Miss | Outcome::Lit | Outcome::Dark => 0,
+    });
+    put_planes(chunk, out, |ray| ray.head.pixel.0);
+    put_planes(chunk, out, |ray| ray.head.parent);
+    put_planes(chunk, out, |ray| ray.packed_path().len() as u32);
+    put_planes(chunk, out, |ray| ray.packed_policy().len() as u32);
+    put_words(chunk.packed_steps(), out);
+}
+
+fn put_planes(chunk: &Chunk, out: &mut Vec<u8>, value: impl Fn(Ray<'_>) -> u32) {
+    let (start, rays) = (out.len(), chunk.len());
+    out.resize(start + 4 * rays, 0);
+    for (index, ray) in chunk.rays().enumerate() {
+        for (plane, byte) in value(ray).to_le_bytes().into_iter().enumerate() {
+            out[start + plane * rays + index] = byte;
+        }
+    }
+}
+
+fn class(head: &RayHead) -> u8 {
+    let outcome = match head.outcome {
+        Outcome::Miss => 0,
+        Outcome::Hit(_) => 1,
+        Outcome::Lit => 2,
+        Outcome::Dark => 3,
+    };
+    head.kind as u8 | (head.decision as u8) << 2 | outcome << 4
+}
+
+/// Reads a payload. Its numbers add up; what they mean is not yet checked, not even whether every step is one: the
+/// chunk must not leave the module before a [`super::Checker`] has seen it.
+pub fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
+    if payload.len() < COUNTS_BYTES {
+        return Err(Fault::Length { found: payload.len(), expected: COUNTS_BYTES });
+    }
+    let [rays, steps] = [0, 4].map(|at| u32::from_le_bytes(field(payload, at)) as usize);
+    if payload.len() != payload_len(rays, steps) {
+        return Err(Fault::Length { found: payload.len(), expected: payload_len(rays, steps) });
+    }
+    let (columns, packed) = payload[COUNTS_BYTES..].split_at(RAY_BYTES * rays);
+    let (classes, columns) = columns.split_at(rays);
+    let (lights, columns) = columns.split_at(rays);
+    let number = |column: usize, ray: usize| {
+        let byte = |plane: usize| columns[(4 * column + plane) * rays + ray];
+        u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)])
+    };
+    let mut heads = Vec::with_capacity(rays);
+    for (ray, (&class, &light)) in classes.iter().zip(lights).enumerate() {
+        let primitive = number(0, ray);
+        let (kind, decision, outcome) = unclass(class, primitive).ok_or(Fault::Class { ray, class, primitive })?;
+        let (pixel, parent) = (PixelId(number(1, ray)), number(2, ray));
+        let head = RayHead { kind, light: LightId(light), decision, outcome, pixel, parent };
+        heads.push((head, [number(3, ray), number(4, ray)]));
+    }
+    Chunk::from_columns(&heads, words(packed)).ok_or(Fault::Steps { steps })
+}
+
+fn unclass(class: u8, primitive: u32) -> Option<(RayKind, Decision, Outcome)> {
+    let kind = RayKind::ALL[usize::from(class & 3)];
+    let decision = *Decision::ALL.get(usize::from(class >> 2 & 3))?;
+    let outcome = match (class >> 4, primitive) {
+        (0, 0) => Outcome::Miss,
+        (1, _) => Outcome::Hit(PrimitiveId(primitive)),
+        (2, 0) => Outcome::Lit,
+        (3, 0) => Outcome::Dark,
+        _ => return None,
+    };
+    Some((kind, decision, outcome))
+}
