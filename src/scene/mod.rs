@@ -3,8 +3,16 @@
 //! All positions are world space in `f32`, rounded once from `f64`, so that the tracer and the `f64` reference renderer
 //! start from the same numbers.
 
+pub mod aff;
+pub mod builtin;
 pub mod camera;
+mod fields;
+pub mod obj;
+pub mod parts;
+pub mod path;
 pub mod render;
+pub mod spec;
+pub mod texture;
 
 use std::fmt;
 use std::path::PathBuf;
