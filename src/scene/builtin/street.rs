@@ -257,7 +257,7 @@ fn lamps(shapes: &mut Shapes, palette: &mut Palette, length: f64) -> [(Vec3, Vec
 /// A bus shelter of glass at the right of the road.
 fn shelter(shapes: &mut Shapes, palette: &mut Palette) {
     let (iron, glass, wood) = (palette.glossy(0.3, 0.32, 0.34), palette.glass(), palette.matt(0.5, 0.33, 0.18));
-    shapes.place(dvec3(ROAD + 2.3, 0.12, -PLOT * 1.35), -90.0).paint(iron);
+    shapes.place(dvec3(FRONT - 0.1, 0.12, -PLOT * 1.35), -90.0).paint(iron);
     for (x, z) in [(-1.5, 0.0), (1.5, 0.0), (-1.5, 1.1), (1.5, 1.1)] {
         shapes.column(dvec3(x, 0.0, z), [0.035, 0.035], 2.3, 10);
     }
@@ -281,7 +281,7 @@ fn walker(palette: &mut Palette, index: u64, length: f64) -> Vec<Part> {
     let side = if index.is_multiple_of(2) { -1.0 } else { 1.0 };
     // One direction on each pavement, and some who walk the other way.
     let heading = if random(3) < 0.3 { -side } else { side };
-    let x = side * (ROAD + 1.1 + 1.6 * random(4));
+    let x = side * (ROAD + 1.3 + random(4));
     let start = length * (0.3 * random(5) + 0.381_966 * index as f64).fract();
     let pace = WALK * (0.85 + 0.3 * random(6));
     let base = move |frame: u32| {
