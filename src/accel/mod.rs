@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
-pub use self::trail::{Observer, Silent, Trail};
+pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{PrimitiveId, TriangleSlot};
 use crate::scene::{Frame, Scene};
@@ -34,7 +34,7 @@ pub struct AccelSpec {
 
 impl Default for AccelSpec {
     fn default() -> Self {
-        Self { structure: Structure::Bvh2, statics: Quality::Medium, dynamic: Quality::Fast }
+        Self { structure: Structure::Bvh2, statics: Quality::Best, dynamic: Quality::Fast }
     }
 }
 

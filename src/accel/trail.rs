@@ -34,7 +34,45 @@ pub struct Trail {
     pub writes: u64,
 }
 
+/// A recorded path, or a part of one.
+#[derive(Clone, Copy, Debug)]
+pub struct Path<'a> {
+    /// Packed steps.
+    pub steps: &'a [u32],
+    /// Nodes visited.
+    pub nodes: u64,
+    /// Triangles tested.
+    pub triangles: u64,
+}
+
+/// How far a [`Trail`] had come.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Mark {
+    steps: usize,
+    nodes: u64,
+    triangles: u64,
+}
+
 impl Trail {
+    /// How far the trail has come.
+    pub fn mark(&self) -> Mark {
+        Mark { steps: self.steps.len(), nodes: self.nodes, triangles: self.triangles }
+    }
+
+    /// The part between two marks.
+    pub fn between(&self, start: Mark, end: Mark) -> Path<'_> {
+        Path {
+            steps: &self.steps[start.steps..end.steps],
+            nodes: end.nodes - start.nodes,
+            triangles: end.triangles - start.triangles,
+        }
+    }
+
+    /// All of it.
+    pub fn path(&self) -> Path<'_> {
+        self.between(Mark::default(), self.mark())
+    }
+
     /// Forgets everything, keeps the memory.
     pub fn clear(&mut self) {
         let mut steps = std::mem::take(&mut self.steps);

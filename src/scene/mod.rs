@@ -4,10 +4,16 @@
 //! start from the same numbers.
 
 pub mod aff;
+pub mod builtin;
 pub mod camera;
+mod fields;
 pub mod file;
 pub mod keyframes;
+pub mod obj;
+pub mod parts;
+pub mod path;
 pub mod render;
+pub mod spec;
 pub mod tessellate;
 pub mod texture;
 

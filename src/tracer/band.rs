@@ -8,7 +8,7 @@ use super::lane::{BandRecord, Lane};
 use super::shade::Shader;
 use super::whitted::{Traced, Whitted};
 use super::{BAND_ROWS, PixelOrder};
-use crate::accel::{Hit, Ray, Silent, Trail, World};
+use crate::accel::{Hit, Mark, Ray, Silent, Trail, World};
 use crate::culling::{Needs, Policy, Primary, Reference};
 use crate::quantity::{PrimitiveId, Resolution};
 use crate::scene::Frame;
@@ -33,7 +33,9 @@ pub(super) struct BandLane {
 struct PrimaryRay {
     ray: Ray,
     hit: Option<Hit>,
-    path: Trail,
+    /// Its part of the band's trail of primary rays.
+    start: Mark,
+    end: Mark,
 }
 
 impl Band<'_> {
@@ -51,13 +53,14 @@ impl Band<'_> {
     /// Traces the pixels of `rows` for all policies.
     pub fn trace(&self, rows: Range<u32>, policies: &[Box<dyn Policy>]) -> Vec<BandLane> {
         let width = self.resolution.width;
+        let mut trail = Trail::default();
         let primaries: Vec<_> = rows
             .clone()
             .flat_map(|y| (0..width).map(move |x| (x, y)))
             .map(|(x, y)| {
-                let (ray, mut path) = (self.ray(x, y), Trail::default());
-                let hit = self.world.closest(&ray, &mut path);
-                PrimaryRay { ray, hit, path }
+                let (ray, start) = (self.ray(x, y), trail.mark());
+                let hit = self.world.closest(&ray, &mut trail);
+                PrimaryRay { ray, hit, start, end: trail.mark() }
             })
             .collect();
         let above = (self.needs.references && rows.start > 0).then(|| self.row(rows.start - 1));
@@ -89,10 +92,10 @@ impl Band<'_> {
             } else {
                 [None; 4]
             };
-            let PrimaryRay { ray, hit, path } = primary(x, y);
+            let &PrimaryRay { ref ray, hit, start, end } = primary(x, y);
+            let path = trail.between(start, end);
             let border = x == 0 || y == 0 || x + 1 == width || y + 1 == self.resolution.height;
-            let traced =
-                Traced { kind: RayKind::Primary, ray, hit: *hit, path, parent: None, depth: 1, weight: Vec3::ONE };
+            let traced = Traced { kind: RayKind::Primary, ray, hit, path, parent: None, depth: 1, weight: Vec3::ONE };
             colors.fill(Vec3::ZERO);
             let pixel = self.resolution.pixel(x, y);
             whitted.follow(pixel, &traced, Some(&Primary { ray, border, references: &references }), &mut colors);

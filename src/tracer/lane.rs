@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::Trail;
+use crate::accel::{Path, Trail};
 use crate::culling::{Change, Worker};
 use crate::quantity::{LightId, PixelId, PrimitiveId, Resolution};
 use crate::scene::{Picture, Scene, ShadowBits};
@@ -114,7 +114,7 @@ impl<'a> Lane<'a> {
     }
 
     /// Records a primary or secondary ray, with what the policy has done since the last record.
-    pub fn push(&mut self, head: RayHead, path: &Trail) {
+    pub fn push(&mut self, head: RayHead, path: Path<'_>) {
         let totals = &mut self.record.totals;
         match head.kind {
             RayKind::Primary => totals.primary_rays += 1,
@@ -126,7 +126,7 @@ impl<'a> Lane<'a> {
     }
 
     /// Records a shadow ray, with what the policy has done since the last record.
-    pub fn push_shadow(&mut self, head: RayHead, path: &Trail, truth_dark: bool, primary: bool) {
+    pub fn push_shadow(&mut self, head: RayHead, path: Path<'_>, truth_dark: bool, primary: bool) {
         let totals = &mut self.record.totals;
         totals.shadow_rays += 1;
         match head.decision {
@@ -150,9 +150,9 @@ impl<'a> Lane<'a> {
         self.finish_ray(head, path);
     }
 
-    fn finish_ray(&mut self, head: RayHead, path: &Trail) {
+    fn finish_ray(&mut self, head: RayHead, path: Path<'_>) {
         count_policy(&mut self.record.totals, &self.policy);
-        self.chunk.push(head, &path.steps, &self.policy.steps);
+        self.chunk.push(head, path.steps, &self.policy.steps);
         self.policy.clear();
     }
 

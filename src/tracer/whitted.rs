@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::lane::Lane;
 use super::shade::Shader;
-use crate::accel::{Hit, Ray, Scope, Trail, World};
+use crate::accel::{Hit, Path, Ray, Scope, Trail, World};
 use crate::culling::{Evidence, Primary, Probe, SurfaceHit};
 use crate::quantity::{LightId, PixelId};
 use crate::stream::{Decision, Outcome, RayHead, RayKind};
@@ -14,7 +14,7 @@ pub(super) struct Traced<'a> {
     pub kind: RayKind,
     pub ray: &'a Ray,
     pub hit: Option<Hit>,
-    pub path: &'a Trail,
+    pub path: Path<'a>,
     /// The parent's place in the chunk.
     pub parent: Option<usize>,
     /// 1 for a primary ray.
@@ -75,11 +75,11 @@ impl Whitted<'_> {
                 let verdict = verdicts[number * shadow_rays.len() + asked];
                 self.dynamic.clear();
                 let (found, path) = match verdict.scope() {
-                    Some(Scope::All) => (blocker, &self.full),
+                    Some(Scope::All) => (blocker, self.full.path()),
                     Some(Scope::Dynamic) => {
-                        (self.world.occluded(&shadow.ray, Scope::Dynamic, &mut self.dynamic), &self.dynamic)
+                        (self.world.occluded(&shadow.ray, Scope::Dynamic, &mut self.dynamic), self.dynamic.path())
                     }
-                    None => (None, &self.dynamic),
+                    None => (None, self.dynamic.path()),
                 };
                 let dark = found.is_some() || verdict.scope().is_none();
                 let mut probe = Probe::new(self.world, &mut lane.policy);
@@ -107,7 +107,8 @@ impl Whitted<'_> {
                 let mut path = Trail::default();
                 let hit = self.world.closest(&leaving.ray, &mut path);
                 let (parent, depth) = (Some(place), ray.depth + 1);
-                let next = Traced { kind, ray: &leaving.ray, hit, path: &path, parent, depth, weight: leaving.weight };
+                let next =
+                    Traced { kind, ray: &leaving.ray, hit, path: path.path(), parent, depth, weight: leaving.weight };
                 self.follow(pixel, &next, None, colors);
             }
         }

@@ -5,8 +5,8 @@ pub mod rules;
 use rustc_hash::{FxHashMap, FxHashSet};
 
 use self::rules::{
-    Border, Directions, EvidenceRule, Highest, LightMoves, OccludedFull, Partial, PublishedRules, References,
-    ResetCheck, ResetModes, Secondary, Words,
+    Border, Directions, DynamicTests, EvidenceRule, Highest, LightMoves, OccludedFull, Partial, PublishedRules,
+    References, ResetCheck, ResetModes, Secondary, Words,
 };
 use super::mode_word::{ModeWord, Occlusion, SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
 use super::{Change, Evidence, Needs, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
@@ -237,10 +237,12 @@ impl Worker for PublishedWorker<'_> {
             if reference.primitive == hit.primitive {
                 continue;
             }
-            if !self.is_dynamic(reference.primitive) && probe.occlusion_test(primary.ray, reference.primitive) {
+            let facts = self.policy.facts;
+            let tested = |primitive| rules.dynamic_tests == DynamicTests::Made || !facts.is_dynamic(primitive);
+            if tested(reference.primitive) && probe.occlusion_test(primary.ray, reference.primitive) {
                 self.see_occluded(reference.primitive, probe);
             }
-            let backwards = rules.directions == Directions::BothWays && !self.is_dynamic(hit.primitive);
+            let backwards = rules.directions == Directions::BothWays && tested(hit.primitive);
             if backwards && probe.occlusion_test(&reference.ray, hit.primitive) {
                 self.see_occluded(hit.primitive, probe);
             }

@@ -47,6 +47,8 @@ answers! {
     references: References,
     /// Which rays are tested in a comparison.
     directions: Directions,
+    /// Whether dynamic primitives are tested, whose mode no test changes.
+    dynamic_tests: DynamicTests,
     /// Whether the picture's edge occludes.
     border: Border,
     /// How many times the highest number of rendered pixels takes FULLY_RENDERED away.
@@ -81,6 +83,7 @@ impl Preset {
                 occluded_full: OccludedFull::StaysFull,
                 references: References::LeftAndUpper,
                 directions: Directions::OneWay,
+                dynamic_tests: DynamicTests::Made,
                 border: Border::Occludes,
                 reset_ratio: ResetRatio(4.0),
                 reset_check: ResetCheck::FrameEnd,
@@ -187,6 +190,13 @@ choices! {
         OneWay,
         /// And the reference's ray against the current pixel's primitive.
         BothWays,
+    }
+    /// Whether dynamic primitives are tested.
+    DynamicTests {
+        /// Whenever primitives differ, as the text says.
+        Made,
+        /// A primitive whose mode is DYNAMIC is not tested.
+        Spared,
     }
     /// Whether the picture's edge occludes.
     Border {

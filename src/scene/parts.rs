@@ -1,0 +1,54 @@
+//! An animation of rigid parts: geometry that is carried about whole, with its own motion.
+
+use glam::DAffine3;
+
+use super::{Animation, Camera, Frame, Geometry, Light, Triangle};
+
+/// Where a part is at a frame: from its own space to the world.
+pub type Pose = Box<dyn Fn(u32) -> DAffine3 + Send + Sync>;
+
+/// Geometry that moves as one.
+pub struct Part {
+    /// The triangles in the part's own space.
+    pub geometry: Geometry,
+    /// Where it is.
+    pub pose: Pose,
+}
+
+/// Parts, a camera, and lights that stand still.
+pub struct Parts {
+    /// What moves.
+    pub parts: Vec<Part>,
+    /// The lights.
+    pub lights: Vec<Light>,
+    /// The camera at a frame.
+    pub camera: Box<dyn Fn(u32) -> Camera + Send + Sync>,
+}
+
+impl Parts {
+    /// The number of triangles of all parts.
+    pub fn triangle_count(&self) -> usize {
+        self.parts.iter().map(|part| part.geometry.len()).sum()
+    }
+}
+
+impl Animation for Parts {
+    fn frame(&self, number: u32) -> Frame {
+        let mut dynamic = Geometry::default();
+        for part in &self.parts {
+            append(&mut dynamic, &part.geometry, &(part.pose)(number));
+        }
+        let visible = vec![true; dynamic.len()];
+        Frame { number, camera: (self.camera)(number), lights: self.lights.clone(), dynamic, visible }
+    }
+}
+
+/// Adds `part`, placed by `pose`, to `whole`. Computed in `f64` and rounded once.
+fn append(whole: &mut Geometry, part: &Geometry, pose: &DAffine3) {
+    let upright = pose.matrix3.inverse().transpose();
+    for (triangle, attributes) in part.triangles.iter().zip(&part.attributes) {
+        let mut placed = *attributes;
+        placed.normals = attributes.normals.map(|n| n.map(|n| (upright * n.as_dvec3()).normalize_or_zero().as_vec3()));
+        whole.push(Triangle { v: triangle.v.map(|v| pose.transform_point3(v.as_dvec3()).as_vec3()) }, placed);
+    }
+}

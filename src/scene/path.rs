@@ -1,0 +1,327 @@
+//! Paths over frames as RON gives them: where a camera stands and looks, and where an object is, at key frames.
+//!
+//! Between the keys runs a cubic of Catmull-Rom type: it meets every key exactly, and its slope at a key is that of the
+//! line from the key before to the key after (Catmull and Rom 1974, with uneven distances of keys in time). Before the
+//! first key and after the last all stands still.
+
+use std::ops::{Add, Mul, Sub};
+
+use glam::{DAffine3, DQuat, DVec3};
+use serde::{Deserialize, Deserializer, Serialize, de::Error};
+
+use super::{Camera, fields};
+
+/// A quantity given at increasing key frames.
+#[derive(Clone, Debug)]
+pub struct Track<T> {
+    keys: Vec<(u32, T)>,
+}
+
+impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Track<T> {
+    /// A track through `keys`; the error says which key is wrong. At least one key, frames strictly increasing.
+    pub fn new(keys: Vec<(u32, T)>) -> Result<Self, String> {
+        check_frames(keys.iter().map(|key| key.0))?;
+        Ok(Self { keys })
+    }
+
+    /// The value at `frame`.
+    pub fn at(&self, frame: u32) -> T {
+        let after = self.keys.partition_point(|key| key.0 <= frame);
+        if after == 0 || after == self.keys.len() {
+            return self.keys[after.saturating_sub(1)].1;
+        }
+        let ((start, from), (end, to)) = (self.keys[after - 1], self.keys[after]);
+        let length = f64::from(end - start);
+        let u = f64::from(frame - start) / length;
+        let (leave, arrive) = (self.slope(after - 1) * length, self.slope(after) * length);
+        let chord = to - from;
+        from + (leave + (chord * 3.0 - leave * 2.0 - arrive + (leave + arrive - chord * 2.0) * u) * u) * u
+    }
+
+    /// The change a frame at a key.
+    fn slope(&self, key: usize) -> T {
+        let (before, after) = (self.keys[key.saturating_sub(1)], self.keys[(key + 1).min(self.keys.len() - 1)]);
+        (after.1 - before.1) * f64::from(after.0 - before.0).recip()
+    }
+}
+
+/// Keys are there, and their frames increase.
+fn check_frames(frames: impl Iterator<Item = u32> + Clone) -> Result<(), String> {
+    if frames.clone().next().is_none() {
+        return Err("no key frame is given: at least one is needed".into());
+    }
+    match frames.clone().zip(frames.skip(1)).find(|(frame, next)| next <= frame) {
+        Some((frame, next)) => {
+            Err(format!("the key at frame {next} follows that at frame {frame}: frames must increase"))
+        }
+        None => Ok(()),
+    }
+}
+
+/// How wide a camera sees.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum FieldOfView {
+    /// From the bottom to the top of the picture, in degrees.
+    Vertical(#[serde(deserialize_with = "fields::angle_of_view")] f64),
+    /// From the left to the right of a picture of the given shape. A picture of another shape keeps the height of what
+    /// is seen, as pixels are square.
+    Horizontal {
+        /// The angle in degrees.
+        #[serde(deserialize_with = "fields::angle_of_view")]
+        degrees: f64,
+        /// The picture's width over its height.
+        #[serde(deserialize_with = "fields::positive")]
+        aspect: f64,
+    },
+}
+
+impl FieldOfView {
+    /// The vertical field of view in radians.
+    pub fn vertical(self) -> f64 {
+        match self {
+            Self::Vertical(degrees) => degrees.to_radians(),
+            Self::Horizontal { degrees, aspect } => 2.0 * ((0.5 * degrees.to_radians()).tan() / aspect).atan(),
+        }
+    }
+}
+
+/// Where a camera looks.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Look {
+    /// At a point.
+    At(
+        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::finite")] f64,
+    ),
+    /// In a direction; its length does not matter.
+    Along(
+        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::finite")] f64,
+    ),
+}
+
+impl Look {
+    /// The point looked at from `eye`; one unit away if a direction is given.
+    fn target(self, eye: DVec3) -> DVec3 {
+        match self {
+            Self::At(x, y, z) => DVec3::new(x, y, z),
+            Self::Along(x, y, z) => eye + DVec3::new(x, y, z).normalize_or_zero(),
+        }
+    }
+}
+
+/// A camera's key frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraKey {
+    /// The frame.
+    pub frame: u32,
+    /// Where the camera stands.
+    #[serde(deserialize_with = "fields::point")]
+    pub eye: DVec3,
+    /// Where it looks.
+    pub look: Look,
+}
+
+/// A camera that stands still or moves.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum CameraPath {
+    /// The same in every frame.
+    Still {
+        /// Where the camera stands.
+        #[serde(deserialize_with = "fields::point")]
+        eye: DVec3,
+        /// Where it looks.
+        look: Look,
+    },
+    /// Through key frames, at least one, in the order of their frames.
+    Keys(#[serde(deserialize_with = "camera_keys")] Vec<CameraKey>),
+}
+
+fn camera_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<CameraKey>, D::Error> {
+    let keys = Vec::<CameraKey>::deserialize(from)?;
+    check_frames(keys.iter().map(|key| key.frame)).map_err(D::Error::custom)?;
+    Ok(keys)
+}
+
+/// A camera as RON gives it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct CameraSpec {
+    /// How wide it sees.
+    pub fov: FieldOfView,
+    /// What is upwards in the picture.
+    #[serde(default = "y_axis", deserialize_with = "fields::nonzero")]
+    pub up: DVec3,
+    /// Where it is.
+    pub path: CameraPath,
+}
+
+fn y_axis() -> DVec3 {
+    DVec3::Y
+}
+
+/// The cameras of an animation.
+#[derive(Clone, Debug)]
+pub struct CameraTrack {
+    eye: Track<DVec3>,
+    target: Track<DVec3>,
+    up: DVec3,
+    fov: f64,
+}
+
+impl CameraTrack {
+    /// The track of `spec` over `frame_count` frames; the error names a frame at which the camera looks nowhere, or
+    /// along its upward vector.
+    pub fn new(spec: &CameraSpec, frame_count: u32) -> Result<Self, String> {
+        let keys = match &spec.path {
+            CameraPath::Still { eye, look } => vec![CameraKey { frame: 0, eye: *eye, look: *look }],
+            CameraPath::Keys(keys) => keys.clone(),
+        };
+        let track = Self {
+            eye: Track::new(keys.iter().map(|key| (key.frame, key.eye)).collect())?,
+            target: Track::new(keys.iter().map(|key| (key.frame, key.look.target(key.eye))).collect())?,
+            up: spec.up,
+            fov: spec.fov.vertical(),
+        };
+        let broken = (0..frame_count).find(|frame| !track.at(*frame).up.is_finite());
+        match broken {
+            Some(frame) => {
+                Err(format!("at frame {frame} the camera looks nowhere, or straight along its upward vector"))
+            }
+            None => Ok(track),
+        }
+    }
+
+    /// The camera at `frame`.
+    pub fn at(&self, frame: u32) -> Camera {
+        let eye = self.eye.at(frame);
+        Camera::perspective(eye, self.target.at(frame) - eye, self.up, self.fov)
+    }
+}
+
+/// A moving object's key frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PoseKey {
+    /// The frame.
+    pub frame: u32,
+    /// Where the object's origin is.
+    #[serde(deserialize_with = "fields::point")]
+    pub position: DVec3,
+    /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a turn.
+    #[serde(default, deserialize_with = "fields::finite")]
+    pub rotation: f64,
+    /// How much larger it is than its shape. The curve between two keys can overshoot them.
+    #[serde(default = "unscaled", deserialize_with = "fields::positive")]
+    pub scale: f64,
+}
+
+fn unscaled() -> f64 {
+    1.0
+}
+
+/// Reads the keys of a moving object: at least one, in the order of their frames.
+pub fn pose_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PoseKey>, D::Error> {
+    let keys = Vec::<PoseKey>::deserialize(from)?;
+    check_frames(keys.iter().map(|key| key.frame)).map_err(D::Error::custom)?;
+    Ok(keys)
+}
+
+/// Where a moving object is.
+#[derive(Clone, Debug)]
+pub struct PoseTrack {
+    position: Track<DVec3>,
+    rotation: Track<f64>,
+    scale: Track<f64>,
+}
+
+impl PoseTrack {
+    /// The track through `keys`; the error says which key is wrong.
+    pub fn new(keys: &[PoseKey]) -> Result<Self, String> {
+        Ok(Self {
+            position: Track::new(keys.iter().map(|key| (key.frame, key.position)).collect())?,
+            rotation: Track::new(keys.iter().map(|key| (key.frame, key.rotation.to_radians())).collect())?,
+            scale: Track::new(keys.iter().map(|key| (key.frame, key.scale)).collect())?,
+        })
+    }
+
+    /// From the object's own space to the world at `frame`.
+    pub fn at(&self, frame: u32) -> DAffine3 {
+        DAffine3::from_scale_rotation_translation(
+            DVec3::splat(self.scale.at(frame)),
+            DQuat::from_rotation_y(self.rotation.at(frame)),
+            self.position.at(frame),
+        )
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_track_meets_its_keys_and_is_still_outside_them() {
+        let keys = vec![(3, 1.0), (5, 4.0), (12, -2.0), (13, 0.1)];
+        let track = Track::new(keys.clone()).unwrap();
+        for (frame, value) in keys {
+            assert_eq!(track.at(frame), value);
+        }
+        assert_eq!(track.at(0), 1.0);
+        assert_eq!(track.at(99), 0.1);
+    }
+
+    #[test]
+    fn a_straight_even_track_stays_straight() {
+        let track = Track::new(vec![(0, 0.0), (10, 10.0), (30, 30.0), (31, 31.0)]).unwrap();
+        for frame in 0..=31 {
+            assert!((track.at(frame) - f64::from(frame)).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_speed_does_not_jump_at_a_key() {
+        // Frames are whole, so the keys lie far apart and the speeds on both sides are differences of one frame.
+        let track = Track::new(vec![(0, 0.0), (100_000, 3.0), (250_000, -1.0), (400_000, 2.0)]).unwrap();
+        for key in [100_000, 250_000] {
+            let (before, after) = (track.at(key) - track.at(key - 1), track.at(key + 1) - track.at(key));
+            assert!((before - after).abs() < 1e-3 * before.abs(), "{before} {after}");
+        }
+    }
+
+    #[test]
+    fn bad_keys_are_refused_while_the_text_is_read() {
+        let parse = |keys: &str| ron::from_str::<CameraPath>(&format!("Keys([{keys}])")).map_err(|e| e.to_string());
+        assert!(parse("(frame: 0, eye: (0, 0, 0), look: At(0, 0, 1))").is_ok());
+        assert!(parse("").unwrap_err().contains("at least one is needed"));
+        let twice = "(frame: 4, eye: (0, 0, 0), look: At(0, 0, 1)), (frame: 4, eye: (0, 0, 0), look: At(0, 0, 1))";
+        assert!(parse(twice).unwrap_err().contains("frames must increase"));
+        assert!(parse("(frame: 0, eye: (0, NaN, 0), look: At(0, 0, 1))").unwrap_err().contains("finite"));
+        assert!(parse("(frame: 0, eye: (0, 0, 0), look: Along(0, inf, 1))").unwrap_err().contains("finite"));
+        assert!(ron::from_str::<FieldOfView>("Vertical(180)").is_err());
+    }
+
+    #[test]
+    fn a_camera_that_looks_nowhere_is_refused() {
+        let spec = |look| CameraSpec {
+            fov: FieldOfView::Vertical(40.0),
+            up: DVec3::Y,
+            path: CameraPath::Still { eye: DVec3::ONE, look },
+        };
+        assert!(CameraTrack::new(&spec(Look::At(1.0, 1.0, 1.0)), 1).is_err());
+        assert!(CameraTrack::new(&spec(Look::Along(0.0, -1.0, 0.0)), 1).is_err());
+        assert!(CameraTrack::new(&spec(Look::Along(0.0, -1.0, 0.1)), 1).is_ok());
+    }
+
+    #[test]
+    fn a_horizontal_angle_of_view_becomes_the_vertical_one() {
+        assert!((FieldOfView::Horizontal { degrees: 70.0, aspect: 1.0 }.vertical().to_degrees() - 70.0).abs() < 1e-12);
+        let wide = FieldOfView::Horizontal { degrees: 90.0, aspect: 2.0 }.vertical();
+        assert!(((0.5 * wide).tan() - 0.5).abs() < 1e-12);
+    }
+}

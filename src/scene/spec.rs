@@ -1,0 +1,91 @@
+//! Where a scene comes from, as a config says it.
+
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use super::builtin::{self, BuiltInSpec};
+use super::obj::{self, ObjSpec};
+use super::{Scene, SceneError, aff};
+
+/// Where a scene comes from. Paths are relative to the folder of the config.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum SceneSpec {
+    /// An AFF file of the BART suite.
+    Aff(PathBuf),
+    /// An OBJ file with lights, a camera and moving objects.
+    Obj(ObjSpec),
+    /// A scene made in code.
+    BuiltIn(BuiltInSpec),
+}
+
+impl SceneSpec {
+    /// The scene; `base` is the folder of the config.
+    ///
+    /// # Errors
+    /// Files that cannot be read, are malformed, or hold no scene.
+    pub fn load(&self, base: &Path) -> Result<Scene, SceneError> {
+        match self {
+            Self::Aff(path) => aff::load(&base.join(path)),
+            Self::Obj(spec) => obj::load(spec, base),
+            Self::BuiltIn(spec) => Ok(builtin::build(spec)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+    /// The scene of a config in `configs/scenes`, or none if its files are not there.
+    fn load(name: &str, needs: Option<&str>) -> Option<Scene> {
+        if let Some(missing) = needs.map(|file| Path::new(ROOT).join(file)).filter(|file| !file.exists()) {
+            println!("skipped: {} is absent", missing.display());
+            return None;
+        }
+        let folder = Path::new(ROOT).join("configs/scenes");
+        let text = std::fs::read_to_string(folder.join(name).with_extension("ron")).unwrap();
+        let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let spec: SceneSpec = options.from_str(&text).unwrap();
+        let again: SceneSpec = options.from_str(&ron::to_string(&spec).unwrap()).unwrap();
+        assert_eq!(spec, again, "a config survives being written out");
+        Some(spec.load(&folder).unwrap())
+    }
+
+    /// Triangles that stay and that move, lights, and frames.
+    fn counts(scene: &Scene) -> [usize; 4] {
+        [scene.statics.len(), scene.dynamic_count, scene.light_count, scene.frame_count as usize]
+    }
+
+    #[test]
+    fn the_living_room_has_the_published_number_of_triangles() {
+        let Some(scene) = load("living_room", Some("../shared/scenes/living-room/living-room.obj")) else { return };
+        assert_eq!(counts(&scene), [143_163, 6_320, 4, 60]);
+    }
+
+    #[test]
+    fn the_staircase_has_the_published_number_of_triangles() {
+        let Some(scene) = load("staircase", Some("../shared/scenes/staircase2/staircase2.obj")) else { return };
+        assert_eq!(counts(&scene), [30_911, 960, 3, 60]);
+        // Eight materials of the library, one for what has none, and the ball's.
+        assert_eq!(scene.materials.len(), 10);
+    }
+
+    #[test]
+    fn the_configs_of_built_in_scenes_are_their_defaults() {
+        for (name, text) in
+            [("room", "BuiltIn(Room())"), ("street", "BuiltIn(Street())"), ("thicket", "BuiltIn(Thicket())")]
+        {
+            let default: SceneSpec = ron::from_str(text).unwrap();
+            let default = default.load(Path::new(".")).unwrap();
+            let scene = load(name, None).unwrap();
+            assert_eq!(counts(&scene), counts(&default));
+            assert_eq!(scene.name, name);
+        }
+        assert!(ron::from_str::<SceneSpec>("BuiltIn(Room(lights: 7))").is_err());
+        assert!(ron::from_str::<SceneSpec>("BuiltIn(Room(lamps: 2))").is_err());
+    }
+}
