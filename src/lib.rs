@@ -3,6 +3,7 @@
 
 pub mod quantity;
 pub mod ranged;
+pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod stream;
