@@ -7,6 +7,7 @@ pub mod experiment;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;
+pub mod report;
 pub mod scene;
 pub mod stats;
 pub mod stream;

@@ -1,0 +1,104 @@
+//! A map from names to things that keeps the order in which they were put in: the experiment's order.
+
+use std::fmt;
+use std::marker::PhantomData;
+
+use serde::de::{Error, MapAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+/// Things by name, in order. Written and read as a map; a name that occurs twice is refused.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Named<T>(Vec<(String, T)>);
+
+impl<T> Named<T> {
+    /// The thing of that name.
+    pub fn get(&self, name: &str) -> Option<&T> {
+        self.0.iter().find(|(own, _)| own == name).map(|(_, thing)| thing)
+    }
+
+    /// Puts a thing at the end, or in the place of the one that has its name.
+    pub fn insert(&mut self, name: impl Into<String>, thing: T) {
+        let name = name.into();
+        match self.0.iter_mut().find(|(own, _)| *own == name) {
+            Some(entry) => entry.1 = thing,
+            None => self.0.push((name, thing)),
+        }
+    }
+
+    /// Names and things in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &T)> {
+        self.0.iter().map(|(name, thing)| (name.as_str(), thing))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+impl<T> Default for Named<T> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<N: Into<String>, T> FromIterator<(N, T)> for Named<T> {
+    fn from_iter<I: IntoIterator<Item = (N, T)>>(items: I) -> Self {
+        let mut named = Self::default();
+        items.into_iter().for_each(|(name, thing)| named.insert(name, thing));
+        named
+    }
+}
+
+impl<T: Serialize> Serialize for Named<T> {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        to.collect_map(self.iter())
+    }
+}
+
+impl<'de, T: Deserialize<'de>> Deserialize<'de> for Named<T> {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        from.deserialize_map(Entries(PhantomData))
+    }
+}
+
+struct Entries<T>(PhantomData<T>);
+
+impl<'de, T: Deserialize<'de>> Visitor<'de> for Entries<T> {
+    type Value = Named<T>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a map by name")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Named<T>, A::Error> {
+        let mut named = Named::default();
+        while let Some((name, thing)) = map.next_entry::<String, T>()? {
+            if named.get(&name).is_some() {
+                return Err(A::Error::custom(format!("`{name}` occurs twice")));
+            }
+            named.0.push((name, thing));
+        }
+        Ok(named)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn order_survives_a_round_trip_and_a_name_occurs_once() {
+        let named: Named<u8> = [("z", 1), ("a", 2), ("z", 3)].into_iter().collect();
+        let text = serde_json::to_string(&named).unwrap();
+        assert_eq!(text, r#"{"z":3,"a":2}"#);
+        assert_eq!(serde_json::from_str::<Named<u8>>(&text).unwrap(), named);
+        let twice = serde_json::from_str::<Named<u8>>(r#"{"z":3,"z":2}"#).unwrap_err();
+        assert!(twice.to_string().contains("`z` occurs twice"), "{twice}");
+    }
+}

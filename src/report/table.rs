@@ -1,0 +1,149 @@
+//! Tables: `frames.csv` with every count, and the few figures that sum a run up, for the terminal and the page.
+
+use comfy_table::{CellAlignment, Table};
+
+use super::format::{bytes, change, exact, or_absent, percent, short};
+use super::summary::{FrameSummary, MachineRun, PolicySummary, Psnr, Summary};
+use crate::quantity::Bytes;
+
+/// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
+type Column = (&'static str, fn(&FrameSummary) -> String);
+
+fn field<T: ToString>(value: Option<T>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
+}
+
+const COLUMNS: [Column; 23] = [
+    ("frame", |row| row.frame.to_string()),
+    ("primary_rays", |row| row.counts.primary_rays.to_string()),
+    ("secondary_rays", |row| row.counts.secondary_rays.to_string()),
+    ("shadow_rays", |row| row.counts.shadow_rays.to_string()),
+    ("shadow_rays_skipped", |row| row.counts.shadow_rays_skipped.to_string()),
+    ("shadow_rays_dynamic_only", |row| row.counts.shadow_rays_dynamic_only.to_string()),
+    ("occlusion_tests", |row| row.counts.occlusion_tests.to_string()),
+    ("occlusion_tests_per_pixel", |row| field(row.counts.occlusion_tests_per_pixel)),
+    ("node_visits", |row| row.counts.node_visits.to_string()),
+    ("triangle_tests", |row| row.counts.triangle_tests.to_string()),
+    ("shadow_node_visits", |row| row.counts.shadow_node_visits.to_string()),
+    ("shadow_triangle_tests", |row| row.counts.shadow_triangle_tests.to_string()),
+    ("list_reads", |row| row.counts.list_reads.to_string()),
+    ("policy_node_visits", |row| row.counts.policy_node_visits.to_string()),
+    ("policy_triangle_tests", |row| row.counts.policy_triangle_tests.to_string()),
+    ("policy_reads", |row| row.counts.policy_reads.to_string()),
+    ("policy_writes", |row| row.counts.policy_writes.to_string()),
+    ("traversal_saved", |row| field(row.traversal_saved)),
+    ("intersection_saved", |row| field(row.intersection_saved)),
+    ("false_dark", |row| field(row.counts.false_dark)),
+    ("false_lit", |row| field(row.counts.false_lit)),
+    ("numeric_differences", |row| field(row.counts.numeric_differences)),
+    ("psnr_db", |row| match row.psnr {
+        None => String::new(),
+        Some(Psnr::Identical) => "inf".into(),
+        Some(Psnr::Decibel(ratio)) => ratio.to_string(),
+    }),
+];
+
+/// `frames.csv`: a row a policy and frame, policies in the experiment's order.
+pub fn frames_csv(summary: &Summary) -> Result<Vec<u8>, csv::Error> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.write_record(std::iter::once("policy").chain(COLUMNS.iter().map(|(header, _)| *header)))?;
+    for (name, policy) in summary.policies.iter() {
+        for row in &policy.frames {
+            csv.write_record(std::iter::once(name.to_owned()).chain(COLUMNS.iter().map(|(_, text)| text(row))))?;
+        }
+    }
+    csv.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// A table of texts: names, then numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Grid {
+    /// Headers.
+    pub head: Vec<String>,
+    /// How many of the columns are names.
+    pub names: usize,
+    /// Rows, each as long as `head`.
+    pub rows: Vec<Vec<String>>,
+}
+
+/// The policies' key figures.
+pub fn policies(summary: &Summary) -> Grid {
+    const HEAD: [&str; 8] = [
+        "policy",
+        "skipped",
+        "dynamic only",
+        "nodes saved",
+        "triangles saved",
+        "tests/pixel",
+        "false dark",
+        "false lit",
+    ];
+    let row = |(name, policy): (&str, &PolicySummary)| {
+        let counts = &policy.counts;
+        let of_shadow_rays = |rays: u64| {
+            if counts.shadow_rays == 0 { None } else { Some(rays as f64 / counts.shadow_rays as f64) }
+        };
+        vec![
+            name.to_owned(),
+            or_absent(of_shadow_rays(counts.shadow_rays_skipped), percent),
+            or_absent(of_shadow_rays(counts.shadow_rays_dynamic_only), percent),
+            or_absent(policy.traversal_saved.mean, percent),
+            or_absent(policy.intersection_saved.mean, percent),
+            or_absent(counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}")),
+            or_absent(counts.false_dark, exact),
+            or_absent(counts.false_lit, exact),
+        ]
+    };
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: summary.policies.iter().map(row).collect() }
+}
+
+/// All bytes that moved between DRAM and the level above.
+pub fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
+    run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
+}
+
+/// The machines' key figures, with the change against the run without culling.
+pub fn machines(summary: &Summary) -> Grid {
+    const HEAD: [&str; 6] = ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use"];
+    let mut rows = Vec::new();
+    for (name, machine) in summary.machines.iter() {
+        let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
+        for (policy, run) in machine.policies.iter() {
+            let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
+            let changed = |text: String, before: Option<f64>, after: Option<f64>| {
+                let change = before.zip(after).and_then(|(before, after)| change(before, after));
+                change.map_or(text.clone(), |change| format!("{text} ({change})"))
+            };
+            let cycles = |run: &MachineRun| run.stats.cycles.0 as f64;
+            let moved = |run: &MachineRun| dram_bytes(run).map(|bytes| bytes.0 as f64);
+            rows.push(vec![
+                name.to_owned(),
+                policy.to_owned(),
+                changed(short(cycles(run)), off.map(cycles), Some(cycles(run))),
+                or_absent(run.rays_per_second, short),
+                changed(or_absent(dram_bytes(run), bytes), off.and_then(moved), moved(run)),
+                or_absent(run.dram_utilization, percent),
+            ]);
+        }
+    }
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
+}
+
+/// Nothing but a line under the header.
+const PLAIN: &str = "     ──            ";
+
+/// The run in a dozen lines for the terminal, without a line's end at the end.
+pub fn terminal(summary: &Summary) -> String {
+    let grids = [policies(summary), machines(summary)];
+    let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
+    shown.collect::<Vec<_>>().join("\n\n")
+}
+
+fn drawn(grid: &Grid) -> String {
+    let mut table = Table::new();
+    table.load_preset(PLAIN).set_header(&grid.head).add_rows(&grid.rows);
+    for column in table.column_iter_mut().skip(grid.names) {
+        column.set_cell_alignment(CellAlignment::Right);
+    }
+    table.trim_fmt()
+}
