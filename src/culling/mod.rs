@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::accel::{Ray, Scope, Trail, World};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
-use crate::stream::{Decision, Store};
+use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,9 +96,9 @@ pub trait Policy: Send + Sync {
         None
     }
 
-    /// Mode words kept for each primitive.
-    fn words_per_primitive(&self) -> u32 {
-        1
+    /// Sizes of the stores that it keeps.
+    fn stores(&self) -> StoreEntries {
+        StoreEntries::default()
     }
 }
 

@@ -2,7 +2,7 @@
 //! on in memory.
 
 use super::format::{TOTALS_NAMES, totals_values};
-use super::{Chunk, Decision, FrameInfo, Header, Item, Outcome, Ray, RayKind, Step, Store, Totals};
+use super::{Chunk, Decision, FrameInfo, Header, Item, Outcome, Ray, RayKind, Step, Totals};
 use crate::quantity::PixelId;
 
 /// A rule that a stream breaks.
@@ -167,9 +167,6 @@ pub enum StepFault {
         limit: u32,
     },
 }
-
-/// How many lights a mode word holds beside its occlusion mode: 2 bits each.
-const LIGHTS_PER_WORD: u32 = 15;
 /// Tags that a packed step can have, those of no step included.
 const TAGS: usize = 1 << (u32::BITS - INDEX_BITS);
 const INDEX_BITS: u32 = Step::MAX_INDEX.trailing_ones();
@@ -300,7 +297,7 @@ impl Checker {
             Step::List(_) => u64::from(header.static_list_entries) + u64::from(info.dynamic_list_entries),
             Step::Triangle { .. } => u64::from(header.static_slots) + u64::from(info.dynamic_slots),
             Step::Read { store, .. } | Step::Write { store, .. } | Step::Update { store, .. } => {
-                store_entries(header, store)
+                u64::from(header.stores.of(store))
             }
         };
         self.path = Limits::new(|step| if step.is_traversal() { all(step) } else { 0 });
@@ -389,15 +386,4 @@ impl Checker {
 
 fn pixels(header: &Header) -> u64 {
     u64::from(header.resolution.width) * u64::from(header.resolution.height)
-}
-
-/// Entries that a policy's store can have: a mode word for every 15 lights and a pair of counters a primitive, and an
-/// occluder a primitive and light.
-pub fn store_entries(header: &Header, store: Store) -> u64 {
-    let each = match store {
-        Store::ModeWord => header.lights.div_ceil(LIGHTS_PER_WORD).max(1),
-        Store::PixelCounter => 1,
-        Store::OccluderId => header.lights,
-    };
-    u64::from(header.primitives) * u64::from(each)
 }

@@ -56,8 +56,33 @@ pub struct Header {
     pub static_slots: u32,
     /// Entries of the static tree's primitive lists (0 for a BVH).
     pub static_list_entries: u32,
+    /// Sizes of the policy's stores.
+    pub stores: StoreEntries,
     /// Hash of the scene and the settings that the stream was traced with.
     pub input_hash: u64,
+}
+
+/// Entries of each store that a policy keeps.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StoreEntries {
+    /// 32-bit mode words.
+    pub mode_words: u32,
+    /// Pairs of pixel counters.
+    pub pixel_counters: u32,
+    /// Ids of occluders.
+    pub occluder_ids: u32,
+}
+
+impl StoreEntries {
+    /// Entries of one store.
+    pub fn of(&self, store: Store) -> u32 {
+        match store {
+            Store::ModeWord => self.mode_words,
+            Store::PixelCounter => self.pixel_counters,
+            Store::OccluderId => self.occluder_ids,
+        }
+    }
 }
 
 /// Acceleration structures that a stream can be of.

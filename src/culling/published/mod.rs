@@ -13,7 +13,7 @@ use super::{Change, Evidence, Needs, Policy, Primary, Probe, SceneFacts, Surface
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
-use crate::stream::Store;
+use crate::stream::{Store, StoreEntries};
 
 /// Modes and counters of all primitives, as they were at the frame's start.
 pub struct Published {
@@ -171,8 +171,12 @@ impl Policy for Published {
         Some(self.first_word(primitive).0)
     }
 
-    fn words_per_primitive(&self) -> u32 {
-        self.layout.words_per_primitive()
+    fn stores(&self) -> StoreEntries {
+        StoreEntries {
+            mode_words: self.words.len() as u32,
+            pixel_counters: self.highest.len() as u32,
+            ..StoreEntries::default()
+        }
     }
 }
 
