@@ -4,6 +4,7 @@
 pub mod accel;
 pub mod culling;
 pub mod experiment;
+pub mod named;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;

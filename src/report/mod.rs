@@ -4,7 +4,6 @@
 
 mod findings;
 mod format;
-mod named;
 mod page;
 pub mod pictures;
 pub mod plots;
@@ -15,7 +14,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
-pub use named::Named;
+pub use crate::named::Named;
 pub use table::terminal;
 
 use pictures::{Image, PictureInfo};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 
-use super::pictures::{PictureInfo, PictureKind, PixelClass};
+use super::pictures::{PictureInfo, PictureKind};
 use super::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
@@ -12,6 +12,7 @@ use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, TrafficClass};
 use crate::stream::Totals;
+use crate::validate::PixelVerdict;
 
 const SIZE: Resolution = Resolution { width: 96, height: 72 };
 
@@ -141,13 +142,13 @@ pub fn sample(frames: &[u32]) -> Report {
     ];
     let colors: Vec<Vec3> = (0..SIZE.pixels()).map(|pixel| Vec3::splat(pixel as f32 / SIZE.pixels() as f32)).collect();
     let render = pictures::render(SIZE, &colors);
-    let classes: Vec<PixelClass> = (0..SIZE.pixels())
+    let classes: Vec<PixelVerdict> = (0..SIZE.pixels())
         .map(|pixel| match pixel % 1800 {
-            777 => PixelClass::FalseDark,
-            1111 => PixelClass::FalseLit,
-            1500 => PixelClass::Both,
-            300 => PixelClass::Numeric,
-            _ => PixelClass::Right,
+            777 => PixelVerdict::FalseDark,
+            1111 => PixelVerdict::FalseLit,
+            1500 => PixelVerdict::FalseDark,
+            300 => PixelVerdict::Numeric,
+            _ => PixelVerdict::Same,
         })
         .collect();
     let words: Vec<Option<u32>> = (0..SIZE.pixels() as u32).map(|pixel| (pixel > 500).then_some(pixel / 400)).collect();
@@ -180,7 +181,7 @@ pub fn sample(frames: &[u32]) -> Report {
         pictures: vec![
             (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
             (PictureInfo::new(PictureKind::Reference, None, shown), render),
-            (PictureInfo::new(PictureKind::Difference, Some("published"), shown), difference),
+            (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
             (
                 PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown),
                 pictures::words(SIZE, &words, 0),

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::named::Named;
 use super::pictures::PictureInfo;
+use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
