@@ -1,0 +1,304 @@
+//! DRAM channels with banks, open rows and refresh, scheduled first-ready, first-come-first-served (Rixner et al. 2000).
+
+use std::collections::VecDeque;
+
+use super::dram_timing::{DramSpec, Place, Timing};
+use super::queue::Queue;
+use super::{PartId, Request, Wake};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{DramCounts, TrafficClass};
+
+/// What was done for a request before its column command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Prepared {
+    Nothing,
+    Activated,
+    Precharged,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    request: Request,
+    bank: usize,
+    row: u64,
+    prepared: Prepared,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct BankState {
+    open: Option<u64>,
+    activate_at: u64,
+    column_at: u64,
+    precharge_at: u64,
+}
+
+/// A column command's line whose data is on the bus.
+#[derive(Clone, Copy, Debug)]
+struct Transfer {
+    ends: u64,
+    request: Request,
+}
+
+/// One channel.
+#[derive(Clone, Debug)]
+struct Channel {
+    part: PartId,
+    queue: Queue<Pending>,
+    banks: Vec<BankState>,
+    transfers: VecDeque<Transfer>,
+    /// When the data bus is free, in parts of a cycle.
+    bus_free: u64,
+    last_activate: Option<u64>,
+    read_at: u64,
+    refresh_due: u64,
+    counts: DramCounts,
+    moved: [Bytes; TrafficClass::ALL.len()],
+}
+
+/// What a channel can do next.
+enum Next {
+    Column(usize),
+    Activate(usize),
+    Precharge(usize),
+    /// Nothing before this cycle.
+    Wait(Option<u64>),
+}
+
+impl Channel {
+    /// The first cycle in which a column command's data would find the bus free early enough.
+    fn bus_at(&self, timing: &Timing, write: bool) -> u64 {
+        (self.bus_free / timing.parts).saturating_sub(if write { timing.cwl } else { timing.cl })
+    }
+
+    fn next(&self, now: u64, timing: &Timing) -> Next {
+        let mut wanted = 0u64;
+        for (_, pending) in self.queue.visible(now) {
+            if self.banks[pending.bank].open == Some(pending.row) {
+                wanted |= 1 << pending.bank;
+            }
+        }
+        let (mut activate, mut precharge, mut earliest) = (None, None, None::<u64>);
+        let mut later = |at: u64| earliest = Some(earliest.map_or(at, |other| other.min(at)));
+        for (index, pending) in self.queue.visible(now) {
+            let bank = &self.banks[pending.bank];
+            let write = pending.request.write;
+            match bank.open {
+                Some(row) if row == pending.row => {
+                    let turned = if write { 0 } else { self.read_at };
+                    let at = bank.column_at.max(self.bus_at(timing, write)).max(turned);
+                    if at <= now {
+                        return Next::Column(index);
+                    }
+                    later(at);
+                }
+                None => {
+                    let at = bank.activate_at.max(self.last_activate.map_or(0, |last| last + timing.rrd));
+                    if at > now {
+                        later(at);
+                    } else if activate.is_none() {
+                        activate = Some(index);
+                    }
+                }
+                Some(_) if wanted >> pending.bank & 1 == 0 => {
+                    if bank.precharge_at > now {
+                        later(bank.precharge_at);
+                    } else if precharge.is_none() {
+                        precharge = Some(index);
+                    }
+                }
+                Some(_) => {}
+            }
+        }
+        match (activate, precharge) {
+            (Some(index), _) => Next::Activate(index),
+            (None, Some(index)) => Next::Precharge(index),
+            (None, None) => Next::Wait(earliest),
+        }
+    }
+
+    fn prepare(&mut self, index: usize, what: Prepared) -> usize {
+        let Some(pending) = self.queue.get_mut(index) else { unreachable!("`next` names a request of the queue") };
+        if pending.prepared != Prepared::Precharged {
+            pending.prepared = what;
+        }
+        pending.bank
+    }
+
+    fn column(&mut self, index: usize, now: u64, timing: &Timing, wake: &mut impl Wake) {
+        let Some(Pending { request, bank, prepared, .. }) = self.queue.take_at(index, now, wake) else {
+            unreachable!("`next` names a request of the queue")
+        };
+        let latency = if request.write { timing.cwl } else { timing.cl };
+        self.bus_free = self.bus_free.max((now + latency) * timing.parts) + timing.line_parts;
+        let ends = self.bus_free.div_ceil(timing.parts);
+        let bank = &mut self.banks[bank];
+        if request.write {
+            bank.precharge_at = bank.precharge_at.max(ends + timing.wr);
+            self.read_at = ends + timing.wtr;
+            self.counts.writes += 1;
+        } else {
+            bank.precharge_at = bank.precharge_at.max(now + timing.rtp);
+            self.counts.reads += 1;
+        }
+        match prepared {
+            Prepared::Nothing => self.counts.row_hits += 1,
+            Prepared::Activated => self.counts.row_misses += 1,
+            Prepared::Precharged => self.counts.row_conflicts += 1,
+        }
+        self.moved[request.class as usize] += request.bytes;
+        self.transfers.push_back(Transfer { ends, request });
+    }
+
+    /// Gives at most one command; returns when to look again.
+    fn command(&mut self, now: u64, timing: &Timing, wake: &mut impl Wake) -> Option<u64> {
+        if self.refresh_due <= now {
+            return Some(self.refresh(now, timing));
+        }
+        match self.next(now, timing) {
+            Next::Column(index) => self.column(index, now, timing, wake),
+            Next::Activate(index) => {
+                let bank = self.prepare(index, Prepared::Activated);
+                let row = self.queue.get_mut(index).map(|pending| pending.row);
+                self.banks[bank] = BankState {
+                    open: row,
+                    activate_at: now + timing.rc,
+                    column_at: now + timing.rcd,
+                    precharge_at: now + timing.ras,
+                };
+                self.last_activate = Some(now);
+            }
+            Next::Precharge(index) => {
+                let bank = self.prepare(index, Prepared::Precharged);
+                self.banks[bank].close(now, timing);
+            }
+            Next::Wait(at) => return at,
+        }
+        Some(now + 1)
+    }
+
+    fn refresh(&mut self, now: u64, timing: &Timing) -> u64 {
+        let ready = |at: fn(&BankState) -> u64, banks: &[BankState], open: bool| {
+            banks.iter().filter(|bank| bank.open.is_some() == open).map(at).max()
+        };
+        if let Some(at) = ready(|bank| bank.precharge_at, &self.banks, true) {
+            if at > now {
+                return at;
+            }
+            self.banks.iter_mut().filter(|bank| bank.open.is_some()).for_each(|bank| bank.close(now, timing));
+            return now + 1;
+        }
+        if let Some(at) = ready(|bank| bank.activate_at, &self.banks, false).filter(|&at| at > now) {
+            return at;
+        }
+        self.banks.iter_mut().for_each(|bank| bank.activate_at = now + timing.rfc);
+        self.refresh_due += timing.refi;
+        self.counts.refreshes += 1;
+        now + 1
+    }
+}
+
+impl BankState {
+    fn close(&mut self, now: u64, timing: &Timing) {
+        self.open = None;
+        self.activate_at = self.activate_at.max(now + timing.rp);
+    }
+}
+
+/// All channels of a DRAM.
+#[derive(Clone, Debug)]
+pub struct Dram {
+    spec: DramSpec,
+    timing: Timing,
+    channels: Vec<Channel>,
+}
+
+impl Dram {
+    /// An idle DRAM; its channels' numbers in the machine begin with `first`.
+    pub fn new(spec: &DramSpec, machine_mhz: u64, line: u64, first: PartId) -> Self {
+        let timing = spec.timing(machine_mhz, line);
+        let channel = |index: u64| Channel {
+            part: PartId(first.0 + index as u32),
+            queue: Queue::new(spec.queue.size()),
+            banks: vec![BankState::default(); spec.banks.size()],
+            transfers: VecDeque::new(),
+            bus_free: 0,
+            last_activate: None,
+            read_at: 0,
+            refresh_due: timing.refi,
+            counts: DramCounts::default(),
+            moved: [Bytes(0); TrafficClass::ALL.len()],
+        };
+        Self { spec: spec.clone(), timing, channels: (0..spec.channels.get()).map(channel).collect() }
+    }
+
+    /// Puts a request into its channel's queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        let Place { channel, bank, row } = self.spec.place(request.line);
+        let channel = &mut self.channels[channel];
+        if !channel.queue.has_room(now) {
+            channel.queue.wait_for_room(request.from);
+            return false;
+        }
+        channel.queue.put(Pending { request, bank, row, prepared: Prepared::Nothing }, now + 1);
+        wake.wake(channel.part, now + 1);
+        true
+    }
+
+    /// Cycle `now` of channel `index`. `answer` hands a line to the bank of the L2 that asked for it.
+    pub fn tick(&mut self, index: usize, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+        let channel = &mut self.channels[index];
+        while let Some(&Transfer { request, .. }) = channel.transfers.front().filter(|transfer| transfer.ends <= now) {
+            channel.transfers.pop_front();
+            if !request.write {
+                answer(request.from, request.line);
+                wake.wake(request.from, now + 1);
+            }
+        }
+        let look_again = channel.command(now, &self.timing, wake);
+        let arrives = channel.queue.last_at().filter(|&at| at > now);
+        let ends = channel.transfers.front().map(|transfer| transfer.ends);
+        for at in [look_again, arrives, ends, Some(channel.refresh_due)].into_iter().flatten().filter(|&at| at > now) {
+            wake.wake(channel.part, at);
+        }
+    }
+
+    /// The number of channels.
+    pub fn channels(&self) -> usize {
+        self.channels.len()
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.channels.iter().all(|channel| channel.queue.is_empty() && channel.transfers.is_empty())
+    }
+
+    /// Whether a refresh of channel `index` is due in cycle `now` and was not given yet.
+    pub fn refresh_is_due(&self, index: usize, now: u64) -> bool {
+        self.channels[index].refresh_due <= now
+    }
+
+    /// The commands of channel `index`.
+    pub fn counts(&self, index: usize) -> &DramCounts {
+        &self.channels[index].counts
+    }
+
+    /// Bytes moved, by class.
+    pub fn moved(&self) -> [Bytes; TrafficClass::ALL.len()] {
+        let mut sum = [Bytes(0); TrafficClass::ALL.len()];
+        for channel in &self.channels {
+            sum.iter_mut().zip(channel.moved).for_each(|(sum, moved)| *sum += moved);
+        }
+        sum
+    }
+
+    /// Timing in machine cycles.
+    pub fn timing(&self) -> &Timing {
+        &self.timing
+    }
+
+    /// The state of the queue of channel `index`, for the report of a deadlock.
+    pub fn queues(&self, index: usize) -> String {
+        let Channel { queue, transfers, .. } = &self.channels[index];
+        format!("queue {}/{}, transfers {}", queue.len(), queue.capacity(), transfers.len())
+    }
+}
