@@ -163,7 +163,8 @@ fn dram(engine: &Event, machine: &MachineSpec, stats: &MachineStats) -> Result<(
         counts.row_hits + counts.row_misses + counts.row_conflicts,
         columns,
     )?;
-    let bytes: u64 = stats.bytes.get("dram").into_iter().flat_map(|classes| classes.values()).map(|bytes| bytes.0).sum();
+    let bytes: u64 =
+        stats.bytes.get("dram").into_iter().flat_map(|classes| classes.values()).map(|bytes| bytes.0).sum();
     equal(|| "column commands times the line against DRAM bytes".into(), columns * machine.line_bytes.get(), bytes)?;
     let l2 = stats.caches.get("l2").into_iter().flat_map(|classes| classes.values());
     equal(|| "DRAM reads against misses of the L2".into(), counts.reads, l2.map(|counts| counts.misses).sum())?;

@@ -142,8 +142,11 @@ pub fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<Synthe
         let decision = if numbers.below(4) == 0 { Decision::Skip } else { Decision::Trace };
         let read = Step::Read { store: Store::ModeWord, index: word };
         let update = Step::Update { store: Store::PixelCounter, index: word };
-        rays.push(SyntheticRay::primary(descent(&mut numbers, region, depth, descents)).with_policy(vec![read, update]));
-        let path = if decision == Decision::Skip { Vec::new() } else { descent(&mut numbers, !region, depth, descents) };
+        rays.push(
+            SyntheticRay::primary(descent(&mut numbers, region, depth, descents)).with_policy(vec![read, update]),
+        );
+        let path =
+            if decision == Decision::Skip { Vec::new() } else { descent(&mut numbers, !region, depth, descents) };
         let or = Step::Update { store: Store::ModeWord, index: word };
         rays.push(SyntheticRay::shadow(1, decision, path).with_policy(vec![or]));
     }

@@ -4,6 +4,7 @@ use proptest::prelude::*;
 
 use super::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
 use super::*;
+use crate::machine::dispatcher::Dispatcher;
 use crate::machine::pipeline::WritePolicy;
 use crate::memory::dram_timing::Field;
 use crate::memory::replacement::Policy;
@@ -29,6 +30,13 @@ fn replayed(machine: &MachineSpec, stream: Vec<Item>) -> MachineStats {
 
 fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
     frame(FrameInfo::default(), rays, &[], 64)
+}
+
+/// The machine with other lines, and as many of them in a row of the DRAM.
+fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
+    machine.dram.row_bytes = pow(machine.dram.row_bytes.get() / machine.line_bytes.get() * line);
+    machine.line_bytes = pow(line);
+    machine
 }
 
 /// Cycles from a miss in an L1 to the fill, in a machine at rest.
@@ -90,7 +98,8 @@ fn children_wait_for_the_policy_of_their_parent() {
     let primary = SyntheticRay::primary(nodes([0]));
     let shadow = SyntheticRay::shadow(1, Decision::Trace, nodes([0]));
     let plain = replayed(&machine, one_frame(&[primary.clone(), shadow.clone()]));
-    let read = Step::Read { store: Store::ModeWord, index: 0 };
+    // Word 32 lies in another bank of the DRAM than node 0.
+    let read = Step::Read { store: Store::ModeWord, index: 32 };
     let stats = replayed(&machine, one_frame(&[primary.with_policy(vec![read]), shadow]));
     let policy = 1 + miss_latency(&machine) + machine.shadow_cache.latency.get();
     assert_eq!(stats.cycles.0, plain.cycles.0 + policy);
@@ -124,7 +133,7 @@ fn misses_to_one_line_are_merged() {
 
 #[test]
 fn a_node_over_two_lines_needs_both() {
-    let machine = MachineSpec { line_bytes: pow(32), ..MachineSpec::default() };
+    let machine = with_line(MachineSpec::default(), 32);
     let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(nodes([0]))]));
     assert_eq!(stats.caches["l1_traversal"][&TrafficClass::Node].misses, 2);
     assert_eq!(stats.bytes["l1_traversal"][&TrafficClass::Node].0, 64);
@@ -208,9 +217,7 @@ fn tiny() -> MachineSpec {
     machine.intersection.tests = num(1);
     machine.intersection.queue = num(1);
     machine.shadow_cache.contexts = num(1);
-    for cache in
-        [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache]
-    {
+    for cache in [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache] {
         (cache.bytes, cache.ways) = (num(64), num(1));
         (cache.mshrs, cache.targets, cache.queue) = (num(1), num(1), num(1));
     }
@@ -226,7 +233,7 @@ fn size_one_everywhere_does_not_deadlock() {
     for line in [32, 64] {
         for writes in [WritePolicy::Back, WritePolicy::Through] {
             let mut machine = tiny();
-            machine.line_bytes = pow(line);
+            machine = with_line(machine, line);
             machine.shadow_cache.writes = writes;
             let end: Vec<_> = (0..40).map(|i| Step::Update { store: Store::PixelCounter, index: i * 9 }).collect();
             let stats = replayed(&machine, frame(FrameInfo::default(), &bvh_like(3, 60, 12, 3), &end, 16));
@@ -242,6 +249,46 @@ fn a_shadow_rays_test_of_the_policy_uses_the_intersection_unit() {
     let stats = replayed(&machine, one_frame(&[ray]));
     assert_eq!(stats.units["intersection"][&Cause::Busy], 3);
     assert_eq!(stats.bytes["l1_intersection"][&TrafficClass::Triangle].0, 16 + 32 + 16);
+}
+
+#[test]
+fn a_machine_that_does_not_move_is_reported_with_its_queues() {
+    let machine = MachineSpec::default();
+    let mut engine = event::Event::new(&machine, &header());
+    engine.dispatcher = Dispatcher::new(&machine.dispatcher, 4, 0);
+    let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
+    let error = replay(engine, &machine, items(stream)).unwrap_err().to_string();
+    assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
+    assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
+}
+
+#[test]
+fn violated_identities_are_found() {
+    let machine = MachineSpec::default();
+    let mut engine = event::Event::new(&machine, &header());
+    let mut stream = one_frame(&bvh_like(1, 50, 12, 2)).into_iter();
+    let cycles = engine.run::<Infallible>(|| Ok(stream.next()), |_| Ok(())).unwrap();
+    let good = check::collect(&engine, &machine, cycles);
+    assert_eq!(check::run(&engine, &machine, &good), Ok(()));
+    let broken: [(&str, fn(&mut MachineStats)); 6] = [
+        ("hits + half misses + misses", |s| {
+            s.caches.get_mut("l2").unwrap().get_mut(&TrafficClass::Node).unwrap().hits += 1
+        }),
+        ("cycles of all causes", |s| *s.units.get_mut("traversal").unwrap().get_mut(&Cause::Busy).unwrap() += 1),
+        ("row hits", |s| s.dram.row_hits += 1),
+        ("against DRAM bytes", |s| s.bytes.get_mut("dram").unwrap().get_mut(&TrafficClass::Node).unwrap().0 += 1),
+        ("against DRAM bytes", |s| s.dram = Default::default()),
+        ("exceed the peak", |s| {
+            s.cycles.0 /= 50;
+            s.units.clear();
+        }),
+    ];
+    for (expected, breakage) in broken {
+        let mut stats = good.clone();
+        breakage(&mut stats);
+        let error = check::run(&engine, &machine, &stats).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+    }
 }
 
 /// Machines from small to smallest, with odd latencies.
@@ -294,13 +341,8 @@ fn machines() -> impl Strategy<Value = MachineSpec> {
         machine.dram.clock_mhz = num(dram.4);
         machine.dram.timing.refi = num(1700);
         machine.dram.row_bytes = pow(line << dram.5);
-        machine.dram.mapping = vec![
-            Field::Column(2),
-            Field::Channel(dram.0),
-            Field::Bank(dram.1),
-            Field::Column(dram.5 - 2),
-            Field::Row,
-        ];
+        machine.dram.mapping =
+            vec![Field::Column(2), Field::Channel(dram.0), Field::Bank(dram.1), Field::Column(dram.5 - 2), Field::Row];
         machine
     })
 }
@@ -332,7 +374,9 @@ fn streams() -> impl Strategy<Value = Vec<Item>> {
                     (_, 0) => SyntheticRay::shadow(parent, Decision::Skip, Vec::new()),
                     (_, 1) => SyntheticRay::shadow(parent, Decision::DynamicOnly, path),
                     (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
-                    _ => SyntheticRay { kind: crate::stream::RayKind::Reflection, parent, ..SyntheticRay::primary(path) },
+                    _ => {
+                        SyntheticRay { kind: crate::stream::RayKind::Reflection, parent, ..SyntheticRay::primary(path) }
+                    }
                 };
                 ray.with_policy(policy)
             })

@@ -103,7 +103,9 @@ impl ActiveChunk {
             }
             let parent = (index as u32).checked_sub(ray.head.parent).filter(|&parent| parent >= group);
             let Some(parent) = parent else { return Err(fault("has a parent outside its pixel group")) };
-            if ray.head.decision == Decision::Skip && (ray.head.kind != RayKind::Shadow || !ray.packed_path().is_empty()) {
+            if ray.head.decision == Decision::Skip
+                && (ray.head.kind != RayKind::Shadow || !ray.packed_path().is_empty())
+            {
                 return Err(fault("is skipped, but is no shadow ray or has a path"));
             }
             if !primary {
@@ -230,7 +232,9 @@ impl Dispatcher {
             && at <= now
         {
             self.shading.pop_front();
-            let Some(chunk) = &self.chunks[parent.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
+            let Some(chunk) = &self.chunks[parent.chunk as usize] else {
+                unreachable!("a chunk stays while it has rays")
+            };
             self.ready.extend(chunk.children(parent.index).iter().map(|&index| ChunkRay { index, ..parent }));
         }
         let mut busy = false;
@@ -284,7 +288,10 @@ impl Dispatcher {
                 (_, Some(Item::Rays(chunk))) => self.load(chunk)?,
                 (_, Some(Item::End { policy, totals })) => {
                     for &word in policy.iter() {
-                        links.layout.check(Step::unpack(word).ok_or(StreamFault::NotAStep(word))?).map_err(StreamFault::from)?;
+                        links
+                            .layout
+                            .check(Step::unpack(word).ok_or(StreamFault::NotAStep(word))?)
+                            .map_err(StreamFault::from)?;
                     }
                     self.phase = Phase::Closing(policy, totals);
                 }
@@ -390,7 +397,9 @@ impl Dispatcher {
             }
         }
         self.rays += u64::from(ray.decision != Decision::Skip);
-        let Some(active) = &mut self.chunks[ray.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
+        let Some(active) = &mut self.chunks[ray.chunk as usize] else {
+            unreachable!("a chunk stays while it has rays")
+        };
         active.left -= 1;
         if !active.children(ray.index).is_empty() {
             let parent = ChunkRay { chunk: ray.chunk, index: ray.index };

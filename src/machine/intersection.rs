@@ -37,9 +37,7 @@ impl Default for IntersectionSpec {
             divide_latency: const { Within::literal(18) },
             tests: const { Within::literal(32) },
             queue: const { Within::literal(8) },
-            cache: const {
-                CacheSpec { bytes: Within::literal(16 << 10), ways: Within::literal(4), ..CacheSpec::DEFAULT }
-            },
+            cache: const { CacheSpec { bytes: Within::literal(16 << 10), ways: Within::literal(4), ..CacheSpec::DEFAULT } },
         }
     }
 }
@@ -90,7 +88,9 @@ impl Intersection {
         if let Some(&(at, _)) = self.divider.front() {
             links.clock.wake(part, at);
         }
-        if self.free > 0 && let Some(at) = links.tests[self.index].next_at() {
+        if self.free > 0
+            && let Some(at) = links.tests[self.index].next_at()
+        {
             links.clock.wake(part, at.max(now + 1));
         }
     }

@@ -92,8 +92,11 @@ impl Layout {
         let nodes = array(header.structure.node_bytes(), header.static_nodes.into());
         let lists = array(LIST_ENTRY_BYTES, header.static_list_entries.into());
         let triangles = array(TRIANGLE_BYTES, header.static_slots.into());
-        let stores =
-            [array(4, primitives * lights.div_ceil(LIGHTS_A_WORD)), array(8, primitives), array(4, primitives * lights)];
+        let stores = [
+            array(4, primitives * lights.div_ceil(LIGHTS_A_WORD)),
+            array(8, primitives),
+            array(4, primitives * lights),
+        ];
         Self { nodes, lists, triangles, stores, dynamic_base: end, line_shift: line.trailing_zeros() }
     }
 

@@ -152,7 +152,9 @@ impl ShadowCache {
             Some(Step::Node(node)) => links.layout.node(node),
             Some(Step::List(entry)) => links.layout.list_entry(entry),
             Some(Step::Read { store, index }) => links.layout.entry(store, index, false),
-            Some(Step::Write { store, index } | Step::Update { store, index }) => links.layout.entry(store, index, true),
+            Some(Step::Write { store, index } | Step::Update { store, index }) => {
+                links.layout.entry(store, index, true)
+            }
             None => return self.finish(id, now, links),
         };
         self.pipeline.fetch(id, &element, links);
@@ -164,7 +166,9 @@ impl ShadowCache {
             return links.done(id, now);
         }
         self.free_entries.push_back(id);
-        let Some(end) = &mut self.frame_end else { unreachable!("only a frame's end uses the entries after the pool's") };
+        let Some(end) = &mut self.frame_end else {
+            unreachable!("only a frame's end uses the entries after the pool's")
+        };
         end.done += 1;
         if end.done == end.steps.len() {
             self.frame_end = None;

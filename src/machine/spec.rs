@@ -82,3 +82,46 @@ impl MachineSpec {
             .map_err(SpecError::Mismatch)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn error(text: &str) -> String {
+        MachineSpec::from_ron(text).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_shipped_machines_are_valid_and_come_back_from_ron() {
+        for text in
+            [include_str!("../../configs/machines/small.ron"), include_str!("../../configs/machines/desktop.ron")]
+        {
+            let machine = MachineSpec::from_ron(text).unwrap_or_else(|error| panic!("{error}"));
+            assert_eq!(MachineSpec::from_ron(&ron::to_string(&machine).unwrap()), Ok(machine));
+        }
+        assert_eq!(MachineSpec::from_ron("()"), Ok(MachineSpec::default()));
+    }
+
+    #[test]
+    fn errors_name_the_field_and_what_is_allowed() {
+        let cases = [
+            ("(clock: 5)", "clock_mhz"),
+            ("(traversal: (count: 0))", "0 is not allowed here: a whole number from 1 to 1024 is"),
+            ("(line_bytes: 48)", "48 is not allowed here: a power of two from 32 to 128 is"),
+            ("(traversal: (cache: (bytes: 8000)))", "`traversal.cache.bytes` is 8000"),
+            ("(l2: (bytes: 393216))", "1024 times a power of two is allowed"),
+            ("(shadow_cache: (cache: (bytes: 12288, ways: 3, replacement: TreePlru)))", "a power of two is allowed"),
+            ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),
+            ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),
+            ("(dram: (mapping: [Column(5), Bank(3)]))", "does not end with `Row`"),
+            ("(dram: (burst_bytes: 128))", "up to the line size, 64, is allowed"),
+            ("(dram: (timing: (rc: 50)))", "at least ras + rp = 102 is allowed"),
+            ("(dram: (timing: (refi: 500)))", "is allowed"),
+        ];
+        for (text, expected) in cases {
+            let error = error(text);
+            assert!(error.contains(expected), "{text}: {error}");
+        }
+        assert!(error("(\n  traversal: (\n    latncy: 3))").starts_with("3:"), "an error of syntax has its line");
+    }
+}

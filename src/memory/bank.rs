@@ -152,7 +152,11 @@ impl Bank {
         if more || stalled_may_go_on || filled && !self.fills.is_empty() {
             wake.wake(self.part, next);
         }
-        let stamps = [self.answers.front().map(|answer| answer.0), self.fills.front().map(|fill| fill.0), self.requests.next_at()];
+        let stamps = [
+            self.answers.front().map(|answer| answer.0),
+            self.fills.front().map(|fill| fill.0),
+            self.requests.next_at(),
+        ];
         for at in stamps.into_iter().flatten().filter(|&at| at > now) {
             wake.wake(self.part, at);
         }
@@ -211,7 +215,10 @@ impl Bank {
 
     /// Whether nothing is under way.
     pub fn is_idle(&self) -> bool {
-        self.requests.is_empty() && self.fills.is_empty() && self.answers.is_empty() && self.out.is_empty()
+        self.requests.is_empty()
+            && self.fills.is_empty()
+            && self.answers.is_empty()
+            && self.out.is_empty()
             && self.cache.misses_under_way() == 0
     }
 

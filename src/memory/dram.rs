@@ -302,3 +302,162 @@ impl Dram {
         format!("queue {}/{}, transfers {}", queue.len(), queue.capacity(), transfers.len())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ranged::{PowerOfTwo, Within};
+
+    /// Nobody sleeps here: every cycle is acted in.
+    struct Awake;
+
+    impl Wake for Awake {
+        fn wake(&mut self, _: PartId, _: u64) {}
+    }
+
+    /// A DRAM whose clock is the machine's, so that its parameters are cycles; lines of 64 B, two a burst pair.
+    fn dram() -> Dram {
+        Dram::new(&DramSpec::default(), 1600, 64, PartId(0))
+    }
+
+    fn request(line: u64, write: bool) -> Request {
+        Request { line: LineAddr(line), class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(9) }
+    }
+
+    /// Puts the requests, each in its cycle or as soon as there is a place; the cycle of each answer.
+    fn answers(dram: &mut Dram, requests: &[(u64, Request)], cycles: u64) -> Vec<u64> {
+        let mut left = requests.iter().copied().peekable();
+        let mut answers = Vec::new();
+        for now in 0..cycles {
+            while let Some((_, request)) = left.next_if(|&(at, _)| at <= now) {
+                assert!(dram.put(request, now, &mut Awake));
+            }
+            dram.tick(0, now, &mut Awake, |_, _| answers.push(now));
+        }
+        answers
+    }
+
+    /// Clocks that a line is on the bus: two bursts of 8.
+    const LINE: u64 = 16;
+    /// Lines to the next row of the same bank: 2 columns, 8 banks, 16 columns.
+    const ROW: u64 = 256;
+
+    #[test]
+    fn latencies_are_closed_forms() {
+        let timing = *dram().timing();
+        // The first command is given in the cycle after the request was put.
+        let miss = 1 + timing.rcd + timing.cl + LINE;
+        let hit = 1 + timing.cl + LINE;
+        // The precharge waits for tRAS after the activate, which was given in cycle 1.
+        let late = 1000;
+        let conflict = 1 + timing.rp + timing.rcd + timing.cl + LINE;
+        for (second, at, expected) in [(1, late, late + hit), (ROW, late, late + conflict), (2, late, late + miss)] {
+            let mut dram = dram();
+            let got = answers(&mut dram, &[(0, request(0, false)), (at, request(second, false))], 3000);
+            assert_eq!(got, [miss, expected], "line {second}");
+            let counts = *dram.counts(0);
+            let met = (counts.row_hits, counts.row_misses, counts.row_conflicts);
+            assert_eq!(met, [(1, 1, 0), (0, 1, 1), (0, 2, 0)][[1, ROW, 2].iter().position(|&l| l == second).unwrap()]);
+        }
+    }
+
+    #[test]
+    fn an_early_conflict_waits_for_the_row_to_be_restored() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let got = answers(&mut dram, &[(0, request(0, false)), (0, request(ROW, false))], 3000);
+        let precharge = 1 + timing.ras;
+        assert_eq!(got[1], precharge + timing.rp + timing.rcd + timing.cl + LINE);
+    }
+
+    #[test]
+    fn a_read_after_a_write_waits_for_the_turn() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let got = answers(&mut dram, &[(0, request(0, true)), (0, request(1, false))], 3000);
+        let write_ends = 1 + timing.rcd + timing.cwl + LINE;
+        assert_eq!(got, [write_ends + timing.wtr + timing.cl + LINE]);
+    }
+
+    #[test]
+    fn row_hits_go_first() {
+        let mut dram = dram();
+        let requests = [(0, request(0, false)), (0, request(ROW, false)), (0, request(1, false))];
+        answers(&mut dram, &requests, 3000);
+        let counts = dram.counts(0);
+        assert_eq!((counts.row_hits, counts.row_misses, counts.row_conflicts), (1, 1, 1));
+    }
+
+    #[test]
+    fn a_chain_of_row_hits_fills_the_bus() {
+        let mut dram = dram();
+        let first = 1 + dram.timing().rcd + dram.timing().cl;
+        // The lines of one row: columns 0 and 1, then those above the bank bits.
+        let row: Vec<_> = (0..32).map(|line| (0, request(line / 2 * 16 + line % 2, false))).collect();
+        let got = answers(&mut dram, &row, 3000);
+        assert_eq!(got, (1..=32).map(|line| first + line * LINE).collect::<Vec<_>>());
+    }
+
+    /// The bus moves a line in 16 / 1600 MHz = 10 ns, 1.4 cycles of 140 MHz: 5 lines take 7 cycles, not 10.
+    #[test]
+    fn a_fraction_of_a_cycle_is_not_lost() {
+        let mut dram = Dram::new(&DramSpec::default(), 140, 64, PartId(0));
+        assert_eq!((dram.timing().line_parts, dram.timing().parts), (2240, 1600));
+        let row: Vec<_> = (0..30).map(|line| (0, request(line / 2 * 16 + line % 2, false))).collect();
+        let got = answers(&mut dram, &row, 500);
+        assert_eq!(got[29] - got[4], 25 * 7 / 5);
+    }
+
+    #[test]
+    fn refreshes_come_every_refi_and_stop_the_channel() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let got = answers(&mut dram, &[(timing.refi, request(0, false))], 10 * timing.refi + 1);
+        // All banks are closed: the refresh is given when it is due, the activate tRFC later.
+        assert_eq!(got, [timing.refi + timing.rfc + timing.rcd + timing.cl + LINE]);
+        assert_eq!(dram.counts(0).refreshes, 10);
+    }
+
+    #[test]
+    fn a_refresh_closes_the_rows() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let before = timing.refi - timing.rcd - timing.cl - LINE - 2;
+        answers(&mut dram, &[(before, request(0, false)), (2 * before, request(1, false))], 2 * timing.refi);
+        assert_eq!(dram.counts(0).row_misses, 2);
+    }
+
+    #[test]
+    fn a_full_queue_refuses() {
+        let spec = DramSpec { queue: Within::new(1).unwrap(), ..DramSpec::default() };
+        let mut dram = Dram::new(&spec, 1600, 64, PartId(0));
+        assert!(dram.put(request(0, false), 0, &mut Awake));
+        assert!(!dram.put(request(1, false), 0, &mut Awake));
+    }
+
+    #[test]
+    fn every_line_has_its_own_place() {
+        use crate::memory::dram_timing::Field;
+        let spec = DramSpec {
+            channels: PowerOfTwo::new(4).unwrap(),
+            mapping: vec![
+                Field::Column(2),
+                Field::Channel(1),
+                Field::Bank(3),
+                Field::Channel(1),
+                Field::Column(3),
+                Field::Row,
+            ],
+            ..DramSpec::default()
+        };
+        spec.check(64).unwrap();
+        let mut seen = std::collections::BTreeMap::new();
+        for line in 0..4096 {
+            let Place { channel, bank, row } = spec.place(LineAddr(line));
+            *seen.entry((channel, bank, row)).or_insert(0) += 1;
+        }
+        assert_eq!(seen.len(), 4096 / 32);
+        assert!(seen.values().all(|&columns| columns == 32));
+        assert!(seen.keys().all(|&(channel, bank, row)| channel < 4 && bank < 8 && row < 4));
+    }
+}

@@ -107,7 +107,7 @@ impl Default for DramSpec {
             burst_clocks: const { Within::literal(8) },
             queue: const { Within::literal(32) },
             timing: TimingSpec::DEFAULT,
-            mapping: vec![Field::Column(1), Field::Bank(3), Field::Column(5), Field::Row],
+            mapping: vec![Field::Column(1), Field::Bank(3), Field::Column(4), Field::Row],
         }
     }
 }
@@ -154,7 +154,9 @@ impl DramSpec {
                 Field::Bank(bits) => (&mut bank, bits),
                 Field::Column(bits) => (&mut column, bits),
                 Field::Row if index + 1 == self.mapping.len() => continue,
-                Field::Row => return Err("`dram.mapping` has `Row` before its end: it is allowed as the last field only".into()),
+                Field::Row => {
+                    return Err("`dram.mapping` has `Row` before its end: it is allowed as the last field only".into());
+                }
             };
             *sum.0 = u32::checked_add(*sum.0, sum.1).ok_or("`dram.mapping` has too many bits")?;
         }

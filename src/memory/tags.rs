@@ -111,3 +111,96 @@ impl TagArray {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn misses(tags: &mut TagArray, lines: impl IntoIterator<Item = u64>) -> usize {
+        let mut misses = 0;
+        for line in lines.into_iter().map(LineAddr) {
+            if !tags.access(line, false) {
+                tags.fill(line, TrafficClass::Node, false);
+                misses += 1;
+            }
+        }
+        misses
+    }
+
+    /// Belady, Nelson and Shedler 1969: more room, more misses.
+    #[test]
+    fn fifo_shows_beladys_anomaly() {
+        let lines = [1, 2, 3, 4, 1, 2, 5, 1, 2, 3, 4, 5];
+        for (policy, ways, expected) in
+            [(Policy::Fifo, 3, 9), (Policy::Fifo, 4, 10), (Policy::Lru, 3, 10), (Policy::Lru, 4, 8)]
+        {
+            assert_eq!(misses(&mut TagArray::new(1, ways, 0, policy), lines), expected, "{policy:?}, {ways} lines");
+        }
+    }
+
+    #[test]
+    fn tree_plru_of_two_ways_is_lru_and_of_four_is_not() {
+        let lines = || [1, 2, 3, 1, 4, 2, 5, 1, 3, 3, 2, 6, 1, 4];
+        let count = |policy, ways| misses(&mut TagArray::new(1, ways, 0, policy), lines());
+        assert_eq!(count(Policy::TreePlru, 2), count(Policy::Lru, 2));
+        // 1 to 4 fill the ways in order. A use of 1 points the root to the other half, whose bit points to 3: the least
+        // recently used line is 2, but 3 goes.
+        let mut tags = TagArray::new(1, 4, 0, Policy::TreePlru);
+        assert_eq!(misses(&mut tags, [1, 2, 3, 4, 1]), 4);
+        assert_eq!(tags.victim(LineAddr(9)).map(|victim| victim.line), Some(LineAddr(3)));
+    }
+
+    #[test]
+    fn a_dirty_line_is_displaced_as_such_and_dropped_lines_are_not() {
+        let mut tags = TagArray::new(1, 1, 0, Policy::Lru);
+        tags.fill(LineAddr(4), TrafficClass::ModeWord, false);
+        assert!(tags.access(LineAddr(4), true));
+        let expected = Victim { line: LineAddr(4), class: TrafficClass::ModeWord, dirty: true };
+        assert_eq!(tags.victim(LineAddr(5)), Some(expected));
+        assert_eq!(tags.fill(LineAddr(5), TrafficClass::Node, false), Some(expected));
+        tags.drop_from(LineAddr(6));
+        assert!(tags.contains(LineAddr(5)));
+        tags.drop_from(LineAddr(5));
+        assert_eq!(tags.victim(LineAddr(6)), None);
+    }
+
+    #[test]
+    fn a_set_is_chosen_by_the_bits_above_the_banks() {
+        let mut tags = TagArray::new(2, 1, 2, Policy::Lru);
+        assert_eq!(misses(&mut tags, [0, 4, 0, 4, 8, 0]), 4, "0 and 8 share a set, 4 is in the other");
+    }
+
+    proptest! {
+        /// Mattson et al. 1970: what an LRU set of `n` lines holds, one of `n + 1` holds too.
+        #[test]
+        fn lru_sets_include_smaller_ones(lines in prop::collection::vec(0..24u64, 1..200), ways in 1..12usize, sets in 0..3u32) {
+            let mut small = TagArray::new(1 << sets, ways, 0, Policy::Lru);
+            let mut large = TagArray::new(1 << sets, ways + 1, 0, Policy::Lru);
+            for &line in &lines {
+                misses(&mut small, [line]);
+                misses(&mut large, [line]);
+                for line in (0..24).map(LineAddr) {
+                    prop_assert!(!small.contains(line) || large.contains(line));
+                }
+            }
+        }
+
+        /// Whatever the policy: a line that was filled is there, at most `ways` lines of a set are, and the announced victim goes.
+        #[test]
+        fn every_policy_keeps_its_word(lines in prop::collection::vec(0..64u64, 1..200), policy in 0..4usize) {
+            let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 7 }][policy];
+            let mut tags = TagArray::new(2, 4, 0, policy);
+            for line in lines.into_iter().map(LineAddr) {
+                if !tags.access(line, false) {
+                    let announced = tags.victim(line);
+                    prop_assert_eq!(tags.fill(line, TrafficClass::Node, false), announced);
+                    prop_assert!(announced.is_none_or(|victim| !tags.contains(victim.line)));
+                }
+                prop_assert!(tags.contains(line));
+                prop_assert!((0..64).map(LineAddr).filter(|&line| tags.contains(line)).count() <= 8);
+            }
+        }
+    }
+}
