@@ -33,7 +33,7 @@ pub(super) struct Event {
 impl Event {
     pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
         let line = spec.line_bytes.get();
-        let wheel = Wheel::new(Parts::new(spec).len());
+        let wheel = Wheel::new(Parts::new(spec).count());
         let links = Links::new(spec, header, wheel);
         let parts = links.parts;
         Self {
@@ -63,7 +63,7 @@ impl Event {
         while let Some(now) = self.links.clock.turn(&mut due) {
             #[cfg(test)]
             if self.eager {
-                due.fill(self.links.parts.len() as u32);
+                due.fill(self.links.parts.count() as u32);
                 self.links.clock.wake(Parts::DISPATCHER, now + 1);
             }
             if due.next(0, 1).is_some() {

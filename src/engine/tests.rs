@@ -270,7 +270,8 @@ fn violated_identities_are_found() {
     let cycles = engine.run::<Infallible>(|| Ok(stream.next()), |_| Ok(())).unwrap();
     let good = check::collect(&engine, &machine, cycles);
     assert_eq!(check::run(&engine, &machine, &good), Ok(()));
-    let broken: [(&str, fn(&mut MachineStats)); 6] = [
+    type Breakage = fn(&mut MachineStats);
+    let broken: [(&str, Breakage); 6] = [
         ("hits + half misses + misses", |s| {
             s.caches.get_mut("l2").unwrap().get_mut(&TrafficClass::Node).unwrap().hits += 1
         }),
@@ -325,14 +326,14 @@ fn machines() -> impl Strategy<Value = MachineSpec> {
                 .enumerate()
         {
             let count = ways.next().unwrap();
-            (cache.ways, cache.bytes) = (num(count), num(line * count << caches.1));
+            (cache.ways, cache.bytes) = (num(count), num((line * count) << caches.1));
             cache.replacement = policy[(index + caches.0 as usize) % 4];
             (cache.mshrs, cache.targets, cache.queue) = (num(caches.2), num(caches.3), num(caches.4));
             (cache.ports, cache.latency) = (num(caches.5), num(caches.4));
         }
         machine.l2.banks = pow(1 << caches.1);
         machine.l2.ways = num(2);
-        machine.l2.bytes = num(line * 2 * 4 << caches.1);
+        machine.l2.bytes = num((line * 2 * 4) << caches.1);
         (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (num(caches.3), num(caches.2), num(caches.5));
         machine.dram.channels = pow(1 << dram.0);
         machine.dram.banks = pow(1 << dram.1);
@@ -431,7 +432,7 @@ fn throughput() {
                 stats.dram.reads + stats.dram.writes,
                 stats.utilization("traversal").unwrap(),
             );
-            println!("{:?}", stats.units);
+            println!("{:?}", stats.caches);
         }
     }
 }

@@ -66,7 +66,7 @@ impl Parts {
     }
 
     /// The number of parts.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.channel(self.channels).0 as usize
     }
 }
@@ -139,7 +139,7 @@ impl<W: Wake> Links<W> {
             freed: Vec::new(),
             frame_end: None,
             frame_over: false,
-            lines: vec![Inbox::new(); parts.len()],
+            lines: vec![Inbox::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
             replayed: Totals::default(),

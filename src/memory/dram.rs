@@ -51,6 +51,8 @@ struct Channel {
     last_activate: Option<u64>,
     read_at: u64,
     refresh_due: u64,
+    /// No command can be given before this cycle.
+    command_at: u64,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
 }
@@ -77,6 +79,8 @@ impl Channel {
                 wanted |= 1 << pending.bank;
             }
         }
+        let (read_bus, write_bus) = (self.bus_at(timing, false), self.bus_at(timing, true));
+        let activate_after = self.last_activate.map_or(0, |last| last + timing.rrd);
         let (mut activate, mut precharge, mut earliest) = (None, None, None::<u64>);
         let mut later = |at: u64| earliest = Some(earliest.map_or(at, |other| other.min(at)));
         for (index, pending) in self.queue.visible(now) {
@@ -84,15 +88,14 @@ impl Channel {
             let write = pending.request.write;
             match bank.open {
                 Some(row) if row == pending.row => {
-                    let turned = if write { 0 } else { self.read_at };
-                    let at = bank.column_at.max(self.bus_at(timing, write)).max(turned);
+                    let at = bank.column_at.max(if write { write_bus } else { read_bus.max(self.read_at) });
                     if at <= now {
                         return Next::Column(index);
                     }
                     later(at);
                 }
                 None => {
-                    let at = bank.activate_at.max(self.last_activate.map_or(0, |last| last + timing.rrd));
+                    let at = bank.activate_at.max(activate_after);
                     if at > now {
                         later(at);
                     } else if activate.is_none() {
@@ -149,10 +152,10 @@ impl Channel {
         self.transfers.push_back(Transfer { ends, request });
     }
 
-    /// Gives at most one command; returns when to look again.
-    fn command(&mut self, now: u64, timing: &Timing, wake: &mut impl Wake) -> Option<u64> {
+    /// Gives at most one command; returns before which cycle none can follow, if no request comes.
+    fn command(&mut self, now: u64, timing: &Timing, wake: &mut impl Wake) -> u64 {
         if self.refresh_due <= now {
-            return Some(self.refresh(now, timing));
+            return self.refresh(now, timing);
         }
         match self.next(now, timing) {
             Next::Column(index) => self.column(index, now, timing, wake),
@@ -171,9 +174,9 @@ impl Channel {
                 let bank = self.prepare(index, Prepared::Precharged);
                 self.banks[bank].close(now, timing);
             }
-            Next::Wait(at) => return at,
+            Next::Wait(at) => return at.unwrap_or(u64::MAX).min(self.refresh_due),
         }
-        Some(now + 1)
+        now + 1
     }
 
     fn refresh(&mut self, now: u64, timing: &Timing) -> u64 {
@@ -225,6 +228,7 @@ impl Dram {
             last_activate: None,
             read_at: 0,
             refresh_due: timing.refi,
+            command_at: 0,
             counts: DramCounts::default(),
             moved: [Bytes(0); TrafficClass::ALL.len()],
         };
@@ -240,6 +244,7 @@ impl Dram {
             return false;
         }
         channel.queue.put(Pending { request, bank, row, prepared: Prepared::Nothing }, now + 1);
+        channel.command_at = channel.command_at.min(now + 1);
         wake.wake(channel.part, now + 1);
         true
     }
@@ -254,11 +259,14 @@ impl Dram {
                 wake.wake(request.from, now + 1);
             }
         }
-        let look_again = channel.command(now, &self.timing, wake);
-        let arrives = channel.queue.last_at().filter(|&at| at > now);
-        let ends = channel.transfers.front().map(|transfer| transfer.ends);
-        for at in [look_again, arrives, ends, Some(channel.refresh_due)].into_iter().flatten().filter(|&at| at > now) {
-            wake.wake(channel.part, at);
+        if channel.command_at <= now {
+            // A request that was put in this cycle, before the channel acted, cannot be seen yet.
+            let unseen = channel.queue.last_at().filter(|&at| at > now).unwrap_or(u64::MAX);
+            channel.command_at = channel.command(now, &self.timing, wake).min(unseen);
+        }
+        wake.wake(channel.part, channel.command_at);
+        if let Some(transfer) = channel.transfers.front() {
+            wake.wake(channel.part, transfer.ends);
         }
     }
 

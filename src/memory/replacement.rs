@@ -19,11 +19,12 @@ pub enum Policy {
     },
 }
 
-/// A policy's memory for one cache.
+/// A policy's memory for one cache, besides the order of the lines in their sets.
 #[derive(Clone, Debug)]
 pub(super) enum State {
-    /// A stamp a line, given at every use (`on_use`) or at fills only.
-    Stamps { stamps: Vec<u64>, clock: u64, on_use: bool },
+    /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use, if
+    /// `on_use`.
+    Order { on_use: bool },
     /// A word of tree bits a set: bit `n` belongs to node `n`, the root is node 1, and points to the side that goes next.
     Tree { bits: Vec<u64> },
     /// The number of fills.
@@ -31,46 +32,37 @@ pub(super) enum State {
 }
 
 impl State {
-    pub(super) fn new(policy: Policy, sets: usize, ways: usize) -> Self {
+    pub(super) fn new(policy: Policy, sets: usize) -> Self {
         match policy {
-            Policy::Lru => Self::Stamps { stamps: vec![0; sets * ways], clock: 0, on_use: true },
-            Policy::Fifo => Self::Stamps { stamps: vec![0; sets * ways], clock: 0, on_use: false },
+            Policy::Lru => Self::Order { on_use: true },
+            Policy::Fifo => Self::Order { on_use: false },
             Policy::TreePlru => Self::Tree { bits: vec![0; sets] },
             Policy::Random { seed } => Self::Random { seed, fills: 0 },
         }
     }
 
-    /// Line `way` of `set` was used.
-    pub(super) fn used(&mut self, set: usize, way: usize, ways: usize) {
+    /// Line `way` of set number `set`, whose lines are `lines`, was used.
+    pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
-            Self::Stamps { stamps, clock, on_use: true } => {
-                *clock += 1;
-                stamps[set * ways + way] = *clock;
-            }
-            Self::Tree { bits } => point_away(&mut bits[set], way, ways),
-            Self::Stamps { on_use: false, .. } | Self::Random { .. } => {}
+            Self::Order { on_use: true } => lines[..=way].rotate_right(1),
+            Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
+            Self::Order { on_use: false } | Self::Random { .. } => {}
         }
     }
 
-    /// Line `way` of `set` was filled.
-    pub(super) fn filled(&mut self, set: usize, way: usize, ways: usize) {
+    /// Line `way` of set number `set`, whose lines are `lines`, was filled.
+    pub(super) fn filled(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
-            Self::Stamps { stamps, clock, .. } => {
-                *clock += 1;
-                stamps[set * ways + way] = *clock;
-            }
-            Self::Tree { bits } => point_away(&mut bits[set], way, ways),
+            Self::Order { .. } => lines[..=way].rotate_right(1),
+            Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
             Self::Random { fills, .. } => *fills += 1,
         }
     }
 
-    /// The way of a full `set` that goes next. Asking changes nothing.
+    /// The way of a full set that goes next. Asking changes nothing.
     pub(super) fn victim(&self, set: usize, ways: usize) -> usize {
         match self {
-            Self::Stamps { stamps, .. } => {
-                let stamps = &stamps[set * ways..][..ways];
-                (0..ways).min_by_key(|&way| stamps[way]).unwrap_or(0)
-            }
+            Self::Order { .. } => ways - 1,
             Self::Tree { bits } => {
                 let mut node = 1;
                 while node < ways {

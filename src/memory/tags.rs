@@ -4,13 +4,22 @@ use super::replacement::{Policy, State};
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
+/// A way without a line.
 const EMPTY: u64 = u64::MAX;
+/// A packed line: its number above `LINE_SHIFT`, then whether it is dirty, then its class.
+const LINE_SHIFT: u32 = 8;
+const DIRTY: u64 = 1 << 7;
 
-/// A line of the array besides its tag.
-#[derive(Clone, Copy, Debug)]
-struct Entry {
-    class: TrafficClass,
-    dirty: bool,
+fn pack(line: LineAddr, class: TrafficClass, dirty: bool) -> u64 {
+    line.0 << LINE_SHIFT | if dirty { DIRTY } else { 0 } | class as u64
+}
+
+fn unpack(packed: u64) -> Option<Victim> {
+    (packed != EMPTY).then(|| Victim {
+        line: LineAddr(packed >> LINE_SHIFT),
+        class: TrafficClass::ALL[(packed & (DIRTY - 1)) as usize],
+        dirty: packed & DIRTY != 0,
+    })
 }
 
 /// A line that goes.
@@ -27,8 +36,8 @@ pub struct Victim {
 /// The tags of a cache.
 #[derive(Clone, Debug)]
 pub struct TagArray {
-    tags: Vec<u64>,
-    entries: Vec<Entry>,
+    /// Packed lines, set by set.
+    lines: Vec<u64>,
     state: State,
     ways: usize,
     set_mask: u64,
@@ -40,73 +49,62 @@ impl TagArray {
     /// `set_shift` bits (which chose the bank), modulo the sets.
     pub fn new(sets: usize, ways: usize, set_shift: u32, policy: Policy) -> Self {
         debug_assert!(sets.is_power_of_two() && ways > 0);
-        Self {
-            tags: vec![EMPTY; sets * ways],
-            entries: vec![Entry { class: TrafficClass::Node, dirty: false }; sets * ways],
-            state: State::new(policy, sets, ways),
-            ways,
-            set_mask: sets as u64 - 1,
-            set_shift,
-        }
+        let state = State::new(policy, sets);
+        Self { lines: vec![EMPTY; sets * ways], state, ways, set_mask: sets as u64 - 1, set_shift }
     }
 
     fn set(&self, line: LineAddr) -> usize {
         (line.0 >> self.set_shift & self.set_mask) as usize
     }
 
-    fn find(&self, line: LineAddr) -> Option<(usize, usize)> {
-        let set = self.set(line);
-        self.tags[set * self.ways..][..self.ways].iter().position(|&tag| tag == line.0).map(|way| (set, way))
+    fn ways(&self, set: usize) -> &[u64] {
+        &self.lines[set * self.ways..][..self.ways]
     }
 
     /// Uses `line`, which makes it dirty if `write`; whether it was there.
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
-        let Some((set, way)) = self.find(line) else { return false };
-        self.state.used(set, way, self.ways);
-        self.entries[set * self.ways + way].dirty |= write;
+        let set = self.set(line);
+        let lines = &mut self.lines[set * self.ways..][..self.ways];
+        let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
+        if write {
+            lines[way] |= DIRTY;
+        }
+        self.state.used(set, way, lines);
         true
     }
 
     /// Whether `line` is there; nothing changes.
     pub fn contains(&self, line: LineAddr) -> bool {
-        self.find(line).is_some()
+        self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
     }
 
-    fn place(&self, line: LineAddr) -> (usize, usize) {
-        let set = self.set(line);
-        let tags = &self.tags[set * self.ways..][..self.ways];
-        let way = tags.iter().position(|&tag| tag == EMPTY).unwrap_or_else(|| self.state.victim(set, self.ways));
-        (set, way)
-    }
-
-    fn at(&self, place: usize) -> Option<Victim> {
-        let Entry { class, dirty } = self.entries[place];
-        (self.tags[place] != EMPTY).then_some(Victim { line: LineAddr(self.tags[place]), class, dirty })
+    fn place(&self, set: usize) -> usize {
+        let empty = self.ways(set).iter().position(|&packed| packed == EMPTY);
+        empty.unwrap_or_else(|| self.state.victim(set, self.ways))
     }
 
     /// What [`TagArray::fill`] would displace; nothing changes.
     pub fn victim(&self, line: LineAddr) -> Option<Victim> {
-        let (set, way) = self.place(line);
-        self.at(set * self.ways + way)
+        let set = self.set(line);
+        unpack(self.ways(set)[self.place(set)])
     }
 
     /// Puts in `line`, which is not there. An empty way is taken first, the lowest; returns what was displaced.
     pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
         debug_assert!(!self.contains(line));
-        let (set, way) = self.place(line);
-        let place = set * self.ways + way;
-        let victim = self.at(place);
-        self.tags[place] = line.0;
-        self.entries[place] = Entry { class, dirty };
-        self.state.filled(set, way, self.ways);
-        victim
+        let set = self.set(line);
+        let way = self.place(set);
+        let lines = &mut self.lines[set * self.ways..][..self.ways];
+        let displaced = std::mem::replace(&mut lines[way], pack(line, class, dirty));
+        self.state.filled(set, way, lines);
+        unpack(displaced)
     }
 
     /// Drops all lines from `first` on, dirty or not.
     pub fn drop_from(&mut self, first: LineAddr) {
-        for tag in &mut self.tags {
-            if *tag >= first.0 {
-                *tag = EMPTY;
+        for packed in &mut self.lines {
+            if *packed >> LINE_SHIFT >= first.0 {
+                *packed = EMPTY;
             }
         }
     }
