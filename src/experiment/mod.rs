@@ -64,7 +64,6 @@ pub struct Experiment {
 struct AsRun<'a> {
     experiment: &'a ExperimentSpec,
     scene: &'a SceneSpec,
-    policies: Named<crate::culling::Resolved>,
     machines: &'a Named<MachineSpec>,
 }
 
@@ -112,15 +111,10 @@ impl Experiment {
         Ok(Self { spec, scene_spec, scene, machines, frames })
     }
 
-    /// The experiment as run, in RON: the file's values, and those that it leaves to presets and other files.
+    /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
     pub fn as_run(&self) -> String {
-        let as_run = AsRun {
-            experiment: &self.spec,
-            scene: &self.scene_spec,
-            policies: self.spec.policies.iter().map(|(name, policy)| (name, policy.resolved())).collect(),
-            machines: &self.machines,
-        };
-        let style = ron::ser::PrettyConfig::new().struct_names(false).indentor("    ");
+        let as_run = AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
+        let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
         ron::ser::to_string_pretty(&as_run, style).expect("specs are plain data, which RON can hold")
     }
 

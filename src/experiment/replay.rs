@@ -18,6 +18,7 @@ pub struct Stopped;
 const WAITING: usize = 8;
 
 /// Machines that replay the streams of several policies.
+#[derive(Default)]
 pub struct Replays<'scope> {
     runs: Vec<Replay<'scope>>,
 }
@@ -48,11 +49,6 @@ pub struct Finished {
 }
 
 impl<'scope> Replays<'scope> {
-    /// No machines.
-    pub fn new() -> Self {
-        Self { runs: Vec::new() }
-    }
-
     /// Starts a machine on the stream of a policy.
     pub fn start<'env>(
         &mut self,

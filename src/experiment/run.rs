@@ -18,7 +18,7 @@ use crate::report::pictures::{Image, PictureInfo};
 use crate::report::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
 };
-use crate::stream::{Header, Item, Totals};
+use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
@@ -32,7 +32,7 @@ pub enum RunFailure {
         /// The policy's name.
         policy: String,
         /// What happened.
-        source: RunError<Infallible>,
+        source: Box<RunError<Infallible>>,
     },
     /// A stream's records don't give the tracer's counts: an error in the simulator.
     #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]
@@ -77,7 +77,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
     let none = Named::<MachineSpec>::default();
     let machines = if machines { &experiment.machines } else { &none };
     let finished = std::thread::scope(|scope| {
-        let mut replays = Replays::new();
+        let mut replays = Replays::default();
         for (name, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
                 replays.start(scope, name, machine, policy, header.clone());
@@ -147,7 +147,7 @@ fn count(recorded: &mut Totals, item: &Item) {
     match item {
         Item::Frame(_) => {}
         Item::Rays(chunk) => chunk.rays().for_each(|ray| recorded.count(&ray)),
-        Item::End { policy, .. } => recorded.count_packed_policy(policy),
+        Item::End { policy, .. } => recorded.count_policy(Step::unpack_all(policy)),
     }
 }
 
@@ -256,7 +256,7 @@ impl Gathered {
             let replayed = result.map_err(|source| RunFailure::Machine {
                 machine: machine.clone(),
                 policy: names[policy].to_owned(),
-                source,
+                source: Box::new(source),
             })?;
             stage(format!("{machine}, {}", names[policy]), replayed.wall, Some(replayed.stats.rays));
             let mut summary = machines

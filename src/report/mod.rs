@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
-pub use table::terminal;
+pub use table::{replayed, terminal};
 
 use pictures::{Image, PictureInfo};
 use summary::{SCHEMA, Summary};
