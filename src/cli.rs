@@ -131,7 +131,8 @@ pub fn execute(cli: Cli) -> Result<u8> {
         }
         Command::Validate { experiment, out } => run_and_report(&experiment.load()?, false, out.as_deref()),
         Command::Trace { experiment, output, policy } => {
-            trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop_on_interrupt()?)?;
+            let stop = stop_on_interrupt()?;
+            trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop)?;
             println!("{}", output.display());
             Ok(0)
         }

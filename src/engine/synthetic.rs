@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 use crate::stream::{
-    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, Store, Structure, Totals,
+    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, Store, StoreEntries, Structure,
+    Totals,
 };
 
 /// Static nodes, slots and primitives of [`header`].
@@ -24,6 +25,7 @@ pub fn header() -> Header {
         static_nodes: STATIC,
         static_slots: STATIC,
         static_list_entries: STATIC,
+        stores: StoreEntries { mode_words: STATIC, pixel_counters: STATIC, occluder_ids: STATIC },
         input_hash: 0,
     }
 }

@@ -209,6 +209,7 @@ impl Gathered {
                 occlusion_tests: lane.occlusion_tests,
                 false_dark: Some(lane.wrong.iter().map(|wrong| wrong.false_dark).sum()),
                 false_lit: Some(lane.wrong.iter().map(|wrong| wrong.false_lit).sum()),
+                compared_rays: comparison.map(|comparison| comparison.all_lights().asked),
                 numeric_differences: comparison.map(|comparison| comparison.all_lights().numeric_differences),
                 psnr: comparison.map(validation::psnr),
             });

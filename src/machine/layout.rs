@@ -18,9 +18,6 @@ pub const PLANE_BYTES: u64 = 16;
 /// Bytes that it reads if the plane is hit.
 pub const EDGE_BYTES: u64 = 32;
 
-/// Lights that a mode word of 32 bits has room for: 2 bits each, after 2 bits of its own.
-const LIGHTS_A_WORD: u64 = 15;
-
 /// Something in memory that is read or written at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Element {
@@ -87,15 +84,13 @@ impl Layout {
             end = (end + element * count).next_multiple_of(ALIGNMENT);
             Array { element, static_count: count, static_base, dynamic_count: 0, dynamic_base: 0 }
         };
-        let lights = u64::from(header.lights).max(1);
-        let primitives = u64::from(header.primitives);
         let nodes = array(header.structure.node_bytes(), header.static_nodes.into());
         let lists = array(LIST_ENTRY_BYTES, header.static_list_entries.into());
         let triangles = array(TRIANGLE_BYTES, header.static_slots.into());
         let stores = [
-            array(4, primitives * lights.div_ceil(LIGHTS_A_WORD)),
-            array(8, primitives),
-            array(4, primitives * lights),
+            array(4, header.stores.mode_words.into()),
+            array(8, header.stores.pixel_counters.into()),
+            array(4, header.stores.occluder_ids.into()),
         ];
         Self { nodes, lists, triangles, stores, dynamic_base: end, line_shift: line.trailing_zeros() }
     }

@@ -39,6 +39,7 @@ pub fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
         occlusion_tests: tests,
         false_dark: Some(wrong / 3),
         false_lit: Some(wrong - wrong / 3),
+        compared_rays: Some(9_000),
         numeric_differences: Some(7),
         psnr: Some(if wrong == 0 { Psnr::Identical } else { Psnr::Decibel(48.0 - wrong as f64 / 100.0) }),
     }

@@ -14,7 +14,7 @@ fn field<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-const COLUMNS: [Column; 23] = [
+const COLUMNS: [Column; 24] = [
     ("frame", |row| row.frame.to_string()),
     ("primary_rays", |row| row.counts.primary_rays.to_string()),
     ("secondary_rays", |row| row.counts.secondary_rays.to_string()),
@@ -36,6 +36,7 @@ const COLUMNS: [Column; 23] = [
     ("intersection_saved", |row| field(row.intersection_saved)),
     ("false_dark", |row| field(row.counts.false_dark)),
     ("false_lit", |row| field(row.counts.false_lit)),
+    ("compared_rays", |row| field(row.counts.compared_rays)),
     ("numeric_differences", |row| field(row.counts.numeric_differences)),
     ("psnr_db", |row| match row.psnr {
         None => String::new(),
@@ -72,7 +73,7 @@ pub fn policies(summary: &Summary) -> Grid {
     const HEAD: [&str; 9] = [
         "policy",
         "skipped",
-        "dynamic only",
+        "dyn. only",
         "nodes saved",
         "triangles saved",
         "tests/pixel",
