@@ -12,9 +12,21 @@ use crate::machine::traversal::Traversal;
 use crate::memory::Wake;
 use crate::stream::{Header, Item};
 
-/// Cycles without a ray that is done, a policy step or a DRAM command after which a run counts as stuck. The longest single wait of a
-/// machine in range is a shading of a million cycles.
-const PATIENCE: u64 = 4_000_000;
+/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
+fn patience(spec: &MachineSpec) -> u64 {
+    let units = [
+        spec.dispatcher.latency.get(),
+        spec.dispatcher.shading_cycles.get(),
+        spec.traversal.latency.get(),
+        spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
+        spec.shadow_cache.latency.get(),
+        spec.l2.latency.get(),
+    ];
+    let dram = spec.dram.timing(spec.clock_mhz.get(), spec.line_bytes.get());
+    let line = dram.line_parts.div_ceil(dram.parts);
+    let command = dram.cl.max(dram.cwl) + line + dram.wr + dram.wtr + dram.rc + dram.rfc + dram.rcd;
+    100_000 + 2 * units.iter().sum::<u64>() + 2 * command
+}
 
 /// The machine in motion.
 pub(super) struct Event {
@@ -23,8 +35,10 @@ pub(super) struct Event {
     pub(super) intersection: Vec<Intersection>,
     pub(super) shadow_cache: ShadowCache,
     pub(super) links: Links<Wheel>,
+    /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
     progress: u64,
-    progress_at: u64,
+    watch_at: u64,
+    patience: u64,
     /// Wakes all parts in all cycles: slow, and must change nothing.
     #[cfg(test)]
     pub(super) eager: bool,
@@ -45,7 +59,8 @@ impl Event {
             shadow_cache: ShadowCache::new(&spec.shadow_cache, line, spec.dispatcher.rays.get(), &links),
             links,
             progress: 0,
-            progress_at: 0,
+            watch_at: patience(spec),
+            patience: patience(spec),
             #[cfg(test)]
             eager: false,
         }
@@ -120,14 +135,18 @@ impl Event {
     }
 
     fn watch<E>(&mut self, now: u64) -> Result<(), RunError<E>> {
-        let done = self.dispatcher.rays();
-        let counts = &self.links.replayed;
-        let progress = done + counts.policy_reads + counts.policy_writes + counts.shadow_rays;
-        if progress != self.progress {
-            (self.progress, self.progress_at) = (progress, now);
-        } else if now - self.progress_at > PATIENCE {
+        if now < self.watch_at {
+            return Ok(());
+        }
+        let units = self.pipelines().into_iter().flat_map(|(.., pipelines)| pipelines);
+        let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
+        let dram = &self.links.dram;
+        let columns: u64 = (0..dram.channels()).map(|i| dram.counts(i).reads + dram.counts(i).writes).sum();
+        let progress = self.dispatcher.causes.busy() + begun + columns;
+        if progress == self.progress {
             return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
         }
+        (self.progress, self.watch_at) = (progress, now + self.patience);
         Ok(())
     }
 

@@ -120,7 +120,7 @@ pub fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) ->
         while node < 1 << (depth - 1) {
             path.push(Step::Node(NodeId(node - 1)));
             let level = node.ilog2();
-            let bit = if level + 4 < depth { region >> (level % 32) & 1 } else { numbers.below(2) };
+            let bit = if level + 2 < depth { region >> (level % 32) & 1 } else { numbers.below(2) };
             node = 2 * node + bit;
         }
         path.push(Step::Node(NodeId(node - 1)));
@@ -137,7 +137,7 @@ pub fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<Synthe
     let mut rays = Vec::new();
     let mut region = 0;
     for pixel in 0..pixels {
-        if pixel % 8 == 0 {
+        if pixel % 64 == 0 {
             region = numbers.below(u32::MAX);
         }
         let word = region >> 20 & (STATIC - 1);

@@ -25,6 +25,11 @@ impl Causes {
         (self.idle, self.from) = (idle, now + 1);
     }
 
+    /// Cycles in which an operation began.
+    pub fn busy(&self) -> u64 {
+        self.totals[Cause::Busy as usize]
+    }
+
     /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds.
     pub fn until(&self, cycles: u64) -> impl Iterator<Item = (Cause, u64)> {
         let Self { totals, idle, from } = *self;

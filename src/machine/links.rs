@@ -152,7 +152,7 @@ impl<W: Wake> Links<W> {
         let unit = home % self.parts.intersection;
         let queue = &mut self.tests[unit as usize];
         if !queue.has_room(now) {
-            queue.wait_for_room(from);
+            queue.wait_for_room(from, now, &mut self.clock);
             return false;
         }
         queue.put(ray, now + 1);

@@ -101,7 +101,7 @@ impl L2 {
         let index = request.line.0 as usize & (self.banks.len() - 1);
         let bank = &mut self.banks[index];
         if !bank.requests.has_room(now) {
-            bank.requests.wait_for_room(request.from);
+            bank.requests.wait_for_room(request.from, now, wake);
             return false;
         }
         bank.requests.put(request, now + 1);

@@ -240,7 +240,7 @@ impl Dram {
         let Place { channel, bank, row } = self.spec.place(request.line);
         let channel = &mut self.channels[channel];
         if !channel.queue.has_room(now) {
-            channel.queue.wait_for_room(request.from);
+            channel.queue.wait_for_room(request.from, now, wake);
             return false;
         }
         channel.queue.put(Pending { request, bank, row, prepared: Prepared::Nothing }, now + 1);

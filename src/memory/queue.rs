@@ -61,9 +61,12 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// `part` is to be woken when a place is freed.
-    pub fn wait_for_room(&mut self, part: PartId) {
-        if !self.waiting.contains(&part) {
+    /// `part`, which found no room in cycle `now`, is to be woken when there is.
+    pub fn wait_for_room(&mut self, part: PartId, now: u64, wake: &mut impl Wake) {
+        if self.entries.len() < self.capacity {
+            // A place was freed in this cycle: it can be used in the next.
+            wake.wake(part, now + 1);
+        } else if !self.waiting.contains(&part) {
             self.waiting.push(part);
         }
     }
@@ -101,5 +104,34 @@ impl<T: Copy> Queue<T> {
     /// Places in all.
     pub fn capacity(&self) -> usize {
         self.capacity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Alarms(Vec<(PartId, u64)>);
+
+    impl Wake for Alarms {
+        fn wake(&mut self, part: PartId, at: u64) {
+            self.0.push((part, at));
+        }
+    }
+
+    #[test]
+    fn a_freed_place_can_be_used_one_cycle_later() {
+        let mut alarms = Alarms::default();
+        let mut queue = Queue::new(1);
+        assert!(queue.has_room(5));
+        queue.put('a', 6);
+        assert!(!queue.has_room(5));
+        queue.wait_for_room(PartId(1), 5, &mut alarms);
+        assert_eq!((queue.first(5), queue.take(6, &mut alarms)), (None, Some('a')));
+        assert_eq!((queue.has_room(6), queue.has_room(7)), (false, true));
+        // Who comes too late in the cycle in which the place was freed is woken too.
+        queue.wait_for_room(PartId(2), 6, &mut alarms);
+        assert_eq!(alarms.0, [(PartId(1), 7), (PartId(2), 7)]);
     }
 }
