@@ -37,13 +37,13 @@ pub struct Node<const N: usize> {
     pub low: [[f32; N]; 3],
     /// Upper bounds, by axis and child.
     pub high: [[f32; N]; 3],
-    /// The children; the absent ones have an empty box.
+    /// The children; an absent one has a box at infinity, which no ray meets.
     pub children: [Child; N],
 }
 
 impl<const N: usize> Default for Node<N> {
     fn default() -> Self {
-        Self { low: [[f32::INFINITY; N]; 3], high: [[f32::NEG_INFINITY; N]; 3], children: [Child::NONE; N] }
+        Self { low: [[f32::INFINITY; N]; 3], high: [[f32::INFINITY; N]; 3], children: [Child::NONE; N] }
     }
 }
 
@@ -63,34 +63,45 @@ impl<const N: usize> Node<N> {
 
     /// The box around all children.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        let fold = |planes: &[f32; N], start: f32, pick: fn(f32, f32) -> f32| planes.iter().copied().fold(start, pick);
-        (
-            Vec3::from_array(self.low.each_ref().map(|planes| fold(planes, f32::INFINITY, f32::min))),
-            Vec3::from_array(self.high.each_ref().map(|planes| fold(planes, f32::NEG_INFINITY, f32::max))),
-        )
+        let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
+        for child in (0..N).filter(|&child| !self.children[child].is_none()) {
+            low = low.min(Vec3::from_array(self.low.map(|planes| planes[child])));
+            high = high.max(Vec3::from_array(self.high.map(|planes| planes[child])));
+        }
+        (low, high)
     }
 
     /// Where the ray enters each child's box, and infinity where it misses it.
+    #[inline(always)]
     fn entries(&self, ray: &Ray) -> [f32; N] {
         let mut near = [0.0f32; N];
-        let mut far = [ray.reach * SLAB; N];
+        let mut far = [ray.reach; N];
         for axis in 0..3 {
             let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
             let (entry, exit) =
                 if inverse < 0.0 { (&self.high[axis], &self.low[axis]) } else { (&self.low[axis], &self.high[axis]) };
             for child in 0..N {
-                near[child] = near[child].max((entry[child] - origin) * inverse);
-                far[child] = far[child].min((exit[child] - origin) * inverse * SLAB);
+                near[child] = larger(near[child], (entry[child] - origin) * inverse);
+                far[child] = smaller(far[child], (exit[child] - origin) * inverse);
             }
         }
         for child in 0..N {
-            // Written so that a NaN counts as a miss of an empty box.
-            if near[child].partial_cmp(&far[child]).is_none_or(|order| order.is_gt()) {
+            if near[child] > far[child] * SLAB {
                 near[child] = f32::INFINITY;
             }
         }
         near
     }
+}
+
+/// The smaller of two numbers that are no NaN: one instruction, where `f32::min` takes several.
+fn smaller(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The larger of two numbers that are no NaN.
+fn larger(a: f32, b: f32) -> f32 {
+    if a > b { a } else { b }
 }
 
 /// A tree over static or dynamic triangles. Ids of nodes and slots are global (see [`NodeId`], [`TriangleSlot`]).
@@ -114,8 +125,7 @@ pub struct Forest<'a, const N: usize> {
     pub dynamic: Tree<N>,
 }
 
-/// Entries of the traversal stack. The trees of obvhs stay below 96 levels; each level leaves at most `N` - 1 children
-/// waiting.
+/// Children that wait, with the ray's entry. One allocation a ray is faster here than a stack that may spill.
 type Stack = Vec<(f32, Child)>;
 
 impl<const N: usize> Forest<'_, N> {

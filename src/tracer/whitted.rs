@@ -1,6 +1,7 @@
 //! Whitted's tree of rays under one pixel, traced once, recorded in every lane.
 
 use glam::Vec3;
+use smallvec::SmallVec;
 
 use super::lane::Lane;
 use super::shade::Shader;
@@ -54,11 +55,11 @@ impl Whitted<'_> {
             return;
         };
         let surface = self.shader.surface(ray.ray, &hit);
-        let shadow_rays: Vec<_> = self.shader.shadow_rays(&surface).collect();
+        let shadow_rays: SmallVec<[_; 8]> = self.shader.shadow_rays(&surface).collect();
         let at = SurfaceHit { primitive: hit.primitive, depth: ray.depth };
 
         // The policies decide on all lights before the first shadow ray leaves.
-        let mut verdicts = Vec::with_capacity(self.lanes.len() * shadow_rays.len());
+        let mut verdicts = SmallVec::<[_; 32]>::new();
         for (lane, color) in self.lanes.iter_mut().zip(colors.iter_mut()) {
             let mut probe = Probe::new(self.world, &mut lane.policy);
             lane.worker.hit(at, primary, &mut probe);
