@@ -111,6 +111,9 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
             let validated = words
                 .map(|words| (validation::validate(experiment, &reference, &frame, tracer.offset(), &lanes), words));
             gathered.add(experiment, number, &lanes, validated);
+            if replayed {
+                gathered.replayed.push(number);
+            }
             clock.reference += compared.elapsed();
             bar.inc(1);
         }
@@ -169,6 +172,8 @@ fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[Lane
 /// What the frames gave so far.
 struct Gathered {
     frames: Vec<u32>,
+    /// Those of them that the machines replayed.
+    replayed: Vec<u32>,
     /// By policy, then frame.
     results: Vec<Vec<FrameResult>>,
     /// By policy, then light.
@@ -185,6 +190,7 @@ impl Gathered {
         let policies = experiment.spec.policies.len();
         Self {
             frames: Vec::new(),
+            replayed: Vec::new(),
             results: vec![Vec::new(); policies],
             wrong: vec![vec![WrongDecisions::default(); experiment.scene.light_count]; policies],
             first: Vec::new(),
@@ -260,10 +266,11 @@ impl Gathered {
                 source: Box::new(source),
             })?;
             stage(format!("{machine}, {}", names[policy]), replayed.wall, Some(replayed.stats.rays));
-            let mut summary = machines
-                .get(&machine)
-                .cloned()
-                .unwrap_or_else(|| MachineSummary { fidelity: "Event".to_owned(), policies: Named::default() });
+            let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
+                fidelity: "Event".to_owned(),
+                frames: self.replayed.clone(),
+                policies: Named::default(),
+            });
             summary.policies.insert(names[policy], MachineRun::from(replayed.stats));
             machines.insert(machine, summary);
         }

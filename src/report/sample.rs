@@ -138,8 +138,8 @@ pub fn sample(frames: &[u32]) -> Report {
         .collect()
     };
     let machines = [
-        ("small", MachineSummary { fidelity: "event".into(), policies: runs(0.11) }),
-        ("desktop", MachineSummary { fidelity: "event".into(), policies: runs(0.04) }),
+        ("small", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.11) }),
+        ("desktop", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.04) }),
     ];
     let colors: Vec<Vec3> = (0..SIZE.pixels()).map(|pixel| Vec3::splat(pixel as f32 / SIZE.pixels() as f32)).collect();
     let render = pictures::render(SIZE, &colors);

@@ -328,6 +328,8 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 pub struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
+    /// Numbers of the frames that it replayed, in order.
+    pub frames: Vec<u32>,
     /// A run for each policy's stream.
     pub policies: Named<MachineRun>,
 }
