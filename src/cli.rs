@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 use umbrasim::engine;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, run, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
 use umbrasim::stream::{StreamReader, inspect};
@@ -87,6 +87,15 @@ enum Command {
         #[arg(long)]
         json: bool,
     },
+    /// Print the published figures of GI09 beside ours, under every reading of its text that a config lists
+    PaperTable {
+        /// The table's file
+        #[arg(default_value = "configs/experiments/paper_table.ron")]
+        config: PathBuf,
+        /// Write all readings to this file too, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
     /// Draw the plots and the page of a report again, from its numbers on disk
     Plot {
         /// The report's folder
@@ -152,6 +161,16 @@ pub fn execute(cli: Cli) -> Result<u8> {
             let text = if json { serde_json::to_string_pretty(&inspection)? } else { inspect::render(&inspection) };
             println!("{text}");
             Ok(0)
+        }
+        Command::PaperTable { config, json } => {
+            let stop = stop_on_interrupt()?;
+            let readings = paper::paper_table(&config, &stop)?;
+            println!("{}", report::drawn(&paper::grid(&readings)));
+            println!("\ndistance: root mean square of the differences of the four shares, in points");
+            if let Some(json) = json {
+                write_whole(&json, serde_json::to_string_pretty(&readings)?.as_bytes())?;
+            }
+            Ok(u8::from(stop.load(Ordering::Relaxed)))
         }
         Command::Plot { report } => {
             report::redraw(&report)?;

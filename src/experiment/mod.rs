@@ -1,6 +1,7 @@
 //! Experiments: scene x policies x machines, as a RON file says.
 
 pub mod frames;
+pub mod paper;
 mod progress;
 pub mod replay;
 pub mod ron_file;
@@ -120,12 +121,7 @@ impl Experiment {
 
     /// The policies before the first frame, in the order of the file.
     pub fn policies(&self) -> Vec<Box<dyn Policy>> {
-        let facts = SceneFacts {
-            statics: self.scene.statics.len() as u32,
-            primitives: self.scene.primitive_count() as u32,
-            lights: self.scene.light_count as u32,
-        };
-        self.spec.policies.iter().map(|(_, policy)| policy.build(facts)).collect()
+        self.spec.policies.iter().map(|(_, policy)| policy.build(facts(&self.scene))).collect()
     }
 
     /// Names of the policies, in the order of the file.
@@ -140,6 +136,15 @@ impl Experiment {
             .iter()
             .position(|(_, policy)| *policy == PolicySpec::Off)
             .expect("a spec without `Off` is refused when it is read")
+    }
+}
+
+/// What policies must know of a scene.
+fn facts(scene: &Scene) -> SceneFacts {
+    SceneFacts {
+        statics: scene.statics.len() as u32,
+        primitives: scene.primitive_count() as u32,
+        lights: scene.light_count as u32,
     }
 }
 

@@ -72,7 +72,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
     let headers = headers(experiment, &tracer, &policies);
     let mut gathered = Gathered::new(experiment);
     let mut clock = Clock::default();
-    let bar = progress::frames(experiment.frames.len()).with_message("tracing");
+    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
 
     let none = Named::<MachineSpec>::default();
     let machines = if machines { &experiment.machines } else { &none };
@@ -169,6 +169,20 @@ fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[Lane
     Ok(())
 }
 
+/// What a policy did in a frame, as the tracer counted, without the reference renderer.
+pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
+    FrameResult {
+        frame,
+        totals: lane.totals,
+        occlusion_tests: lane.occlusion_tests,
+        false_dark: Some(lane.wrong.iter().map(|wrong| wrong.false_dark).sum()),
+        false_lit: Some(lane.wrong.iter().map(|wrong| wrong.false_lit).sum()),
+        compared_rays: None,
+        numeric_differences: None,
+        psnr: None,
+    }
+}
+
 /// What the frames gave so far.
 struct Gathered {
     frames: Vec<u32>,
@@ -210,14 +224,10 @@ impl Gathered {
         for (policy, lane) in lanes.iter().enumerate() {
             let comparison = validated.as_ref().map(|(validated, _)| &validated.policies[policy].0);
             self.results[policy].push(FrameResult {
-                frame,
-                totals: lane.totals,
-                occlusion_tests: lane.occlusion_tests,
-                false_dark: Some(lane.wrong.iter().map(|wrong| wrong.false_dark).sum()),
-                false_lit: Some(lane.wrong.iter().map(|wrong| wrong.false_lit).sum()),
                 compared_rays: comparison.map(|comparison| comparison.all_lights().asked),
                 numeric_differences: comparison.map(|comparison| comparison.all_lights().numeric_differences),
                 psnr: comparison.map(validation::psnr),
+                ..frame_result(frame, lane)
             });
             for (all, here) in self.wrong[policy].iter_mut().zip(&lane.wrong) {
                 all.false_dark += here.false_dark;

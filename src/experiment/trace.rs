@@ -40,7 +40,7 @@ pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &
     let mut policies = vec![experiment.policies().swap_remove(index)];
     let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.as_run());
     let mut writer = StreamWriter::create(path, &header)?;
-    let bar = progress::frames(experiment.frames.len()).with_message("tracing");
+    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
     for &number in &experiment.frames {
         if stop.load(Ordering::Relaxed) {
             return Err(TraceError::Stopped);

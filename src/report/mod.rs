@@ -3,7 +3,7 @@
 //! This side sees statistics and pictures as data, never what made them.
 
 mod findings;
-mod format;
+pub mod format;
 mod page;
 pub mod pictures;
 pub mod plots;
@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
-pub use table::{replayed, terminal};
+pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
 use summary::{SCHEMA, Summary};

@@ -201,7 +201,8 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
     [sum, caches, units].iter().map(drawn).collect::<Vec<_>>().join("\n\n")
 }
 
-fn drawn(grid: &Grid) -> String {
+/// A table for the terminal, without a line's end at the end.
+pub fn drawn(grid: &Grid) -> String {
     let mut table = Table::new();
     table.load_preset(PLAIN).set_header(&grid.head).add_rows(&grid.rows);
     for column in table.column_iter_mut().skip(grid.names) {
