@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accel::{Ray, Scope, Trail, World};
 use crate::quantity::{LightId, PrimitiveId};
-use crate::scene::Light;
+use crate::scene::{Light, Scene};
 use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
@@ -36,6 +36,15 @@ pub struct SceneFacts {
 }
 
 impl SceneFacts {
+    /// The facts of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            statics: scene.statics.len() as u32,
+            primitives: scene.primitive_count() as u32,
+            lights: scene.light_count as u32,
+        }
+    }
+
     /// Whether a primitive can move.
     pub fn is_dynamic(&self, primitive: PrimitiveId) -> bool {
         primitive.0 >= self.statics
