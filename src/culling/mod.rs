@@ -4,15 +4,23 @@
 //! only reads the policy, and hands in what it learned as [`Change`]s, which the policy takes in at the frame's end. So
 //! no result depends on the order in which bands are traced, nor on the number of threads.
 
+pub mod hash_predictor;
+pub mod knowledge;
+pub mod last_occluder;
 pub mod mode_word;
+pub mod occluder_grid;
 pub mod off;
 pub mod published;
+pub mod retest;
+pub mod sato;
+pub mod symmetric;
 
+use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use crate::accel::{Ray, Scope, Trail, World};
-use crate::quantity::{LightId, PrimitiveId};
-use crate::scene::Light;
+use crate::accel::{Order, Ray, Scope, Trail, World};
+use crate::quantity::{LightId, NodeId, PrimitiveId};
+use crate::scene::{Light, Scene};
 use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
@@ -22,6 +30,16 @@ pub enum PolicySpec {
     Off,
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
+    /// The published algorithm with occlusion tests in both directions.
+    Symmetric(#[serde(default)] symmetric::SymmetricSpec),
+    /// The last blocker of each primitive and light, tested first.
+    LastOccluder(#[serde(default)] last_occluder::LastOccluderSpec),
+    /// The last blocker of each light and direction, tested first.
+    OccluderGrid(#[serde(default)] occluder_grid::OccluderGridSpec),
+    /// The part of the tree that blocked a similar ray, searched first.
+    HashPredictor(#[serde(default)] hash_predictor::HashPredictorSpec),
+    /// No culling, but larger boxes are visited first.
+    Sato,
 }
 
 /// What a policy must know of a scene before the first frame.
@@ -36,6 +54,15 @@ pub struct SceneFacts {
 }
 
 impl SceneFacts {
+    /// The facts of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            statics: scene.statics.len() as u32,
+            primitives: scene.primitive_count() as u32,
+            lights: scene.light_count as u32,
+        }
+    }
+
     /// Whether a primitive can move.
     pub fn is_dynamic(&self, primitive: PrimitiveId) -> bool {
         primitive.0 >= self.statics
@@ -48,6 +75,32 @@ impl PolicySpec {
         match self {
             Self::Off => Box::new(off::Off),
             Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::Symmetric(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::LastOccluder(spec) => Box::new(spec.build(facts)),
+            Self::OccluderGrid(spec) => Box::new(spec.build(facts)),
+            Self::HashPredictor(spec) => Box::new(hash_predictor::HashPredictor::new(*spec, facts)),
+            Self::Sato => Box::new(sato::Sato),
+        }
+    }
+
+    /// Every policy with its defaults.
+    pub fn all() -> Vec<(&'static str, Self)> {
+        vec![
+            ("Off", Self::Off),
+            ("Published", Self::Published(Default::default())),
+            ("Symmetric", Self::Symmetric(Default::default())),
+            ("LastOccluder", Self::LastOccluder(Default::default())),
+            ("OccluderGrid", Self::OccluderGrid(Default::default())),
+            ("HashPredictor", Self::HashPredictor(Default::default())),
+            ("Sato", Self::Sato),
+        ]
+    }
+
+    /// Whether it never decides wrongly. (A policy that does all the same is broken.)
+    pub fn is_exact(&self) -> bool {
+        match self {
+            Self::Published(_) | Self::Symmetric(_) => false,
+            Self::Off | Self::LastOccluder(_) | Self::OccluderGrid(_) | Self::HashPredictor(_) | Self::Sato => true,
         }
     }
 }
@@ -79,6 +132,11 @@ pub trait Policy: Send + Sync {
     /// What it needs of the tracer.
     fn needs(&self) -> Needs {
         Needs::default()
+    }
+
+    /// The order in which its shadow rays visit the children of a node.
+    fn order(&self) -> Order {
+        Order::NearestFirst
     }
 
     /// A frame begins with these lights; `census` has the pixels of each primitive if [`Needs::census`] asks for them.
@@ -165,6 +223,8 @@ impl Verdict {
 /// What a shadow ray showed.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
+    /// The shadow ray.
+    pub ray: Ray,
     /// What the policy had said.
     pub verdict: Verdict,
     /// What blocks the ray, if it was traced and is blocked. A dynamic blocker of a ray that was traced among everything
@@ -209,9 +269,34 @@ impl<'a> Probe<'a> {
         self.world.test(ray, primitive, self.trail).is_some()
     }
 
+    /// Tests whether one visible primitive blocks a shadow ray: what the tracer would say of it.
+    pub fn blocks(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
+        self.world.blocks(ray, primitive, self.trail)
+    }
+
+    /// Whether a static triangle below a static node blocks a shadow ray.
+    pub fn blocked_below(&mut self, ray: &Ray, node: NodeId) -> bool {
+        self.world.occluded_below(ray, node, self.trail).is_some()
+    }
+
+    /// The static node `levels` levels above a static primitive's leaf, or the root.
+    pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
+        self.world.ancestor(primitive, levels)
+    }
+
+    /// The box around all static triangles; empty without any.
+    pub fn static_bounds(&self) -> (Vec3, Vec3) {
+        self.world.static_bounds()
+    }
+
     /// Reads an entry of a store.
     pub fn read(&mut self, store: Store, index: u32) {
         self.trail.read(store, index);
+    }
+
+    /// Writes an entry of a store whole.
+    pub fn write(&mut self, store: Store, index: u32) {
+        self.trail.write(store, index);
     }
 
     /// Reads, changes and writes an entry of a store.
