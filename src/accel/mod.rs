@@ -3,7 +3,10 @@
 //! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own.
 
 pub mod build;
+pub mod kdtree;
 pub mod ray;
+#[cfg(test)]
+mod tests;
 pub mod trail;
 pub mod tree;
 pub mod triangle;
@@ -30,22 +33,30 @@ pub struct AccelSpec {
     pub statics: Quality,
     /// How much work goes into the dynamic tree, each frame.
     pub dynamic: Quality,
+    /// The order of a kd-tree's nodes; the other structures have one order only.
+    pub kd_layout: kdtree::Layout,
 }
 
 impl Default for AccelSpec {
     fn default() -> Self {
-        Self { structure: Structure::Bvh2, statics: Quality::Best, dynamic: Quality::Fast }
+        Self {
+            structure: Structure::Bvh2,
+            statics: Quality::Best,
+            dynamic: Quality::Fast,
+            kd_layout: kdtree::Layout::Ordered,
+        }
     }
 }
 
-/// How well a tree is built: presets of obvhs without pre-splits, so that each triangle has one record.
+/// How well a tree is built. For BVHs, presets of obvhs without pre-splits, so that each triangle has one record; for
+/// kd-trees see [`kdtree::build`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quality {
     /// For trees that live one frame.
     Fast,
     /// A good tree.
     Medium,
-    /// The best that obvhs builds.
+    /// The best that there is.
     Best,
 }
 
@@ -93,6 +104,7 @@ pub struct Accel {
 enum Statics {
     Bvh2(Tree<2>),
     CwBvh(Tree<8>),
+    KdTree(kdtree::Tree),
 }
 
 impl Accel {
@@ -118,6 +130,11 @@ impl Accel {
                 let slots = slots(&tree.records, 0, items.len());
                 (Statics::CwBvh(tree), slots)
             }
+            Structure::KdTree => {
+                let tree = kdtree::build_static(&items, spec.statics, spec.kd_layout, joined);
+                let slots = slots(&tree.records, 0, items.len());
+                (Statics::KdTree(tree), slots)
+            }
         };
         Self { spec, joined, statics, slots }
     }
@@ -132,6 +149,15 @@ impl Accel {
         match &self.statics {
             Statics::Bvh2(tree) => tree.nodes.len() as u32,
             Statics::CwBvh(tree) => tree.nodes.len() as u32,
+            Statics::KdTree(tree) => tree.nodes.len() as u32,
+        }
+    }
+
+    /// The number of entries of the static tree's primitive lists.
+    pub fn static_list_entries(&self) -> u32 {
+        match &self.statics {
+            Statics::Bvh2(_) | Statics::CwBvh(_) => 0,
+            Statics::KdTree(tree) => tree.lists.len() as u32,
         }
     }
 
@@ -151,27 +177,33 @@ impl Accel {
             .filter(|&(index, _)| frame.visible[index])
             .map(|(index, triangle)| Item { primitive: PrimitiveId(first + index as u32), triangle })
             .collect();
-        let base = Base { node: self.static_nodes(), slot: self.static_slots() };
+        let base = Base { node: self.static_nodes(), slot: self.static_slots(), list: self.static_list_entries() };
         let params = self.spec.dynamic.params();
-        let (forest, nodes, dynamic_slots) = match &self.statics {
+        let (forest, nodes, list_entries, dynamic_slots) = match &self.statics {
             Statics::Bvh2(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::Bvh2(forest), nodes, slots)
+                (Kind::Bvh2(forest), nodes, 0, slots)
             }
             Statics::CwBvh(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::CwBvh(forest), nodes, slots)
+                (Kind::CwBvh(forest), nodes, 0, slots)
+            }
+            Statics::KdTree(statics) => {
+                let dynamic = kdtree::build(&items, self.spec.dynamic, self.spec.kd_layout, base);
+                let slots = slots(&dynamic.records, first, scene.dynamic_count);
+                let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
+                (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
             }
         };
         let info = FrameInfo {
             number: frame.number,
             dynamic_nodes: nodes as u32,
             dynamic_slots: items.len() as u32,
-            dynamic_list_entries: 0,
+            dynamic_list_entries: list_entries as u32,
         };
         World { forest, info, static_slots: &self.slots, dynamic_slots }
     }
@@ -188,7 +220,7 @@ where
     if !joined {
         return Tree::build(items, params, Base::default());
     }
-    let mut tree = Tree::build(items, params, Base { node: 1, slot: 0 });
+    let mut tree = Tree::build(items, params, Base { node: 1, ..Base::default() });
     tree.nodes.insert(0, Node::default());
     tree
 }
@@ -234,6 +266,7 @@ fn slots(records: &[triangle::Record], first: u32, count: usize) -> Vec<Triangle
 enum Kind<'a> {
     Bvh2(Forest<'a, 2>),
     CwBvh(Forest<'a, 8>),
+    KdTree(kdtree::Forest<'a>),
 }
 
 /// Everything that rays can meet in one frame.
@@ -256,6 +289,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.closest(*ray, watch),
             Kind::CwBvh(forest) => forest.closest(*ray, watch),
+            Kind::KdTree(forest) => forest.closest(*ray, watch),
         }
     }
 
@@ -264,6 +298,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.occluded(ray, scope, watch),
             Kind::CwBvh(forest) => forest.occluded(ray, scope, watch),
+            Kind::KdTree(forest) => forest.occluded(ray, scope, watch),
         }
     }
 
@@ -273,6 +308,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+            Kind::KdTree(forest) => forest.test(ray, slot, watch),
         }
     }
 

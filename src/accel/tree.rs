@@ -49,7 +49,7 @@ impl<const N: usize> Default for Node<N> {
 
 /// Widens the far side of a slab test, and the reach of a ray, by more than rounding can narrow them: 1 + 2 gamma(3),
 /// rounded up (Ize 2013, "Robust BVH Ray Traversal").
-const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
+pub(super) const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 impl<const N: usize> Node<N> {
     /// Makes `child` the child number `at`, with the given box.
