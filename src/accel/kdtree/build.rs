@@ -13,7 +13,11 @@ const MAX_DEPTH: usize = 64;
 
 /// A cell that is built, before the layout; the left child of a split follows it.
 pub(super) enum Built {
-    Split { axis: usize, at: f32, right: usize },
+    Split {
+        axis: usize,
+        at: f32,
+        right: usize,
+    },
     /// Indices of items.
     Leaf(Vec<u32>),
 }

@@ -1,6 +1,8 @@
 //! Where to split a cell: the surface area heuristic, over all planes at which the count of triangles changes, or over a
 //! few planes at even distances.
 
+use glam::DVec3;
+
 use super::bounds::Bounds;
 
 /// Cost of a traversal step, and of a triangle test beside it (Wald and Havran 2006, section 5).
@@ -28,13 +30,17 @@ pub(super) fn leaf_cost(count: usize) -> f64 {
 /// The best plane so far.
 struct Search {
     cell: Bounds,
-    area: f64,
+    /// Over the cell's area.
+    per_area: f64,
+    /// The cell's sides.
+    size: DVec3,
     best: Option<(f64, Plane)>,
 }
 
 impl Search {
     fn new(cell: Bounds) -> Self {
-        Self { cell, area: cell.area(), best: None }
+        let size = cell.high.as_dvec3() - cell.low.as_dvec3();
+        Self { cell, per_area: 1.0 / cell.area(), size, best: None }
     }
 
     /// Considers a plane with `counts` triangles to the left and to the right. Of equals, the first is kept.
@@ -47,9 +53,12 @@ impl Search {
         if !parting || low == high {
             return;
         }
-        let parts = self.cell.split(plane.axis, plane.at);
-        let tests: f64 = parts.iter().zip(counts).map(|(part, count)| part.area() / self.area * count as f64).sum();
-        let cost = TRAVERSAL + INTERSECTION * tests;
+        let (a, b) = (self.size[(plane.axis + 1) % 3], self.size[(plane.axis + 2) % 3]);
+        let area = |length: f64| 2.0 * (a * b + (a + b) * length);
+        let at = f64::from(plane.at);
+        let left = area(at - f64::from(low)) * counts[0] as f64;
+        let right = area(f64::from(high) - at) * counts[1] as f64;
+        let cost = TRAVERSAL + INTERSECTION * self.per_area * (left + right);
         let cost = if counts.contains(&0) { EMPTY * cost } else { cost };
         if self.best.is_none_or(|(least, _)| cost < least) {
             self.best = Some((cost, plane));
@@ -183,11 +192,22 @@ mod tests {
     }
 
     #[test]
-    fn makes_no_flat_cell() {
+    fn a_wall_in_a_face_gets_a_flat_cell() {
         let mut wall = cube(0.0, 4.0);
         wall.high.x = 0.0;
-        assert_eq!(sweep(cube(0.0, 4.0), [wall].into_iter()), None);
-        assert_eq!(bins(wall, [wall].into_iter()).map(|(_, plane)| plane.axis), Some(1));
+        let walls = [wall; 8];
+        let (cost, plane) = sweep(cube(0.0, 4.0), walls.into_iter()).unwrap();
+        assert_eq!(plane, Plane { axis: 0, at: 0.0, flat_left: true });
+        assert_eq!(cost, 0.8 * (15.0 + 20.0 * (32.0 / 96.0) * 8.0));
+    }
+
+    #[test]
+    fn no_plane_parts_nothing() {
+        let full = cube(0.0, 4.0);
+        assert_eq!(sweep(full, [full; 8].into_iter()), None);
+        let mut wall = full;
+        wall.high.x = 0.0;
+        assert_eq!(sweep(wall, [wall; 8].into_iter()), None);
     }
 
     #[test]
