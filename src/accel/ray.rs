@@ -29,6 +29,11 @@ impl Ray {
         Self { origin, direction, inverse, reach }
     }
 
+    /// Whether the ray keeps its coordinate along `axis`: no plane across it is crossed.
+    pub fn is_parallel(&self, axis: usize) -> bool {
+        self.direction[axis].abs() <= SMALLEST_COMPONENT
+    }
+
     /// The open segment from `origin` to `target`.
     pub fn segment(origin: Vec3, target: Vec3) -> Self {
         Self::new(origin, target - origin, 1.0)

@@ -76,6 +76,15 @@ impl<const N: usize> Node<N> {
         let mut far = [ray.reach * SLAB; N];
         for axis in 0..3 {
             let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
+            if ray.is_parallel(axis) {
+                // No crossing to compute: a ray in the face of a box would leave it where it enters it.
+                for (near, (low, high)) in near.iter_mut().zip(self.low[axis].iter().zip(&self.high[axis])) {
+                    if origin < *low || origin > *high {
+                        *near = f32::INFINITY;
+                    }
+                }
+                continue;
+            }
             let (entry, exit) =
                 if inverse < 0.0 { (&self.high[axis], &self.low[axis]) } else { (&self.low[axis], &self.high[axis]) };
             for child in 0..N {

@@ -44,6 +44,12 @@ impl Bounds {
         let (mut enter, mut exit) = (0.0f32, ray.reach * SLAB);
         for axis in 0..3 {
             let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
+            if ray.is_parallel(axis) {
+                if origin < self.low[axis] || origin > self.high[axis] {
+                    return None;
+                }
+                continue;
+            }
             let (near, far) =
                 if inverse < 0.0 { (self.high[axis], self.low[axis]) } else { (self.low[axis], self.high[axis]) };
             enter = enter.max((near - origin) * inverse);
@@ -97,8 +103,8 @@ impl Forest<'_> {
             let plane = (at - origin) * inverse;
             // The comparisons allow for the rounding of both sides, so that a ray through an edge of cells comes to all
             // of them.
-            if plane == 0.0 && ray.direction[axis] == 0.0 {
-                // The ray lies in the plane.
+            if at == origin && ray.is_parallel(axis) {
+                // The ray lies in the plane, and meets both sides all along.
                 stack.push(Span { node: far, ..span });
                 span.node = near;
             } else if plane > span.exit * SLAB {
