@@ -1,6 +1,7 @@
 //! The command line: what a user can ask for, and the flow of each command.
 
-use std::io::Write;
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -11,6 +12,7 @@ use clap::{Args, Parser, Subcommand};
 use umbrasim::engine;
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::{self, Experiment, Overrides, run, trace};
+use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
 use umbrasim::stream::{StreamReader, inspect};
@@ -133,29 +135,33 @@ pub fn execute(cli: Cli) -> Result<u8> {
         Command::Trace { experiment, output, policy } => {
             let stop = stop_on_interrupt()?;
             trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop)?;
-            println!("{}", output.display());
+            print(output.display())?;
             Ok(0)
         }
         Command::Replay { stream, machine, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let header = reader.header().clone();
+            let cannot_write = || format!("cannot write {}", json.as_deref().unwrap_or(Path::new("")).display());
+            // Begun before the work, which would be lost if it could not be.
+            let begun = json.as_deref().map(NewFile::create).transpose().with_context(cannot_write)?;
             let stats = engine::run(&spec, &header, reader)?;
-            println!("{}", report::replayed(&spec.name, &header.policy, &stats));
-            if let Some(json) = json {
-                write_whole(&json, serde_json::to_string_pretty(&stats)?.as_bytes())?;
+            print(report::replayed(&spec.name, &header.policy, &stats))?;
+            if let Some(mut file) = begun {
+                let text = serde_json::to_string_pretty(&stats)?;
+                file.write_all(text.as_bytes()).and_then(|()| file.finish()).with_context(cannot_write)?;
             }
             Ok(0)
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;
             let text = if json { serde_json::to_string_pretty(&inspection)? } else { inspect::render(&inspection) };
-            println!("{text}");
+            print(text)?;
             Ok(0)
         }
         Command::Plot { report } => {
             report::redraw(&report)?;
-            println!("{}", report.join(report::PAGE_FILE).display());
+            print(report.join(report::PAGE_FILE).display())?;
             Ok(0)
         }
     }
@@ -167,24 +173,22 @@ fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -
     }
     let stop = stop_on_interrupt()?;
     let result = run::run(experiment, machines, &stop)?;
-    println!("{}", report::terminal(&result.summary));
+    print(report::terminal(&result.summary))?;
     if let Some(out) = out {
         report::write_report(out, &result)?;
-        println!("{}", out.join(report::PAGE_FILE).display());
+        print(out.join(report::PAGE_FILE).display())?;
     }
     Ok(u8::from(stop.load(Ordering::Relaxed)))
 }
 
-/// Writes a file beside its place and moves it there: it is there whole or not at all.
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(bytes)?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+/// Prints a line. A reader that has gone away (`| head`) wants no more, which is no error.
+fn print(text: impl Display) -> Result<()> {
+    match writeln!(io::stdout(), "{text}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
 }
 
 /// A flag that the first Ctrl-C sets; the second one ends the program at once.
