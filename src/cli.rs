@@ -10,7 +10,7 @@ use clap::{Args, Parser, Subcommand};
 
 use umbrasim::engine;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, run, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, run, stress, trace};
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
 use umbrasim::stream::{StreamReader, inspect};
@@ -79,6 +79,15 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Run every culling policy on every small scene that is known to break one, and write a failure map
+    ///
+    /// Beside the map, the report shows how far other answers to what the published text leaves open move saving and
+    /// error. The command fails if a policy that must never be wrong is.
+    Stress {
+        /// Where the report goes
+        #[arg(long, value_name = "DIR", default_value = "reports/stress")]
+        out: PathBuf,
+    },
     /// Say what a recorded ray stream holds
     Inspect {
         /// The stream's file
@@ -146,6 +155,15 @@ pub fn execute(cli: Cli) -> Result<u8> {
                 write_whole(&json, serde_json::to_string_pretty(&stats)?.as_bytes())?;
             }
             Ok(0)
+        }
+        Command::Stress { out } => {
+            report::check_target(&out)?;
+            let summary = stress::run();
+            report::stress::write_stress(&out, &summary)?;
+            let broken = summary.broken();
+            broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
+            println!("{}", out.join(report::PAGE_FILE).display());
+            Ok(u8::from(!broken.is_empty()))
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;

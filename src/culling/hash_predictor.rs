@@ -53,7 +53,7 @@ impl HashPredictorSpec {
         let bits = self.origin_bits.get() as u32;
         let cells = (1 << bits) as f32;
         let place = ((ray.origin - low) / (high - low) * cells).to_array();
-        // A box without width or without triangles gives no number, which is cell 0.
+        // Without triangles, and in a box without width, there may be no number: that is cell 0.
         let origin = place.into_iter().fold(0, |hash, at| hash << bits | at.clamp(0.0, cells - 1.0) as u32);
         let direction = ray.direction.normalize_or_zero();
         let theta = direction.z.clamp(-1.0, 1.0).acos().to_degrees() as u32;
