@@ -11,7 +11,7 @@ use clap::{Args, Parser, Subcommand};
 
 use umbrasim::engine;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, run, stress, trace};
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
@@ -80,6 +80,15 @@ enum Command {
         /// Write a report with the pictures too
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+    },
+    /// Run every culling policy on every small scene that is known to break one, and write a failure map
+    ///
+    /// Beside the map, the report shows how far other answers to what the published text leaves open move saving and
+    /// error. The command fails if a policy that must never be wrong is.
+    Stress {
+        /// Where the report goes
+        #[arg(long, value_name = "DIR", default_value = "reports/stress")]
+        out: PathBuf,
     },
     /// Say what a recorded ray stream holds
     Inspect {
@@ -156,6 +165,15 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(report::replayed(&spec.name, &header.policy, &stats))?;
             json.finish(&stats)?;
             Ok(0)
+        }
+        Command::Stress { out } => {
+            report::check_target(&out)?;
+            let summary = stress::run();
+            report::stress::write_stress(&out, &summary)?;
+            let broken = summary.broken();
+            broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
+            println!("{}", out.join(report::PAGE_FILE).display());
+            Ok(u8::from(!broken.is_empty()))
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;
