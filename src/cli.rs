@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine;
+use umbrasim::engine::{self, Fidelity};
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
 use umbrasim::quantity::Resolution;
@@ -64,6 +64,9 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
+        /// The engine: Event, or Cycle, which is plain and slow and gives the same numbers
+        #[arg(long, value_name = "ENGINE", default_value_t)]
+        fidelity: Fidelity,
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -145,11 +148,11 @@ pub fn execute(cli: Cli) -> Result<u8> {
             println!("{}", output.display());
             Ok(0)
         }
-        Command::Replay { stream, machine, json } => {
+        Command::Replay { stream, machine, fidelity, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let header = reader.header().clone();
-            let stats = engine::run(&spec, &header, reader)?;
+            let stats = engine::run(&spec, fidelity, &header, reader)?;
             println!("{}", report::replayed(&spec.name, &header.policy, &stats));
             if let Some(json) = json {
                 write_whole(&json, serde_json::to_string_pretty(&stats)?.as_bytes())?;
