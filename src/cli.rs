@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine;
+use umbrasim::engine::{self, Fidelity};
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::{self, Experiment, Overrides, paper, run, stress, trace};
 use umbrasim::new_file::NewFile;
@@ -66,6 +66,9 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
+        /// The engine: Event, or Cycle, which is plain and slow and gives the same numbers
+        #[arg(long, value_name = "ENGINE", default_value_t)]
+        fidelity: Fidelity,
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -156,12 +159,12 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(output.display())?;
             Ok(0)
         }
-        Command::Replay { stream, machine, json } => {
+        Command::Replay { stream, machine, fidelity, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let header = reader.header().clone();
             let json = JsonFile::begin(json)?;
-            let stats = engine::run(&spec, &header, reader)?;
+            let stats = engine::run(&spec, fidelity, &header, reader)?;
             print(report::replayed(&spec.name, &header.policy, &stats))?;
             json.finish(&stats)?;
             Ok(0)

@@ -2,6 +2,7 @@
 
 pub mod bank;
 pub mod cache;
+pub mod command;
 pub mod dram;
 pub mod dram_timing;
 pub mod mshr;
