@@ -4,6 +4,7 @@
 
 pub mod build;
 pub mod ray;
+pub mod shaft;
 pub mod trail;
 pub mod tree;
 pub mod triangle;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
+pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{PrimitiveId, TriangleSlot};
@@ -67,6 +69,8 @@ pub enum Scope {
     All,
     /// Dynamic triangles only.
     Dynamic,
+    /// Static triangles only.
+    Static,
 }
 
 /// The nearest hit of a ray.
@@ -273,6 +277,32 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+        }
+    }
+
+    /// Asks about the static blockers of each of `cells`, shafts that all lie within `around`.
+    pub fn sight(&self, around: &Shaft, cells: &[Shaft], watch: &mut impl Observer) -> Vec<Sight> {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.sight(around, cells, watch),
+            Kind::CwBvh(forest) => forest.sight(around, cells, watch),
+        }
+    }
+
+    /// What a static triangle does to the rays of `shaft`.
+    pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
+            Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
+        }
+    }
+
+    /// Whether a static triangle is certain to block `ray`, also when the tree is traversed.
+    pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

@@ -4,15 +4,19 @@
 //! only reads the policy, and hands in what it learned as [`Change`]s, which the policy takes in at the frame's end. So
 //! no result depends on the order in which bands are traced, nor on the number of threads.
 
+pub mod cells;
+pub mod certified;
 pub mod mode_word;
 pub mod off;
+pub mod oracle;
 pub mod published;
 
+use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
-use crate::accel::{Ray, Scope, Trail, World};
+use crate::accel::{Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{LightId, PrimitiveId};
-use crate::scene::Light;
+use crate::scene::{Light, Triangle};
 use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
@@ -20,6 +24,10 @@ use crate::stream::{Decision, Store, StoreEntries};
 pub enum PolicySpec {
     /// No culling: what every saving is measured against.
     Off,
+    /// The limit of culling: every static answer known at no cost.
+    Oracle,
+    /// Exact.
+    Certified(#[serde(default)] certified::Tuning),
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
 }
@@ -33,6 +41,8 @@ pub struct SceneFacts {
     pub primitives: u32,
     /// Lights.
     pub lights: u32,
+    /// How far off their surface rays start, in world units.
+    pub offset: f32,
 }
 
 impl SceneFacts {
@@ -44,9 +54,11 @@ impl SceneFacts {
 
 impl PolicySpec {
     /// The policy at the start of an animation.
-    pub fn build(&self, facts: SceneFacts) -> Box<dyn Policy> {
+    pub fn build(&self, facts: SceneFacts, statics: &[Triangle]) -> Box<dyn Policy> {
         match self {
             Self::Off => Box::new(off::Off),
+            Self::Oracle => Box::new(oracle::Oracle),
+            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts, statics)),
             Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
         }
     }
@@ -88,8 +100,8 @@ pub trait Policy: Send + Sync {
     fn worker(&self) -> Box<dyn Worker + '_>;
 
     /// A frame ends: takes in what all workers learned, in the order of their bands, and records in `steps` the memory
-    /// accesses of doing so.
-    fn end_frame(&mut self, _changes: &[Change], _steps: &mut Trail) {}
+    /// accesses of doing so; `world` is the frame's.
+    fn end_frame(&mut self, _changes: &[Change], _world: &World<'_>, _steps: &mut Trail) {}
 
     /// A primitive's mode word with the modes of the first fifteen lights, if the policy keeps one.
     fn word(&self, _primitive: PrimitiveId) -> Option<u32> {
@@ -109,6 +121,10 @@ pub struct SurfaceHit {
     pub primitive: PrimitiveId,
     /// 1 for a primary ray's hit, 2 for that of the first secondary ray, and so on.
     pub depth: u32,
+    /// Barycentric coordinates of corners 1 and 2.
+    pub barycentric: Vec2,
+    /// Whether the ray starts on the counter-clockwise side.
+    pub outside: bool,
 }
 
 /// A pixel before the current one.
@@ -207,6 +223,24 @@ impl<'a> Probe<'a> {
     pub fn occlusion_test(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
         self.occlusion_tests += 1;
         self.world.test(ray, primitive, self.trail).is_some()
+    }
+
+    /// Whether a static triangle blocks `ray`; recorded nowhere.
+    pub(super) fn statically_blocked(&self, ray: &Ray) -> bool {
+        self.world.occluded(ray, Scope::Static, &mut Silent).is_some()
+    }
+
+    /// Whether a static triangle is certain to block `ray`.
+    pub fn surely_blocked(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
+        self.world.surely_blocked(ray, primitive, self.trail)
+    }
+    /// t
+    pub fn sight(&mut self, shaft: &Shaft) -> Sight {
+        self.world.sight(shaft, std::slice::from_ref(shaft), self.trail)[0]
+    }
+    /// t
+    pub fn relation(&mut self, shaft: &Shaft, primitive: PrimitiveId) -> Relation {
+        self.world.relation(shaft, primitive, self.trail)
     }
 
     /// Reads an entry of a store.

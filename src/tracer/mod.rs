@@ -126,7 +126,7 @@ impl<'a> Tracer<'a> {
         }
         for (lane, policy) in policies.iter_mut().enumerate() {
             let mut trail = Trail::default();
-            policy.end_frame(&changes[lane], &mut trail);
+            policy.end_frame(&changes[lane], &world, &mut trail);
             let totals = lanes[lane].end(&trail);
             sink(lane, Item::End { policy: Arc::new(trail.steps), totals })?;
         }

@@ -27,7 +27,7 @@ pub(super) struct Surface<'a> {
     /// The interpolated normal, on the same side.
     shading: Vec3,
     /// Whether the ray meets the counter-clockwise side.
-    outside: bool,
+    pub outside: bool,
     direction: Vec3,
 }
 

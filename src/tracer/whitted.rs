@@ -55,7 +55,12 @@ impl Whitted<'_> {
         };
         let surface = self.shader.surface(ray.ray, &hit);
         let shadow_rays: Vec<_> = self.shader.shadow_rays(&surface).collect();
-        let at = SurfaceHit { primitive: hit.primitive, depth: ray.depth };
+        let at = SurfaceHit {
+            primitive: hit.primitive,
+            depth: ray.depth,
+            barycentric: hit.barycentric,
+            outside: surface.outside,
+        };
 
         // The policies decide on all lights before the first shadow ray leaves.
         let mut verdicts = Vec::with_capacity(self.lanes.len() * shadow_rays.len());
@@ -76,9 +81,7 @@ impl Whitted<'_> {
                 self.dynamic.clear();
                 let (found, path) = match verdict.scope() {
                     Some(Scope::All) => (blocker, self.full.path()),
-                    Some(Scope::Dynamic) => {
-                        (self.world.occluded(&shadow.ray, Scope::Dynamic, &mut self.dynamic), self.dynamic.path())
-                    }
+                    Some(scope) => (self.world.occluded(&shadow.ray, scope, &mut self.dynamic), self.dynamic.path()),
                     None => (None, self.dynamic.path()),
                 };
                 let dark = found.is_some() || verdict.scope().is_none();

@@ -10,7 +10,7 @@ use self::rules::{
 };
 use super::mode_word::{ModeWord, Occlusion, SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
 use super::{Change, Evidence, Needs, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
-use crate::accel::{Ray, Trail};
+use crate::accel::{Ray, Trail, World};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
 use crate::stream::{Store, StoreEntries};
@@ -140,7 +140,7 @@ impl Policy for Published {
         })
     }
 
-    fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+    fn end_frame(&mut self, changes: &[Change], _: &World<'_>, trail: &mut Trail) {
         // By primitive, so that the order of bands leaves no trace, in the modes or in the accesses.
         let mut touched: Vec<(PrimitiveId, u32, bool)> = Vec::new();
         let mut sorted: Vec<_> = changes.iter().filter(|change| change.kind != MODES).collect();
