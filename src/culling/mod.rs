@@ -5,7 +5,9 @@
 //! no result depends on the order in which bands are traced, nor on the number of threads.
 
 pub mod cells;
-pub mod certified;
+pub mod certificates;
+pub mod hints;
+pub mod hybrid;
 pub mod mode_word;
 pub mod off;
 pub mod oracle;
@@ -27,7 +29,7 @@ pub enum PolicySpec {
     /// The limit of culling: every static answer known at no cost.
     Oracle,
     /// Exact.
-    Certified(#[serde(default)] certified::Tuning),
+    Hybrid(#[serde(default)] hybrid::HybridSpec),
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
 }
@@ -58,7 +60,7 @@ impl PolicySpec {
         match self {
             Self::Off => Box::new(off::Off),
             Self::Oracle => Box::new(oracle::Oracle),
-            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts, statics)),
+            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts, statics)),
             Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
         }
     }

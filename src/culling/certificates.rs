@@ -1,0 +1,356 @@
+//! Certificates: proofs, kept for cells of static receivers, that a light's static answer is the same for all of a cell.
+//!
+//! A cell has one mode a light, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both
+//! proven), or PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where
+//! rays ask for it and the answer is not uniform; nothing in it depends on a unit of length.
+//!
+//! A certificate holds for one side of a receiver, that of the first ray that came; rays that start on the other side
+//! are traced. Bits 1:0 of the whole primitive's word say which.
+
+use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
+
+use super::cells::{Cell, DEEPEST, Inside, Receivers};
+use super::mode_word::{SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
+use super::{Change, Probe, SceneFacts, SurfaceHit};
+use crate::accel::{Relation, Sight, Trail};
+use crate::quantity::{LightId, PrimitiveId};
+use crate::ranged::Within;
+use crate::scene::{Light, Triangle};
+use crate::stream::Store;
+
+/// When proofs are asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CertificateSpec {
+    /// Rays of a cell that were all lit before its shaft is looked through.
+    pub lit: Within<1, 65535>,
+    /// Rays of a cell that were all blocked before it is asked whether the last blocker covers all of the cell.
+    pub dark: Within<1, 65535>,
+    /// Rays of a cell that is not uniform before it is divided.
+    pub divide: Within<1, 65535>,
+    /// How often a primitive is divided at most.
+    pub deepest: Within<0, DEEPEST>,
+    /// Memory for cells beside the whole primitives; when it is full, no further cell is divided.
+    pub cells: Within<0, 67_108_864>,
+}
+
+impl Default for CertificateSpec {
+    fn default() -> Self {
+        let within = |value| Within::new(value).expect("within its range");
+        Self { lit: within(2), dark: Within::new(2).expect("t"), divide: Within::new(4).expect("t"), deepest: Within::new(8).expect("t"), cells: Within::new(1 << 20).expect("t") }
+    }
+}
+
+/// A node without children.
+const NO_CHILDREN: u32 = 0;
+
+/// The tree of cells, as it was at the frame's start.
+pub struct Certificates {
+    spec: CertificateSpec,
+    receivers: Receivers,
+    layout: WordLayout,
+    light_count: u32,
+    /// Words of all nodes: first the whole primitives, then groups of four.
+    words: Vec<u32>,
+    /// The first of each node's four children.
+    children: Vec<u32>,
+    lights: Vec<Light>,
+    /// Words that the light's movement has cleared, to be accounted for at the frame's end.
+    cleared: Vec<u32>,
+}
+
+/// The smallest cell around a hit that the tree has, and what it says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf {
+    /// The cell.
+    pub cell: Cell,
+    /// Its mode; PARTIAL_SHADOW if it cannot be divided any more.
+    pub mode: Shadow,
+    outside: bool,
+}
+
+fn side_bits(outside: bool) -> u32 {
+    if outside { 0b01 } else { 0b10 }
+}
+
+fn bits(mode: Shadow) -> u32 {
+    match mode {
+        Shadow::Init => 0,
+        Shadow::Full => SEEN_DARK,
+        Shadow::Non => SEEN_LIT,
+        Shadow::Partial => SEEN_DARK | SEEN_LIT,
+    }
+}
+
+impl Certificates {
+    /// No certificate yet.
+    pub fn new(spec: CertificateSpec, facts: SceneFacts, statics: &[Triangle]) -> Self {
+        let layout = WordLayout::new(facts.lights as usize);
+        Self {
+            spec,
+            receivers: Receivers::new(statics, facts.offset),
+            layout,
+            light_count: facts.lights,
+            words: vec![0; statics.len() * layout.words_per_primitive() as usize],
+            children: vec![NO_CHILDREN; statics.len()],
+            lights: Vec::new(),
+            cleared: Vec::new(),
+        }
+    }
+
+    /// A frame begins with these lights: what was known of one that has moved is forgotten.
+    pub fn begin_frame(&mut self, lights: &[Light]) {
+        let moved: Vec<_> = lights
+            .iter()
+            .zip(&self.lights)
+            .enumerate()
+            .filter(|(_, (new, old))| new.position != old.position)
+            .map(|(light, _)| LightId(light as u8))
+            .collect();
+        for light in moved {
+            for node in 0..self.children.len() as u32 {
+                let place = self.layout.shadow(PrimitiveId(node), light);
+                let word = &mut self.words[place.word as usize];
+                if place.mode(*word) != Shadow::Init {
+                    *word &= !(0b11 << place.shift);
+                    self.cleared.push(place.word);
+                }
+            }
+        }
+        self.lights = lights.to_vec();
+    }
+
+    /// Somebody to use and extend them in a band.
+    pub fn prover(&self) -> Prover<'_> {
+        Prover {
+            certificates: self,
+            sides: FxHashMap::default(),
+            modes: FxHashMap::default(),
+            seen: FxHashMap::default(),
+            leaves: vec![None; self.light_count as usize],
+        }
+    }
+
+    fn mode(&self, node: u32, light: LightId) -> Shadow {
+        let place = self.layout.shadow(PrimitiveId(node), light);
+        place.mode(self.words[place.word as usize])
+    }
+
+    fn side(&self, primitive: PrimitiveId) -> Option<bool> {
+        match self.words[self.layout.first(primitive) as usize] & 0b11 {
+            0 => None,
+            side => Some(side == side_bits(true)),
+        }
+    }
+
+    fn child(&self, node: u32, at: u32) -> Option<u32> {
+        let first = self.children[node as usize];
+        (first != NO_CHILDREN).then_some(first + at)
+    }
+
+    /// The entry of a node's reference to its children in the store of mode words: after all words that there can be.
+    fn reference(&self, node: u32) -> u32 {
+        self.nodes() * self.layout.words_per_primitive() + node
+    }
+
+    fn nodes(&self) -> u32 {
+        self.receivers.len() as u32 + self.spec.cells.get() as u32
+    }
+
+    /// Takes in what the provers of a frame found. Band for band the findings agree, because what is proven is true; so
+    /// their order leaves no trace but in the side of a receiver that was first seen from both.
+    pub fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+        for word in self.cleared.drain(..) {
+            trail.update(Store::ModeWord, word);
+        }
+        let mut findings: Vec<_> = changes.iter().filter_map(Finding::from_change).collect();
+        findings.sort_by_key(|finding| finding.cell);
+        for Finding { cell, light, mode, outside } in findings {
+            let word = self.layout.first(cell.primitive);
+            if *self.side(cell.primitive).get_or_insert(outside) != outside {
+                continue;
+            }
+            self.words[word as usize] |= side_bits(outside);
+            let node = cell.path().try_fold(cell.primitive.0, |node, at| self.child(node, at));
+            let Some(node) = node else { continue };
+            let known = self.mode(node, light);
+            if known == mode || matches!(known, Shadow::Full | Shadow::Non) {
+                continue;
+            }
+            let place = self.layout.shadow(PrimitiveId(node), light);
+            let word = &mut self.words[place.word as usize];
+            *word = *word & !(0b11 << place.shift) | bits(mode) << place.shift;
+            trail.update(Store::ModeWord, place.word);
+            let room = (self.children.len() + 4) as u32 <= self.nodes();
+            if mode == Shadow::Partial
+                && self.children[node as usize] == NO_CHILDREN
+                && room
+                && cell.level() < self.spec.deepest.get() as u32
+            {
+                self.children[node as usize] = self.children.len() as u32;
+                self.children.extend([NO_CHILDREN; 4]);
+                self.words.extend(std::iter::repeat_n(0, 4 * self.layout.words_per_primitive() as usize));
+                trail.update(Store::ModeWord, self.reference(node));
+            }
+        }
+    }
+
+    /// Entries of the store of mode words: the words of all nodes, then as many references.
+    pub fn entries(&self) -> u32 {
+        self.nodes() * (self.layout.words_per_primitive() + 1)
+    }
+
+    /// Nodes in use
+    pub fn used(&self) -> usize {
+        self.children.len()
+    }
+}
+
+/// What a prover found of a cell and a light.
+#[derive(Clone, Copy, Debug)]
+struct Finding {
+    cell: Cell,
+    light: LightId,
+    mode: Shadow,
+    outside: bool,
+}
+
+/// The kind of [`Change`] that carries a finding; the light and the mode's bits are added.
+pub const FINDING: u32 = 1 << 16;
+
+impl Finding {
+    fn to_change(self) -> Change {
+        let kind = FINDING | u32::from(self.light.0) << 8 | bits(self.mode) << 2 | side_bits(self.outside);
+        Change { kind, index: self.cell.primitive.0, value: self.cell.place }
+    }
+
+    fn from_change(change: &Change) -> Option<Self> {
+        let mode = match change.kind >> 2 & 0b11 {
+            SEEN_DARK => Shadow::Full,
+            SEEN_LIT => Shadow::Non,
+            _ => Shadow::Partial,
+        };
+        (change.kind & FINDING != 0).then_some(Self {
+            cell: Cell { primitive: PrimitiveId(change.index), place: change.value },
+            light: LightId((change.kind >> 8 & 0xff) as u8),
+            mode,
+            outside: change.kind & 0b11 == side_bits(true),
+        })
+    }
+}
+
+/// Rays of a cell towards a light.
+#[derive(Clone, Copy, Debug, Default)]
+struct Seen {
+    lit: u32,
+    dark: u32,
+    asked: bool,
+}
+
+/// Uses certificates in a band, and asks for new ones.
+pub struct Prover<'a> {
+    certificates: &'a Certificates,
+    sides: FxHashMap<PrimitiveId, bool>,
+    modes: FxHashMap<(Cell, LightId), Shadow>,
+    seen: FxHashMap<(Cell, LightId), Seen>,
+    /// The leaf of the hit in work, by light.
+    leaves: Vec<Option<Leaf>>,
+}
+
+impl Prover<'_> {
+    /// The leaf around the hit for a light; `None` where there can be no certificate.
+    pub fn leaf(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
+        let leaf = self.find(hit, light, probe);
+        self.leaves[usize::from(light.0)] = leaf;
+        leaf
+    }
+
+    fn find(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
+        let all = self.certificates;
+        if !all.receivers.has(hit.primitive) {
+            return None;
+        }
+        let mut inside = Inside::whole(hit.barycentric)?;
+        let side = all.side(hit.primitive);
+        let side = side.unwrap_or_else(|| *self.sides.entry(hit.primitive).or_insert(hit.outside));
+        if side != hit.outside {
+            return None;
+        }
+        let mut cell = Cell::whole(hit.primitive);
+        let mut node = Some(hit.primitive.0);
+        loop {
+            let known = node.map_or(Shadow::Init, |node| {
+                probe.read(Store::ModeWord, all.layout.shadow(PrimitiveId(node), light).word);
+                all.mode(node, light)
+            });
+            let mode = match known {
+                Shadow::Init => self.modes.get(&(cell, light)).copied().unwrap_or(Shadow::Init),
+                known => known,
+            };
+            if mode != Shadow::Partial || cell.level() >= all.spec.deepest.get() as u32 {
+                return Some(Leaf { cell, mode, outside: hit.outside });
+            }
+            if let Some(node) = node {
+                probe.read(Store::ModeWord, all.reference(node));
+            }
+            let (at, within) = inside.descend();
+            inside = within;
+            cell = cell.child(at);
+            node = node.and_then(|node| all.child(node, at));
+        }
+    }
+
+    /// A ray from the last leaf found for the light had this static blocker, or none: asks for a proof if it is time.
+    /// Gives a triangle in the way of it.
+    pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
+        let Leaf { cell, mode, outside } = self.leaves[usize::from(light.0)]?;
+        if mode != Shadow::Init {
+            return None;
+        }
+        let all = self.certificates;
+        let spec = &all.spec;
+        let seen = self.seen.entry((cell, light)).or_default();
+        let count = if blocker.is_some() { &mut seen.dark } else { &mut seen.lit };
+        *count += 1;
+        let rays = u64::from(seen.lit + seen.dark);
+        let shaft = || all.receivers.shaft(cell, outside, all.lights[usize::from(light.0)].position);
+        let mut hint = None;
+        let found = match blocker {
+            _ if seen.lit > 0 && seen.dark > 0 => None,
+            None if !seen.asked && rays >= spec.lit.get() => {
+                seen.asked = true;
+                match probe.sight(&shaft()) {
+                    Sight::Clear => Some(Shadow::Non),
+                    Sight::Blocked(_) => Some(Shadow::Full),
+                    Sight::Unknown(by) => {
+                        hint = Some(by);
+                        None
+                    }
+                }
+            }
+            Some(blocker) if !seen.asked && rays >= spec.dark.get() => {
+                seen.asked = true;
+                (probe.relation(&shaft(), blocker) == Relation::Covers).then_some(Shadow::Full)
+            }
+            _ => None,
+        };
+        let uniform = seen.lit == 0 || seen.dark == 0;
+        let divided = (!uniform || seen.asked) && rays >= spec.divide.get();
+        if let Some(mode) = found.or(divided.then_some(Shadow::Partial)) {
+            self.modes.insert((cell, light), mode);
+            self.seen.remove(&(cell, light));
+        }
+        hint
+    }
+
+    /// What was found.
+    pub fn finish(self) -> impl Iterator<Item = Change> {
+        let sides = self.sides;
+        let all = self.certificates;
+        self.modes.into_iter().map(move |((cell, light), mode)| {
+            let side = all.side(cell.primitive).or_else(|| sides.get(&cell.primitive).copied());
+            Finding { cell, light, mode, outside: side.unwrap_or_default() }.to_change()
+        })
+    }
+}
