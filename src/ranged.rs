@@ -14,16 +14,22 @@ pub struct Within<const LO: u64, const HI: u64>(u64);
 pub struct PowerOfTwo<const LO: u64, const HI: u64>(u64);
 
 macro_rules! checked {
-    ($name:ident, $what:literal, $ok:expr) => {
+    ($name:ident, $what:literal, $value:ident => $ok:expr) => {
         impl<const LO: u64, const HI: u64> $name<LO, HI> {
             /// The checked number; the error says what is allowed.
-            pub fn new(value: u64) -> Result<Self, String> {
-                let allowed: fn(u64) -> bool = $ok;
-                if (LO..=HI).contains(&value) && allowed(value) {
-                    Ok(Self(value))
+            pub fn new($value: u64) -> Result<Self, String> {
+                if LO <= $value && $value <= HI && $ok {
+                    Ok(Self($value))
                 } else {
-                    Err(format!("{value} is not allowed here: {} from {LO} to {HI} is", $what))
+                    Err(format!("{} is not allowed here: {} from {LO} to {HI} is", $value, $what))
                 }
+            }
+
+            /// A number written in the source, for defaults: call it in a `const` block, where a number out of range
+            /// does not compile.
+            pub const fn literal($value: u64) -> Self {
+                assert!(LO <= $value && $value <= HI && $ok);
+                Self($value)
             }
 
             /// The number.
@@ -57,5 +63,5 @@ macro_rules! checked {
     };
 }
 
-checked!(Within, "a whole number", |_| true);
-checked!(PowerOfTwo, "a power of two", u64::is_power_of_two);
+checked!(Within, "a whole number", value => true);
+checked!(PowerOfTwo, "a power of two", value => value.is_power_of_two());

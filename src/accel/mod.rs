@@ -280,11 +280,11 @@ impl World<'_> {
         }
     }
 
-    /// Asks about the static blockers of each of `cells`, shafts that all lie within `around`.
-    pub fn sight(&self, around: &Shaft, cells: &[Shaft], watch: &mut impl Observer) -> Vec<Sight> {
+    /// Looks for static blockers of the rays of `shaft`.
+    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         match &self.forest {
-            Kind::Bvh2(forest) => forest.sight(around, cells, watch),
-            Kind::CwBvh(forest) => forest.sight(around, cells, watch),
+            Kind::Bvh2(forest) => forest.sight(shaft, watch),
+            Kind::CwBvh(forest) => forest.sight(shaft, watch),
         }
     }
 

@@ -33,7 +33,7 @@ use glam::{DVec3, Vec3};
 use super::trail::Observer;
 use super::tree::{Child, Forest, Node};
 use super::triangle::Record;
-use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
+use crate::quantity::{NodeId, TriangleSlot};
 use crate::stream::Stop;
 
 /// Half a unit in the last place of 1 in `f32`.
@@ -94,10 +94,10 @@ pub enum Relation {
 pub enum Sight {
     /// No ray has one.
     Clear,
-    /// Every ray is blocked by this triangle.
-    Blocked(PrimitiveId),
-    /// Not known; this triangle is in the way of a proof that there is none.
-    Unknown(PrimitiveId),
+    /// One triangle blocks every ray.
+    Blocked,
+    /// Not known: a triangle is in the way of a proof that there is none.
+    Unknown,
 }
 
 impl Shaft {
@@ -188,7 +188,12 @@ impl Shaft {
         if (plane_front || outside_front) && (plane_back || outside_back) {
             return (Stop::Edges, Relation::Misses);
         }
-        let covers_front = front && all(height, of_height) && -light_height >= of_rest && all(u, of_u) && all(v, of_v) && all(w, of_w);
+        let covers_front = front
+            && all(height, of_height)
+            && -light_height >= of_rest
+            && all(u, of_u)
+            && all(v, of_v)
+            && all(w, of_w);
         let covers_back = back
             && all(negated(height), of_height)
             && light_height >= of_rest
@@ -217,54 +222,27 @@ impl Shaft {
 }
 
 impl<const N: usize> Forest<'_, N> {
-    /// Asks about the static blockers of each of `cells`, which all lie within `around`; stops when all are known to
-    /// be spoiled. A node is tested against `around` only, a triangle against `around` and, if that does not miss it,
-    /// against each cell that is still clear.
-    pub fn sight(&self, around: &Shaft, cells: &[Shaft], watch: &mut impl Observer) -> Vec<Sight> {
-        let mut answers = vec![Sight::Clear; cells.len()];
-        let root = if self.joined { 1 } else { 0 };
-        if self.statics.records.is_empty() || cells.is_empty() {
-            return answers;
+    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
+    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+        if self.statics.records.is_empty() {
+            return Sight::Clear;
         }
-        let mut clear = cells.len();
-        let mut stack = vec![Child { index: root, count: 0 }];
+        let mut stack = vec![Child { index: u32::from(self.joined), count: 0 }];
         while let Some(child) = stack.pop() {
             if child.count == 0 {
                 watch.node(NodeId(child.index));
-                self.statics.nodes[child.index as usize].meet(around, &mut stack);
+                self.statics.nodes[child.index as usize].meet(shaft, &mut stack);
                 continue;
             }
             for slot in child.index..child.index + child.count {
-                let record = &self.statics.records[slot as usize];
-                let (stop, relation) = around.relation(record);
-                watch.triangle(TriangleSlot(slot), stop);
-                match relation {
-                    Relation::Misses => continue,
-                    Relation::Covers => return vec![Sight::Blocked(record.primitive); cells.len()],
-                    Relation::Crosses => {}
-                }
-                if let [_] = cells {
-                    return vec![Sight::Unknown(record.primitive)];
-                }
-                for (cell, answer) in cells.iter().zip(&mut answers) {
-                    if *answer != Sight::Clear {
-                        continue;
-                    }
-                    let (stop, relation) = cell.relation(record);
-                    watch.triangle(TriangleSlot(slot), stop);
-                    *answer = match relation {
-                        Relation::Misses => continue,
-                        Relation::Covers => Sight::Blocked(record.primitive),
-                        Relation::Crosses => Sight::Unknown(record.primitive),
-                    };
-                    clear -= 1;
-                }
-                if clear == 0 {
-                    return answers;
+                match self.relation(shaft, TriangleSlot(slot), watch) {
+                    Relation::Misses => {}
+                    Relation::Covers => return Sight::Blocked,
+                    Relation::Crosses => return Sight::Unknown,
                 }
             }
         }
-        answers
+        Sight::Clear
     }
 
     /// What the static triangle in `slot` does to the rays of `shaft`.

@@ -19,26 +19,30 @@ use crate::ranged::Within;
 use crate::scene::{Light, Triangle};
 use crate::stream::Store;
 
-/// When proofs are asked for.
+/// When proofs are asked for, and how many are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
-    /// Rays of a cell that were all lit before its shaft is looked through.
-    pub lit: Within<1, 65535>,
-    /// Rays of a cell that were all blocked before it is asked whether the last blocker covers all of the cell.
-    pub dark: Within<1, 65535>,
-    /// Rays of a cell that is not uniform before it is divided.
+    /// Rays from a cell to a light, in one band of the picture and all with the same answer, before a proof is asked for.
+    pub ask: Within<1, 65535>,
+    /// Rays from a cell to a light, in one band, before a cell without a uniform or provable answer is divided.
     pub divide: Within<1, 65535>,
-    /// How often a primitive is divided at most.
+    /// How often a primitive is divided at most; 0 keeps certificates for whole primitives only.
     pub deepest: Within<0, DEEPEST>,
-    /// Memory for cells beside the whole primitives; when it is full, no further cell is divided.
-    pub cells: Within<0, 67_108_864>,
+    /// Room for cells beside the whole primitives; when it is full, no further cell is divided.
+    pub cells: Within<0, 16_777_216>,
 }
 
 impl Default for CertificateSpec {
+    /// What saves most on the BART scenes for the memory it takes: a proof costs about as much as one ray, so two rays
+    /// repay it; cells that fewer than eight rays meet are seldom met again before the memory is full.
     fn default() -> Self {
-        let within = |value| Within::new(value).expect("within its range");
-        Self { lit: within(2), dark: Within::new(2).expect("t"), divide: Within::new(4).expect("t"), deepest: Within::new(8).expect("t"), cells: Within::new(1 << 20).expect("t") }
+        Self {
+            ask: const { Within::literal(2) },
+            divide: const { Within::literal(8) },
+            deepest: const { Within::literal(8) },
+            cells: const { Within::literal(131_072) },
+        }
     }
 }
 
@@ -129,6 +133,7 @@ impl Certificates {
             modes: FxHashMap::default(),
             seen: FxHashMap::default(),
             leaves: vec![None; self.light_count as usize],
+            read: Vec::new(),
         }
     }
 
@@ -165,7 +170,8 @@ impl Certificates {
             trail.update(Store::ModeWord, word);
         }
         let mut findings: Vec<_> = changes.iter().filter_map(Finding::from_change).collect();
-        findings.sort_by_key(|finding| finding.cell);
+        // Those around come first, so that a cell is divided before its parts are written.
+        findings.sort_by_key(|finding| (finding.cell, finding.light));
         for Finding { cell, light, mode, outside } in findings {
             let word = self.layout.first(cell.primitive);
             if *self.side(cell.primitive).get_or_insert(outside) != outside {
@@ -196,14 +202,9 @@ impl Certificates {
         }
     }
 
-    /// Entries of the store of mode words: the words of all nodes, then as many references.
+    /// Entries of the store of mode words: the words of all nodes that there can be, then as many references.
     pub fn entries(&self) -> u32 {
         self.nodes() * (self.layout.words_per_primitive() + 1)
-    }
-
-    /// Nodes in use
-    pub fn used(&self) -> usize {
-        self.children.len()
     }
 }
 
@@ -217,7 +218,7 @@ struct Finding {
 }
 
 /// The kind of [`Change`] that carries a finding; the light and the mode's bits are added.
-pub const FINDING: u32 = 1 << 16;
+const FINDING: u32 = 1 << 16;
 
 impl Finding {
     fn to_change(self) -> Change {
@@ -248,18 +249,34 @@ struct Seen {
     asked: bool,
 }
 
-/// Uses certificates in a band, and asks for new ones.
+/// Uses certificates in a band, and asks for new ones, which count at once within the band. What rays of a cell have
+/// shown is counted within the band only: a small table in the unit, not memory.
 pub struct Prover<'a> {
     certificates: &'a Certificates,
     sides: FxHashMap<PrimitiveId, bool>,
     modes: FxHashMap<(Cell, LightId), Shadow>,
     seen: FxHashMap<(Cell, LightId), Seen>,
-    /// The leaf of the hit in work, by light.
+    /// The leaf around the hit in work, by light.
     leaves: Vec<Option<Leaf>>,
+    /// Words read for the hit in work: all lights share them.
+    read: Vec<u32>,
 }
 
 impl Prover<'_> {
-    /// The leaf around the hit for a light; `None` where there can be no certificate.
+    /// The next hit is worked on.
+    pub fn hit(&mut self) {
+        self.read.clear();
+    }
+
+    fn read(&mut self, entry: u32, probe: &mut Probe<'_>) {
+        if !self.read.contains(&entry) {
+            self.read.push(entry);
+            probe.read(Store::ModeWord, entry);
+        }
+    }
+
+    /// The leaf around the hit for a light; `None` where there can be no certificate: on what moves, on the strip along
+    /// the edges, and on a receiver's other side.
     pub fn leaf(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
         let leaf = self.find(hit, light, probe);
         self.leaves[usize::from(light.0)] = leaf;
@@ -274,27 +291,31 @@ impl Prover<'_> {
         let mut inside = Inside::whole(hit.barycentric)?;
         let side = all.side(hit.primitive);
         let side = side.unwrap_or_else(|| *self.sides.entry(hit.primitive).or_insert(hit.outside));
-        if side != hit.outside {
-            return None;
-        }
         let mut cell = Cell::whole(hit.primitive);
         let mut node = Some(hit.primitive.0);
         loop {
-            let known = node.map_or(Shadow::Init, |node| {
-                probe.read(Store::ModeWord, all.layout.shadow(PrimitiveId(node), light).word);
+            let stored = node.map_or(Shadow::Init, |node| {
+                self.read(all.layout.shadow(PrimitiveId(node), light).word, probe);
                 all.mode(node, light)
             });
-            let mode = match known {
-                Shadow::Init => self.modes.get(&(cell, light)).copied().unwrap_or(Shadow::Init),
-                known => known,
-            };
-            if mode != Shadow::Partial || cell.level() >= all.spec.deepest.get() as u32 {
-                return Some(Leaf { cell, mode, outside: hit.outside });
+            if side != hit.outside {
+                return None;
             }
-            if let Some(node) = node {
-                probe.read(Store::ModeWord, all.reference(node));
+            let mode = match stored {
+                Shadow::Init => self.modes.get(&(cell, light)).copied().unwrap_or(Shadow::Init),
+                stored => stored,
+            };
+            let leaf = Leaf { cell, mode, outside: hit.outside };
+            if mode != Shadow::Partial || cell.level() >= all.spec.deepest.get() as u32 {
+                return Some(leaf);
             }
             let (at, within) = inside.descend();
+            if stored == Shadow::Partial {
+                let node = node.filter(|&node| all.child(node, at).is_some());
+                // Without children there was no room for them.
+                let Some(node) = node else { return Some(leaf) };
+                self.read(all.reference(node), probe);
+            }
             inside = within;
             cell = cell.child(at);
             node = node.and_then(|node| all.child(node, at));
@@ -302,55 +323,42 @@ impl Prover<'_> {
     }
 
     /// A ray from the last leaf found for the light had this static blocker, or none: asks for a proof if it is time.
-    /// Gives a triangle in the way of it.
-    pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
-        let Leaf { cell, mode, outside } = self.leaves[usize::from(light.0)]?;
-        if mode != Shadow::Init {
-            return None;
-        }
+    pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
+        let Some(Leaf { cell, mode: Shadow::Init, outside }) = self.leaves[usize::from(light.0)] else { return };
         let all = self.certificates;
-        let spec = &all.spec;
         let seen = self.seen.entry((cell, light)).or_default();
-        let count = if blocker.is_some() { &mut seen.dark } else { &mut seen.lit };
-        *count += 1;
-        let rays = u64::from(seen.lit + seen.dark);
-        let shaft = || all.receivers.shaft(cell, outside, all.lights[usize::from(light.0)].position);
-        let mut hint = None;
-        let found = match blocker {
-            _ if seen.lit > 0 && seen.dark > 0 => None,
-            None if !seen.asked && rays >= spec.lit.get() => {
-                seen.asked = true;
-                match probe.sight(&shaft()) {
+        match blocker {
+            Some(_) => seen.dark += 1,
+            None => seen.lit += 1,
+        }
+        let rays = seen.lit + seen.dark;
+        let uniform = rays == seen.lit || rays == seen.dark;
+        let mut found = None;
+        if uniform && !seen.asked && u64::from(rays) >= all.spec.ask.get() {
+            seen.asked = true;
+            let shaft = all.receivers.shaft(cell, outside, all.lights[usize::from(light.0)].position);
+            found = match blocker {
+                None => match probe.sight(&shaft) {
                     Sight::Clear => Some(Shadow::Non),
-                    Sight::Blocked(_) => Some(Shadow::Full),
-                    Sight::Unknown(by) => {
-                        hint = Some(by);
-                        None
-                    }
-                }
-            }
-            Some(blocker) if !seen.asked && rays >= spec.dark.get() => {
-                seen.asked = true;
-                (probe.relation(&shaft(), blocker) == Relation::Covers).then_some(Shadow::Full)
-            }
-            _ => None,
-        };
-        let uniform = seen.lit == 0 || seen.dark == 0;
-        let divided = (!uniform || seen.asked) && rays >= spec.divide.get();
+                    Sight::Blocked => Some(Shadow::Full),
+                    Sight::Unknown => None,
+                },
+                Some(blocker) => (probe.relation(&shaft, blocker) == Relation::Covers).then_some(Shadow::Full),
+            };
+        }
+        let divided = (seen.asked || !uniform) && u64::from(rays) >= all.spec.divide.get();
         if let Some(mode) = found.or(divided.then_some(Shadow::Partial)) {
             self.modes.insert((cell, light), mode);
             self.seen.remove(&(cell, light));
         }
-        hint
     }
 
     /// What was found.
     pub fn finish(self) -> impl Iterator<Item = Change> {
-        let sides = self.sides;
-        let all = self.certificates;
-        self.modes.into_iter().map(move |((cell, light), mode)| {
+        let (all, sides) = (self.certificates, self.sides);
+        self.modes.into_iter().filter_map(move |((cell, light), mode)| {
             let side = all.side(cell.primitive).or_else(|| sides.get(&cell.primitive).copied());
-            Finding { cell, light, mode, outside: side.unwrap_or_default() }.to_change()
+            side.map(|outside| Finding { cell, light, mode, outside }.to_change())
         })
     }
 }

@@ -1,4 +1,9 @@
 //! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers.
+//!
+//! The two complement each other: a re-tested blocker answers dark rays for one triangle test and cannot answer lit
+//! ones; a certificate answers both, and cannot be had where the answer changes within a cell, or where no single
+//! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test is
+//! not watertight, and a ray may slip between them in the tracer.)
 
 use serde::{Deserialize, Serialize};
 
@@ -6,56 +11,42 @@ use super::cells::Cell;
 use super::certificates::{CertificateSpec, Certificates, Prover};
 use super::hints::{HintWorker, Hints};
 use super::mode_word::Shadow;
-use super::{Change, Evidence, Policy, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
 use crate::accel::{Ray, Trail, World};
 use crate::quantity::{LightId, PrimitiveId};
+use crate::ranged::PowerOfTwo;
 use crate::scene::{Light, Triangle};
 use crate::stream::StoreEntries;
 
-/// The settings.
+/// Settings of certificates and hints. They hold for every scene: nothing is in units of length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridSpec {
-    /// When proofs are asked for.
+    /// When proofs are asked for, and how many are kept.
     pub certificates: CertificateSpec,
-    /// bits
-    pub hints: u32,
-    /// d
-    pub drop: bool,
-    /// d
-    pub verbose: bool,
+    /// Entries of the table of hints.
+    pub hints: PowerOfTwo<2, 16_777_216>,
 }
+
 impl Default for HybridSpec {
+    /// 64 KB of hints: sixteen times as many save one part in a hundred more.
     fn default() -> Self {
-        Self { certificates: CertificateSpec::default(), hints: 18, drop: false, verbose: false }
+        Self { certificates: CertificateSpec::default(), hints: const { PowerOfTwo::literal(16_384) } }
     }
 }
 
-/// Certificates and hints.
+/// The policy.
 pub struct Hybrid {
-    spec: HybridSpec,
     certificates: Certificates,
     hints: Hints,
-    statics: u32,
-}
-
-impl Drop for Hybrid {
-    fn drop(&mut self) {
-        if self.spec.verbose {
-            println!("{:?} nodes used {}", self.spec, self.certificates.used());
-        }
-    }
+    facts: SceneFacts,
 }
 
 impl Hybrid {
     /// Nothing known yet.
     pub fn new(spec: HybridSpec, facts: SceneFacts, statics: &[Triangle]) -> Self {
-        Self {
-            spec,
-            certificates: Certificates::new(spec.certificates, facts, statics),
-            hints: Hints::new(1 << spec.hints, facts.lights as usize),
-            statics: facts.statics,
-        }
+        let hints = Hints::new(spec.hints, facts.lights);
+        Self { certificates: Certificates::new(spec.certificates, facts, statics), hints, facts }
     }
 }
 
@@ -68,9 +59,8 @@ impl Policy for Hybrid {
         Box::new(HybridWorker {
             prover: self.certificates.prover(),
             hints: self.hints.worker(),
-            statics: self.statics,
-            drop: self.spec.drop,
-            rays: vec![(Cell::whole(PrimitiveId(0)), None); self.hints_lights()],
+            facts: self.facts,
+            open: vec![None; self.facts.lights as usize],
         })
     }
 
@@ -82,51 +72,52 @@ impl Policy for Hybrid {
     fn stores(&self) -> StoreEntries {
         StoreEntries {
             mode_words: self.certificates.entries(),
-            occluder_ids: self.hints.len(),
+            occluder_ids: self.hints.entries(),
             ..StoreEntries::default()
         }
     }
 }
-impl Hybrid {
-    fn hints_lights(&self) -> usize {
-        64
-    }
+
+/// A ray that no certificate answers.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    cell: Cell,
+    /// The hint that blocks it.
+    blocker: Option<PrimitiveId>,
 }
 
 struct HybridWorker<'a> {
     prover: Prover<'a>,
     hints: HintWorker<'a>,
-    statics: u32,
-    drop: bool,
-    /// cell and blocker found
-    rays: Vec<(Cell, Option<PrimitiveId>)>,
+    facts: SceneFacts,
+    /// The rays of the hit in work that no certificate answers, by light.
+    open: Vec<Option<Open>>,
 }
 
 impl Worker for HybridWorker<'_> {
+    fn hit(&mut self, _: SurfaceHit, _: Option<&Primary<'_>>, _: &mut Probe<'_>) {
+        self.prover.hit();
+        self.open.fill(None);
+    }
+
     fn decide(&mut self, hit: SurfaceHit, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Verdict {
         let leaf = self.prover.leaf(hit, light, probe);
-        let cell = match leaf {
-            Some(leaf) if leaf.mode == Shadow::Full => return Verdict::Dark,
-            Some(leaf) if leaf.mode == Shadow::Non => return Verdict::DynamicOnly,
-            Some(leaf) => leaf.cell,
-            None => Cell::whole(hit.primitive),
-        };
+        match leaf.map(|leaf| leaf.mode) {
+            Some(Shadow::Full) => return Verdict::Dark,
+            Some(Shadow::Non) => return Verdict::DynamicOnly,
+            _ => {}
+        }
+        let cell = leaf.map_or(Cell::whole(hit.primitive), |leaf| leaf.cell);
         let blocker = self.hints.blocker(cell, light, ray, probe);
-        self.rays[light.0 as usize] = (cell, blocker);
+        self.open[usize::from(light.0)] = Some(Open { cell, blocker });
         if blocker.is_some() { Verdict::Dark } else { Verdict::Trace }
     }
 
-    fn learn(&mut self, hit: SurfaceHit, light: LightId, evidence: Evidence, probe: &mut Probe<'_>) {
-        let _ = hit;
-        let (cell, tested) = self.rays[light.0 as usize];
-        let blocker = match evidence.verdict {
-            Verdict::DynamicOnly => return,
-            Verdict::Dark if tested.is_none() => return,
-            Verdict::Dark => tested,
-            Verdict::Trace => evidence.blocker.filter(|b| b.0 < self.statics),
-        };
-        self.rays[light.0 as usize].1 = None;
-        self.hints.learn(cell, light, blocker, self.drop);
+    fn learn(&mut self, _: SurfaceHit, light: LightId, evidence: Evidence, probe: &mut Probe<'_>) {
+        let Some(Open { cell, blocker }) = self.open[usize::from(light.0)] else { return };
+        let traced = evidence.blocker.filter(|&blocker| !self.facts.is_dynamic(blocker));
+        let blocker = blocker.or(traced);
+        self.hints.learn(cell, light, blocker);
         self.prover.learn(light, blocker, probe);
     }
 

@@ -6,6 +6,7 @@
 
 pub mod cells;
 pub mod certificates;
+pub mod certified;
 pub mod hints;
 pub mod hybrid;
 pub mod mode_word;
@@ -26,12 +27,14 @@ use crate::stream::{Decision, Store, StoreEntries};
 pub enum PolicySpec {
     /// No culling: what every saving is measured against.
     Off,
-    /// The limit of culling: every static answer known at no cost.
-    Oracle,
-    /// Exact.
-    Hybrid(#[serde(default)] hybrid::HybridSpec),
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
+    /// Proofs for cells of receivers; exact.
+    Certified(#[serde(default)] certificates::CertificateSpec),
+    /// The proofs, and the last blocker tested again where there is none; exact.
+    Hybrid(#[serde(default)] hybrid::HybridSpec),
+    /// The limit of culling: every static answer known at no cost.
+    Oracle,
 }
 
 /// What a policy must know of a scene before the first frame.
@@ -55,13 +58,14 @@ impl SceneFacts {
 }
 
 impl PolicySpec {
-    /// The policy at the start of an animation.
+    /// The policy at the start of an animation, for a scene with these static triangles.
     pub fn build(&self, facts: SceneFacts, statics: &[Triangle]) -> Box<dyn Policy> {
         match self {
             Self::Off => Box::new(off::Off),
-            Self::Oracle => Box::new(oracle::Oracle),
-            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts, statics)),
             Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts, statics)),
+            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts, statics)),
+            Self::Oracle => Box::new(oracle::Oracle),
         }
     }
 }
@@ -232,15 +236,17 @@ impl<'a> Probe<'a> {
         self.world.occluded(ray, Scope::Static, &mut Silent).is_some()
     }
 
-    /// Whether a static triangle is certain to block `ray`.
+    /// Whether the static triangle `primitive` is certain to block `ray`.
     pub fn surely_blocked(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
         self.world.surely_blocked(ray, primitive, self.trail)
     }
-    /// t
+
+    /// Looks for static blockers of the rays of `shaft`.
     pub fn sight(&mut self, shaft: &Shaft) -> Sight {
-        self.world.sight(shaft, std::slice::from_ref(shaft), self.trail)[0]
+        self.world.sight(shaft, self.trail)
     }
-    /// t
+
+    /// What the static triangle `primitive` does to the rays of `shaft`.
     pub fn relation(&mut self, shaft: &Shaft, primitive: PrimitiveId) -> Relation {
         self.world.relation(shaft, primitive, self.trail)
     }
