@@ -3,7 +3,11 @@
 
 pub mod accel;
 pub mod culling;
+pub mod engine;
 pub mod experiment;
+pub mod machine;
+pub mod memory;
+pub mod named;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;

@@ -2,6 +2,7 @@
 //!
 //! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own.
 
+mod ancestry;
 pub mod build;
 pub mod ray;
 pub mod shaft;
@@ -9,16 +10,17 @@ pub mod trail;
 pub mod tree;
 pub mod triangle;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use obvhs::BvhBuildParams;
 use serde::{Deserialize, Serialize};
 
+use self::ancestry::Ancestry;
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
 pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
-use crate::quantity::{PrimitiveId, TriangleSlot};
+use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 use crate::scene::{Frame, Scene};
 use crate::stream::{FrameInfo, Structure};
 
@@ -73,6 +75,17 @@ pub enum Scope {
     Static,
 }
 
+/// In which order a shadow ray visits the children of a node that it meets. It changes what is visited before a blocker
+/// is found, never whether one is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// By where the ray enters their boxes.
+    #[default]
+    NearestFirst,
+    /// By the area of their boxes (SATO: Nah and Manocha 2014).
+    LargestFirst,
+}
+
 /// The nearest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
@@ -92,6 +105,7 @@ pub struct Accel {
     statics: Statics,
     /// The slot of each static primitive.
     slots: Vec<TriangleSlot>,
+    ancestry: Ancestry,
 }
 
 enum Statics {
@@ -111,19 +125,21 @@ impl Accel {
             .map(|(index, triangle)| Item { primitive: PrimitiveId(index as u32), triangle })
             .collect();
         let params = spec.statics.params();
-        let (statics, slots) = match spec.structure {
+        let (statics, slots, ancestry) = match spec.structure {
             Structure::Bvh2 => {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
-                (Statics::Bvh2(tree), slots)
+                let ancestry = Ancestry::of(&tree);
+                (Statics::Bvh2(tree), slots, ancestry)
             }
             Structure::CwBvh => {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
-                (Statics::CwBvh(tree), slots)
+                let ancestry = Ancestry::of(&tree);
+                (Statics::CwBvh(tree), slots, ancestry)
             }
         };
-        Self { spec, joined, statics, slots }
+        Self { spec, joined, statics, slots, ancestry }
     }
 
     /// Which structure it is.
@@ -177,7 +193,7 @@ impl Accel {
             dynamic_slots: items.len() as u32,
             dynamic_list_entries: 0,
         };
-        World { forest, info, static_slots: &self.slots, dynamic_slots }
+        World { forest, info, static_slots: &self.slots, ancestry: &self.ancestry, dynamic_slots }
     }
 }
 
@@ -245,6 +261,7 @@ pub struct World<'a> {
     forest: Kind<'a>,
     info: FrameInfo,
     static_slots: &'a [TriangleSlot],
+    ancestry: &'a Ancestry,
     /// Slots of dynamic primitives, counted from the first dynamic slot.
     dynamic_slots: Vec<TriangleSlot>,
 }
@@ -265,9 +282,51 @@ impl World<'_> {
 
     /// A triangle that blocks the ray; if it is dynamic, no static triangle blocks.
     pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        self.occluded_in_order(ray, scope, Order::NearestFirst, watch)
+    }
+
+    /// The same, with the children of nodes visited in `order`: perhaps another triangle, and yet one if there is one.
+    pub fn occluded_in_order(
+        &self,
+        ray: &Ray,
+        scope: Scope,
+        order: Order,
+        watch: &mut impl Observer,
+    ) -> Option<PrimitiveId> {
         match &self.forest {
-            Kind::Bvh2(forest) => forest.occluded(ray, scope, watch),
-            Kind::CwBvh(forest) => forest.occluded(ray, scope, watch),
+            Kind::Bvh2(forest) => forest.occluded(ray, scope, order, watch),
+            Kind::CwBvh(forest) => forest.occluded(ray, scope, order, watch),
+        }
+    }
+
+    /// A static triangle below the static node `node` that blocks the ray.
+    pub fn occluded_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.occluded_below(ray, node, watch),
+            Kind::CwBvh(forest) => forest.occluded_below(ray, node, watch),
+        }
+    }
+
+    /// Whether one visible primitive's triangle blocks the ray. If it does, [`World::occluded`] finds a blocker too.
+    pub fn blocks(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
+        }
+    }
+
+    /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
+    /// Level 1 is the node that holds the leaf.
+    pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
+        self.ancestry.ancestor(self.slot(primitive), levels)
+    }
+
+    /// The box around all static triangles; empty without any.
+    pub fn static_bounds(&self) -> (Vec3, Vec3) {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.static_bounds(),
+            Kind::CwBvh(forest) => forest.static_bounds(),
         }
     }
 
@@ -277,6 +336,15 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+        }
+    }
+
+    /// A static triangle's record.
+    pub fn static_record(&self, primitive: PrimitiveId) -> &triangle::Record {
+        let slot = self.slot(primitive).0 as usize;
+        match &self.forest {
+            Kind::Bvh2(forest) => &forest.statics.records[slot],
+            Kind::CwBvh(forest) => &forest.statics.records[slot],
         }
     }
 

@@ -86,6 +86,12 @@ impl Trail {
         self.steps.push(Step::Read { store, index }.pack());
     }
 
+    /// An entry of a store was written whole.
+    pub fn write(&mut self, store: Store, index: u32) {
+        self.writes += 1;
+        self.steps.push(Step::Write { store, index }.pack());
+    }
+
     /// An entry of a store was read, changed and written.
     pub fn update(&mut self, store: Store, index: u32) {
         self.writes += 1;

@@ -10,9 +10,15 @@ use crate::stream::Stop;
 /// What the test reads of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    pub(super) corner: Vec3,
-    pub(super) edges: [Vec3; 2],
-    normal: Vec3,
+    /// Corner 0.
+    pub corner: Vec3,
+    /// From corner 0 to corners 1 and 2.
+    pub edges: [Vec3; 2],
+    /// The cross product of the edges.
+    pub normal: Vec3,
+    /// The box around the corners, by axis.
+    low: [[f32; 1]; 3],
+    high: [[f32; 1]; 3],
     /// Whose record it is.
     pub primitive: PrimitiveId,
 }
@@ -35,7 +41,14 @@ impl Record {
     pub fn new(triangle: &Triangle, primitive: PrimitiveId) -> Self {
         let [a, b, c] = triangle.v;
         let edges = [b - a, c - a];
-        Self { corner: a, edges, normal: edges[0].cross(edges[1]), primitive }
+        Self {
+            corner: a,
+            edges,
+            normal: edges[0].cross(edges[1]),
+            low: a.min(b).min(c).to_array().map(|bound| [bound]),
+            high: a.max(b).max(c).to_array().map(|bound| [bound]),
+            primitive,
+        }
     }
 
     /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see [`TIE`]). Moeller-Trumbore with
@@ -61,10 +74,16 @@ impl Record {
         (Stop::Hit, Some(TriangleHit { t: distance / facing, barycentric: Vec2::new(u * scale, v * scale) }))
     }
 
-    /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach`.
+    /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach` by a ray that also meets the triangle's box.
+    /// Rounding lets the edge test pass some rays that are well outside a sliver or graze the plane; a tree's boxes would
+    /// keep such a ray from the triangle, or not, depending on where the traversal starts. With its own box asked too,
+    /// the answer of a traversal is that of all triangles tested one by one, whatever is visited.
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
-            (Stop::Hit, Some(hit)) if hit.t < ray.reach => (Stop::Hit, true),
+            (Stop::Hit, Some(hit)) if hit.t < ray.reach => {
+                let [entry] = ray.entries(&self.low, &self.high);
+                if entry < f32::INFINITY { (Stop::Hit, true) } else { (Stop::Edges, false) }
+            }
             // Only just out of reach: the plane's part of the hardware, which compares without a tie rule, ends it.
             (Stop::Hit, _) => (Stop::Plane, false),
             (stop, _) => (stop, false),

@@ -4,8 +4,8 @@
 use glam::{Vec2, Vec3};
 
 use crate::accel::Shaft;
+use crate::accel::triangle::Record;
 use crate::quantity::PrimitiveId;
-use crate::scene::Triangle;
 
 /// The strip along the edges of a primitive that belongs to no cell, as a share of its height. A ray from the very edge
 /// where two walls meet starts on the other wall, and rounding decides whether it is blocked: no proof can hold there.
@@ -75,41 +75,27 @@ impl Inside {
     }
 }
 
-/// The static primitives as receivers of shadow.
-#[derive(Clone, Debug)]
-pub struct Receivers {
-    triangles: Vec<Triangle>,
-    offset: f32,
+/// A static primitive that shadow falls on.
+#[derive(Clone, Copy, Debug)]
+pub struct Receiver<'a> {
+    /// Its record.
+    pub record: &'a Record,
+    /// How far off its surface shadow rays start.
+    pub offset: f32,
 }
 
-impl Receivers {
-    /// Receivers whose shadow rays start `offset` off their surface.
-    pub fn new(triangles: &[Triangle], offset: f32) -> Self {
-        Self { triangles: triangles.to_vec(), offset }
-    }
-
-    /// Whether a primitive is one of them.
-    pub fn has(&self, primitive: PrimitiveId) -> bool {
-        (primitive.0 as usize) < self.triangles.len()
-    }
-
-    /// The number of receivers.
-    pub fn len(&self) -> usize {
-        self.triangles.len()
-    }
-
+impl Receiver<'_> {
     /// All shadow rays from one side of a cell to a light.
     ///
     /// The tracer's point is `a + (b - a) u + (c - a) v` and its ray starts `offset` along the unit normal, all in `f32`:
     /// with the roundings by which the point's cell was found, it strays from the exact one by less than 16 u of the
     /// largest coordinate, the edges and the offset together, where u = 2^-24.
     pub fn shaft(&self, cell: Cell, outside: bool, light: Vec3) -> Shaft {
-        let triangle = &self.triangles[cell.primitive.0 as usize];
-        let [a, b, c] = triangle.v;
-        // As the tracer has them: differences and the unit normal rounded to `f32`.
-        let [ab, ac] = [b - a, c - a].map(|edge| edge.as_dvec3());
-        let normal = triangle.normal().normalize() * if outside { 1.0 } else { -1.0 };
-        let lifted = a.as_dvec3() + normal.as_dvec3() * f64::from(self.offset);
+        let Record { corner, edges, normal, .. } = *self.record;
+        let [ab, ac] = edges.map(|edge| edge.as_dvec3());
+        // The tracer's own unit normal, rounded as there.
+        let normal = normal.normalize() * if outside { 1.0 } else { -1.0 };
+        let lifted = corner.as_dvec3() + normal.as_dvec3() * f64::from(self.offset);
         let (near, far) = (f64::from(BORDER), 1.0 - 2.0 * f64::from(BORDER));
         let at = |u: f64, v: f64| lifted + ab * u + ac * v;
         let mut corners = [at(near, near), at(far, near), at(near, far)];
@@ -123,9 +109,7 @@ impl Receivers {
                 _ => [bc, ca, ab],
             };
         }
-        let largest = triangle.v.into_iter().map(|corner| corner.as_dvec3().length()).fold(0.0, f64::max);
-        let u = 0.5 * f64::from(f32::EPSILON);
-        let spread = 16.0 * u * (largest + ab.length() + ac.length() + f64::from(self.offset));
-        Shaft::new(corners, light, spread)
+        let size = corner.as_dvec3().length() + 2.0 * (ab.length() + ac.length()) + f64::from(self.offset);
+        Shaft::new(corners, light, 16.0 * 0.5 * f64::from(f32::EPSILON) * size)
     }
 }

@@ -10,13 +10,13 @@
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
 
-use super::cells::{Cell, DEEPEST, Inside, Receivers};
+use super::cells::{Cell, DEEPEST, Inside};
 use super::mode_word::{SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
 use super::{Change, Probe, SceneFacts, SurfaceHit};
 use crate::accel::{Relation, Sight, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::Within;
-use crate::scene::{Light, Triangle};
+use crate::scene::Light;
 use crate::stream::Store;
 
 /// When proofs are asked for, and how many are kept.
@@ -52,9 +52,8 @@ const NO_CHILDREN: u32 = 0;
 /// The tree of cells, as it was at the frame's start.
 pub struct Certificates {
     spec: CertificateSpec,
-    receivers: Receivers,
+    facts: SceneFacts,
     layout: WordLayout,
-    light_count: u32,
     /// Words of all nodes: first the whole primitives, then groups of four.
     words: Vec<u32>,
     /// The first of each node's four children.
@@ -89,15 +88,14 @@ fn bits(mode: Shadow) -> u32 {
 
 impl Certificates {
     /// No certificate yet.
-    pub fn new(spec: CertificateSpec, facts: SceneFacts, statics: &[Triangle]) -> Self {
+    pub fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
         let layout = WordLayout::new(facts.lights as usize);
         Self {
             spec,
-            receivers: Receivers::new(statics, facts.offset),
+            facts,
             layout,
-            light_count: facts.lights,
-            words: vec![0; statics.len() * layout.words_per_primitive() as usize],
-            children: vec![NO_CHILDREN; statics.len()],
+            words: vec![0; facts.statics as usize * layout.words_per_primitive() as usize],
+            children: vec![NO_CHILDREN; facts.statics as usize],
             lights: Vec::new(),
             cleared: Vec::new(),
         }
@@ -132,7 +130,7 @@ impl Certificates {
             sides: FxHashMap::default(),
             modes: FxHashMap::default(),
             seen: FxHashMap::default(),
-            leaves: vec![None; self.light_count as usize],
+            leaves: vec![None; self.facts.lights as usize],
             read: Vec::new(),
         }
     }
@@ -160,7 +158,7 @@ impl Certificates {
     }
 
     fn nodes(&self) -> u32 {
-        self.receivers.len() as u32 + self.spec.cells.get() as u32
+        self.facts.statics + self.spec.cells.get() as u32
     }
 
     /// Takes in what the provers of a frame found. Band for band the findings agree, because what is proven is true; so
@@ -285,7 +283,7 @@ impl Prover<'_> {
 
     fn find(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
         let all = self.certificates;
-        if !all.receivers.has(hit.primitive) {
+        if all.facts.is_dynamic(hit.primitive) {
             return None;
         }
         let mut inside = Inside::whole(hit.barycentric)?;
@@ -336,7 +334,8 @@ impl Prover<'_> {
         let mut found = None;
         if uniform && !seen.asked && u64::from(rays) >= all.spec.ask.get() {
             seen.asked = true;
-            let shaft = all.receivers.shaft(cell, outside, all.lights[usize::from(light.0)].position);
+            let position = all.lights[usize::from(light.0)].position;
+            let shaft = probe.receiver(cell.primitive).shaft(cell, outside, position);
             found = match blocker {
                 None => match probe.sight(&shaft) {
                     Sight::Clear => Some(Shadow::Non),

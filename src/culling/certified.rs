@@ -3,9 +3,9 @@
 use super::certificates::{CertificateSpec, Certificates, Prover};
 use super::mode_word::Shadow;
 use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
-use crate::accel::{Ray, Trail, World};
+use crate::accel::{Ray, Trail};
 use crate::quantity::LightId;
-use crate::scene::{Light, Triangle};
+use crate::scene::Light;
 use crate::stream::StoreEntries;
 
 /// The policy.
@@ -16,8 +16,8 @@ pub struct Certified {
 
 impl Certified {
     /// Nothing proven yet.
-    pub fn new(spec: CertificateSpec, facts: SceneFacts, statics: &[Triangle]) -> Self {
-        Self { certificates: Certificates::new(spec, facts, statics), facts }
+    pub fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
+        Self { certificates: Certificates::new(spec, facts), facts }
     }
 }
 
@@ -30,7 +30,7 @@ impl Policy for Certified {
         Box::new(CertifiedWorker { prover: self.certificates.prover(), facts: self.facts })
     }
 
-    fn end_frame(&mut self, changes: &[Change], _: &World<'_>, trail: &mut Trail) {
+    fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         self.certificates.end_frame(changes, trail);
     }
 

@@ -12,10 +12,10 @@ use super::certificates::{CertificateSpec, Certificates, Prover};
 use super::hints::{HintWorker, Hints};
 use super::mode_word::Shadow;
 use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
-use crate::accel::{Ray, Trail, World};
+use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::PowerOfTwo;
-use crate::scene::{Light, Triangle};
+use crate::scene::Light;
 use crate::stream::StoreEntries;
 
 /// Settings of certificates and hints. They hold for every scene: nothing is in units of length.
@@ -44,9 +44,9 @@ pub struct Hybrid {
 
 impl Hybrid {
     /// Nothing known yet.
-    pub fn new(spec: HybridSpec, facts: SceneFacts, statics: &[Triangle]) -> Self {
+    pub fn new(spec: HybridSpec, facts: SceneFacts) -> Self {
         let hints = Hints::new(spec.hints, facts.lights);
-        Self { certificates: Certificates::new(spec.certificates, facts, statics), hints, facts }
+        Self { certificates: Certificates::new(spec.certificates, facts), hints, facts }
     }
 }
 
@@ -64,7 +64,7 @@ impl Policy for Hybrid {
         })
     }
 
-    fn end_frame(&mut self, changes: &[Change], _: &World<'_>, trail: &mut Trail) {
+    fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         self.certificates.end_frame(changes, trail);
         self.hints.end_frame(changes, trail);
     }

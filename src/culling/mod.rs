@@ -7,19 +7,27 @@
 pub mod cells;
 pub mod certificates;
 pub mod certified;
+pub mod hash_predictor;
 pub mod hints;
 pub mod hybrid;
+pub mod knowledge;
+pub mod last_occluder;
 pub mod mode_word;
+pub mod occluder_grid;
 pub mod off;
 pub mod oracle;
 pub mod published;
+pub mod retest;
+pub mod sato;
+pub mod symmetric;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::accel::{Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
-use crate::quantity::{LightId, PrimitiveId};
-use crate::scene::{Light, Triangle};
+use self::cells::Receiver;
+use crate::accel::{Order, Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
+use crate::quantity::{LightId, NodeId, PrimitiveId};
+use crate::scene::{Light, Scene};
 use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
@@ -29,6 +37,16 @@ pub enum PolicySpec {
     Off,
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
+    /// The published algorithm with occlusion tests in both directions.
+    Symmetric(#[serde(default)] symmetric::SymmetricSpec),
+    /// The last blocker of each primitive and light, tested first.
+    LastOccluder(#[serde(default)] last_occluder::LastOccluderSpec),
+    /// The last blocker of each light and direction, tested first.
+    OccluderGrid(#[serde(default)] occluder_grid::OccluderGridSpec),
+    /// The part of the tree that blocked a similar ray, searched first.
+    HashPredictor(#[serde(default)] hash_predictor::HashPredictorSpec),
+    /// No culling, but larger boxes are visited first.
+    Sato,
     /// Proofs for cells of receivers; exact.
     Certified(#[serde(default)] certificates::CertificateSpec),
     /// The proofs, and the last blocker tested again where there is none; exact.
@@ -46,11 +64,18 @@ pub struct SceneFacts {
     pub primitives: u32,
     /// Lights.
     pub lights: u32,
-    /// How far off their surface rays start, in world units.
-    pub offset: f32,
 }
 
 impl SceneFacts {
+    /// The facts of a scene.
+    pub fn of(scene: &Scene) -> Self {
+        Self {
+            statics: scene.statics.len() as u32,
+            primitives: scene.primitive_count() as u32,
+            lights: scene.light_count as u32,
+        }
+    }
+
     /// Whether a primitive can move.
     pub fn is_dynamic(&self, primitive: PrimitiveId) -> bool {
         primitive.0 >= self.statics
@@ -58,14 +83,44 @@ impl SceneFacts {
 }
 
 impl PolicySpec {
-    /// The policy at the start of an animation, for a scene with these static triangles.
-    pub fn build(&self, facts: SceneFacts, statics: &[Triangle]) -> Box<dyn Policy> {
+    /// The policy at the start of an animation.
+    pub fn build(&self, facts: SceneFacts) -> Box<dyn Policy> {
         match self {
             Self::Off => Box::new(off::Off),
             Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
-            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts, statics)),
-            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts, statics)),
+            Self::Symmetric(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::LastOccluder(spec) => Box::new(spec.build(facts)),
+            Self::OccluderGrid(spec) => Box::new(spec.build(facts)),
+            Self::HashPredictor(spec) => Box::new(hash_predictor::HashPredictor::new(*spec, facts)),
+            Self::Sato => Box::new(sato::Sato),
+            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts)),
+            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts)),
             Self::Oracle => Box::new(oracle::Oracle),
+        }
+    }
+
+    /// Every policy with its defaults.
+    pub fn all() -> Vec<(&'static str, Self)> {
+        vec![
+            ("Off", Self::Off),
+            ("Published", Self::Published(Default::default())),
+            ("Symmetric", Self::Symmetric(Default::default())),
+            ("LastOccluder", Self::LastOccluder(Default::default())),
+            ("OccluderGrid", Self::OccluderGrid(Default::default())),
+            ("HashPredictor", Self::HashPredictor(Default::default())),
+            ("Sato", Self::Sato),
+            ("Certified", Self::Certified(Default::default())),
+            ("Hybrid", Self::Hybrid(Default::default())),
+            ("Oracle", Self::Oracle),
+        ]
+    }
+
+    /// Whether it never decides wrongly. (A policy that does all the same is broken.)
+    pub fn is_exact(&self) -> bool {
+        match self {
+            Self::Published(_) | Self::Symmetric(_) => false,
+            Self::Off | Self::LastOccluder(_) | Self::OccluderGrid(_) | Self::HashPredictor(_) | Self::Sato => true,
+            Self::Certified(_) | Self::Hybrid(_) | Self::Oracle => true,
         }
     }
 }
@@ -99,6 +154,11 @@ pub trait Policy: Send + Sync {
         Needs::default()
     }
 
+    /// The order in which its shadow rays visit the children of a node.
+    fn order(&self) -> Order {
+        Order::NearestFirst
+    }
+
     /// A frame begins with these lights; `census` has the pixels of each primitive if [`Needs::census`] asks for them.
     fn begin_frame(&mut self, _lights: &[Light], _census: Option<Vec<u32>>) {}
 
@@ -106,8 +166,8 @@ pub trait Policy: Send + Sync {
     fn worker(&self) -> Box<dyn Worker + '_>;
 
     /// A frame ends: takes in what all workers learned, in the order of their bands, and records in `steps` the memory
-    /// accesses of doing so; `world` is the frame's.
-    fn end_frame(&mut self, _changes: &[Change], _world: &World<'_>, _steps: &mut Trail) {}
+    /// accesses of doing so.
+    fn end_frame(&mut self, _changes: &[Change], _steps: &mut Trail) {}
 
     /// A primitive's mode word with the modes of the first fifteen lights, if the policy keeps one.
     fn word(&self, _primitive: PrimitiveId) -> Option<u32> {
@@ -187,6 +247,8 @@ impl Verdict {
 /// What a shadow ray showed.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
+    /// The shadow ray.
+    pub ray: Ray,
     /// What the policy had said.
     pub verdict: Verdict,
     /// What blocks the ray, if it was traced and is blocked. A dynamic blocker of a ray that was traced among everything
@@ -215,14 +277,15 @@ pub trait Worker {
 pub struct Probe<'a> {
     world: &'a World<'a>,
     trail: &'a mut Trail,
+    offset: f32,
     /// Tests made to learn which primitives are occluded.
     pub occlusion_tests: u64,
 }
 
 impl<'a> Probe<'a> {
-    /// Hands that record in `trail`.
-    pub fn new(world: &'a World<'a>, trail: &'a mut Trail) -> Self {
-        Self { world, trail, occlusion_tests: 0 }
+    /// Hands that record in `trail`; shadow rays start `offset` off their surface, in world units.
+    pub fn new(world: &'a World<'a>, trail: &'a mut Trail, offset: f32) -> Self {
+        Self { world, trail, offset, occlusion_tests: 0 }
     }
 
     /// Tests whether `primitive` lies on `ray`, to learn whether it is occluded.
@@ -241,6 +304,11 @@ impl<'a> Probe<'a> {
         self.world.surely_blocked(ray, primitive, self.trail)
     }
 
+    /// A static primitive as a receiver of shadow. Nothing is recorded: the unit has just tested its triangle.
+    pub fn receiver(&self, primitive: PrimitiveId) -> Receiver<'a> {
+        Receiver { record: self.world.static_record(primitive), offset: self.offset }
+    }
+
     /// Looks for static blockers of the rays of `shaft`.
     pub fn sight(&mut self, shaft: &Shaft) -> Sight {
         self.world.sight(shaft, self.trail)
@@ -251,9 +319,34 @@ impl<'a> Probe<'a> {
         self.world.relation(shaft, primitive, self.trail)
     }
 
+    /// Tests whether one visible primitive blocks a shadow ray: what the tracer would say of it.
+    pub fn blocks(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
+        self.world.blocks(ray, primitive, self.trail)
+    }
+
+    /// Whether a static triangle below a static node blocks a shadow ray.
+    pub fn blocked_below(&mut self, ray: &Ray, node: NodeId) -> bool {
+        self.world.occluded_below(ray, node, self.trail).is_some()
+    }
+
+    /// The static node `levels` levels above a static primitive's leaf, or the root.
+    pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
+        self.world.ancestor(primitive, levels)
+    }
+
+    /// The box around all static triangles; empty without any.
+    pub fn static_bounds(&self) -> (Vec3, Vec3) {
+        self.world.static_bounds()
+    }
+
     /// Reads an entry of a store.
     pub fn read(&mut self, store: Store, index: u32) {
         self.trail.read(store, index);
+    }
+
+    /// Writes an entry of a store whole.
+    pub fn write(&mut self, store: Store, index: u32) {
+        self.trail.write(store, index);
     }
 
     /// Reads, changes and writes an entry of a store.

@@ -61,9 +61,13 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
 
 /// Reads `text`, which came from `path`, as RON.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
-    let options =
-        ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES);
+    let options = ron::Options::default().with_default_extension(extensions());
     options.from_str(text).map_err(|error| ConfigError::At(Box::new(place(text, path, &error))))
+}
+
+/// What all files may use beyond plain RON: no `Some` around optional values, no second brackets in `Variant((a: 1))`.
+pub fn extensions() -> Extensions {
+    Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES
 }
 
 fn place(text: &str, path: &Path, error: &SpannedError) -> Place {

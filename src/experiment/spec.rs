@@ -1,14 +1,14 @@
 //! An experiment as its RON file says it.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
-use serde::de::{Deserializer, Error, MapAccess, Visitor};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize};
 
 use super::frames::{FrameChoice, FrameRange};
 use super::ron_file::{self, ConfigError};
 use crate::culling::PolicySpec;
+use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::tracer::TracerSpec;
 
@@ -30,7 +30,8 @@ pub struct ExperimentSpec {
     #[serde(default)]
     pub tracer: TracerSpec,
     /// The culling policies by name; one of them is `Off`, which the others are measured against.
-    pub policies: Policies,
+    #[serde(deserialize_with = "with_off")]
+    pub policies: Named<PolicySpec>,
     /// The machines' files.
     #[serde(default)]
     pub machines: Vec<PathBuf>,
@@ -63,68 +64,12 @@ impl ExperimentSpec {
     }
 }
 
-/// Culling policies by name, in the order of the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Policies {
-    named: Vec<(String, PolicySpec)>,
-    off: usize,
-}
-
-impl Policies {
-    /// Names and policies.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &PolicySpec)> {
-        self.named.iter().map(|(name, policy)| (name.as_str(), policy))
-    }
-
-    /// The number of policies.
-    pub fn len(&self) -> usize {
-        self.named.len()
-    }
-
-    /// Never: there is always `Off`.
-    pub fn is_empty(&self) -> bool {
-        self.named.is_empty()
-    }
-
-    /// Which one is `Off`.
-    pub fn off(&self) -> usize {
-        self.off
-    }
-}
-
-impl Serialize for Policies {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_map(self.iter())
-    }
-}
-
-impl<'de> Deserialize<'de> for Policies {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        struct Ordered;
-
-        impl<'de> Visitor<'de> for Ordered {
-            type Value = Policies;
-
-            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("policies by name, such as {\"Off\": Off, \"Published\": Published()}")
-            }
-
-            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Policies, A::Error> {
-                let mut named: Vec<(String, PolicySpec)> = Vec::new();
-                while let Some((name, policy)) = map.next_entry::<String, PolicySpec>()? {
-                    if named.iter().any(|(other, _)| *other == name) {
-                        return Err(A::Error::custom(format!("two policies have the name `{name}`")));
-                    }
-                    named.push((name, policy));
-                }
-                let off = named.iter().position(|(_, policy)| *policy == PolicySpec::Off);
-                let off = off.ok_or_else(|| {
-                    A::Error::custom("no policy is `Off`, which the others are measured against: add \"Off\": Off")
-                })?;
-                Ok(Policies { named, off })
-            }
-        }
-
-        from.deserialize_map(Ordered)
+/// Policies of which one is `Off`.
+fn with_off<'de, D: Deserializer<'de>>(from: D) -> Result<Named<PolicySpec>, D::Error> {
+    let policies = Named::<PolicySpec>::deserialize(from)?;
+    if policies.iter().any(|(_, policy)| *policy == PolicySpec::Off) {
+        Ok(policies)
+    } else {
+        Err(D::Error::custom("no policy is `Off`, which the others are measured against: add \"Off\": Off"))
     }
 }

@@ -66,7 +66,9 @@ fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> String {
     for (machine, found) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| found.policies.get(baseline));
         if let (Some(off), Some(run)) = (off, found.policies.get(name)) {
-            text += &on_machine(machine, off, run);
+            let all = found.frames.len() == summary.frames.len();
+            let part = format!("{machine} ({} of {} frames)", found.frames.len(), summary.frames.len());
+            text += &on_machine(if all { machine } else { &part }, off, run);
         }
     }
     text

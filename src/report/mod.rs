@@ -3,8 +3,7 @@
 //! This side sees statistics and pictures as data, never what made them.
 
 mod findings;
-mod format;
-mod named;
+pub mod format;
 mod page;
 pub mod pictures;
 pub mod plots;
@@ -15,8 +14,8 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
-pub use named::Named;
-pub use table::terminal;
+pub use crate::named::Named;
+pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
 use summary::{SCHEMA, Summary};

@@ -6,7 +6,9 @@ use minijinja::{Environment, Value, context};
 
 use super::findings;
 use super::format::{exact, or_absent, percent, short};
-use super::pictures::{NO_WORD, OCCLUSION_MODES, PictureInfo, PictureKind, PixelClass, Rgb, SHADOW_MODES, word_color};
+use super::pictures::{
+    NO_WORD, OCCLUSION_MODES, PictureInfo, PictureKind, Rgb, SHADOW_MODES, SHOWN_VERDICTS, word_color,
+};
 use super::plots::{Drawing, Section};
 use super::summary::{MachineSummary, PolicySummary, Psnr, Summary};
 use super::table::{self, Grid};
@@ -45,7 +47,7 @@ pub fn page(
         lights => grid(lights(summary)),
         wrong => plots(&Section::Correctness),
         pictures => frames(pictures),
-        pixel_classes => PixelClass::SHOWN.map(|(class, name)| context! { name, color => class.color().map(css) }).to_vec(),
+        pixel_classes => SHOWN_VERDICTS.map(|(_, name, color)| context! { name, color => css(color) }).to_vec(),
         has_words => pictures.iter().any(|(info, _)| matches!(info.kind, PictureKind::Words { .. })),
         occlusion_modes => OCCLUSION_MODES.to_vec(),
         word_colors => word_colors(),
@@ -141,7 +143,8 @@ fn frames(pictures: &[PngPicture<'_>]) -> Vec<Value> {
         let caption = match info.kind {
             PictureKind::Render => format!("render{whose}"),
             PictureKind::Reference => "reference: f64, nothing culled".into(),
-            PictureKind::Difference => format!("wrong pixels{whose}"),
+            PictureKind::Difference { light: None } => format!("wrong pixels{whose}"),
+            PictureKind::Difference { light: Some(light) } => format!("wrong pixels towards light {light}{whose}"),
             PictureKind::Words { light } => format!("mode words towards light {light}{whose}"),
         };
         let picture = context! { caption, data => STANDARD.encode(png) };

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Resolution;
+use crate::validate::PixelVerdict;
 
 /// Red, green and blue, 8 bits each, as on the screen.
 pub type Rgb = [u8; 3];
@@ -37,7 +38,8 @@ impl PictureInfo {
         let what = match kind {
             PictureKind::Render => "render".into(),
             PictureKind::Reference => "reference".into(),
-            PictureKind::Difference => "difference".into(),
+            PictureKind::Difference { light: None } => "difference".into(),
+            PictureKind::Difference { light: Some(light) } => format!("difference-light{light}"),
             PictureKind::Words { light } => format!("words-light{light}"),
         };
         Self {
@@ -63,7 +65,10 @@ pub enum PictureKind {
     /// The reference renderer's picture.
     Reference,
     /// Wrong pixels on a dimmed render.
-    Difference,
+    Difference {
+        /// The light's number; `None` for all lights together.
+        light: Option<u32>,
+    },
     /// The mode words of what is seen, towards a light, as latched at the start of the frame.
     Words {
         /// The light's number.
@@ -71,46 +76,13 @@ pub enum PictureKind {
     },
 }
 
-/// What a pixel of a comparison is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub enum PixelClass {
-    /// As it should be.
-    #[default]
-    Right,
-    /// The same but for rounding: the renderers differ where nothing was culled.
-    Numeric,
-    /// Some light was decided hidden that is not.
-    FalseDark,
-    /// Some light was decided seen that is not.
-    FalseLit,
-    /// Both, towards different lights.
-    Both,
-}
-
-impl PixelClass {
-    /// Classes that stand out in a picture, the strongest last, each with its name in legends.
-    pub const SHOWN: [(Self, &str); 4] = [
-        (Self::Numeric, "numeric difference"),
-        (Self::FalseDark, "false dark"),
-        (Self::FalseLit, "false lit"),
-        (Self::Both, "both, of different lights"),
-    ];
-
-    /// The class's colour (Okabe and Ito 2008); `None` leaves the render's.
-    pub fn color(self) -> Option<Rgb> {
-        match self {
-            Self::Right => None,
-            Self::Numeric => Some([0x56, 0xb4, 0xe9]),
-            Self::FalseDark => Some([0xd5, 0x5e, 0x00]),
-            Self::FalseLit => Some([0xf0, 0xe4, 0x42]),
-            Self::Both => Some([0xcc, 0x79, 0xa7]),
-        }
-    }
-
-    fn is_wrong(self) -> bool {
-        matches!(self, Self::FalseDark | Self::FalseLit | Self::Both)
-    }
-}
+/// Verdicts that stand out in a picture, the strongest last, each with its name in legends and its colour (Okabe and Ito
+/// 2008).
+pub const SHOWN_VERDICTS: [(PixelVerdict, &str, Rgb); 3] = [
+    (PixelVerdict::Numeric, "numeric difference", [0x56, 0xb4, 0xe9]),
+    (PixelVerdict::FalseLit, "false lit", [0xf0, 0xe4, 0x42]),
+    (PixelVerdict::FalseDark, "false dark", [0xd5, 0x5e, 0x00]),
+];
 
 /// Colours of 0..1 as on the screen. The scenes' colours are made for the screen: no curve is put on them.
 pub fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
@@ -118,16 +90,15 @@ pub fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
     Image { resolution, pixels: colors.iter().map(|color| color.to_array().map(shown)).collect() }
 }
 
-/// Pixels by class on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side for
+/// Pixels by verdict on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side for
 /// every 256 pixels of the picture's width, so that a single one is seen.
-pub fn difference(render: &Image, classes: &[PixelClass]) -> Image {
+pub fn difference(render: &Image, verdicts: &[PixelVerdict]) -> Image {
     let Resolution { width, height } = render.resolution;
     let mut pixels: Vec<Rgb> = render.pixels.iter().map(|&rgb| dimmed(rgb)).collect();
     let margin = width.div_ceil(256);
-    for (shown, _) in PixelClass::SHOWN {
-        let Some(color) = shown.color() else { continue };
-        let margin = if shown.is_wrong() { margin } else { 0 };
-        for (index, _) in classes.iter().enumerate().filter(|&(_, &class)| class == shown) {
+    for (shown, _, color) in SHOWN_VERDICTS {
+        let margin = if shown == PixelVerdict::Numeric { 0 } else { margin };
+        for (index, _) in verdicts.iter().enumerate().filter(|&(_, &verdict)| verdict == shown) {
             let (x, y) = (index as u32 % width, index as u32 / width);
             for row in y.saturating_sub(margin)..=(y + margin).min(height - 1) {
                 for column in x.saturating_sub(margin)..=(x + margin).min(width - 1) {
@@ -204,13 +175,16 @@ mod tests {
     #[test]
     fn a_wrong_pixel_is_enlarged_and_a_numeric_one_is_not() {
         let base = render(SIZE, &[Vec3::ONE; 24]);
-        let mut classes = [PixelClass::Right; 24];
-        classes[0] = PixelClass::FalseDark;
-        classes[4 + 2 * 6] = PixelClass::Numeric;
-        let image = difference(&base, &classes);
-        let count = |class: PixelClass| image.pixels.iter().filter(|&&rgb| Some(rgb) == class.color()).count();
-        assert_eq!(count(PixelClass::FalseDark), 4);
-        assert_eq!(count(PixelClass::Numeric), 1);
+        let mut verdicts = [PixelVerdict::Same; 24];
+        verdicts[0] = PixelVerdict::FalseDark;
+        verdicts[4 + 2 * 6] = PixelVerdict::Numeric;
+        let image = difference(&base, &verdicts);
+        let count = |verdict: PixelVerdict| {
+            let color = SHOWN_VERDICTS.iter().find(|shown| shown.0 == verdict).map(|shown| shown.2);
+            image.pixels.iter().filter(|&&rgb| Some(rgb) == color).count()
+        };
+        assert_eq!(count(PixelVerdict::FalseDark), 4);
+        assert_eq!(count(PixelVerdict::Numeric), 1);
         assert_eq!(image.pixels.iter().filter(|&&rgb| rgb == [85; 3]).count(), 24 - 5);
     }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 
-use super::pictures::{PictureInfo, PictureKind, PixelClass};
+use super::pictures::{PictureInfo, PictureKind};
 use super::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
@@ -12,6 +12,7 @@ use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, TrafficClass};
 use crate::stream::Totals;
+use crate::validate::PixelVerdict;
 
 const SIZE: Resolution = Resolution { width: 96, height: 72 };
 
@@ -38,6 +39,7 @@ pub fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
         occlusion_tests: tests,
         false_dark: Some(wrong / 3),
         false_lit: Some(wrong - wrong / 3),
+        compared_rays: Some(9_000),
         numeric_differences: Some(7),
         psnr: Some(if wrong == 0 { Psnr::Identical } else { Psnr::Decibel(48.0 - wrong as f64 / 100.0) }),
     }
@@ -136,18 +138,18 @@ pub fn sample(frames: &[u32]) -> Report {
         .collect()
     };
     let machines = [
-        ("small", MachineSummary { fidelity: "event".into(), policies: runs(0.11) }),
-        ("desktop", MachineSummary { fidelity: "event".into(), policies: runs(0.04) }),
+        ("small", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.11) }),
+        ("desktop", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.04) }),
     ];
     let colors: Vec<Vec3> = (0..SIZE.pixels()).map(|pixel| Vec3::splat(pixel as f32 / SIZE.pixels() as f32)).collect();
     let render = pictures::render(SIZE, &colors);
-    let classes: Vec<PixelClass> = (0..SIZE.pixels())
+    let classes: Vec<PixelVerdict> = (0..SIZE.pixels())
         .map(|pixel| match pixel % 1800 {
-            777 => PixelClass::FalseDark,
-            1111 => PixelClass::FalseLit,
-            1500 => PixelClass::Both,
-            300 => PixelClass::Numeric,
-            _ => PixelClass::Right,
+            777 => PixelVerdict::FalseDark,
+            1111 => PixelVerdict::FalseLit,
+            1500 => PixelVerdict::FalseDark,
+            300 => PixelVerdict::Numeric,
+            _ => PixelVerdict::Same,
         })
         .collect();
     let words: Vec<Option<u32>> = (0..SIZE.pixels() as u32).map(|pixel| (pixel > 500).then_some(pixel / 400)).collect();
@@ -180,7 +182,7 @@ pub fn sample(frames: &[u32]) -> Report {
         pictures: vec![
             (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
             (PictureInfo::new(PictureKind::Reference, None, shown), render),
-            (PictureInfo::new(PictureKind::Difference, Some("published"), shown), difference),
+            (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
             (
                 PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown),
                 pictures::words(SIZE, &words, 0),

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::named::Named;
 use super::pictures::PictureInfo;
+use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
@@ -153,8 +153,14 @@ pub struct Counts {
     pub false_dark: Option<u64>,
     /// Shadow rays decided lit that are stopped when traced; `None` where nobody looked.
     pub false_lit: Option<u64>,
-    /// Shadow rays on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
+    /// Shadow rays of primary hits that were compared with the reference renderer's.
+    pub compared_rays: Option<u64>,
+    /// Those of them on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
     pub numeric_differences: Option<u64>,
+}
+
+fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
+    a.zip(b).map(|(a, b)| a + b).or(a).or(b)
 }
 
 impl Counts {
@@ -175,7 +181,7 @@ impl Counts {
 
     fn sum<'a>(frames: impl Iterator<Item = &'a Self>) -> Self {
         let absent = Some(0);
-        let mut sum = Self { false_dark: absent, false_lit: absent, numeric_differences: absent, ..Self::default() };
+        let mut sum = Self { false_dark: absent, false_lit: absent, ..Self::default() };
         for frame in frames {
             sum.primary_rays += frame.primary_rays;
             sum.secondary_rays += frame.secondary_rays;
@@ -195,7 +201,9 @@ impl Counts {
             // One frame in which nobody looked, and there is no sum.
             sum.false_dark = sum.false_dark.zip(frame.false_dark).map(|(a, b)| a + b);
             sum.false_lit = sum.false_lit.zip(frame.false_lit).map(|(a, b)| a + b);
-            sum.numeric_differences = sum.numeric_differences.zip(frame.numeric_differences).map(|(a, b)| a + b);
+            // The reference renderer may have been asked about some frames only: `compared_rays` says how many rays.
+            sum.compared_rays = known_sum(sum.compared_rays, frame.compared_rays);
+            sum.numeric_differences = known_sum(sum.numeric_differences, frame.numeric_differences);
         }
         sum.occlusion_tests_per_pixel = share(sum.occlusion_tests, sum.primary_rays);
         sum
@@ -215,6 +223,8 @@ pub struct FrameResult {
     pub false_dark: Option<u64>,
     /// See [`Counts::false_lit`].
     pub false_lit: Option<u64>,
+    /// See [`Counts::compared_rays`].
+    pub compared_rays: Option<u64>,
     /// See [`Counts::numeric_differences`].
     pub numeric_differences: Option<u64>,
     /// See [`FrameSummary::psnr`].
@@ -247,6 +257,7 @@ impl FrameResult {
             policy_writes: totals.policy_writes,
             false_dark: self.false_dark,
             false_lit: self.false_lit,
+            compared_rays: self.compared_rays,
             numeric_differences: self.numeric_differences,
         }
     }
@@ -317,6 +328,8 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 pub struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
+    /// Numbers of the frames that it replayed, in order.
+    pub frames: Vec<u32>,
     /// A run for each policy's stream.
     pub policies: Named<MachineRun>,
 }

@@ -5,6 +5,7 @@ use comfy_table::{CellAlignment, Table};
 use super::format::{bytes, change, exact, or_absent, percent, short};
 use super::summary::{FrameSummary, MachineRun, PolicySummary, Psnr, Summary};
 use crate::quantity::Bytes;
+use crate::stats::{Cause, MachineStats};
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
@@ -13,7 +14,7 @@ fn field<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-const COLUMNS: [Column; 23] = [
+const COLUMNS: [Column; 24] = [
     ("frame", |row| row.frame.to_string()),
     ("primary_rays", |row| row.counts.primary_rays.to_string()),
     ("secondary_rays", |row| row.counts.secondary_rays.to_string()),
@@ -35,6 +36,7 @@ const COLUMNS: [Column; 23] = [
     ("intersection_saved", |row| field(row.intersection_saved)),
     ("false_dark", |row| field(row.counts.false_dark)),
     ("false_lit", |row| field(row.counts.false_lit)),
+    ("compared_rays", |row| field(row.counts.compared_rays)),
     ("numeric_differences", |row| field(row.counts.numeric_differences)),
     ("psnr_db", |row| match row.psnr {
         None => String::new(),
@@ -68,15 +70,16 @@ pub struct Grid {
 
 /// The policies' key figures.
 pub fn policies(summary: &Summary) -> Grid {
-    const HEAD: [&str; 8] = [
+    const HEAD: [&str; 9] = [
         "policy",
         "skipped",
-        "dynamic only",
+        "dyn. only",
         "nodes saved",
         "triangles saved",
         "tests/pixel",
         "false dark",
         "false lit",
+        "numeric",
     ];
     let row = |(name, policy): (&str, &PolicySummary)| {
         let counts = &policy.counts;
@@ -92,6 +95,7 @@ pub fn policies(summary: &Summary) -> Grid {
             or_absent(counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}")),
             or_absent(counts.false_dark, exact),
             or_absent(counts.false_lit, exact),
+            or_absent(counts.numeric_differences, exact),
         ]
     };
     Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: summary.policies.iter().map(row).collect() }
@@ -139,7 +143,66 @@ pub fn terminal(summary: &Summary) -> String {
     shown.collect::<Vec<_>>().join("\n\n")
 }
 
-fn drawn(grid: &Grid) -> String {
+/// What one machine measured on one stream, for the terminal, without a line's end at the end.
+pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
+    let run = MachineRun::from(stats.clone());
+    let head = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+    let sum = Grid {
+        head: head(&["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"]),
+        names: 2,
+        rows: vec![vec![
+            machine.to_owned(),
+            policy.to_owned(),
+            exact(stats.rays),
+            exact(stats.cycles.0),
+            or_absent(run.rays_per_second, short),
+            or_absent(dram_bytes(&run), bytes),
+            or_absent(run.dram_utilization, percent),
+            or_absent(run.dram_row_hit_rate, percent),
+        ]],
+    };
+    let mut caches = Vec::new();
+    for (cache, classes) in &stats.caches {
+        for (class, counts) in classes {
+            let [accesses, half_misses, misses, write_backs] =
+                [counts.accesses, counts.half_misses, counts.misses, counts.write_backs].map(exact);
+            let hit_rate = or_absent(counts.hit_rate(), percent);
+            caches.push(vec![
+                cache.clone(),
+                class.name().to_owned(),
+                accesses,
+                hit_rate,
+                half_misses,
+                misses,
+                write_backs,
+            ]);
+        }
+    }
+    let caches = Grid {
+        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs"]),
+        names: 2,
+        rows: caches,
+    };
+    let units = stats.units.iter().map(|(unit, causes)| {
+        let all: u64 = causes.values().sum();
+        let shares = Cause::ALL.iter().map(|cause| {
+            let cycles = causes.get(cause).copied().unwrap_or(0);
+            or_absent((all > 0).then(|| cycles as f64 / all as f64), percent)
+        });
+        let count = or_absent(stats.unit_counts.get(unit).copied(), exact);
+        [unit.clone(), count].into_iter().chain(shares).collect()
+    });
+    let causes = Cause::ALL.iter().map(|cause| cause.name());
+    let units = Grid {
+        head: ["unit", "count"].into_iter().chain(causes).map(Into::into).collect(),
+        names: 1,
+        rows: units.collect(),
+    };
+    [sum, caches, units].iter().map(drawn).collect::<Vec<_>>().join("\n\n")
+}
+
+/// A table for the terminal, without a line's end at the end.
+pub fn drawn(grid: &Grid) -> String {
     let mut table = Table::new();
     table.load_preset(PLAIN).set_header(&grid.head).add_rows(&grid.rows);
     for column in table.column_iter_mut().skip(grid.names) {

@@ -82,6 +82,7 @@ fn saved_shares_follow_their_definition() {
         occlusion_tests: 3,
         false_dark: Some(1),
         false_lit: None,
+        compared_rays: None,
         numeric_differences: None,
         psnr: None,
     };

@@ -96,7 +96,7 @@ pub struct Material {
     pub diffuse: Vec3,
     /// Phong highlight colour, and the weight of the reflected ray.
     pub specular: Vec3,
-    /// Phong exponent.
+    /// Phong exponent; infinite for a perfect mirror, which shows no highlight of a point.
     pub shininess: f32,
     /// Weight of the refracted ray, 0 for opaque.
     pub transmittance: f32,
@@ -104,6 +104,13 @@ pub struct Material {
     pub index_of_refraction: f32,
     /// A picture that colours the surface.
     pub texture: Option<TextureId>,
+}
+
+impl Material {
+    /// Whether light that comes straight from a point light is sent back. Where it is not, no shadow ray is asked for.
+    pub fn sends_back_light(&self) -> bool {
+        self.diffuse != Vec3::ZERO || self.specular != Vec3::ZERO && self.shininess.is_finite()
+    }
 }
 
 impl Default for Material {

@@ -48,9 +48,11 @@ mod tests {
         }
         let folder = Path::new(ROOT).join("configs/scenes");
         let text = std::fs::read_to_string(folder.join(name).with_extension("ron")).unwrap();
-        let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        let options = ron::Options::default().with_default_extension(
+            ron::extensions::Extensions::IMPLICIT_SOME | ron::extensions::Extensions::UNWRAP_VARIANT_NEWTYPES,
+        );
         let spec: SceneSpec = options.from_str(&text).unwrap();
-        let again: SceneSpec = options.from_str(&ron::to_string(&spec).unwrap()).unwrap();
+        let again: SceneSpec = options.from_str(&options.to_string(&spec).unwrap()).unwrap();
         assert_eq!(spec, again, "a config survives being written out");
         Some(spec.load(&folder).unwrap())
     }

@@ -105,13 +105,13 @@ pub struct Ray<'a> {
 impl<'a> Ray<'a> {
     /// The traversal's steps, in order.
     pub fn path(&self) -> impl ExactSizeIterator<Item = Step> + use<'a> {
-        unpacked(self.path)
+        Step::unpack_all(self.path)
     }
 
     /// The steps of the policy on the ray's account: for a hit, what it does before the hit's shadow rays are decided;
     /// for a shadow ray, what it does once the answer is known.
     pub fn policy(&self) -> impl ExactSizeIterator<Item = Step> + use<'a> {
-        unpacked(self.policy)
+        Step::unpack_all(self.policy)
     }
 
     /// The packed steps of the path.
@@ -123,12 +123,6 @@ impl<'a> Ray<'a> {
     pub fn packed_policy(&self) -> &'a [u32] {
         self.policy
     }
-}
-
-fn unpacked(steps: &[u32]) -> impl ExactSizeIterator<Item = Step> + use<'_> {
-    // Chunks come from `push`, which takes packed steps that the caller made with `Step::pack`, or from a file, where a
-    // `Checker` sees them first.
-    steps.iter().map(|&word| Step::unpack(word).expect("a chunk holds valid steps only"))
 }
 
 impl Chunk {

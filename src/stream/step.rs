@@ -101,6 +101,12 @@ impl Step {
         })
     }
 
+    /// The steps that valid packed ones stand for.
+    pub fn unpack_all(words: &[u32]) -> impl ExactSizeIterator<Item = Self> + use<'_> {
+        // Whoever packs steps uses `pack`, and readers of files check every word.
+        words.iter().map(|&word| Self::unpack(word).expect("packed steps are valid"))
+    }
+
     /// Whether a ray's path can hold the step.
     pub fn is_traversal(self) -> bool {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })

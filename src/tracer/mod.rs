@@ -14,6 +14,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::Xxh3Default;
 
 use self::band::Band;
 pub use self::lane::{LaneFrame, WrongDecisions};
@@ -22,7 +23,7 @@ use crate::accel::{Accel, AccelSpec, Trail};
 use crate::culling::{Needs, Policy};
 use crate::quantity::Resolution;
 use crate::scene::{Frame, RenderSpec, Scene};
-use crate::stream::Item;
+use crate::stream::{Header, Item};
 
 /// How frames become rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -78,6 +79,30 @@ impl<'a> Tracer<'a> {
         self.offset
     }
 
+    /// The header of the stream of `policy`; `input` is what else the stream depends on, as text.
+    pub fn header(&self, name: &str, policy: &dyn Policy, frames: Vec<u32>, input: &str) -> Header {
+        let mut hash = Xxh3Default::new();
+        hash.update(input.as_bytes());
+        for corner in self.scene.statics.triangles.iter().flat_map(|triangle| triangle.v) {
+            corner.to_array().iter().for_each(|coordinate| hash.update(&coordinate.to_le_bytes()));
+        }
+        Header {
+            scene: self.scene.name.clone(),
+            frames,
+            resolution: self.resolution,
+            policy: name.to_owned(),
+            structure: self.accel.structure(),
+            lights: self.scene.light_count as u32,
+            static_primitives: self.scene.statics.len() as u32,
+            primitives: self.scene.primitive_count() as u32,
+            static_nodes: self.accel.static_nodes(),
+            static_slots: self.accel.static_slots(),
+            static_list_entries: 0,
+            stores: policy.stores(),
+            input_hash: hash.digest(),
+        }
+    }
+
     /// Traces a frame for `policies`, in the order of the animation, and hands each policy's stream to `sink` with the
     /// policy's index. The streams come interleaved, each in its own order.
     pub fn frame<E: Send>(
@@ -126,7 +151,7 @@ impl<'a> Tracer<'a> {
         }
         for (lane, policy) in policies.iter_mut().enumerate() {
             let mut trail = Trail::default();
-            policy.end_frame(&changes[lane], &world, &mut trail);
+            policy.end_frame(&changes[lane], &mut trail);
             let totals = lanes[lane].end(&trail);
             sink(lane, Item::End { policy: Arc::new(trail.steps), totals })?;
         }

@@ -10,7 +10,7 @@ use self::rules::{
 };
 use super::mode_word::{ModeWord, Occlusion, SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
 use super::{Change, Evidence, Needs, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
-use crate::accel::{Ray, Trail, World};
+use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
 use crate::stream::{Store, StoreEntries};
@@ -78,6 +78,8 @@ impl Published {
             }
         }
         if pixels > 0 {
+            // What was counted before the shadows is compared with the same of earlier frames, not with all hits.
+            let pixels = self.census.as_ref().map_or(pixels, |census| census[primitive.0 as usize]);
             match self.first_word(primitive).occlusion() {
                 Occlusion::Init => {
                     self.set_occlusion(primitive, Occlusion::FullyRendered);
@@ -140,7 +142,7 @@ impl Policy for Published {
         })
     }
 
-    fn end_frame(&mut self, changes: &[Change], _: &World<'_>, trail: &mut Trail) {
+    fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         // By primitive, so that the order of bands leaves no trace, in the modes or in the accesses.
         let mut touched: Vec<(PrimitiveId, u32, bool)> = Vec::new();
         let mut sorted: Vec<_> = changes.iter().filter(|change| change.kind != MODES).collect();

@@ -1,21 +1,33 @@
 //! Everything that the text of GI09 leaves open, as options. MODEL.md lists the holes by the numbers H1 to H10 used here.
 
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeStruct;
+use serde::{Deserialize, Serialize, Serializer};
 
 /// Declares the answers once: the full set, and the set of departures from a preset that a config gives.
 macro_rules! answers {
     ($($(#[$doc:meta])* $field:ident: $kind:ty),* $(,)?) => {
         /// Answers to all that the text leaves open.
-        #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+        #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct PublishedRules { $($(#[$doc])* pub $field: $kind),* }
 
-        /// A preset, and the answers that depart from it.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+        /// A preset, and the answers that depart from it. It is written with all answers, the preset's included.
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
         #[serde(default, deny_unknown_fields)]
         pub struct PublishedSpec {
             /// Gives all answers that are not given below.
             pub preset: Preset,
-            $($(#[$doc])* #[serde(skip_serializing_if = "Option::is_none")] pub $field: Option<$kind>),*
+            $($(#[$doc])* pub $field: Option<$kind>),*
+        }
+
+        impl Serialize for PublishedSpec {
+            fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+                let rules = self.rules();
+                let fields = [$(stringify!($field)),*].len() + 1;
+                let mut spec = to.serialize_struct("PublishedSpec", fields)?;
+                spec.serialize_field("preset", &self.preset)?;
+                $(spec.serialize_field(stringify!($field), &rules.$field)?;)*
+                spec.end()
+            }
         }
 
         impl PublishedSpec {
@@ -209,7 +221,8 @@ choices! {
     ResetCheck {
         /// At the frame's end.
         FrameEnd,
-        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone.
+        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone, whose hits are then the ones
+        /// that are counted, in this frame and in the highest number.
         BeforeShadows,
     }
     /// Which words decisions read.

@@ -1,0 +1,221 @@
+//! The command line: what a user can ask for, and the flow of each command.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use anyhow::{Context, Result};
+use clap::{Args, Parser, Subcommand};
+
+use umbrasim::engine;
+use umbrasim::experiment::frames::FrameRange;
+use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
+use umbrasim::quantity::Resolution;
+use umbrasim::report;
+use umbrasim::stream::{StreamReader, inspect};
+
+/// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
+#[derive(Parser)]
+#[command(version, max_term_width = 100, after_help = AFTER_HELP)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const AFTER_HELP: &str = "\
+Start with:  umbrasim run configs/experiments/quickstart.ron
+then open    reports/quickstart/index.html
+
+Exit status: 0 done; 1 stopped by Ctrl-C, or a simulation failed; 2 a wrong command line, config, scene or stream.";
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run an experiment: trace its frames, replay them on its machines, validate, and write a report
+    ///
+    /// Every frame is traced once for all culling policies. Each policy's ray stream is replayed on each machine while it
+    /// is traced, and the pictures are compared with those of a renderer of its own code, in double precision. The report
+    /// (numbers, plots, pictures and a page that shows all) goes to `reports/NAME`, after the experiment's name. Ctrl-C
+    /// ends the run after the frame in work; the report is then of the frames done, and says so.
+    Run {
+        #[command(flatten)]
+        experiment: ExperimentArgs,
+        /// Where the report goes [default: reports/NAME]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Trace an experiment's frames for one policy and record the ray stream in a file
+    ///
+    /// The file describes itself (`umbrasim inspect`) and is all that `umbrasim replay` needs beside a machine.
+    Trace {
+        #[command(flatten)]
+        experiment: ExperimentArgs,
+        /// The stream's file; its folder must be there
+        #[arg(short, long, value_name = "FILE")]
+        output: PathBuf,
+        /// Which policy of the experiment [default: the first]
+        #[arg(long, value_name = "NAME")]
+        policy: Option<String>,
+    },
+    /// Replay a recorded ray stream on a machine and print what it measured
+    Replay {
+        /// The stream's file, from `umbrasim trace`
+        stream: PathBuf,
+        /// The machine's file, such as configs/machines/small.ron
+        #[arg(long, value_name = "FILE")]
+        machine: PathBuf,
+        /// Write all measurements to this file too, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// Compare an experiment's pictures and shadow decisions with the reference renderer's, without machines
+    ///
+    /// Prints, for each policy, wrong decisions (false dark, false lit: against the same ray traced without culling) and
+    /// numeric differences (rounding: the tracer without culling against the reference in double precision).
+    Validate {
+        #[command(flatten)]
+        experiment: ExperimentArgs,
+        /// Write a report with the pictures too
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Say what a recorded ray stream holds
+    Inspect {
+        /// The stream's file
+        stream: PathBuf,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Print the published figures of GI09 beside ours, under every reading of its text that a config lists
+    PaperTable {
+        /// The table's file
+        #[arg(default_value = "configs/experiments/paper_table.ron")]
+        config: PathBuf,
+        /// Write all readings to this file too, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// Draw the plots and the page of a report again, from its numbers on disk
+    Plot {
+        /// The report's folder
+        report: PathBuf,
+    },
+}
+
+#[derive(Args)]
+struct ExperimentArgs {
+    /// The experiment's file, such as configs/experiments/quickstart.ron
+    #[arg(value_name = "CONFIG")]
+    config: PathBuf,
+    /// Trace these frames instead of the file's: A..B:STEP, B not included [example: 0..800:16]
+    #[arg(long, value_name = "A..B:STEP")]
+    frames: Option<FrameRange>,
+    /// Trace pictures of this size instead of the file's [example: 512x512]
+    #[arg(long, value_name = "WxH")]
+    resolution: Option<Resolution>,
+    /// Threads that trace and validate; results don't depend on it [default: one a core]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+impl ExperimentArgs {
+    fn load(&self) -> Result<Experiment> {
+        if let Some(threads) = self.threads {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+            pool.build_global().context("cannot start the threads")?;
+        }
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution };
+        Ok(Experiment::load(&self.config, overrides)?)
+    }
+}
+
+/// Runs the command; gives the exit status.
+pub fn execute(cli: Cli) -> Result<u8> {
+    match cli.command {
+        Command::Run { experiment, out } => {
+            let experiment = experiment.load()?;
+            let out = out.unwrap_or_else(|| Path::new("reports").join(&experiment.spec.name));
+            run_and_report(&experiment, true, Some(&out))
+        }
+        Command::Validate { experiment, out } => run_and_report(&experiment.load()?, false, out.as_deref()),
+        Command::Trace { experiment, output, policy } => {
+            let stop = stop_on_interrupt()?;
+            trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop)?;
+            println!("{}", output.display());
+            Ok(0)
+        }
+        Command::Replay { stream, machine, json } => {
+            let spec = experiment::read_machine(&machine)?;
+            let reader = StreamReader::open(&stream)?;
+            let header = reader.header().clone();
+            let stats = engine::run(&spec, &header, reader)?;
+            println!("{}", report::replayed(&spec.name, &header.policy, &stats));
+            if let Some(json) = json {
+                write_whole(&json, serde_json::to_string_pretty(&stats)?.as_bytes())?;
+            }
+            Ok(0)
+        }
+        Command::Inspect { stream, json } => {
+            let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;
+            let text = if json { serde_json::to_string_pretty(&inspection)? } else { inspect::render(&inspection) };
+            println!("{text}");
+            Ok(0)
+        }
+        Command::PaperTable { config, json } => {
+            let stop = stop_on_interrupt()?;
+            let readings = paper::paper_table(&config, &stop)?;
+            println!("{}", report::drawn(&paper::grid(&readings)));
+            println!("\ndistance: root mean square of the differences of the four shares, in points");
+            if let Some(json) = json {
+                write_whole(&json, serde_json::to_string_pretty(&readings)?.as_bytes())?;
+            }
+            Ok(u8::from(stop.load(Ordering::Relaxed)))
+        }
+        Command::Plot { report } => {
+            report::redraw(&report)?;
+            println!("{}", report.join(report::PAGE_FILE).display());
+            Ok(0)
+        }
+    }
+}
+
+fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -> Result<u8> {
+    if let Some(out) = out {
+        report::check_target(out)?;
+    }
+    let stop = stop_on_interrupt()?;
+    let result = run::run(experiment, machines, &stop)?;
+    println!("{}", report::terminal(&result.summary));
+    if let Some(out) = out {
+        report::write_report(out, &result)?;
+        println!("{}", out.join(report::PAGE_FILE).display());
+    }
+    Ok(u8::from(stop.load(Ordering::Relaxed)))
+}
+
+/// Writes a file beside its place and moves it there: it is there whole or not at all.
+fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let write = || -> std::io::Result<()> {
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        file.write_all(bytes)?;
+        file.persist(path)?;
+        Ok(())
+    };
+    write().with_context(|| format!("cannot write {}", path.display()))
+}
+
+/// A flag that the first Ctrl-C sets; the second one ends the program at once.
+fn stop_on_interrupt() -> Result<Arc<AtomicBool>> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::Relaxed) {
+            std::process::exit(130);
+        }
+        eprintln!("stopping after this frame; once more to stop at once");
+    })
+    .context("cannot watch for Ctrl-C")?;
+    Ok(stop)
+}

@@ -1,0 +1,175 @@
+//! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
+
+use super::wheel::{Due, Wheel};
+use super::{Outcome, RunError};
+use crate::machine::MachineSpec;
+use crate::machine::dispatcher::Dispatcher;
+use crate::machine::intersection::Intersection;
+use crate::machine::links::{Links, Parts};
+use crate::machine::pipeline::Pipeline;
+use crate::machine::shadow_cache::ShadowCache;
+use crate::machine::traversal::Traversal;
+use crate::memory::Wake;
+use crate::stream::{Header, Item};
+
+/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
+fn patience(spec: &MachineSpec) -> u64 {
+    let units = [
+        spec.dispatcher.latency.get(),
+        spec.dispatcher.shading_cycles.get(),
+        spec.traversal.latency.get(),
+        spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
+        spec.shadow_cache.latency.get(),
+        spec.l2.latency.get(),
+    ];
+    let dram = spec.dram.timing(spec.clock_mhz.get(), spec.line_bytes.get());
+    let line = dram.line_parts.div_ceil(dram.parts);
+    let command = dram.cl.max(dram.cwl) + line + dram.wr + dram.wtr + dram.rc + dram.rfc + dram.rcd;
+    100_000 + 2 * units.iter().sum::<u64>() + 2 * command
+}
+
+/// The machine in motion.
+pub(super) struct Event {
+    pub(super) dispatcher: Dispatcher,
+    pub(super) traversal: Vec<Traversal>,
+    pub(super) intersection: Vec<Intersection>,
+    pub(super) shadow_cache: ShadowCache,
+    pub(super) links: Links<Wheel>,
+    /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
+    progress: u64,
+    watch_at: u64,
+    patience: u64,
+    /// Wakes all parts in all cycles: slow, and must change nothing.
+    #[cfg(test)]
+    pub(super) eager: bool,
+}
+
+impl Event {
+    pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
+        let line = spec.line_bytes.get();
+        let wheel = Wheel::new(Parts::new(spec).count());
+        let links = Links::new(spec, header, wheel);
+        let parts = links.parts;
+        Self {
+            dispatcher: Dispatcher::new(&spec.dispatcher, parts.traversal as usize, spec.traversal.rays.get()),
+            traversal: (0..parts.traversal).map(|index| Traversal::new(&spec.traversal, line, index, &links)).collect(),
+            intersection: (0..parts.intersection)
+                .map(|index| Intersection::new(&spec.intersection, line, index, &links))
+                .collect(),
+            shadow_cache: ShadowCache::new(&spec.shadow_cache, line, spec.dispatcher.rays.get(), &links),
+            links,
+            progress: 0,
+            watch_at: patience(spec),
+            patience: patience(spec),
+            #[cfg(test)]
+            eager: false,
+        }
+    }
+
+    /// Replays all items; the number of cycles that it took.
+    pub(super) fn run<E>(
+        &mut self,
+        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
+        mut outcome: impl FnMut(Outcome) -> Result<(), RunError<E>>,
+    ) -> Result<u64, RunError<E>> {
+        let mut due = Due::default();
+        self.links.clock.wake(Parts::DISPATCHER, 0);
+        (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
+        while let Some(now) = self.links.clock.turn(&mut due) {
+            #[cfg(test)]
+            if self.eager {
+                due.fill(self.links.parts.count() as u32);
+                self.links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+            if due.next(0, 1).is_some() {
+                let events = self.dispatcher.tick(now, &mut next, &mut self.links)?;
+                if let Some(counts) = events.frame_over {
+                    outcome(Outcome::FrameOver(counts))?;
+                }
+                if events.frame_began {
+                    self.drop_dynamic_lines();
+                }
+            }
+            self.tick_units(now, &due);
+            if self.dispatcher.is_finished() && self.is_idle() {
+                return Ok(now + 1);
+            }
+            self.watch(now)?;
+        }
+        Err(RunError::Deadlock { cycle: self.links.clock.now(), queues: self.queues() })
+    }
+
+    /// The units that work on rays: their kind's name, the name of their L1s, and their common parts.
+    pub(super) fn pipelines(&self) -> [(&'static str, &'static str, Vec<&Pipeline>); 3] {
+        [
+            ("traversal", "l1_traversal", self.traversal.iter().map(|unit| &unit.pipeline).collect()),
+            ("intersection", "l1_intersection", self.intersection.iter().map(|unit| &unit.pipeline).collect()),
+            ("shadow_cache", "l1_shadow_cache", vec![&self.shadow_cache.pipeline]),
+        ]
+    }
+
+    fn tick_units(&mut self, now: u64, due: &Due) {
+        let Self { traversal, intersection, shadow_cache, links, .. } = self;
+        let parts = links.parts;
+        let (units, tests) = (parts.traversal(0).0, parts.intersection(0).0);
+        in_turn(due, units, parts.traversal, now, |index| traversal[index].tick(now, links));
+        in_turn(due, tests, parts.intersection, now, |index| intersection[index].tick(now, links));
+        in_turn(due, parts.shadow_cache().0, 1, now, |_| shadow_cache.tick(now, links));
+        in_turn(due, parts.bank(0).0, parts.banks, now, |index| links.tick_bank(index, now));
+        in_turn(due, parts.channel(0).0, parts.channels, now, |index| links.tick_channel(index, now));
+    }
+
+    fn drop_dynamic_lines(&mut self) {
+        let first = self.links.layout.dynamic_part();
+        self.traversal.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.intersection.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.shadow_cache.pipeline.drop_from(first);
+    }
+
+    fn is_idle(&self) -> bool {
+        self.traversal.iter().all(|unit| unit.pipeline.is_idle())
+            && self.intersection.iter().all(|unit| unit.pipeline.is_idle())
+            && self.shadow_cache.pipeline.is_idle()
+            && self.links.l2.banks.iter().all(|bank| bank.is_idle())
+            && self.links.dram.is_idle()
+    }
+
+    fn watch<E>(&mut self, now: u64) -> Result<(), RunError<E>> {
+        if now < self.watch_at {
+            return Ok(());
+        }
+        let units = self.pipelines().into_iter().flat_map(|(.., pipelines)| pipelines);
+        let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
+        let dram = &self.links.dram;
+        let columns: u64 = (0..dram.channels()).map(|i| dram.counts(i).reads + dram.counts(i).writes).sum();
+        let progress = self.dispatcher.causes.busy() + begun + columns;
+        if progress == self.progress {
+            return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
+        }
+        (self.progress, self.watch_at) = (progress, now + self.patience);
+        Ok(())
+    }
+
+    fn queues(&self) -> String {
+        let links = &self.links;
+        let mut lines = vec![format!("dispatcher: {}", self.dispatcher.queues())];
+        let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
+        self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
+        self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(links)));
+        list("shadow_cache", 0, self.shadow_cache.queues(links));
+        links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
+        (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
+        lines.join("\n")
+    }
+}
+
+/// Lets the due ones of `count` parts act, whose numbers begin with `first`: in cycle `now`, number `now mod count` first.
+fn in_turn(due: &Due, first: u32, count: u32, now: u64, mut act: impl FnMut(usize)) {
+    let middle = first + (now % u64::from(count)) as u32;
+    for (mut from, end) in [(middle, first + count), (first, middle)] {
+        while let Some(part) = due.next(from, end) {
+            act((part - first) as usize);
+            from = part + 1;
+        }
+    }
+}

@@ -1,0 +1,156 @@
+//! Streams built by hand, for tests.
+
+use std::sync::Arc;
+
+use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
+use crate::stream::{
+    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, Store, StoreEntries, Structure,
+    Totals,
+};
+
+/// Static nodes, slots and primitives of [`header`].
+pub const STATIC: u32 = 4096;
+
+/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each.
+pub fn header() -> Header {
+    Header {
+        scene: "synthetic".into(),
+        frames: vec![0],
+        resolution: Resolution { width: 1, height: 1 },
+        policy: "none".into(),
+        structure: Structure::Bvh2,
+        lights: 1,
+        static_primitives: STATIC,
+        primitives: STATIC,
+        static_nodes: STATIC,
+        static_slots: STATIC,
+        static_list_entries: STATIC,
+        stores: StoreEntries { mode_words: STATIC, pixel_counters: STATIC, occluder_ids: STATIC },
+        input_hash: 0,
+    }
+}
+
+/// A ray that is not in a stream yet.
+#[derive(Clone, Debug)]
+pub struct SyntheticRay {
+    pub kind: RayKind,
+    pub decision: Decision,
+    pub parent: u32,
+    pub path: Vec<Step>,
+    pub policy: Vec<Step>,
+}
+
+impl SyntheticRay {
+    pub fn primary(path: Vec<Step>) -> Self {
+        Self { kind: RayKind::Primary, decision: Decision::Trace, parent: 0, path, policy: Vec::new() }
+    }
+
+    pub fn shadow(parent: u32, decision: Decision, path: Vec<Step>) -> Self {
+        Self { kind: RayKind::Shadow, decision, parent, path, policy: Vec::new() }
+    }
+
+    pub fn with_policy(self, policy: Vec<Step>) -> Self {
+        Self { policy, ..self }
+    }
+}
+
+fn pack(steps: &[Step]) -> Vec<u32> {
+    steps.iter().map(|step| step.pack()).collect()
+}
+
+/// A frame of rays, in chunks of whole pixel groups with at least `chunk` rays each.
+pub fn frame(info: FrameInfo, rays: &[SyntheticRay], end: &[Step], chunk: usize) -> Vec<Item> {
+    let mut items = vec![Item::Frame(info)];
+    let mut totals = Totals::default();
+    let mut open = Chunk::default();
+    for ray in rays {
+        if ray.kind == RayKind::Primary && open.len() >= chunk {
+            items.push(Item::Rays(Arc::new(std::mem::take(&mut open))));
+        }
+        let outcome = match ray.kind {
+            RayKind::Shadow => Outcome::Lit,
+            _ => Outcome::Hit(PrimitiveId(0)),
+        };
+        let head = RayHead {
+            kind: ray.kind,
+            light: LightId(0),
+            decision: ray.decision,
+            outcome,
+            pixel: PixelId(0),
+            parent: ray.parent,
+        };
+        open.push(head, &pack(&ray.path), &pack(&ray.policy));
+        totals.count(&open.ray(open.len() - 1));
+    }
+    items.push(Item::Rays(Arc::new(open)));
+    totals.count_policy(end.iter().copied());
+    items.push(Item::End { policy: Arc::new(pack(end)), totals });
+    items
+}
+
+/// Visits of nodes.
+pub fn nodes(ids: impl IntoIterator<Item = u32>) -> Vec<Step> {
+    ids.into_iter().map(|id| Step::Node(NodeId(id))).collect()
+}
+
+/// A triangle test.
+pub fn triangle(slot: u32, stop: Stop) -> Step {
+    Step::Triangle { slot: TriangleSlot(slot), stop }
+}
+
+/// A small generator of numbers for streams (xorshift64, Marsaglia 2003).
+pub struct Numbers(pub u64);
+
+impl Numbers {
+    /// A number below `end`.
+    pub fn below(&mut self, end: u32) -> u32 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        (((self.0 >> 32) * u64::from(end)) >> 32) as u32
+    }
+}
+
+/// A path that goes down a tree of `depth` levels, `descents` times, from the root or a node near it, with a triangle
+/// test at each leaf: the upper levels are shared by all rays, the lower ones by rays of the same `region`.
+pub fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) -> Vec<Step> {
+    let mut path = Vec::new();
+    for descent in 0..descents {
+        let mut node = if descent == 0 { 1 } else { 2 + numbers.below(2) };
+        while node < 1 << (depth - 1) {
+            path.push(Step::Node(NodeId(node - 1)));
+            let level = node.ilog2();
+            let bit = if level + 2 < depth { region >> (level % 32) & 1 } else { numbers.below(2) };
+            node = 2 * node + bit;
+        }
+        path.push(Step::Node(NodeId(node - 1)));
+        let stop = [Stop::Plane, Stop::Plane, Stop::Edges, Stop::Hit][numbers.below(4) as usize];
+        path.push(triangle(node - (1 << (depth - 1)), stop));
+    }
+    path
+}
+
+/// A frame like a BVH's: `pixels` primary rays, each with a policy's read of a word, a shadow ray, and an update of a
+/// counter; neighbouring pixels go to the same region. The tree has `depth` levels.
+pub fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<SyntheticRay> {
+    let mut numbers = Numbers(seed);
+    let mut rays = Vec::new();
+    let mut region = 0;
+    for pixel in 0..pixels {
+        if pixel % 64 == 0 {
+            region = numbers.below(u32::MAX);
+        }
+        let word = region >> 20 & (STATIC - 1);
+        let decision = if numbers.below(4) == 0 { Decision::Skip } else { Decision::Trace };
+        let read = Step::Read { store: Store::ModeWord, index: word };
+        let update = Step::Update { store: Store::PixelCounter, index: word };
+        rays.push(
+            SyntheticRay::primary(descent(&mut numbers, region, depth, descents)).with_policy(vec![read, update]),
+        );
+        let path =
+            if decision == Decision::Skip { Vec::new() } else { descent(&mut numbers, !region, depth, descents) };
+        let or = Step::Update { store: Store::ModeWord, index: word };
+        rays.push(SyntheticRay::shadow(1, decision, path).with_policy(vec![or]));
+    }
+    rays
+}

@@ -1,0 +1,457 @@
+use std::convert::Infallible;
+
+use proptest::prelude::*;
+
+use super::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
+use super::*;
+use crate::machine::dispatcher::Dispatcher;
+use crate::machine::pipeline::WritePolicy;
+use crate::memory::dram_timing::Field;
+use crate::memory::replacement::Policy;
+use crate::ranged::{PowerOfTwo, Within};
+use crate::stats::{Cause, TrafficClass};
+use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
+
+fn num<const LO: u64, const HI: u64>(value: u64) -> Within<LO, HI> {
+    Within::new(value).unwrap()
+}
+
+fn pow<const LO: u64, const HI: u64>(value: u64) -> PowerOfTwo<LO, HI> {
+    PowerOfTwo::new(value).unwrap()
+}
+
+fn items(items: Vec<Item>) -> impl Iterator<Item = Result<Item, Infallible>> {
+    items.into_iter().map(Ok)
+}
+
+fn replayed(machine: &MachineSpec, stream: Vec<Item>) -> MachineStats {
+    run(machine, &header(), items(stream)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
+    frame(FrameInfo::default(), rays, &[], 64)
+}
+
+/// The machine with other lines, and as many of them in a row of the DRAM.
+fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
+    machine.dram.row_bytes = pow(machine.dram.row_bytes.get() / machine.line_bytes.get() * line);
+    machine.line_bytes = pow(line);
+    machine
+}
+
+/// Cycles from a miss in an L1 to the fill, in a machine at rest.
+fn miss_latency(machine: &MachineSpec) -> u64 {
+    let timing = machine.dram.timing(machine.clock_mhz.get(), machine.line_bytes.get());
+    let dram = timing.rcd + timing.cl + timing.line_parts.div_ceil(timing.parts);
+    // To the L2, to the DRAM, back to the L2, back to the L1: a cycle each.
+    4 + dram + machine.l2.latency.get()
+}
+
+/// Cycles before the first ray is at its unit, and from its retirement to the end of the run: to the dispatcher, to
+/// the frame's end, and the last cycle itself.
+fn frame_latency(machine: &MachineSpec) -> u64 {
+    machine.dispatcher.latency.get() + 3
+}
+
+#[test]
+fn one_ray_with_one_node_takes_the_sum_of_all_latencies() {
+    let machine = MachineSpec::default();
+    let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(nodes([0]))]));
+    let expected = frame_latency(&machine) + miss_latency(&machine) + machine.traversal.latency.get();
+    assert_eq!(stats.cycles.0, expected);
+    assert_eq!((stats.rays, stats.dram.reads, stats.dram.row_misses), (1, 1, 1));
+}
+
+#[test]
+fn a_hit_of_a_primary_ray_passes_twice_and_divides() {
+    let machine = MachineSpec::default();
+    let unit = machine.intersection.latency.get();
+    // Slot 0: plane and edges share a line of 64 bytes, so the second fetch hits.
+    let both = miss_latency(&machine) + unit + machine.intersection.cache.latency.get() + unit;
+    let there_and_back = 2;
+    for (stop, test) in [
+        (Stop::Plane, miss_latency(&machine) + unit),
+        (Stop::Edges, both),
+        (Stop::Hit, both + machine.intersection.divide_latency.get()),
+    ] {
+        let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(vec![triangle(0, stop)])]));
+        assert_eq!(stats.cycles.0, frame_latency(&machine) + there_and_back + test, "{stop:?}");
+    }
+}
+
+#[test]
+fn a_skipped_ray_costs_one_operation_and_no_traversal() {
+    let machine = MachineSpec::default();
+    let primary = SyntheticRay::primary(nodes([0]));
+    let alone = replayed(&machine, one_frame(std::slice::from_ref(&primary)));
+    let stats = replayed(&machine, one_frame(&[primary, SyntheticRay::shadow(1, Decision::Skip, Vec::new())]));
+    // The child is ready `shading_cycles` after its parent is done, one cycle less than the dispatcher's next cycle.
+    let child = machine.dispatcher.shading_cycles.get() + 1 + machine.shadow_cache.latency.get();
+    assert_eq!(stats.cycles.0, alone.cycles.0 + child);
+    assert_eq!((stats.rays, stats.bytes["l1_traversal"][&TrafficClass::Node].0), (1, 64));
+    assert_eq!(stats.units["shadow_cache"][&Cause::Busy], 1);
+}
+
+#[test]
+fn children_wait_for_the_policy_of_their_parent() {
+    let machine = MachineSpec::default();
+    let primary = SyntheticRay::primary(nodes([0]));
+    let shadow = SyntheticRay::shadow(1, Decision::Trace, nodes([0]));
+    let plain = replayed(&machine, one_frame(&[primary.clone(), shadow.clone()]));
+    // Word 32 lies in another bank of the DRAM than node 0.
+    let read = Step::Read { store: Store::ModeWord, index: 32 };
+    let stats = replayed(&machine, one_frame(&[primary.with_policy(vec![read]), shadow]));
+    let policy = 1 + miss_latency(&machine) + machine.shadow_cache.latency.get();
+    assert_eq!(stats.cycles.0, plain.cycles.0 + policy);
+}
+
+#[test]
+fn a_saturated_unit_begins_one_operation_a_cycle() {
+    let mut machine = MachineSpec::default();
+    machine.traversal.count = num(1);
+    let rays: Vec<_> = (0..200).map(|_| SyntheticRay::primary(nodes(vec![0; 50]))).collect();
+    let stats = replayed(&machine, one_frame(&rays));
+    let busy = stats.units["traversal"][&Cause::Busy];
+    assert_eq!(busy, 200 * 50);
+    let idle = stats.cycles.0 - busy;
+    // Rays that miss together start together: the unit is idle at the beginning, and while the last rays end.
+    let (begin, end) = (frame_latency(&machine) + miss_latency(&machine), 9 * 50);
+    assert!(idle < begin + end, "idle for {idle} cycles");
+}
+
+#[test]
+fn misses_to_one_line_are_merged() {
+    let mut machine = MachineSpec::default();
+    machine.traversal.count = num(1);
+    machine.dispatcher.per_cycle = num(4);
+    let rays: Vec<_> = (0..4).map(|_| SyntheticRay::primary(nodes([7]))).collect();
+    let stats = replayed(&machine, one_frame(&rays));
+    let counts = stats.caches["l1_traversal"][&TrafficClass::Node];
+    assert_eq!((counts.misses, counts.half_misses, counts.hits), (1, 3, 0));
+    assert_eq!(stats.dram.reads, 1);
+}
+
+#[test]
+fn a_node_over_two_lines_needs_both() {
+    let machine = with_line(MachineSpec::default(), 32);
+    let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(nodes([0]))]));
+    assert_eq!(stats.caches["l1_traversal"][&TrafficClass::Node].misses, 2);
+    assert_eq!(stats.bytes["l1_traversal"][&TrafficClass::Node].0, 64);
+}
+
+#[test]
+fn dynamic_lines_do_not_outlive_their_frame() {
+    let machine = MachineSpec::default();
+    let info = FrameInfo { number: 0, dynamic_nodes: 4, ..FrameInfo::default() };
+    let rays = [SyntheticRay::primary(nodes([0, STATIC + 1]))];
+    let mut stream = frame(info, &rays, &[], 1);
+    stream.extend(frame(FrameInfo { number: 1, ..info }, &rays, &[], 1));
+    let stats = replayed(&machine, stream);
+    assert_eq!(stats.dram.reads, 3, "the static node once, the dynamic one in each frame");
+}
+
+#[test]
+fn a_frames_end_is_done_before_the_next_frame() {
+    let machine = MachineSpec::default();
+    let sweep: Vec<_> = (0..100).map(|index| Step::Update { store: Store::ModeWord, index }).collect();
+    let mut stream = frame(FrameInfo::default(), &[], &sweep, 1);
+    stream.extend(frame(FrameInfo::default(), &[], &sweep, 1));
+    let stats = replayed(&machine, stream);
+    assert_eq!(stats.units["shadow_cache"][&Cause::Busy], 200);
+    assert_eq!(stats.bytes["l1_shadow_cache"][&TrafficClass::ModeWord].0, 800);
+    assert_eq!(stats.dram.reads, 7, "400 bytes, kept over the frames");
+}
+
+#[test]
+fn writes_go_through_or_back() {
+    let mut machine = MachineSpec::default();
+    let end: Vec<_> = (0..16).map(|index| Step::Update { store: Store::ModeWord, index }).collect();
+    let stream = frame(FrameInfo::default(), &[], &end, 1);
+    let back = replayed(&machine, stream.clone());
+    machine.shadow_cache.writes = WritePolicy::Through;
+    let through = replayed(&machine, stream);
+    assert_eq!(back.bytes["l2"][&TrafficClass::ModeWord].0, 64);
+    assert_eq!(through.bytes["l2"][&TrafficClass::ModeWord].0, 64 + 16 * 4);
+}
+
+#[test]
+fn an_empty_stream_takes_one_cycle() {
+    let machine = MachineSpec::default();
+    let stats = replayed(&machine, Vec::new());
+    assert_eq!((stats.cycles.0, stats.rays), (1, 0));
+    let stats = replayed(&machine, one_frame(&[]));
+    assert_eq!((stats.cycles.0, stats.rays), (2, 0));
+}
+
+#[test]
+fn wrong_streams_are_refused() {
+    let machine = MachineSpec::default();
+    let good = one_frame(&[SyntheticRay::primary(nodes([0]))]);
+    let error = |stream: Vec<Item>| run(&machine, &header(), items(stream)).unwrap_err().to_string();
+    assert_eq!(error(good[..2].to_vec()), "the stream has its end where rays or a frame's end belongs");
+    assert_eq!(error(good[1..].to_vec()), "the stream has rays where a frame's beginning belongs");
+    let beyond = one_frame(&[SyntheticRay::primary(nodes([STATIC]))]);
+    assert_eq!(error(beyond), "node 4096 does not exist: the stream's header and frame announce 4096");
+    let orphan = one_frame(&[SyntheticRay::primary(nodes([0])), SyntheticRay::shadow(2, Decision::Trace, Vec::new())]);
+    assert_eq!(error(orphan), "ray 1 of a chunk has a parent outside its pixel group");
+    let mut miscounted = good;
+    if let Some(Item::End { totals, .. }) = miscounted.last_mut() {
+        totals.node_visits += 1;
+    }
+    assert_eq!(error(miscounted), "frame 0: the machine replayed 1 node visits, the tracer counted 2");
+}
+
+#[test]
+fn an_error_of_the_source_comes_through() {
+    let stream = one_frame(&[]).into_iter().take(1).map(Ok).chain([Err("disk on fire")]);
+    assert!(matches!(run(&MachineSpec::default(), &header(), stream), Err(RunError::Source("disk on fire"))));
+}
+
+/// A machine with everything as small as it can be.
+fn tiny() -> MachineSpec {
+    let mut machine = MachineSpec::default();
+    machine.dispatcher.rays = num(1);
+    machine.traversal.count = num(1);
+    machine.traversal.rays = num(1);
+    machine.intersection.count = num(1);
+    machine.intersection.tests = num(1);
+    machine.intersection.queue = num(1);
+    machine.shadow_cache.contexts = num(1);
+    for cache in [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache] {
+        (cache.bytes, cache.ways) = (num(64), num(1));
+        (cache.mshrs, cache.targets, cache.queue) = (num(1), num(1), num(1));
+    }
+    machine.l2.banks = pow(1);
+    (machine.l2.bytes, machine.l2.ways) = (num(64), num(1));
+    (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (num(1), num(1), num(1));
+    machine.dram.queue = num(1);
+    machine
+}
+
+#[test]
+fn size_one_everywhere_does_not_deadlock() {
+    for line in [32, 64] {
+        for writes in [WritePolicy::Back, WritePolicy::Through] {
+            let mut machine = tiny();
+            machine = with_line(machine, line);
+            machine.shadow_cache.writes = writes;
+            let end: Vec<_> = (0..40).map(|i| Step::Update { store: Store::PixelCounter, index: i * 9 }).collect();
+            let stats = replayed(&machine, frame(FrameInfo::default(), &bvh_like(3, 60, 12, 3), &end, 16));
+            assert_eq!(stats.units.len(), 4);
+        }
+    }
+}
+
+#[test]
+fn a_shadow_rays_test_of_the_policy_uses_the_intersection_unit() {
+    let machine = MachineSpec::default();
+    let ray = SyntheticRay::primary(vec![]).with_policy(vec![triangle(5, Stop::Hit), triangle(5, Stop::Plane)]);
+    let stats = replayed(&machine, one_frame(&[ray]));
+    assert_eq!(stats.units["intersection"][&Cause::Busy], 3);
+    assert_eq!(stats.bytes["l1_intersection"][&TrafficClass::Triangle].0, 16 + 32 + 16);
+}
+
+#[test]
+fn chunks_are_dropped_when_their_rays_are_done() {
+    let stream = frame(FrameInfo::default(), &bvh_like(1, 2000, 12, 1), &[], 64);
+    let total = stream.len();
+    let mut chunks = Vec::new();
+    let mut most = 0;
+    let watched = stream.into_iter().map(|item| {
+        if let Item::Rays(chunk) = &item {
+            chunks.push(std::sync::Arc::downgrade(chunk));
+        }
+        chunks.retain(|chunk| chunk.strong_count() > 0);
+        most = most.max(chunks.len());
+        Ok::<_, Infallible>(item)
+    });
+    run(&MachineSpec::default(), &header(), watched).unwrap();
+    // 128 rays are in flight and hits are shaded: some 400 rays are begun and not done, of 64 a chunk.
+    assert!(total > 60 && most <= 10, "{most} of {total} chunks at once");
+}
+
+#[test]
+fn a_machine_that_does_not_move_is_reported_with_its_queues() {
+    let machine = MachineSpec::default();
+    let mut engine = event::Event::new(&machine, &header());
+    engine.dispatcher = Dispatcher::new(&machine.dispatcher, 4, 0);
+    let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
+    let error = replay(engine, &machine, items(stream)).unwrap_err().to_string();
+    assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
+    assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
+}
+
+#[test]
+fn violated_identities_are_found() {
+    let machine = MachineSpec::default();
+    let mut engine = event::Event::new(&machine, &header());
+    let mut stream = one_frame(&bvh_like(1, 50, 12, 2)).into_iter();
+    let cycles = engine.run::<Infallible>(|| Ok(stream.next()), |_| Ok(())).unwrap();
+    let good = check::collect(&engine, &machine, cycles);
+    assert_eq!(check::run(&engine, &machine, &good), Ok(()));
+    type Breakage = fn(&mut MachineStats);
+    let broken: [(&str, Breakage); 6] = [
+        ("hits + half misses + misses", |s| {
+            s.caches.get_mut("l2").unwrap().get_mut(&TrafficClass::Node).unwrap().hits += 1
+        }),
+        ("cycles of all causes", |s| *s.units.get_mut("traversal").unwrap().get_mut(&Cause::Busy).unwrap() += 1),
+        ("row hits", |s| s.dram.row_hits += 1),
+        ("against DRAM bytes", |s| s.bytes.get_mut("dram").unwrap().get_mut(&TrafficClass::Node).unwrap().0 += 1),
+        ("against DRAM bytes", |s| s.dram = Default::default()),
+        ("exceed the peak", |s| {
+            s.cycles.0 /= 50;
+            s.units.clear();
+        }),
+    ];
+    for (expected, breakage) in broken {
+        let mut stats = good.clone();
+        breakage(&mut stats);
+        let error = check::run(&engine, &machine, &stats).unwrap_err();
+        assert!(error.contains(expected), "{error}");
+    }
+}
+
+/// Machines from small to smallest, with odd latencies.
+fn machines() -> impl Strategy<Value = MachineSpec> {
+    let small = |most: u64| 1..=most;
+    let units = (small(3), small(5), small(4), small(3), small(4), 0..4u64, small(6), any::<bool>());
+    let latencies = (small(9), small(9), small(9), small(5), small(30), small(3));
+    let caches = (0..3u32, 0..3u32, small(3), small(3), small(3), small(2));
+    let dram = (0..2u32, 0..3u32, small(5), 50..4000u64, 1..2000u64, 5..8u32);
+    (units, latencies, caches, dram).prop_map(|(units, latencies, caches, dram)| {
+        let mut machine = MachineSpec::default();
+        machine.traversal.count = num(units.0);
+        machine.traversal.rays = num(units.1);
+        machine.intersection.count = num(units.2);
+        machine.intersection.tests = num(units.3);
+        machine.intersection.queue = num(units.4);
+        machine.dispatcher.rays = num(1 + units.5 * 7);
+        machine.dispatcher.per_cycle = num(units.6);
+        machine.shadow_cache.contexts = num(units.4);
+        machine.shadow_cache.writes = if units.7 { WritePolicy::Back } else { WritePolicy::Through };
+        machine.dispatcher.latency = num(latencies.0);
+        machine.traversal.latency = num(latencies.1);
+        machine.intersection.latency = num(latencies.2);
+        machine.intersection.divide_latency = num(latencies.3);
+        machine.dispatcher.shading_cycles = num(latencies.4);
+        machine.l2.latency = num(latencies.5);
+        let line = 32 << caches.0;
+        machine.line_bytes = pow(line);
+        let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 5 }];
+        let mut ways = [1, 2, 4].into_iter().cycle().skip(caches.1 as usize);
+        for (index, cache) in
+            [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache]
+                .into_iter()
+                .enumerate()
+        {
+            let count = ways.next().unwrap();
+            (cache.ways, cache.bytes) = (num(count), num((line * count) << caches.1));
+            cache.replacement = policy[(index + caches.0 as usize) % 4];
+            (cache.mshrs, cache.targets, cache.queue) = (num(caches.2), num(caches.3), num(caches.4));
+            (cache.ports, cache.latency) = (num(caches.5), num(caches.4));
+        }
+        machine.l2.banks = pow(1 << caches.1);
+        machine.l2.ways = num(2);
+        machine.l2.bytes = num((line * 2 * 4) << caches.1);
+        (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (num(caches.3), num(caches.2), num(caches.5));
+        machine.dram.channels = pow(1 << dram.0);
+        machine.dram.banks = pow(1 << dram.1);
+        machine.dram.queue = num(dram.2);
+        machine.clock_mhz = num(dram.3);
+        machine.dram.clock_mhz = num(dram.4);
+        machine.dram.timing.refi = num(1700);
+        machine.dram.row_bytes = pow(line << dram.5);
+        machine.dram.mapping =
+            vec![Field::Column(2), Field::Channel(dram.0), Field::Bank(dram.1), Field::Column(dram.5 - 2), Field::Row];
+        machine
+    })
+}
+
+fn streams() -> impl Strategy<Value = Vec<Item>> {
+    let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
+    let store = (0..3usize, 0..STATIC, 0..3u8).prop_map(move |(store, index, kind)| match kind {
+        0 => Step::Read { store: stores[store], index },
+        1 => Step::Write { store: stores[store], index },
+        _ => Step::Update { store: stores[store], index },
+    });
+    let traversal = (0..8u8, 0..40u32, 0..3usize).prop_map(|(kind, index, stop)| match kind {
+        0..4 => Step::Node(crate::quantity::NodeId(index * index)),
+        4 => Step::Node(crate::quantity::NodeId(STATIC + index)),
+        5 => Step::List(crate::quantity::ListId(index)),
+        _ => triangle(index * 50, [Stop::Plane, Stop::Edges, Stop::Hit][stop]),
+    });
+    let traversal = traversal.boxed();
+    let path = prop::collection::vec(traversal.clone(), 0..12);
+    let policy = prop::collection::vec(prop_oneof![3 => store, 1 => traversal], 0..4).boxed();
+    let ray = (0..5u8, path, policy.clone());
+    let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
+        rays.into_iter()
+            .enumerate()
+            .map(|(index, (kind, path, policy))| {
+                let parent = 1 + (kind as u32 * 7 % index.max(1) as u32);
+                let ray = match (index, kind) {
+                    (0, _) => SyntheticRay::primary(path),
+                    (_, 0) => SyntheticRay::shadow(parent, Decision::Skip, Vec::new()),
+                    (_, 1) => SyntheticRay::shadow(parent, Decision::DynamicOnly, path),
+                    (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
+                    _ => {
+                        SyntheticRay { kind: crate::stream::RayKind::Reflection, parent, ..SyntheticRay::primary(path) }
+                    }
+                };
+                ray.with_policy(policy)
+            })
+            .collect::<Vec<_>>()
+    });
+    let frames = (prop::collection::vec(group, 0..12), policy, 1..9usize).prop_map(|(groups, end, chunk)| {
+        let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
+        frame(info, &groups.concat(), &end, chunk)
+    });
+    prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+
+    /// No deadlock, no violated identity, the same result twice, and the same result when all parts act in all cycles.
+    #[test]
+    fn any_machine_replays_any_stream(machine in machines(), stream in streams()) {
+        let first = run(&machine, &header(), items(stream.clone())).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        let second = run(&machine, &header(), items(stream.clone())).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert_eq!(&first, &second);
+        let mut engine = event::Event::new(&machine, &header());
+        engine.eager = true;
+        let eager = replay(engine, &machine, items(stream)).map_err(|e| TestCaseError::fail(e.to_string()))?;
+        prop_assert_eq!(first, eager);
+    }
+}
+
+/// Not a test of the model: prints how fast it is replayed. Run with `--release -- --ignored --nocapture`.
+#[test]
+#[ignore = "measures speed"]
+fn throughput() {
+    for (name, text) in [
+        ("small", include_str!("../../configs/machines/small.ron")),
+        ("desktop", include_str!("../../configs/machines/desktop.ron")),
+    ] {
+        let machine = MachineSpec::from_ron(text).unwrap();
+        for (depth, descents) in [(12, 4), (20, 3)] {
+            let header = Header { static_nodes: 1 << depth, static_slots: 1 << depth, ..header() };
+            let rays = bvh_like(1, 100_000, depth, descents);
+            let steps: usize = rays.iter().map(|ray| ray.path.len()).sum();
+            let stream = frame(FrameInfo::default(), &rays, &[], 4096);
+            let start = std::time::Instant::now();
+            let stats = run(&machine, &header, items(stream)).unwrap();
+            let seconds = start.elapsed().as_secs_f64();
+            println!(
+                "{name}, {depth} levels: {:.1} steps a ray, {:.3} Mray/s, {:.1} Msteps/s, {} cycles, TRV busy {:.2}, hits {:.3} L1, {:.3} L2",
+                steps as f64 / stats.rays as f64,
+                stats.rays as f64 / seconds / 1e6,
+                steps as f64 / seconds / 1e6,
+                stats.cycles,
+                stats.utilization("traversal").unwrap(),
+                stats.caches["l1_traversal"][&TrafficClass::Node].hit_rate().unwrap(),
+                stats.caches["l2"][&TrafficClass::Node].hit_rate().unwrap(),
+            );
+        }
+    }
+}

@@ -1,0 +1,268 @@
+//! The table of GI09 under every reading of its text: the published figures beside ours.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::{Deserialize, Serialize};
+
+use super::frames::FrameRange;
+use super::ron_file::{self, ConfigError};
+use super::run::frame_result;
+use super::{ExperimentError, beside, facts, progress};
+use crate::culling::PolicySpec;
+use crate::named::Named;
+use crate::quantity::Resolution;
+use crate::report::Grid;
+use crate::report::format::{exact, percent};
+use crate::report::summary::{FrameResult, PolicySummary};
+use crate::scene::spec::SceneSpec;
+use crate::scene::{Scene, ShadowRays};
+use crate::stream::Structure;
+use crate::tracer::{Tracer, TracerSpec};
+
+/// What readings are tried: every combination of what is listed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperSpec {
+    /// The scenes, each with the figures that the paper has for it.
+    pub scenes: Vec<PaperScene>,
+    /// Size of the pictures.
+    pub resolution: Resolution,
+    /// Frames.
+    pub frames: Vec<FrameRange>,
+    /// Acceleration structures.
+    pub structures: Vec<Structure>,
+    /// Depths, primary ray included.
+    pub depths: Vec<u32>,
+    /// Which lights are asked for.
+    pub shadow_rays: Vec<ShadowRays>,
+    /// Policies, all measured against no culling.
+    pub policies: Named<PolicySpec>,
+}
+
+/// A scene of the paper's table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PaperScene {
+    /// The scene's file.
+    pub scene: PathBuf,
+    /// What the paper says.
+    pub published: Figures,
+}
+
+/// The paper's figures of a scene, or ours.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Figures {
+    /// Node visits of shadow rays saved.
+    pub traversal_saved: MeanMax,
+    /// Triangle tests of shadow rays saved.
+    pub intersection_saved: MeanMax,
+    /// Occlusion tests a pixel.
+    pub occlusion_tests_per_pixel: f64,
+}
+
+/// A share of work saved, over frames.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct MeanMax {
+    /// Mean of the frames.
+    pub mean: f64,
+    /// The best frame's.
+    pub max: f64,
+}
+
+impl Figures {
+    /// Root of the mean squared difference of the four shares saved.
+    pub fn distance(&self, other: &Self) -> f64 {
+        let differences = [
+            self.traversal_saved.mean - other.traversal_saved.mean,
+            self.traversal_saved.max - other.traversal_saved.max,
+            self.intersection_saved.mean - other.intersection_saved.mean,
+            self.intersection_saved.max - other.intersection_saved.max,
+        ];
+        (differences.iter().map(|difference| difference * difference).sum::<f64>() / 4.0).sqrt()
+    }
+}
+
+/// One reading of the text on one scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Reading {
+    /// The scene.
+    pub scene: String,
+    /// The frames.
+    pub frames: FrameRange,
+    /// The acceleration structure.
+    pub structure: Structure,
+    /// The depth.
+    pub depth: u32,
+    /// Which lights are asked for.
+    pub shadow_rays: ShadowRays,
+    /// The policy's name.
+    pub policy: String,
+    /// The paper's figures.
+    pub published: Figures,
+    /// Ours.
+    pub ours: Figures,
+    /// The best frame for node visits and for triangle tests, counted from 0 among those traced.
+    pub best_frames: [usize; 2],
+    /// Wrong shadow decisions in all frames.
+    pub wrong: u64,
+    /// See [`Figures::distance`].
+    pub distance: f64,
+}
+
+/// Tries all readings; those done when `stop` became true.
+pub fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
+    let spec: PaperSpec = ron_file::read(path)?;
+    let mut readings = Vec::new();
+    let ranges = spec.frames.len() * spec.structures.len() * spec.depths.len() * spec.shadow_rays.len();
+    let bar = progress::bar(ranges * spec.scenes.len(), "readings").with_message("paper");
+    for PaperScene { scene, published } in &spec.scenes {
+        let scene_path = beside(path, scene);
+        let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+        for &frames in &spec.frames {
+            if frames.end() > scene.frame_count {
+                let what = format!("`frames` has {frames}, but `{}` has {} frames", scene.name, scene.frame_count);
+                return Err(ConfigError::Content { path: path.into(), what }.into());
+            }
+            for tracer in tracers(&spec) {
+                if stop.load(Ordering::Relaxed) {
+                    return Ok(readings);
+                }
+                readings.extend(read(&spec, &scene, published, frames, tracer));
+                bar.inc(1);
+            }
+        }
+    }
+    bar.finish_and_clear();
+    Ok(readings)
+}
+
+/// All combinations of how frames are traced.
+fn tracers(spec: &PaperSpec) -> Vec<TracerSpec> {
+    let mut all = Vec::new();
+    for &structure in &spec.structures {
+        for &depth in &spec.depths {
+            for &shadow_rays in &spec.shadow_rays {
+                let mut tracer = TracerSpec::default();
+                tracer.accel.structure = structure;
+                tracer.render.depth = depth;
+                tracer.render.shadow_rays = shadow_rays;
+                all.push(tracer);
+            }
+        }
+    }
+    all
+}
+
+/// Traces the frames once for all policies.
+fn read(
+    spec: &PaperSpec,
+    scene: &Scene,
+    published: &Figures,
+    frames: FrameRange,
+    tracer_spec: TracerSpec,
+) -> Vec<Reading> {
+    let numbers = frames.numbers();
+    let tracer = Tracer::new(scene, &scene.animation.frame(numbers[0]), spec.resolution, tracer_spec);
+    let named = spec.policies.iter().map(|(_, policy)| policy);
+    let mut policies: Vec<_> =
+        std::iter::once(&PolicySpec::Off).chain(named).map(|policy| policy.build(facts(scene))).collect();
+    let mut results: Vec<Vec<FrameResult>> = vec![Vec::new(); policies.len()];
+    for &number in &numbers {
+        let frame = scene.animation.frame(number);
+        let lanes = tracer.frame(&frame, &mut policies, |_, _| Ok::<_, std::convert::Infallible>(()));
+        let lanes = lanes.unwrap_or_else(|never| match never {});
+        for (results, lane) in results.iter_mut().zip(&lanes) {
+            results.push(frame_result(number, lane));
+        }
+    }
+    let (off, culled) = results.split_first().expect("`Off` is always the first");
+    let row = |((name, _), results): ((&str, _), &Vec<FrameResult>)| {
+        let summary = PolicySummary::new(results, Vec::new(), Some(off));
+        let share = |share: Option<f64>| share.unwrap_or(0.0);
+        let index = |number: Option<u32>| numbers.iter().position(|&frame| Some(frame) == number).unwrap_or(0);
+        let (traversal, intersection) = (summary.traversal_saved, summary.intersection_saved);
+        let ours = Figures {
+            traversal_saved: MeanMax { mean: share(traversal.mean), max: share(traversal.max) },
+            intersection_saved: MeanMax { mean: share(intersection.mean), max: share(intersection.max) },
+            occlusion_tests_per_pixel: share(summary.counts.occlusion_tests_per_pixel),
+        };
+        Reading {
+            scene: scene.name.clone(),
+            frames,
+            structure: tracer_spec.accel.structure,
+            depth: tracer_spec.render.depth,
+            shadow_rays: tracer_spec.render.shadow_rays,
+            policy: name.to_owned(),
+            published: *published,
+            ours,
+            best_frames: [index(traversal.max_frame), index(intersection.max_frame)],
+            wrong: summary.counts.wrong().unwrap_or(0),
+            distance: ours.distance(published),
+        }
+    };
+    spec.policies.iter().zip(culled).map(row).collect()
+}
+
+/// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
+pub fn grid(readings: &[Reading]) -> Grid {
+    const HEAD: [&str; 12] = [
+        "scene",
+        "reading",
+        "policy",
+        "nodes saved",
+        "most",
+        "in",
+        "triangles saved",
+        "most",
+        "in",
+        "tests/pixel",
+        "wrong",
+        "distance",
+    ];
+    let mut sorted: Vec<&Reading> = readings.iter().collect();
+    // Scenes keep their order: the sort is stable, and places are by first appearance.
+    let place = |scene: &str| readings.iter().position(|reading| reading.scene == scene);
+    sorted.sort_by(|a, b| place(&a.scene).cmp(&place(&b.scene)).then(a.distance.total_cmp(&b.distance)));
+    let mut rows: Vec<Vec<String>> = Vec::new();
+    let mut scene = None;
+    for reading in sorted {
+        if scene != Some(&reading.scene) {
+            scene = Some(&reading.scene);
+            let [nodes, most_nodes, tests, most_tests, pixel] = texts(&reading.published);
+            let dash = || "-".to_owned();
+            let row = [nodes, most_nodes, dash(), tests, most_tests, dash(), pixel, dash(), dash()];
+            rows.push([reading.scene.clone(), "published".to_owned(), dash()].into_iter().chain(row).collect());
+        }
+        let [nodes, most_nodes, tests, most_tests, pixel] = texts(&reading.ours);
+        let Reading { frames, structure, depth, shadow_rays, .. } = reading;
+        rows.push(vec![
+            reading.scene.clone(),
+            format!("{frames}, {structure:?}, depth {depth}, {shadow_rays:?}"),
+            reading.policy.clone(),
+            nodes,
+            most_nodes,
+            reading.best_frames[0].to_string(),
+            tests,
+            most_tests,
+            reading.best_frames[1].to_string(),
+            pixel,
+            exact(reading.wrong),
+            format!("{:.1}", 100.0 * reading.distance),
+        ]);
+    }
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 3, rows }
+}
+
+fn texts(figures: &Figures) -> [String; 5] {
+    [
+        percent(figures.traversal_saved.mean),
+        percent(figures.traversal_saved.max),
+        percent(figures.intersection_saved.mean),
+        percent(figures.intersection_saved.max),
+        format!("{:.3}", figures.occlusion_tests_per_pixel),
+    ]
+}

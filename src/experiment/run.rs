@@ -1,0 +1,328 @@
+//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures with
+//! the reference renderer, and sums everything up for a report.
+
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use super::replay::{Finished, Replays};
+use super::validation::{self, Validated, Words};
+use super::{Experiment, progress};
+use crate::culling::Policy;
+use crate::engine::RunError;
+use crate::machine::MachineSpec;
+use crate::named::Named;
+use crate::reference::Reference;
+use crate::report::Report;
+use crate::report::pictures::{Image, PictureInfo};
+use crate::report::summary::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
+};
+use crate::stream::{Header, Item, Step, Totals};
+use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
+
+/// Why a run ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RunFailure {
+    /// A machine failed.
+    #[error("machine `{machine}` on the stream of `{policy}`")]
+    Machine {
+        /// The machine's name.
+        machine: String,
+        /// The policy's name.
+        policy: String,
+        /// What happened.
+        source: Box<RunError<Infallible>>,
+    },
+    /// A stream's records don't give the tracer's counts: an error in the simulator.
+    #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]
+    Counts {
+        /// The frame.
+        frame: u32,
+        /// The policy's name.
+        policy: String,
+        /// From the records.
+        recorded: Box<Totals>,
+        /// The tracer's own.
+        counted: Box<Totals>,
+    },
+    /// Stopped before the first frame was done.
+    #[error("stopped before the first frame was done")]
+    Stopped,
+}
+
+/// Where wall time goes.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    trace: Duration,
+    reference: Duration,
+    /// Waiting for machines that are behind the tracer.
+    machines: Duration,
+}
+
+/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
+/// in work, and the report is of the frames done.
+pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<Report, RunFailure> {
+    let begin = Instant::now();
+    let scene = &experiment.scene;
+    let first = scene.animation.frame(experiment.frames[0]);
+    let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
+    let reference = Reference::new(scene);
+    let mut policies = experiment.policies();
+    let headers = headers(experiment, &tracer, &policies);
+    let mut gathered = Gathered::new(experiment);
+    let mut clock = Clock::default();
+    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
+
+    let none = Named::<MachineSpec>::default();
+    let machines = if machines { &experiment.machines } else { &none };
+    let finished = std::thread::scope(|scope| {
+        let mut replays = Replays::default();
+        for (name, machine) in machines.iter() {
+            for (policy, header) in headers.iter().enumerate() {
+                replays.start(scope, name, machine, policy, header.clone());
+            }
+        }
+        for (index, &number) in experiment.frames.iter().enumerate() {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
+            let frame = scene.animation.frame(number);
+            let validated = experiment.spec.validate.takes(index);
+            let words = validated.then(|| latch(&policies, scene.primitive_count()));
+            let replayed = experiment.spec.replay.takes(index);
+            let mut recorded = vec![Totals::default(); policies.len()];
+            let (traced, waited) = (Instant::now(), clock.machines);
+            let lanes = tracer.frame(&frame, &mut policies, |policy, item| {
+                count(&mut recorded[policy], &item);
+                if !replayed {
+                    return Ok(());
+                }
+                let sent = Instant::now();
+                let result = replays.send(policy, &item);
+                clock.machines += sent.elapsed();
+                result
+            });
+            clock.trace += traced.elapsed() - (clock.machines - waited);
+            // A machine that has stopped has an error to tell, which `finish` brings.
+            let Ok(lanes) = lanes else { break };
+            check(experiment, number, &recorded, &lanes)?;
+            let compared = Instant::now();
+            let validated = words
+                .map(|words| (validation::validate(experiment, &reference, &frame, tracer.offset(), &lanes), words));
+            gathered.add(experiment, number, &lanes, validated);
+            if replayed {
+                gathered.replayed.push(number);
+            }
+            clock.reference += compared.elapsed();
+            bar.inc(1);
+        }
+        bar.set_message("machines");
+        let waiting = Instant::now();
+        let finished = replays.finish();
+        clock.machines += waiting.elapsed();
+        Ok(finished)
+    })?;
+    bar.finish_and_clear();
+    if gathered.frames.is_empty() && finished.iter().all(|run| run.result.is_ok()) {
+        return Err(RunFailure::Stopped);
+    }
+    gathered.report(experiment, &headers, finished, clock, begin)
+}
+
+fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
+    let replayed = experiment.frames.iter().enumerate().filter(|&(index, _)| experiment.spec.replay.takes(index));
+    let frames: Vec<u32> = replayed.map(|(_, &number)| number).collect();
+    let inputs = experiment.as_run();
+    experiment
+        .policy_names()
+        .zip(policies)
+        .map(|(name, policy)| tracer.header(name, policy.as_ref(), frames.clone(), &inputs))
+        .collect()
+}
+
+fn latch(policies: &[Box<dyn Policy>], primitives: usize) -> Vec<Words> {
+    policies.iter().map(|policy| Words::latch(policy.as_ref(), primitives)).collect()
+}
+
+/// Counts what a stream's item records.
+fn count(recorded: &mut Totals, item: &Item) {
+    match item {
+        Item::Frame(_) => {}
+        Item::Rays(chunk) => chunk.rays().for_each(|ray| recorded.count(&ray)),
+        Item::End { policy, .. } => recorded.count_policy(Step::unpack_all(policy)),
+    }
+}
+
+/// The records must give the counts that the tracer kept by itself.
+fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[LaneFrame]) -> Result<(), RunFailure> {
+    for ((policy, recorded), lane) in experiment.policy_names().zip(recorded).zip(lanes) {
+        if *recorded != lane.totals {
+            return Err(RunFailure::Counts {
+                frame,
+                policy: policy.to_owned(),
+                recorded: Box::new(*recorded),
+                counted: Box::new(lane.totals),
+            });
+        }
+    }
+    Ok(())
+}
+
+/// What a policy did in a frame, as the tracer counted, without the reference renderer.
+pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
+    FrameResult {
+        frame,
+        totals: lane.totals,
+        occlusion_tests: lane.occlusion_tests,
+        false_dark: Some(lane.wrong.iter().map(|wrong| wrong.false_dark).sum()),
+        false_lit: Some(lane.wrong.iter().map(|wrong| wrong.false_lit).sum()),
+        compared_rays: None,
+        numeric_differences: None,
+        psnr: None,
+    }
+}
+
+/// What the frames gave so far.
+struct Gathered {
+    frames: Vec<u32>,
+    /// Those of them that the machines replayed.
+    replayed: Vec<u32>,
+    /// By policy, then frame.
+    results: Vec<Vec<FrameResult>>,
+    /// By policy, then light.
+    wrong: Vec<Vec<WrongDecisions>>,
+    /// Pictures of the first frame that was validated.
+    first: Vec<(PictureInfo, Image)>,
+    /// Pictures of the validated frame with the most wrong pixels, if any is wrong.
+    worst: Vec<(PictureInfo, Image)>,
+    worst_wrong: u64,
+}
+
+impl Gathered {
+    fn new(experiment: &Experiment) -> Self {
+        let policies = experiment.spec.policies.len();
+        Self {
+            frames: Vec::new(),
+            replayed: Vec::new(),
+            results: vec![Vec::new(); policies],
+            wrong: vec![vec![WrongDecisions::default(); experiment.scene.light_count]; policies],
+            first: Vec::new(),
+            worst: Vec::new(),
+            worst_wrong: 0,
+        }
+    }
+
+    fn add(
+        &mut self,
+        experiment: &Experiment,
+        frame: u32,
+        lanes: &[LaneFrame],
+        validated: Option<(Validated, Vec<Words>)>,
+    ) {
+        self.frames.push(frame);
+        for (policy, lane) in lanes.iter().enumerate() {
+            let comparison = validated.as_ref().map(|(validated, _)| &validated.policies[policy].0);
+            self.results[policy].push(FrameResult {
+                compared_rays: comparison.map(|comparison| comparison.all_lights().asked),
+                numeric_differences: comparison.map(|comparison| comparison.all_lights().numeric_differences),
+                psnr: comparison.map(validation::psnr),
+                ..frame_result(frame, lane)
+            });
+            for (all, here) in self.wrong[policy].iter_mut().zip(&lane.wrong) {
+                all.false_dark += here.false_dark;
+                all.false_lit += here.false_lit;
+            }
+        }
+        let Some((validated, words)) = validated else { return };
+        let all = validated.policies.iter().map(|(comparison, _)| comparison.all_lights());
+        let wrong = all.map(|counts| counts.false_dark + counts.false_lit).sum();
+        if self.first.is_empty() {
+            self.first = validated.pictures(experiment, lanes, &words);
+        } else if wrong > self.worst_wrong {
+            self.worst = validated.pictures(experiment, lanes, &words);
+            self.worst_wrong = wrong;
+        }
+    }
+
+    fn report(
+        self,
+        experiment: &Experiment,
+        headers: &[Header],
+        finished: Vec<Finished>,
+        clock: Clock,
+        begin: Instant,
+    ) -> Result<Report, RunFailure> {
+        let names: Vec<&str> = experiment.policy_names().collect();
+        let mut wall_seconds = Named::default();
+        let mut speeds = Named::default();
+        let mut stage = |name: String, wall: Duration, rays: Option<u64>| {
+            if let Some(rays) = rays.filter(|_| !wall.is_zero()) {
+                speeds.insert(name.as_str(), rays as f64 / wall.as_secs_f64());
+            }
+            wall_seconds.insert(name, wall.as_secs_f64());
+        };
+        let off = &self.results[experiment.off()];
+        let rays = off.iter().map(|frame| frame.totals).map(|it| it.primary_rays + it.secondary_rays + it.shadow_rays);
+        stage("trace".to_owned(), clock.trace, Some(rays.sum()));
+        stage("reference".to_owned(), clock.reference, None);
+        stage("machines".to_owned(), clock.machines, None);
+
+        let mut machines: Named<MachineSummary> = Named::default();
+        for Finished { policy, machine, result } in finished {
+            let replayed = result.map_err(|source| RunFailure::Machine {
+                machine: machine.clone(),
+                policy: names[policy].to_owned(),
+                source: Box::new(source),
+            })?;
+            stage(format!("{machine}, {}", names[policy]), replayed.wall, Some(replayed.stats.rays));
+            let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
+                fidelity: "Event".to_owned(),
+                frames: self.replayed.clone(),
+                policies: Named::default(),
+            });
+            summary.policies.insert(names[policy], MachineRun::from(replayed.stats));
+            machines.insert(machine, summary);
+        }
+        stage("total".to_owned(), begin.elapsed(), None);
+
+        let mut provenance: Named<String> = [("umbrasim", env!("CARGO_PKG_VERSION").to_owned())].into_iter().collect();
+        for header in headers {
+            provenance.insert(format!("input hash of `{}`", header.policy), format!("{:016x}", header.input_hash));
+        }
+        if self.frames.len() < experiment.frames.len() {
+            let done = format!("{} of {} frames", self.frames.len(), experiment.frames.len());
+            provenance.insert("stopped early", done);
+        }
+
+        let policies = names.iter().zip(&self.results).zip(&self.wrong).map(|((&name, results), wrong)| {
+            let lights = wrong.iter().enumerate().map(|(light, wrong)| LightWrong {
+                light: light as u32,
+                false_dark: wrong.false_dark,
+                false_lit: wrong.false_lit,
+            });
+            (name, PolicySummary::new(results, lights.collect(), Some(off)))
+        });
+        let summary = Summary {
+            schema: SCHEMA,
+            experiment: experiment.spec.name.clone(),
+            scene: SceneSummary {
+                name: experiment.scene.name.clone(),
+                triangles_static: experiment.scene.statics.len() as u64,
+                triangles_dynamic: experiment.scene.dynamic_count as u64,
+                lights: experiment.scene.light_count as u64,
+            },
+            policies: policies.collect(),
+            frames: self.frames,
+            resolution: experiment.spec.resolution,
+            baseline: Some(names[experiment.off()].to_owned()),
+            machines,
+            pictures: Vec::new(),
+            provenance,
+            wall_seconds,
+            simulated_rays_per_wall_second: speeds,
+        };
+        let pictures = self.first.into_iter().chain(self.worst).collect();
+        Ok(Report { summary, config: experiment.as_run(), pictures })
+    }
+}

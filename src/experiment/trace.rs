@@ -1,0 +1,53 @@
+//! Records the stream of one policy in a file.
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::{Experiment, progress};
+use crate::stream::{StreamError, StreamWriter};
+use crate::tracer::Tracer;
+
+/// Why no stream was recorded.
+#[derive(Debug, thiserror::Error)]
+pub enum TraceError {
+    /// The file cannot be written.
+    #[error(transparent)]
+    Stream(#[from] StreamError),
+    /// No such policy.
+    #[error("the experiment has no policy `{name}`; it has {known}")]
+    UnknownPolicy {
+        /// The name asked for.
+        name: String,
+        /// The names that there are.
+        known: String,
+    },
+    /// Stopped before all frames were traced.
+    #[error("stopped before all frames were traced; nothing was written")]
+    Stopped,
+}
+
+/// Traces all frames for the policy of that name (the first one if there is no name) and writes its stream to `path`.
+pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &AtomicBool) -> Result<(), TraceError> {
+    let names: Vec<&str> = experiment.policy_names().collect();
+    let wanted = policy.unwrap_or(names[0]);
+    let index = names.iter().position(|&name| name == wanted).ok_or_else(|| TraceError::UnknownPolicy {
+        name: wanted.to_owned(),
+        known: names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+    })?;
+    let scene = &experiment.scene;
+    let first = scene.animation.frame(experiment.frames[0]);
+    let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
+    let mut policies = vec![experiment.policies().swap_remove(index)];
+    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.as_run());
+    let mut writer = StreamWriter::create(path, &header)?;
+    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
+    for &number in &experiment.frames {
+        if stop.load(Ordering::Relaxed) {
+            return Err(TraceError::Stopped);
+        }
+        tracer.frame(&scene.animation.frame(number), &mut policies, |_, item| writer.write(&item))?;
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(writer.finish()?)
+}

@@ -1,0 +1,176 @@
+//! Where everything lies in memory: ids of the stream become addresses.
+//!
+//! From address 0 on, each array begins at a multiple of 4 KiB: static nodes, static primitive lists, static triangle
+//! records, mode words, counters, occluder ids. Then the dynamic part: nodes, lists and triangle records of the frame, at
+//! a base that is the same in every frame.
+
+use crate::quantity::{Addr, LineAddr, ListId, NodeId, TriangleSlot};
+use crate::stats::TrafficClass;
+use crate::stream::{FrameInfo, Header, Step, Store};
+
+const ALIGNMENT: u64 = 4096;
+const LIST_ENTRY_BYTES: u64 = 4;
+
+/// Bytes of a triangle record: plane, then edges (Nah et al. 2011, section 4).
+pub const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
+/// Bytes that a triangle test reads first.
+pub const PLANE_BYTES: u64 = 16;
+/// Bytes that it reads if the plane is hit.
+pub const EDGE_BYTES: u64 = 32;
+
+/// Something in memory that is read or written at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Element {
+    /// Where it begins.
+    pub addr: Addr,
+    /// Its size.
+    pub bytes: u64,
+    /// What it is for.
+    pub class: TrafficClass,
+    /// Whether it is written.
+    pub write: bool,
+}
+
+/// An array with a static and a dynamic part.
+#[derive(Clone, Copy, Debug)]
+struct Array {
+    element: u64,
+    static_count: u64,
+    static_base: u64,
+    dynamic_count: u64,
+    dynamic_base: u64,
+}
+
+impl Array {
+    fn len(&self) -> u64 {
+        self.static_count + self.dynamic_count
+    }
+
+    fn addr(&self, index: u32) -> Addr {
+        let index = u64::from(index);
+        Addr(match index.checked_sub(self.static_count) {
+            None => self.static_base + index * self.element,
+            Some(index) => self.dynamic_base + index * self.element,
+        })
+    }
+}
+
+/// The layout of a stream's current frame.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    nodes: Array,
+    lists: Array,
+    triangles: Array,
+    stores: [Array; 3],
+    dynamic_base: u64,
+    line_shift: u32,
+}
+
+/// An id of the stream that is not of its scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{what} {index} does not exist: the stream's header and frame announce {len}")]
+pub struct OutOfRange {
+    what: &'static str,
+    index: u32,
+    len: u64,
+}
+
+impl Layout {
+    /// The layout of a stream, before its first frame, for lines of `line` bytes (a power of two).
+    pub fn new(header: &Header, line: u64) -> Self {
+        let mut end = 0u64;
+        let mut array = |element: u64, count: u64| {
+            let static_base = end;
+            end = (end + element * count).next_multiple_of(ALIGNMENT);
+            Array { element, static_count: count, static_base, dynamic_count: 0, dynamic_base: 0 }
+        };
+        let nodes = array(header.structure.node_bytes(), header.static_nodes.into());
+        let lists = array(LIST_ENTRY_BYTES, header.static_list_entries.into());
+        let triangles = array(TRIANGLE_BYTES, header.static_slots.into());
+        let stores = [
+            array(4, header.stores.mode_words.into()),
+            array(8, header.stores.pixel_counters.into()),
+            array(4, header.stores.occluder_ids.into()),
+        ];
+        Self { nodes, lists, triangles, stores, dynamic_base: end, line_shift: line.trailing_zeros() }
+    }
+
+    /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
+    pub fn begin_frame(&mut self, frame: &FrameInfo) {
+        let mut end = self.dynamic_base;
+        let arrays = [
+            (&mut self.nodes, frame.dynamic_nodes),
+            (&mut self.lists, frame.dynamic_list_entries),
+            (&mut self.triangles, frame.dynamic_slots),
+        ];
+        for (array, count) in arrays {
+            (array.dynamic_base, array.dynamic_count) = (end, count.into());
+            end = (end + array.element * u64::from(count)).next_multiple_of(ALIGNMENT);
+        }
+    }
+
+    /// The first line of the dynamic part.
+    pub fn dynamic_part(&self) -> LineAddr {
+        LineAddr(self.dynamic_base >> self.line_shift)
+    }
+
+    /// The lines that `element` lies in: the first, and how many.
+    pub fn lines(&self, element: &Element) -> (LineAddr, u64) {
+        let first = element.addr.0 >> self.line_shift;
+        let last = (element.addr.0 + element.bytes - 1) >> self.line_shift;
+        (LineAddr(first), last - first + 1)
+    }
+
+    /// Checks that what `step` names exists.
+    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
+        let (what, index, array) = match step {
+            Step::Node(NodeId(index)) => ("node", index, &self.nodes),
+            Step::List(ListId(index)) => ("list entry", index, &self.lists),
+            Step::Triangle { slot, .. } => ("triangle slot", slot.0, &self.triangles),
+            Step::Read { store, index } | Step::Write { store, index } | Step::Update { store, index } => {
+                let what = match store {
+                    Store::ModeWord => "mode word",
+                    Store::PixelCounter => "pixel counter",
+                    Store::OccluderId => "occluder id",
+                };
+                (what, index, &self.stores[store as usize])
+            }
+        };
+        if u64::from(index) < array.len() { Ok(()) } else { Err(OutOfRange { what, index, len: array.len() }) }
+    }
+
+    /// The node.
+    pub fn node(&self, NodeId(index): NodeId) -> Element {
+        self.element(&self.nodes, index, TrafficClass::Node, false)
+    }
+
+    /// The list entry.
+    pub fn list_entry(&self, ListId(index): ListId) -> Element {
+        self.element(&self.lists, index, TrafficClass::List, false)
+    }
+
+    /// The first part of a triangle record.
+    pub fn plane(&self, TriangleSlot(index): TriangleSlot) -> Element {
+        Element { bytes: PLANE_BYTES, ..self.element(&self.triangles, index, TrafficClass::Triangle, false) }
+    }
+
+    /// The second part of a triangle record.
+    pub fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
+        let record = self.element(&self.triangles, index, TrafficClass::Triangle, false);
+        Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
+    }
+
+    /// An entry of a store.
+    pub fn entry(&self, store: Store, index: u32, write: bool) -> Element {
+        let class = match store {
+            Store::ModeWord => TrafficClass::ModeWord,
+            Store::PixelCounter => TrafficClass::PixelCounter,
+            Store::OccluderId => TrafficClass::OccluderId,
+        };
+        self.element(&self.stores[store as usize], index, class, write)
+    }
+
+    fn element(&self, array: &Array, index: u32, class: TrafficClass, write: bool) -> Element {
+        Element { addr: array.addr(index), bytes: array.element, class, write }
+    }
+}

@@ -1,0 +1,14 @@
+//! The units of the machine, and what lies between them. The rules are written down in MODEL.md.
+
+pub mod causes;
+pub mod dispatcher;
+pub mod intersection;
+pub mod layout;
+pub mod links;
+pub mod pipeline;
+pub mod ray;
+pub mod shadow_cache;
+pub mod spec;
+pub mod traversal;
+
+pub use spec::{MachineSpec, SpecError};

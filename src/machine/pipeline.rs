@@ -1,0 +1,274 @@
+//! What all units that work on rays have in common: an L1, rays that wait for their data, and a pipeline.
+
+use std::collections::VecDeque;
+
+use super::causes::Causes;
+use super::layout::Element;
+use super::links::{Links, take};
+use super::ray::{Ray, RayId};
+use crate::memory::cache::{Cache, CacheSpec, Fill, Lookup};
+use crate::memory::{PartId, Request, Wake};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{Cause, TrafficClass};
+
+/// What becomes of writes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum WritePolicy {
+    /// A write makes its line dirty; dirty lines go down when they are displaced.
+    #[default]
+    Back,
+    /// A write goes down at once.
+    Through,
+}
+
+/// Writes that went through an L1.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WrittenThrough {
+    /// How many.
+    pub writes: u64,
+    /// Their data.
+    pub bytes: Bytes,
+}
+
+/// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
+/// [`Pipeline::end`] in this order, once in every cycle in which it acts.
+#[derive(Clone, Debug)]
+pub struct Pipeline {
+    part: PartId,
+    cache: Cache,
+    out: VecDeque<Request>,
+    out_places: usize,
+    ports: u64,
+    hit_latency: u64,
+    latency: u64,
+    line: Bytes,
+    writes: WritePolicy,
+    fetching: VecDeque<RayId>,
+    hits: VecDeque<(u64, RayId)>,
+    /// Rays that made all their accesses and wait for lines.
+    waiting: usize,
+    ready: VecDeque<RayId>,
+    stages: VecDeque<(u64, RayId)>,
+    requested: [Bytes; TrafficClass::ALL.len()],
+    written_through: [WrittenThrough; TrafficClass::ALL.len()],
+    causes: Causes,
+    filled: bool,
+    filled_for: Vec<RayId>,
+}
+
+impl Pipeline {
+    /// An empty unit with the number `part`, a pipeline of `latency` stages, and an L1 with lines of `line` bytes.
+    pub fn new(part: PartId, cache: &CacheSpec, latency: u64, line: u64, writes: WritePolicy) -> Self {
+        Self {
+            part,
+            cache: cache.build(line),
+            out: VecDeque::with_capacity(cache.queue.size()),
+            out_places: cache.queue.size(),
+            ports: cache.ports.get(),
+            hit_latency: cache.latency.get(),
+            latency,
+            line: Bytes(line),
+            writes,
+            fetching: VecDeque::new(),
+            hits: VecDeque::new(),
+            waiting: 0,
+            ready: VecDeque::new(),
+            stages: VecDeque::new(),
+            requested: [Bytes(0); TrafficClass::ALL.len()],
+            written_through: [WrittenThrough::default(); TrafficClass::ALL.len()],
+            causes: Causes::default(),
+            filled: false,
+            filled_for: Vec::new(),
+        }
+    }
+
+    /// The unit's number in the machine.
+    pub fn part(&self) -> PartId {
+        self.part
+    }
+
+    /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
+    pub fn arrive<W>(&mut self, now: u64, links: &mut Links<W>) {
+        let lines = &mut links.lines[self.part.0 as usize];
+        self.filled = false;
+        if let Some(&(_, line)) = lines.front().filter(|(at, _)| *at <= now) {
+            self.filled_for.clear();
+            let room = self.out.len() < self.out_places;
+            if let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) {
+                lines.pop_front();
+                self.filled = true;
+                if let Some(victim) = victim {
+                    self.push_out(victim.line, victim.class, true, self.line);
+                }
+                for index in 0..self.filled_for.len() {
+                    self.line_came(self.filled_for[index], &mut links.rays);
+                }
+            }
+        }
+        while let Some(ray) = take(&mut self.hits, now) {
+            self.line_came(ray, &mut links.rays);
+        }
+    }
+
+    fn line_came(&mut self, ray: RayId, rays: &mut [Ray]) {
+        let fetch = &mut rays[ray as usize].fetch;
+        fetch.missing -= 1;
+        if fetch.missing == 0 && fetch.left == 0 {
+            self.waiting -= 1;
+            self.ready.push_back(ray);
+        }
+    }
+
+    /// Step 3: the ray whose operation ends.
+    pub fn leave(&mut self, now: u64) -> Option<RayId> {
+        take(&mut self.stages, now)
+    }
+
+    /// A ray begins to fetch `element`.
+    pub fn fetch<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+        links.rays[ray as usize].begin_fetch(element, &links.layout);
+        self.fetching.push_back(ray);
+    }
+
+    /// A ray is to take an operation without a fetch.
+    pub fn ready(&mut self, ray: RayId, links: &mut Links<impl Wake>) {
+        links.rays[ray as usize].fetch.write = false;
+        self.ready.push_back(ray);
+    }
+
+    /// Step 5: whether an operation began.
+    pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let Some(&ray) = self.ready.front() else { return false };
+        let fetch = &rays[ray as usize].fetch;
+        if fetch.write && self.writes == WritePolicy::Through {
+            if self.out.len() == self.out_places {
+                return false;
+            }
+            // The fetch has moved on past the one line that an entry of a store lies in.
+            let (line, bytes) = (LineAddr(fetch.line.0 - 1), Bytes(fetch.bytes.into()));
+            self.push_out(line, fetch.class, true, bytes);
+            let through = &mut self.written_through[fetch.class as usize];
+            through.writes += 1;
+            through.bytes += bytes;
+        }
+        self.ready.pop_front();
+        self.stages.push_back((now + self.latency, ray));
+        true
+    }
+
+    /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
+    /// to go to another unit, `dividing` whether one is in the divider.
+    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool, dividing: bool) {
+        let stalled = self.access(now, &mut links.rays);
+        let sent = self.out.front().is_some_and(|&request| links.l2.put(request, now, &mut links.clock));
+        if sent {
+            self.out.pop_front();
+        }
+        self.causes.cycle(now, began, self.idle_cause(leaving, dividing));
+
+        let lines = links.lines[self.part.0 as usize].front().map(|line| line.0);
+        let at_once = !self.ready.is_empty()
+            || !self.fetching.is_empty() && (!stalled || sent)
+            || !self.out.is_empty() && sent
+            || lines.is_some_and(|at| at <= now) && (self.filled || sent);
+        if at_once {
+            links.clock.wake(self.part, now + 1);
+            return;
+        }
+        let stamps = [lines, self.hits.front().map(|hit| hit.0), self.stages.front().map(|stage| stage.0)];
+        if let Some(at) = stamps.into_iter().flatten().filter(|&at| at > now).min() {
+            links.clock.wake(self.part, at);
+        }
+    }
+
+    /// Step 6; whether the queue was stopped.
+    fn access(&mut self, now: u64, rays: &mut [Ray]) -> bool {
+        for _ in 0..self.ports {
+            let Some(&ray) = self.fetching.front() else { return false };
+            let fetch = &mut rays[ray as usize].fetch;
+            let dirty = fetch.write && self.writes == WritePolicy::Back;
+            let room = self.out.len() < self.out_places;
+            let lookup = self.cache.access(fetch.line, fetch.class, dirty, Some(ray), room);
+            match lookup {
+                Lookup::Stalled => return true,
+                Lookup::Hit => self.hits.push_back((now + self.hit_latency, ray)),
+                Lookup::Merged => {}
+                Lookup::Miss => {
+                    let (line, class) = (fetch.line, fetch.class);
+                    self.out.push_back(Request { line, class, write: false, bytes: self.line, from: self.part });
+                }
+            }
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+            fetch.missing += 1;
+            if fetch.left == 0 {
+                self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+                self.waiting += 1;
+                self.fetching.pop_front();
+            }
+        }
+        false
+    }
+
+    fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes) {
+        self.out.push_back(Request { line, class, write, bytes, from: self.part });
+    }
+
+    fn idle_cause(&self, leaving: bool, dividing: bool) -> Cause {
+        let memory = !self.fetching.is_empty() || self.waiting > 0;
+        let pipeline = !self.stages.is_empty() || dividing;
+        if leaving || !self.ready.is_empty() {
+            Cause::Blocked
+        } else if memory {
+            Cause::Memory
+        } else if pipeline {
+            Cause::Pipeline
+        } else {
+            Cause::Starved
+        }
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    /// Whether nothing is on its way to the L2.
+    pub fn is_idle(&self) -> bool {
+        self.out.is_empty() && self.cache.misses_under_way() == 0
+    }
+
+    /// The L1.
+    pub fn cache(&self) -> &Cache {
+        &self.cache
+    }
+
+    /// Bytes that the unit asked its L1 for, by class.
+    pub fn requested(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.requested
+    }
+
+    /// Writes that went through, by class.
+    pub fn written_through(&self) -> &[WrittenThrough; TrafficClass::ALL.len()] {
+        &self.written_through
+    }
+
+    /// The unit's cycles.
+    pub fn causes(&self) -> &Causes {
+        &self.causes
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!(
+            "to fetch {}, waiting for lines {}, ready {}, in the pipeline {}, misses under way {}, out {}/{}",
+            self.fetching.len(),
+            self.waiting,
+            self.ready.len(),
+            self.stages.len(),
+            self.cache.misses_under_way(),
+            self.out.len(),
+            self.out_places
+        )
+    }
+}

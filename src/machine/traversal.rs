@@ -1,0 +1,119 @@
+//! The traversal unit: fetches nodes and tests their boxes.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use super::links::{Links, take};
+use super::pipeline::{Pipeline, WritePolicy};
+use super::ray::RayId;
+use crate::memory::Wake;
+use crate::memory::cache::CacheSpec;
+use crate::ranged::Within;
+use crate::stream::{RayKind, Step};
+
+/// Traversal units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 8 stages, one ray a cycle, 20 resident rays, 8 KB
+/// of 2 ways each), four of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TraversalSpec {
+    /// Units.
+    pub count: Within<1, 1024>,
+    /// Stages of the pipeline.
+    pub latency: Within<1, 1000>,
+    /// Slots: rays that a unit holds.
+    pub rays: Within<1, 4096>,
+    /// The L1 of each unit.
+    pub cache: CacheSpec,
+}
+
+impl Default for TraversalSpec {
+    fn default() -> Self {
+        Self {
+            count: const { Within::literal(4) },
+            latency: const { Within::literal(8) },
+            rays: const { Within::literal(20) },
+            cache: CacheSpec::DEFAULT,
+        }
+    }
+}
+
+/// A traversal unit.
+#[derive(Clone, Debug)]
+pub struct Traversal {
+    index: u32,
+    /// The common part.
+    pub pipeline: Pipeline,
+    /// Rays that wait to go to an intersection unit.
+    leaving: VecDeque<RayId>,
+}
+
+impl Traversal {
+    /// Unit `index`, empty.
+    pub fn new<W: Wake>(spec: &TraversalSpec, line: u64, index: u32, links: &Links<W>) -> Self {
+        let part = links.parts.traversal(index);
+        let pipeline = Pipeline::new(part, &spec.cache, spec.latency.get(), line, WritePolicy::Back);
+        Self { index, pipeline, leaving: VecDeque::new() }
+    }
+
+    /// Cycle `now`.
+    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        self.pipeline.arrive(now, links);
+        if let Some(id) = self.pipeline.leave(now) {
+            let ray = &mut links.rays[id as usize];
+            ray.next += 1;
+            match ray.kind {
+                RayKind::Shadow => links.replayed.shadow_node_visits += 1,
+                _ => links.replayed.node_visits += 1,
+            }
+            self.route(id, now, links);
+        }
+        while let Some(ray) = take(&mut links.returned[self.index as usize], now) {
+            self.route(ray, now, links);
+        }
+        while let Some(ray) = take(&mut links.dispatched[self.index as usize], now) {
+            self.route(ray, now, links);
+        }
+        let began = self.pipeline.begin(now, &links.rays);
+        let sent = match self.leaving.front() {
+            Some(&ray) => links.send_to_test(ray, ray, self.pipeline.part(), now),
+            None => false,
+        };
+        if sent {
+            self.leaving.pop_front();
+        }
+        self.pipeline.end(now, links, began, !self.leaving.is_empty(), false);
+        if sent && !self.leaving.is_empty() {
+            links.clock.wake(self.pipeline.part(), now + 1);
+        }
+        if let Some(&(at, _)) = links.dispatched[self.index as usize].front() {
+            links.clock.wake(self.pipeline.part(), at);
+        }
+    }
+
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+        let ray = &links.rays[id as usize];
+        match ray.path_step() {
+            Some(Step::Node(node)) => {
+                let element = links.layout.node(node);
+                self.pipeline.fetch(id, &element, links);
+            }
+            Some(_) => self.leaving.push_back(id),
+            None => {
+                let has_policy = ray.has_policy();
+                links.freed.push(self.index);
+                if has_policy {
+                    links.send_to_shadow_cache(id, now);
+                    links.clock.wake(super::links::Parts::DISPATCHER, now + 1);
+                } else {
+                    links.done(id, now);
+                }
+            }
+        }
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!("{}, leaving for intersection {}", self.pipeline.queues(), self.leaving.len())
+    }
+}

@@ -1,0 +1,253 @@
+//! A bank of the L2, shared by all L1s.
+
+use std::collections::VecDeque;
+
+use serde::{Deserialize, Serialize};
+
+use super::cache::{Cache, Fill, Lookup, check_geometry};
+use super::dram::Dram;
+use super::mshr::MshrFile;
+use super::queue::Queue;
+use super::replacement::Policy;
+use super::tags::TagArray;
+use super::{PartId, Request, Wake};
+use crate::quantity::{Bytes, LineAddr};
+use crate::ranged::{PowerOfTwo, Within};
+use crate::stats::TrafficClass;
+
+/// The L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20
+/// cycles); registers and queues are assumed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct L2Spec {
+    /// Size in bytes, all banks together.
+    pub bytes: Within<32, 0x1_0000_0000>,
+    /// Lines a set.
+    pub ways: Within<1, 64>,
+    /// Banks.
+    pub banks: PowerOfTwo<1, 256>,
+    /// Which line of a full set goes.
+    pub replacement: Policy,
+    /// Cycles from an access that hits, or a fill, to the answer.
+    pub latency: Within<1, 1000>,
+    /// Miss registers a bank.
+    pub mshrs: Within<1, 1024>,
+    /// Accesses that can wait in a miss register.
+    pub targets: Within<1, 1024>,
+    /// Places of the request queue of a bank, and of its out queue to the DRAM.
+    pub queue: Within<1, 1024>,
+}
+
+impl L2Spec {
+    /// The defaults.
+    pub const DEFAULT: Self = Self {
+        bytes: Within::literal(128 << 10),
+        ways: Within::literal(2),
+        banks: PowerOfTwo::literal(8),
+        replacement: Policy::Lru,
+        latency: Within::literal(20),
+        mshrs: Within::literal(8),
+        targets: Within::literal(4),
+        queue: Within::literal(8),
+    };
+
+    /// Checks what single fields cannot; `line` is the line size in bytes.
+    pub fn check(&self, line: u64) -> Result<(), String> {
+        check_geometry("l2", self.bytes.get(), self.ways.get(), self.banks.get(), line, self.replacement)
+    }
+
+    /// The L2, empty; its banks' numbers in the machine begin with `first`.
+    pub fn build(&self, first: PartId, line: u64) -> L2 {
+        let bank = |index: u64| self.bank(PartId(first.0 + index as u32), line);
+        L2 { banks: (0..self.banks.get()).map(bank).collect() }
+    }
+
+    fn bank(&self, part: PartId, line: u64) -> Bank {
+        let sets = self.bytes.get() / (line * self.ways.get() * self.banks.get());
+        let tags = TagArray::new(sets as usize, self.ways.size(), self.banks.get().trailing_zeros(), self.replacement);
+        Bank {
+            part,
+            cache: Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size())),
+            requests: Queue::new(self.queue.size()),
+            fills: VecDeque::new(),
+            answers: VecDeque::new(),
+            out: VecDeque::new(),
+            out_places: self.queue.size(),
+            latency: self.latency.get(),
+            line: Bytes(line),
+            moved: [Bytes(0); TrafficClass::ALL.len()],
+            reads: [0; TrafficClass::ALL.len()],
+            waiting: Vec::new(),
+        }
+    }
+}
+
+impl Default for L2Spec {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// All banks.
+#[derive(Clone, Debug)]
+pub struct L2 {
+    /// The banks, by number.
+    pub banks: Vec<Bank>,
+}
+
+impl L2 {
+    /// Puts a request into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        let index = request.line.0 as usize & (self.banks.len() - 1);
+        let bank = &mut self.banks[index];
+        if !bank.requests.has_room(now) {
+            bank.requests.wait_for_room(request.from, now, wake);
+            return false;
+        }
+        bank.requests.put(request, now + 1);
+        wake.wake(bank.part, now + 1);
+        true
+    }
+}
+
+/// A bank.
+#[derive(Clone, Debug)]
+pub struct Bank {
+    part: PartId,
+    cache: Cache,
+    requests: Queue<Request>,
+    /// Lines from the DRAM, with the cycle from which on they are there.
+    fills: VecDeque<(u64, LineAddr)>,
+    /// Answers on their way out: when, to whom, which line.
+    answers: VecDeque<(u64, PartId, LineAddr)>,
+    out: VecDeque<Request>,
+    out_places: usize,
+    latency: u64,
+    line: Bytes,
+    moved: [Bytes; TrafficClass::ALL.len()],
+    reads: [u64; TrafficClass::ALL.len()],
+    waiting: Vec<u32>,
+}
+
+impl Bank {
+    /// A line comes from the DRAM, to be there from cycle `at` on.
+    pub fn deliver(&mut self, line: LineAddr, at: u64) {
+        self.fills.push_back((at, line));
+    }
+
+    /// Cycle `now`. `answer` hands a line to an L1.
+    pub fn tick(&mut self, now: u64, dram: &mut Dram, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+        while let Some(&(_, to, line)) = self.answers.front().filter(|&&(at, ..)| at <= now) {
+            self.answers.pop_front();
+            answer(to, line);
+            wake.wake(to, now + 1);
+        }
+        let filled = self.fill(now);
+        let accessed = self.access(now, wake);
+        let sent = self.send(now, dram, wake);
+        let next = now + 1;
+        // A fill frees a register, a departure a place: whatever stalled may go on.
+        let stalled_may_go_on = (filled || sent) && !self.requests.is_empty() || sent && !self.fills.is_empty();
+        let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();
+        if more || stalled_may_go_on || filled && !self.fills.is_empty() {
+            wake.wake(self.part, next);
+        }
+        let stamps = [
+            self.answers.front().map(|answer| answer.0),
+            self.fills.front().map(|fill| fill.0),
+            self.requests.next_at(),
+        ];
+        for at in stamps.into_iter().flatten().filter(|&at| at > now) {
+            wake.wake(self.part, at);
+        }
+    }
+
+    fn fill(&mut self, now: u64) -> bool {
+        let Some(&(_, line)) = self.fills.front().filter(|&&(at, _)| at <= now) else { return false };
+        self.waiting.clear();
+        let Fill::Done { victim } = self.cache.fill(line, self.out.len() < self.out_places, &mut self.waiting) else {
+            return false;
+        };
+        self.fills.pop_front();
+        if let Some(victim) = victim {
+            self.push_out(victim.line, victim.class, true);
+        }
+        for &reader in &self.waiting {
+            self.answers.push_back((now + self.latency, PartId(reader), line));
+        }
+        true
+    }
+
+    fn access(&mut self, now: u64, wake: &mut impl Wake) -> bool {
+        let Some(request) = self.requests.first(now) else { return false };
+        let Request { line, class, write, bytes, from } = request;
+        let reader = (!write).then_some(from.0);
+        let lookup = self.cache.access(line, class, write, reader, self.out.len() < self.out_places);
+        match lookup {
+            Lookup::Stalled => return false,
+            Lookup::Hit if !write => self.answers.push_back((now + self.latency, from, line)),
+            Lookup::Hit | Lookup::Merged => {}
+            Lookup::Miss => self.push_out(line, class, false),
+        }
+        self.requests.take(now, wake);
+        self.moved[class as usize] += bytes;
+        self.reads[class as usize] += u64::from(!write);
+        true
+    }
+
+    fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool) {
+        self.out.push_back(Request { line, class, write, bytes: self.line, from: self.part });
+    }
+
+    fn send(&mut self, now: u64, dram: &mut Dram, wake: &mut impl Wake) -> bool {
+        let Some(&request) = self.out.front() else { return false };
+        let sent = dram.put(request, now, wake);
+        if sent {
+            self.out.pop_front();
+        }
+        sent
+    }
+
+    /// Drops all lines from `first` on.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.requests.is_empty()
+            && self.fills.is_empty()
+            && self.answers.is_empty()
+            && self.out.is_empty()
+            && self.cache.misses_under_way() == 0
+    }
+
+    /// Tags, registers and counts.
+    pub fn cache(&self) -> &Cache {
+        &self.cache
+    }
+
+    /// Bytes moved between L1s and this bank, by class.
+    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.moved
+    }
+
+    /// Reads among the requests served, by class.
+    pub fn reads(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.reads
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!(
+            "requests {}/{}, misses under way {}, fills {}, answers {}, out {}/{}",
+            self.requests.len(),
+            self.requests.capacity(),
+            self.cache.misses_under_way(),
+            self.fills.len(),
+            self.answers.len(),
+            self.out.len(),
+            self.out_places
+        )
+    }
+}

@@ -1,0 +1,189 @@
+//! A non-blocking cache: tags, miss registers, counts, and the spec of the L1s.
+
+use serde::{Deserialize, Serialize};
+
+use super::mshr::MshrFile;
+use super::replacement::Policy;
+use super::tags::{TagArray, Victim};
+use crate::quantity::LineAddr;
+use crate::ranged::Within;
+use crate::stats::{CacheCounts, TrafficClass};
+
+/// An L1 cache. The defaults are the T&I engine's traversal cache (Nah et al. 2011, section 5: 8 KB, 2 ways, latency 1, one
+/// port; 8 rows of 4 rays wait for lines).
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CacheSpec {
+    /// Size in bytes.
+    pub bytes: Within<32, 0x1000_0000>,
+    /// Lines a set.
+    pub ways: Within<1, 64>,
+    /// Which line of a full set goes.
+    pub replacement: Policy,
+    /// Cycles from an access that hits to its data.
+    pub latency: Within<1, 1000>,
+    /// Accesses a cycle.
+    pub ports: Within<1, 16>,
+    /// Miss registers.
+    pub mshrs: Within<1, 1024>,
+    /// Accesses that can wait in a miss register.
+    pub targets: Within<1, 1024>,
+    /// Places of the out queue to the level below.
+    pub queue: Within<1, 1024>,
+}
+
+impl CacheSpec {
+    /// The defaults.
+    pub const DEFAULT: Self = Self {
+        bytes: Within::literal(8192),
+        ways: Within::literal(2),
+        replacement: Policy::Lru,
+        latency: Within::literal(1),
+        ports: Within::literal(1),
+        mshrs: Within::literal(8),
+        targets: Within::literal(4),
+        queue: Within::literal(4),
+    };
+
+    /// Checks what single fields cannot: `field` names the spec in errors, `line` is the line size in bytes.
+    pub fn check(&self, field: &str, line: u64) -> Result<(), String> {
+        check_geometry(field, self.bytes.get(), self.ways.get(), 1, line, self.replacement)
+    }
+
+    /// The cache, empty.
+    pub fn build(&self, line: u64) -> Cache {
+        let sets = self.bytes.get() / (line * self.ways.get());
+        let tags = TagArray::new(sets as usize, self.ways.size(), 0, self.replacement);
+        Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size()))
+    }
+}
+
+impl Default for CacheSpec {
+    fn default() -> Self {
+        Self::DEFAULT
+    }
+}
+
+/// Checks that size, ways and banks make whole sets, a power of two of them a bank.
+pub(super) fn check_geometry(
+    field: &str,
+    bytes: u64,
+    ways: u64,
+    banks: u64,
+    line: u64,
+    policy: Policy,
+) -> Result<(), String> {
+    let unit = line * ways * banks;
+    if !bytes.is_multiple_of(unit) || !(bytes / unit).is_power_of_two() {
+        return Err(format!(
+            "`{field}.bytes` is {bytes}: with lines of {line} B, {ways} ways and {banks} bank(s), {unit} times a power of two is allowed"
+        ));
+    }
+    if policy == Policy::TreePlru && !ways.is_power_of_two() {
+        return Err(format!("`{field}.ways` is {ways}: with `replacement: TreePlru` a power of two is allowed"));
+    }
+    Ok(())
+}
+
+/// What an access met.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Lookup {
+    /// The line was there.
+    Hit,
+    /// The line was on its way: a half miss.
+    Merged,
+    /// The line must be fetched: the caller sends a request.
+    Miss,
+    /// No register, target or place: nothing was counted or changed.
+    Stalled,
+}
+
+/// What became of a line that came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fill {
+    /// It waits, since its dirty victim has no place to go.
+    Blocked,
+    /// It was put in; the victim, if dirty, must be written back.
+    Done {
+        /// What was displaced.
+        victim: Option<Victim>,
+    },
+}
+
+/// Tags, miss registers and counts of one cache.
+#[derive(Clone, Debug)]
+pub struct Cache {
+    tags: TagArray,
+    mshrs: MshrFile,
+    counts: [CacheCounts; TrafficClass::ALL.len()],
+}
+
+impl Cache {
+    pub(super) fn new(tags: TagArray, mshrs: MshrFile) -> Self {
+        Self { tags, mshrs, counts: [CacheCounts::default(); TrafficClass::ALL.len()] }
+    }
+
+    /// Accesses `line`; `write` makes it dirty. `waiting` is woken by [`Cache::fill`] if the line is not there. `room` says
+    /// whether a request could be sent.
+    pub fn access(
+        &mut self,
+        line: LineAddr,
+        class: TrafficClass,
+        write: bool,
+        waiting: Option<u32>,
+        room: bool,
+    ) -> Lookup {
+        let lookup = if self.tags.access(line, write) {
+            Lookup::Hit
+        } else if let Some(register) = self.mshrs.find(line) {
+            if !self.mshrs.merge(register, write, waiting) {
+                return Lookup::Stalled;
+            }
+            Lookup::Merged
+        } else {
+            if self.mshrs.is_full() || !room {
+                return Lookup::Stalled;
+            }
+            self.mshrs.allocate(line, class, write, waiting);
+            Lookup::Miss
+        };
+        let counts = &mut self.counts[class as usize];
+        counts.accesses += 1;
+        match lookup {
+            Lookup::Hit => counts.hits += 1,
+            Lookup::Merged => counts.half_misses += 1,
+            Lookup::Miss | Lookup::Stalled => counts.misses += 1,
+        }
+        lookup
+    }
+
+    /// Puts in `line`, which was missed; appends who waits for it to `waiting`. `room` says whether a dirty victim could
+    /// be sent down.
+    pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
+        if !room && self.tags.victim(line).is_some_and(|victim| victim.dirty) {
+            return Fill::Blocked;
+        }
+        let register = self.mshrs.find(line).expect("only a missed line comes");
+        let released = self.mshrs.release(register, waiting);
+        let victim = self.tags.fill(line, released.class, released.dirty).filter(|victim| victim.dirty);
+        if let Some(victim) = victim {
+            self.counts[victim.class as usize].write_backs += 1;
+        }
+        Fill::Done { victim }
+    }
+
+    /// Drops all lines from `first` on.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.tags.drop_from(first);
+    }
+
+    /// Accesses so far, by class in the order of [`TrafficClass::ALL`].
+    pub fn counts(&self) -> &[CacheCounts; TrafficClass::ALL.len()] {
+        &self.counts
+    }
+
+    /// Miss registers in use.
+    pub fn misses_under_way(&self) -> usize {
+        self.mshrs.len()
+    }
+}

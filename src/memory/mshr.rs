@@ -1,0 +1,101 @@
+//! Miss status holding registers (Kroft 1981): lines on their way, and who waits for them.
+
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+
+/// A line on its way.
+#[derive(Clone, Debug)]
+struct Register {
+    line: LineAddr,
+    class: TrafficClass,
+    dirty: bool,
+    /// Accesses that wait, writes without an answer included.
+    merged: usize,
+    waiting: Vec<u32>,
+}
+
+/// What a released register held.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Released {
+    /// What the line is for.
+    pub class: TrafficClass,
+    /// Whether an access that waited writes it.
+    pub dirty: bool,
+}
+
+/// The registers of a cache.
+#[derive(Clone, Debug)]
+pub struct MshrFile {
+    registers: Vec<Register>,
+    used: usize,
+    targets: usize,
+}
+
+/// A register in use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RegisterId(usize);
+
+impl MshrFile {
+    /// `registers` free registers, each for `targets` accesses.
+    pub fn new(registers: usize, targets: usize) -> Self {
+        let free = Register {
+            line: LineAddr(u64::MAX),
+            class: TrafficClass::Node,
+            dirty: false,
+            merged: 0,
+            waiting: Vec::with_capacity(targets.min(64)),
+        };
+        Self { registers: vec![free; registers], used: 0, targets }
+    }
+
+    /// The register that holds `line`.
+    pub fn find(&self, line: LineAddr) -> Option<RegisterId> {
+        self.registers[..self.used].iter().position(|register| register.line == line).map(RegisterId)
+    }
+
+    /// Whether no register is free.
+    pub fn is_full(&self) -> bool {
+        self.used == self.registers.len()
+    }
+
+    /// Registers in use.
+    pub fn len(&self) -> usize {
+        self.used
+    }
+
+    /// Whether no register is in use.
+    pub fn is_empty(&self) -> bool {
+        self.used == 0
+    }
+
+    /// Adds an access to a line on its way; false if the register has no target left.
+    pub fn merge(&mut self, id: RegisterId, write: bool, waiting: Option<u32>) -> bool {
+        let register = &mut self.registers[id.0];
+        if register.merged == self.targets {
+            return false;
+        }
+        register.merged += 1;
+        register.dirty |= write;
+        register.waiting.extend(waiting);
+        true
+    }
+
+    /// Takes a free register for `line`; the caller has asked [`MshrFile::is_full`].
+    pub fn allocate(&mut self, line: LineAddr, class: TrafficClass, write: bool, waiting: Option<u32>) {
+        let register = &mut self.registers[self.used];
+        (register.line, register.class, register.dirty, register.merged) = (line, class, write, 1);
+        register.waiting.clear();
+        register.waiting.extend(waiting);
+        self.used += 1;
+    }
+
+    /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
+    pub fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) -> Released {
+        let register = &self.registers[id.0];
+        waiting.extend_from_slice(&register.waiting);
+        let released = Released { class: register.class, dirty: register.dirty };
+        self.used -= 1;
+        self.registers.swap(id.0, self.used);
+        released
+    }
+}

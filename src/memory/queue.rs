@@ -1,0 +1,137 @@
+//! The bounded queue between two parts: every link costs a cycle, and a freed place can be used one cycle later.
+
+use std::collections::VecDeque;
+
+use super::{PartId, Wake};
+
+/// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle it
+/// is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
+#[derive(Clone, Debug)]
+pub struct Queue<T> {
+    entries: VecDeque<(u64, T)>,
+    capacity: usize,
+    last_taken: u64,
+    taken_then: usize,
+    waiting: Vec<PartId>,
+}
+
+impl<T: Copy> Queue<T> {
+    /// An empty queue of `capacity` places.
+    pub fn new(capacity: usize) -> Self {
+        Self { entries: VecDeque::with_capacity(capacity), capacity, last_taken: 0, taken_then: 0, waiting: Vec::new() }
+    }
+
+    /// Whether a place can be used in cycle `now`.
+    pub fn has_room(&self, now: u64) -> bool {
+        let freed_now = if self.last_taken == now { self.taken_then } else { 0 };
+        self.entries.len() + freed_now < self.capacity
+    }
+
+    /// Puts `entry`, to be taken from cycle `at` on. The caller has asked for room.
+    pub fn put(&mut self, entry: T, at: u64) {
+        debug_assert!(self.entries.len() < self.capacity);
+        self.entries.push_back((at, entry));
+    }
+
+    /// The first entry, if it can be taken in cycle `now`.
+    pub fn first(&self, now: u64) -> Option<T> {
+        self.entries.front().filter(|(at, _)| *at <= now).map(|&(_, entry)| entry)
+    }
+
+    /// Takes the first entry in cycle `now`, and wakes who waits for a place.
+    pub fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
+        let entry = self.first(now)?;
+        self.entries.pop_front();
+        self.freed(now, wake);
+        Some(entry)
+    }
+
+    /// Takes entry `index` in cycle `now`, whatever stands before it.
+    pub fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
+        let (_, entry) = self.entries.remove(index)?;
+        self.freed(now, wake);
+        Some(entry)
+    }
+
+    fn freed(&mut self, now: u64, wake: &mut impl Wake) {
+        self.taken_then = if self.last_taken == now { self.taken_then + 1 } else { 1 };
+        self.last_taken = now;
+        for part in self.waiting.drain(..) {
+            wake.wake(part, now + 1);
+        }
+    }
+
+    /// `part`, which found no room in cycle `now`, is to be woken when there is.
+    pub fn wait_for_room(&mut self, part: PartId, now: u64, wake: &mut impl Wake) {
+        if self.entries.len() < self.capacity {
+            // A place was freed in this cycle: it can be used in the next.
+            wake.wake(part, now + 1);
+        } else if !self.waiting.contains(&part) {
+            self.waiting.push(part);
+        }
+    }
+
+    /// The cycle from which on the first entry can be taken.
+    pub fn next_at(&self) -> Option<u64> {
+        self.entries.front().map(|&(at, _)| at)
+    }
+
+    /// The cycle from which on the last entry can be taken.
+    pub fn last_at(&self) -> Option<u64> {
+        self.entries.back().map(|&(at, _)| at)
+    }
+
+    /// Entries that can be taken in cycle `now` in their order, with their places.
+    pub fn visible(&self, now: u64) -> impl Iterator<Item = (usize, &T)> {
+        self.entries.iter().enumerate().take_while(move |(_, (at, _))| *at <= now).map(|(i, (_, entry))| (i, entry))
+    }
+
+    /// Entry `index`, to change it.
+    pub fn get_mut(&mut self, index: usize) -> Option<&mut T> {
+        self.entries.get_mut(index).map(|(_, entry)| entry)
+    }
+
+    /// Entries, those that cannot be taken yet included.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
+    /// Whether there is no entry.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty()
+    }
+
+    /// Places in all.
+    pub fn capacity(&self) -> usize {
+        self.capacity
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Default)]
+    struct Alarms(Vec<(PartId, u64)>);
+
+    impl Wake for Alarms {
+        fn wake(&mut self, part: PartId, at: u64) {
+            self.0.push((part, at));
+        }
+    }
+
+    #[test]
+    fn a_freed_place_can_be_used_one_cycle_later() {
+        let mut alarms = Alarms::default();
+        let mut queue = Queue::new(1);
+        assert!(queue.has_room(5));
+        queue.put('a', 6);
+        assert!(!queue.has_room(5));
+        queue.wait_for_room(PartId(1), 5, &mut alarms);
+        assert_eq!((queue.first(5), queue.take(6, &mut alarms)), (None, Some('a')));
+        assert_eq!((queue.has_room(6), queue.has_room(7)), (false, true));
+        // Who comes too late in the cycle in which the place was freed is woken too.
+        queue.wait_for_room(PartId(2), 6, &mut alarms);
+        assert_eq!(alarms.0, [(PartId(1), 7), (PartId(2), 7)]);
+    }
+}

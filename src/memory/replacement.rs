@@ -1,0 +1,94 @@
+//! Which line of a full set goes.
+
+use serde::{Deserialize, Serialize};
+
+/// A replacement policy.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Policy {
+    /// The line that was used longest ago.
+    #[default]
+    Lru,
+    /// The line that was filled longest ago.
+    Fifo,
+    /// A binary tree of bits a set that points away from what was used last; the ways are a power of two.
+    TreePlru,
+    /// A line by a hash of the seed and the number of fills so far.
+    Random {
+        /// The seed.
+        seed: u64,
+    },
+}
+
+/// A policy's memory for one cache, besides the order of the lines in their sets.
+#[derive(Clone, Debug)]
+pub(super) enum State {
+    /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use, if
+    /// `on_use`.
+    Order { on_use: bool },
+    /// A word of tree bits a set: bit `n` belongs to node `n`, the root is node 1, and points to the side that goes next.
+    Tree { bits: Vec<u64> },
+    /// The number of fills.
+    Random { seed: u64, fills: u64 },
+}
+
+impl State {
+    pub(super) fn new(policy: Policy, sets: usize) -> Self {
+        match policy {
+            Policy::Lru => Self::Order { on_use: true },
+            Policy::Fifo => Self::Order { on_use: false },
+            Policy::TreePlru => Self::Tree { bits: vec![0; sets] },
+            Policy::Random { seed } => Self::Random { seed, fills: 0 },
+        }
+    }
+
+    /// Line `way` of set number `set`, whose lines are `lines`, was used.
+    pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {
+        match self {
+            Self::Order { on_use: true } => lines[..=way].rotate_right(1),
+            Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
+            Self::Order { on_use: false } | Self::Random { .. } => {}
+        }
+    }
+
+    /// Line `way` of set number `set`, whose lines are `lines`, was filled.
+    pub(super) fn filled(&mut self, set: usize, way: usize, lines: &mut [u64]) {
+        match self {
+            Self::Order { .. } => lines[..=way].rotate_right(1),
+            Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
+            Self::Random { fills, .. } => *fills += 1,
+        }
+    }
+
+    /// The way of a full set that goes next. Asking changes nothing.
+    pub(super) fn victim(&self, set: usize, ways: usize) -> usize {
+        match self {
+            Self::Order { .. } => ways - 1,
+            Self::Tree { bits } => {
+                let mut node = 1;
+                while node < ways {
+                    node = 2 * node + (bits[set] >> node & 1) as usize;
+                }
+                node - ways
+            }
+            Self::Random { seed, fills } => (mix(seed ^ mix(*fills)) % ways as u64) as usize,
+        }
+    }
+}
+
+/// Sets the bits on the way from the root to `way` so that they point to the other side.
+fn point_away(bits: &mut u64, way: usize, ways: usize) {
+    let mut node = way + ways;
+    while node > 1 {
+        let came_from_right = node & 1;
+        node /= 2;
+        *bits = *bits & !(1 << node) | ((1 - came_from_right as u64) << node);
+    }
+}
+
+/// SplitMix64's output function (Steele, Lea and Flood 2014).
+fn mix(seed: u64) -> u64 {
+    let x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+    x ^ x >> 31
+}

@@ -1,0 +1,204 @@
+//! The tag array of a set-associative cache: what is in it, and what goes. It knows no time; engines share it.
+
+use super::replacement::{Policy, State};
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+
+/// A way without a line.
+const EMPTY: u64 = u64::MAX;
+/// A packed line: its number above `LINE_SHIFT`, then whether it is dirty, then its class.
+const LINE_SHIFT: u32 = 8;
+const DIRTY: u64 = 1 << 7;
+
+fn pack(line: LineAddr, class: TrafficClass, dirty: bool) -> u64 {
+    line.0 << LINE_SHIFT | if dirty { DIRTY } else { 0 } | class as u64
+}
+
+fn unpack(packed: u64) -> Option<Victim> {
+    (packed != EMPTY).then(|| Victim {
+        line: LineAddr(packed >> LINE_SHIFT),
+        class: TrafficClass::ALL[(packed & (DIRTY - 1)) as usize],
+        dirty: packed & DIRTY != 0,
+    })
+}
+
+/// A line that goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Victim {
+    /// The line.
+    pub line: LineAddr,
+    /// What it was for.
+    pub class: TrafficClass,
+    /// Whether it must be written back.
+    pub dirty: bool,
+}
+
+/// The tags of a cache.
+#[derive(Clone, Debug)]
+pub struct TagArray {
+    /// Packed lines, set by set.
+    lines: Vec<u64>,
+    state: State,
+    ways: usize,
+    set_mask: u64,
+    set_shift: u32,
+}
+
+impl TagArray {
+    /// An empty array of `sets` (a power of two) times `ways` lines. A line's set is its number without the low
+    /// `set_shift` bits (which chose the bank), modulo the sets.
+    pub fn new(sets: usize, ways: usize, set_shift: u32, policy: Policy) -> Self {
+        debug_assert!(sets.is_power_of_two() && ways > 0);
+        let state = State::new(policy, sets);
+        Self { lines: vec![EMPTY; sets * ways], state, ways, set_mask: sets as u64 - 1, set_shift }
+    }
+
+    fn set(&self, line: LineAddr) -> usize {
+        (line.0 >> self.set_shift & self.set_mask) as usize
+    }
+
+    fn ways(&self, set: usize) -> &[u64] {
+        &self.lines[set * self.ways..][..self.ways]
+    }
+
+    /// Uses `line`, which makes it dirty if `write`; whether it was there.
+    pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
+        let set = self.set(line);
+        let lines = &mut self.lines[set * self.ways..][..self.ways];
+        let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
+        if write {
+            lines[way] |= DIRTY;
+        }
+        self.state.used(set, way, lines);
+        true
+    }
+
+    /// Whether `line` is there; nothing changes.
+    pub fn contains(&self, line: LineAddr) -> bool {
+        self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
+    }
+
+    fn place(&self, set: usize) -> usize {
+        let empty = self.ways(set).iter().position(|&packed| packed == EMPTY);
+        empty.unwrap_or_else(|| self.state.victim(set, self.ways))
+    }
+
+    /// What [`TagArray::fill`] would displace; nothing changes.
+    pub fn victim(&self, line: LineAddr) -> Option<Victim> {
+        let set = self.set(line);
+        unpack(self.ways(set)[self.place(set)])
+    }
+
+    /// Puts in `line`, which is not there. An empty way is taken first, the lowest; returns what was displaced.
+    pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
+        debug_assert!(!self.contains(line));
+        let set = self.set(line);
+        let way = self.place(set);
+        let lines = &mut self.lines[set * self.ways..][..self.ways];
+        let displaced = std::mem::replace(&mut lines[way], pack(line, class, dirty));
+        self.state.filled(set, way, lines);
+        unpack(displaced)
+    }
+
+    /// Drops all lines from `first` on, dirty or not.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        for packed in &mut self.lines {
+            if *packed >> LINE_SHIFT >= first.0 {
+                *packed = EMPTY;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    fn misses(tags: &mut TagArray, lines: impl IntoIterator<Item = u64>) -> usize {
+        let mut misses = 0;
+        for line in lines.into_iter().map(LineAddr) {
+            if !tags.access(line, false) {
+                tags.fill(line, TrafficClass::Node, false);
+                misses += 1;
+            }
+        }
+        misses
+    }
+
+    /// Belady, Nelson and Shedler 1969: more room, more misses.
+    #[test]
+    fn fifo_shows_beladys_anomaly() {
+        let lines = [1, 2, 3, 4, 1, 2, 5, 1, 2, 3, 4, 5];
+        for (policy, ways, expected) in
+            [(Policy::Fifo, 3, 9), (Policy::Fifo, 4, 10), (Policy::Lru, 3, 10), (Policy::Lru, 4, 8)]
+        {
+            assert_eq!(misses(&mut TagArray::new(1, ways, 0, policy), lines), expected, "{policy:?}, {ways} lines");
+        }
+    }
+
+    #[test]
+    fn tree_plru_of_two_ways_is_lru_and_of_four_is_not() {
+        let lines = || [1, 2, 3, 1, 4, 2, 5, 1, 3, 3, 2, 6, 1, 4];
+        let count = |policy, ways| misses(&mut TagArray::new(1, ways, 0, policy), lines());
+        assert_eq!(count(Policy::TreePlru, 2), count(Policy::Lru, 2));
+        // 1 to 4 fill the ways in order. A use of 1 points the root to the other half, whose bit points to 3: the least
+        // recently used line is 2, but 3 goes.
+        let mut tags = TagArray::new(1, 4, 0, Policy::TreePlru);
+        assert_eq!(misses(&mut tags, [1, 2, 3, 4, 1]), 4);
+        assert_eq!(tags.victim(LineAddr(9)).map(|victim| victim.line), Some(LineAddr(3)));
+    }
+
+    #[test]
+    fn a_dirty_line_is_displaced_as_such_and_dropped_lines_are_not() {
+        let mut tags = TagArray::new(1, 1, 0, Policy::Lru);
+        tags.fill(LineAddr(4), TrafficClass::ModeWord, false);
+        assert!(tags.access(LineAddr(4), true));
+        let expected = Victim { line: LineAddr(4), class: TrafficClass::ModeWord, dirty: true };
+        assert_eq!(tags.victim(LineAddr(5)), Some(expected));
+        assert_eq!(tags.fill(LineAddr(5), TrafficClass::Node, false), Some(expected));
+        tags.drop_from(LineAddr(6));
+        assert!(tags.contains(LineAddr(5)));
+        tags.drop_from(LineAddr(5));
+        assert_eq!(tags.victim(LineAddr(6)), None);
+    }
+
+    #[test]
+    fn a_set_is_chosen_by_the_bits_above_the_banks() {
+        let mut tags = TagArray::new(2, 1, 2, Policy::Lru);
+        assert_eq!(misses(&mut tags, [0, 4, 0, 4, 8, 0]), 4, "0 and 8 share a set, 4 is in the other");
+    }
+
+    proptest! {
+        /// Mattson et al. 1970: what an LRU set of `n` lines holds, one of `n + 1` holds too.
+        #[test]
+        fn lru_sets_include_smaller_ones(lines in prop::collection::vec(0..24u64, 1..200), ways in 1..12usize, sets in 0..3u32) {
+            let mut small = TagArray::new(1 << sets, ways, 0, Policy::Lru);
+            let mut large = TagArray::new(1 << sets, ways + 1, 0, Policy::Lru);
+            for &line in &lines {
+                misses(&mut small, [line]);
+                misses(&mut large, [line]);
+                for line in (0..24).map(LineAddr) {
+                    prop_assert!(!small.contains(line) || large.contains(line));
+                }
+            }
+        }
+
+        /// Whatever the policy: a line that was filled is there, at most `ways` lines of a set are, and the announced victim goes.
+        #[test]
+        fn every_policy_keeps_its_word(lines in prop::collection::vec(0..64u64, 1..200), policy in 0..4usize) {
+            let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 7 }][policy];
+            let mut tags = TagArray::new(2, 4, 0, policy);
+            for line in lines.into_iter().map(LineAddr) {
+                if !tags.access(line, false) {
+                    let announced = tags.victim(line);
+                    prop_assert_eq!(tags.fill(line, TrafficClass::Node, false), announced);
+                    prop_assert!(announced.is_none_or(|victim| !tags.contains(victim.line)));
+                }
+                prop_assert!(tags.contains(line));
+                prop_assert!((0..64).map(LineAddr).filter(|&line| tags.contains(line)).count() <= 8);
+            }
+        }
+    }
+}
