@@ -6,6 +6,7 @@ mod ancestry;
 pub mod build;
 pub mod kdtree;
 pub mod ray;
+pub mod shaft;
 #[cfg(test)]
 mod tests;
 pub mod trail;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use self::ancestry::Ancestry;
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
+pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
@@ -80,6 +82,8 @@ pub enum Scope {
     All,
     /// Dynamic triangles only.
     Dynamic,
+    /// Static triangles only.
+    Static,
 }
 
 /// In which order a shadow ray visits the children of a node that it meets. It changes what is visited before a blocker
@@ -376,6 +380,45 @@ impl World<'_> {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
             Kind::KdTree(forest) => forest.test(ray, slot, watch),
+        }
+    }
+
+    /// A static triangle's record.
+    pub fn static_record(&self, primitive: PrimitiveId) -> &triangle::Record {
+        let slot = self.slot(primitive).0 as usize;
+        match &self.forest {
+            Kind::Bvh2(forest) => &forest.statics.records[slot],
+            Kind::CwBvh(forest) => &forest.statics.records[slot],
+            Kind::KdTree(forest) => &forest.statics.records[slot],
+        }
+    }
+
+    /// Looks for static blockers of the rays of `shaft`.
+    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.sight(shaft, watch),
+            Kind::CwBvh(forest) => forest.sight(shaft, watch),
+            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+        }
+    }
+
+    /// What a static triangle does to the rays of `shaft`.
+    pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
+            Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
+            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+        }
+    }
+
+    /// Whether a static triangle is certain to block `ray`, also when the tree is traversed.
+    pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
         }
     }
 

@@ -184,7 +184,11 @@ impl<const N: usize> Forest<'_, N> {
         watch.node(NodeId(0));
         if self.joined {
             let entries = self.root.entries(ray);
-            let trees = if scope == Scope::Dynamic { 1..2 } else { 0..2 };
+            let trees = match scope {
+                Scope::All => 0..2,
+                Scope::Static => 0..1,
+                Scope::Dynamic => 1..2,
+            };
             for tree in trees.rev() {
                 if entries[tree] < f32::INFINITY {
                     stack.push((entries[tree], self.root.children[tree]));
@@ -236,5 +240,12 @@ impl<const N: usize> Forest<'_, N> {
         let (stop, hit) = self.record(slot.0).test(ray);
         watch.triangle(slot, stop);
         hit.map(|hit| hit.t)
+    }
+
+    /// Whether the triangle in `slot` is certain to block `ray`, also when the tree is traversed.
+    pub fn surely_blocked(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
+        let (stop, blocked) = self.record(slot.0).surely_blocks(ray);
+        watch.triangle(slot, stop);
+        blocked
     }
 }

@@ -10,9 +10,12 @@ use crate::stream::Stop;
 /// What the test reads of a triangle.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
-    corner: Vec3,
-    edges: [Vec3; 2],
-    normal: Vec3,
+    /// Corner 0.
+    pub corner: Vec3,
+    /// From corner 0 to corners 1 and 2.
+    pub edges: [Vec3; 2],
+    /// The cross product of the edges.
+    pub normal: Vec3,
     /// The box around the corners, by axis.
     low: [[f32; 1]; 3],
     high: [[f32; 1]; 3],
@@ -86,6 +89,30 @@ impl Record {
             (Stop::Hit, _) => (Stop::Plane, false),
             (stop, _) => (stop, false),
         }
+    }
+
+    /// Whether the triangle blocks the ray by more than rounding: then the boxes around it cannot miss the ray either,
+    /// and a traversal is certain to find a blocker. A hit within the error bound of an edge or an end says nothing,
+    /// because the slab test may round the other way.
+    ///
+    /// The bounds are those of [`shaft`](super::shaft), with 1-norms, which are no shorter than lengths.
+    pub fn surely_blocks(&self, ray: &Ray) -> (Stop, bool) {
+        const U: f32 = f32::EPSILON;
+        let size = |v: Vec3| v.abs().element_sum();
+        let (stop, hit) = self.test(ray);
+        let Some(hit) = hit else { return (stop, false) };
+        let facing = ray.direction.dot(self.normal).abs();
+        let far = size(ray.origin - self.corner);
+        let [a, b] = self.edges.map(size);
+        let (length, area) = (size(ray.direction), a * b);
+        let share = 10.0 * U * length * area / facing;
+        let along = (10.0 * U * far * area) / facing + 2.0 * share;
+        let across = 13.0 * U * far * length * (a + b) / facing + share;
+        let Vec2 { x: u, y: v } = hit.barycentric;
+        let inside = u >= across && v >= across && u + v <= 1.0 - across;
+        // Far below these sizes products underflow; NaN compares as false.
+        let sizeable = facing > 1e-30 && far * length * a.min(b) > 1e-30;
+        (Stop::Hit, sizeable && share < 0.25 && inside && hit.t >= along && hit.t <= ray.reach - along)
     }
 }
 

@@ -4,21 +4,28 @@
 //! only reads the policy, and hands in what it learned as [`Change`]s, which the policy takes in at the frame's end. So
 //! no result depends on the order in which bands are traced, nor on the number of threads.
 
+pub mod cells;
+pub mod certificates;
+pub mod certified;
 pub mod hash_predictor;
+pub mod hints;
+pub mod hybrid;
 pub mod knowledge;
 pub mod last_occluder;
 pub mod mode_word;
 pub mod occluder_grid;
 pub mod off;
+pub mod oracle;
 pub mod published;
 pub mod retest;
 pub mod sato;
 pub mod symmetric;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-use crate::accel::{Order, Ray, Scope, Trail, World};
+use self::cells::Receiver;
+use crate::accel::{Order, Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{LightId, NodeId, PrimitiveId};
 use crate::scene::{Light, Scene};
 use crate::stream::{Decision, Store, StoreEntries};
@@ -40,6 +47,12 @@ pub enum PolicySpec {
     HashPredictor(#[serde(default)] hash_predictor::HashPredictorSpec),
     /// No culling, but larger boxes are visited first.
     Sato,
+    /// Proofs for cells of receivers; exact.
+    Certified(#[serde(default)] certificates::CertificateSpec),
+    /// The proofs, and the last blocker tested again where there is none; exact.
+    Hybrid(#[serde(default)] hybrid::HybridSpec),
+    /// The limit of culling: every static answer known at no cost.
+    Oracle,
 }
 
 /// What a policy must know of a scene before the first frame.
@@ -72,7 +85,7 @@ impl SceneFacts {
 impl PolicySpec {
     /// Whether it needs a tree of boxes (a BVH).
     pub fn needs_boxes(&self) -> bool {
-        matches!(self, Self::HashPredictor(_) | Self::Sato)
+        matches!(self, Self::HashPredictor(_) | Self::Sato | Self::Certified(_) | Self::Hybrid(_))
     }
 
     /// The policy at the start of an animation.
@@ -85,6 +98,9 @@ impl PolicySpec {
             Self::OccluderGrid(spec) => Box::new(spec.build(facts)),
             Self::HashPredictor(spec) => Box::new(hash_predictor::HashPredictor::new(*spec, facts)),
             Self::Sato => Box::new(sato::Sato),
+            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts)),
+            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts)),
+            Self::Oracle => Box::new(oracle::Oracle),
         }
     }
 
@@ -98,6 +114,9 @@ impl PolicySpec {
             ("OccluderGrid", Self::OccluderGrid(Default::default())),
             ("HashPredictor", Self::HashPredictor(Default::default())),
             ("Sato", Self::Sato),
+            ("Certified", Self::Certified(Default::default())),
+            ("Hybrid", Self::Hybrid(Default::default())),
+            ("Oracle", Self::Oracle),
         ]
     }
 
@@ -106,6 +125,7 @@ impl PolicySpec {
         match self {
             Self::Published(_) | Self::Symmetric(_) => false,
             Self::Off | Self::LastOccluder(_) | Self::OccluderGrid(_) | Self::HashPredictor(_) | Self::Sato => true,
+            Self::Certified(_) | Self::Hybrid(_) | Self::Oracle => true,
         }
     }
 }
@@ -172,6 +192,10 @@ pub struct SurfaceHit {
     pub primitive: PrimitiveId,
     /// 1 for a primary ray's hit, 2 for that of the first secondary ray, and so on.
     pub depth: u32,
+    /// Barycentric coordinates of corners 1 and 2.
+    pub barycentric: Vec2,
+    /// Whether the ray starts on the counter-clockwise side.
+    pub outside: bool,
 }
 
 /// A pixel before the current one.
@@ -258,20 +282,46 @@ pub trait Worker {
 pub struct Probe<'a> {
     world: &'a World<'a>,
     trail: &'a mut Trail,
+    offset: f32,
     /// Tests made to learn which primitives are occluded.
     pub occlusion_tests: u64,
 }
 
 impl<'a> Probe<'a> {
-    /// Hands that record in `trail`.
-    pub fn new(world: &'a World<'a>, trail: &'a mut Trail) -> Self {
-        Self { world, trail, occlusion_tests: 0 }
+    /// Hands that record in `trail`; shadow rays start `offset` off their surface, in world units.
+    pub fn new(world: &'a World<'a>, trail: &'a mut Trail, offset: f32) -> Self {
+        Self { world, trail, offset, occlusion_tests: 0 }
     }
 
     /// Tests whether `primitive` lies on `ray`, to learn whether it is occluded.
     pub fn occlusion_test(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
         self.occlusion_tests += 1;
         self.world.test(ray, primitive, self.trail).is_some()
+    }
+
+    /// Whether a static triangle blocks `ray`; recorded nowhere.
+    pub(super) fn statically_blocked(&self, ray: &Ray) -> bool {
+        self.world.occluded(ray, Scope::Static, &mut Silent).is_some()
+    }
+
+    /// Whether the static triangle `primitive` is certain to block `ray`.
+    pub fn surely_blocked(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
+        self.world.surely_blocked(ray, primitive, self.trail)
+    }
+
+    /// A static primitive as a receiver of shadow. Nothing is recorded: the unit has just tested its triangle.
+    pub fn receiver(&self, primitive: PrimitiveId) -> Receiver<'a> {
+        Receiver { record: self.world.static_record(primitive), offset: self.offset }
+    }
+
+    /// Looks for static blockers of the rays of `shaft`.
+    pub fn sight(&mut self, shaft: &Shaft) -> Sight {
+        self.world.sight(shaft, self.trail)
+    }
+
+    /// What the static triangle `primitive` does to the rays of `shaft`.
+    pub fn relation(&mut self, shaft: &Shaft, primitive: PrimitiveId) -> Relation {
+        self.world.relation(shaft, primitive, self.trail)
     }
 
     /// Tests whether one visible primitive blocks a shadow ray: what the tracer would say of it.

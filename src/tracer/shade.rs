@@ -13,7 +13,7 @@ pub(super) struct Shader<'a> {
     scene: &'a Scene,
     frame: &'a Frame,
     pub spec: RenderSpec,
-    offset: f32,
+    pub offset: f32,
 }
 
 /// A point that was hit.
@@ -27,7 +27,7 @@ pub(super) struct Surface<'a> {
     /// The interpolated normal, on the same side.
     shading: Vec3,
     /// Whether the ray meets the counter-clockwise side.
-    outside: bool,
+    pub outside: bool,
     direction: Vec3,
 }
 

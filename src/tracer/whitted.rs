@@ -56,12 +56,17 @@ impl Whitted<'_> {
         };
         let surface = self.shader.surface(ray.ray, &hit);
         let shadow_rays: SmallVec<[_; 8]> = self.shader.shadow_rays(&surface).collect();
-        let at = SurfaceHit { primitive: hit.primitive, depth: ray.depth };
+        let at = SurfaceHit {
+            primitive: hit.primitive,
+            depth: ray.depth,
+            barycentric: hit.barycentric,
+            outside: surface.outside,
+        };
 
         // The policies decide on all lights before the first shadow ray leaves.
         let mut verdicts = SmallVec::<[_; 32]>::new();
         for (lane, color) in self.lanes.iter_mut().zip(colors.iter_mut()) {
-            let mut probe = Probe::new(self.world, &mut lane.policy);
+            let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
             lane.worker.hit(at, primary, &mut probe);
             verdicts.extend(shadow_rays.iter().map(|it| lane.worker.decide(at, it.light, &it.ray, &mut probe)));
             lane.record.occlusion_tests += probe.occlusion_tests;
@@ -84,7 +89,7 @@ impl Whitted<'_> {
                     None => (None, self.own.path()),
                 };
                 let dark = found.is_some() || verdict.scope().is_none();
-                let mut probe = Probe::new(self.world, &mut lane.policy);
+                let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
                 lane.worker.learn(at, shadow.light, Evidence { ray: shadow.ray, verdict, blocker: found }, &mut probe);
                 let head = RayHead {
                     kind: RayKind::Shadow,
