@@ -8,7 +8,7 @@ use crate::accel::Quality;
 use crate::accel::build::{Base, Item};
 
 /// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
-/// section 4.4). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
+/// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
 /// for ever deeper where triangles meet in a point: that makes nodes, and hardly saves a triangle test.
 fn max_depth(items: usize) -> u32 {
     (8.0 + 1.3 * f64::from(items.ilog2())).round() as u32
@@ -86,7 +86,7 @@ impl Builder<'_> {
         self.cell(above, right, depth + 1);
     }
 
-    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006, section 3.3).
+    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006).
     fn plane(&self, cell: Bounds, parts: &[Part], depth: u32) -> Option<Plane> {
         if parts.is_empty() || depth == self.max_depth {
             return None;
