@@ -119,7 +119,7 @@ fn violations(file: &Path, source: &str) -> Vec<String> {
     let fits = |path: &String| {
         let whole = path.split("::").next().unwrap_or_default();
         let single = |thing: &&str| path == thing || path.starts_with(&format!("{thing}::"));
-        whole == room || allowed.contains(&whole) || allowed.iter().any(|thing| single(thing))
+        whole == room || allowed.contains(&whole) || allowed.iter().any(single)
     };
     let wrong = used(file, source).into_iter().filter(|path| !fits(path));
     wrong.map(|path| format!("{}: `{room}` must not use `{path}`", file.display())).collect()

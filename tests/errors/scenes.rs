@@ -44,7 +44,7 @@ fn an_aff_file_with_an_unknown_command() {
 fn an_aff_file_with_a_missing_texture_or_file() {
     insta::assert_snapshot!(aff("f 1 1 1 1 0 1 0 0\ntt wood.ppm\n0 0 0\n0 0 0\n1 0 0\n1 0 0\n0 1 0\n0 1 0\n"), @"error: room.aff:10: texture `wood.ppm`: cannot read ../textures/wood.ppm: No such file or directory (os error 2)");
     insta::assert_snapshot!(aff("i absent.aff\n"), @"error: room.aff:9: found `absent.aff`: the level of an include, a whole number, should be here");
-    insta::assert_snapshot!(aff("i 0 absent.aff\n"), @"");
+    insta::assert_snapshot!(aff("i 0 absent.aff\n"), @"error: room.aff:9: cannot include `absent.aff`: No such file or directory (os error 2)");
 }
 
 #[test]
