@@ -51,7 +51,7 @@ impl Record {
         }
     }
 
-    /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see [`TIE`]). Moeller-Trumbore with
+    /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see `TIE`). Moeller-Trumbore with
     /// the normal at hand, so that the plane's part stands alone, as in the T&I engine's first mode (Nah et al. 2011,
     /// section 4.3).
     pub fn test(&self, ray: &Ray) -> (Stop, Option<TriangleHit>) {
