@@ -439,6 +439,35 @@ mod tests {
         assert_eq!(dram.counts(0).refreshes, 10);
     }
 
+    /// A channel that never waits for requests: between refreshes a line follows the other.
+    #[test]
+    fn bandwidth_is_limited_by_refreshes_alone() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let intervals = 20;
+        // Before the first refresh: the activate in cycle 1.
+        let (mut first, mut expected) = (1 + timing.rcd, 0);
+        for due in (1..=intervals).map(|interval| interval * timing.refi) {
+            let lines = (due - first).div_ceil(LINE);
+            let last = first + (lines - 1) * LINE;
+            expected += lines;
+            first = due.max(last + timing.rtp) + timing.rp + timing.rfc + timing.rcd;
+        }
+        let (mut column, cycles) = (0, intervals * timing.refi);
+        for now in 0..cycles {
+            // The 32 lines of one row, over and over.
+            while dram.put(request(column / 2 * 16 + column % 2, false), now, &mut Awake) {
+                column = (column + 1) % 32;
+            }
+            dram.tick(0, now, &mut Awake, |_, _| {});
+        }
+        let counts = dram.counts(0);
+        assert_eq!((counts.reads, counts.row_conflicts), (expected, 0));
+        // LPDDR4 of one channel keeps 94 % of its peak.
+        let (busy, share) = (expected * LINE, 1.0 - (timing.rp + timing.rfc + timing.rcd) as f64 / timing.refi as f64);
+        assert!((busy as f64 / cycles as f64 - share).abs() < 0.005, "{busy} of {cycles}, {share}");
+    }
+
     #[test]
     fn a_refresh_closes_the_rows() {
         let mut dram = dram();
