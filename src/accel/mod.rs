@@ -4,8 +4,11 @@
 
 mod ancestry;
 pub mod build;
+pub mod kdtree;
 pub mod ray;
 pub mod shaft;
+#[cfg(test)]
+mod tests;
 pub mod trail;
 pub mod tree;
 pub mod triangle;
@@ -34,22 +37,30 @@ pub struct AccelSpec {
     pub statics: Quality,
     /// How much work goes into the dynamic tree, each frame.
     pub dynamic: Quality,
+    /// The order of a kd-tree's nodes; the other structures have one order only.
+    pub kd_layout: kdtree::Layout,
 }
 
 impl Default for AccelSpec {
     fn default() -> Self {
-        Self { structure: Structure::Bvh2, statics: Quality::Best, dynamic: Quality::Fast }
+        Self {
+            structure: Structure::Bvh2,
+            statics: Quality::Best,
+            dynamic: Quality::Fast,
+            kd_layout: kdtree::Layout::Ordered,
+        }
     }
 }
 
-/// How well a tree is built: presets of obvhs without pre-splits, so that each triangle has one record.
+/// How well a tree is built. For BVHs, presets of obvhs without pre-splits, so that each triangle has one record; for
+/// kd-trees see [`kdtree::build`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quality {
     /// For trees that live one frame.
     Fast,
     /// A good tree.
     Medium,
-    /// The best that obvhs builds.
+    /// The best that there is.
     Best,
 }
 
@@ -105,12 +116,14 @@ pub struct Accel {
     statics: Statics,
     /// The slot of each static primitive.
     slots: Vec<TriangleSlot>,
-    ancestry: Ancestry,
+    /// Of a BVH.
+    ancestry: Option<Ancestry>,
 }
 
 enum Statics {
     Bvh2(Tree<2>),
     CwBvh(Tree<8>),
+    KdTree(kdtree::Tree),
 }
 
 impl Accel {
@@ -130,13 +143,18 @@ impl Accel {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
                 let ancestry = Ancestry::of(&tree);
-                (Statics::Bvh2(tree), slots, ancestry)
+                (Statics::Bvh2(tree), slots, Some(ancestry))
             }
             Structure::CwBvh => {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
                 let ancestry = Ancestry::of(&tree);
-                (Statics::CwBvh(tree), slots, ancestry)
+                (Statics::CwBvh(tree), slots, Some(ancestry))
+            }
+            Structure::KdTree => {
+                let tree = kdtree::build_static(&items, spec.statics, spec.kd_layout, joined);
+                let slots = slots(&tree.records, 0, items.len());
+                (Statics::KdTree(tree), slots, None)
             }
         };
         Self { spec, joined, statics, slots, ancestry }
@@ -152,6 +170,15 @@ impl Accel {
         match &self.statics {
             Statics::Bvh2(tree) => tree.nodes.len() as u32,
             Statics::CwBvh(tree) => tree.nodes.len() as u32,
+            Statics::KdTree(tree) => tree.nodes.len() as u32,
+        }
+    }
+
+    /// The number of entries of the static tree's primitive lists.
+    pub fn static_list_entries(&self) -> u32 {
+        match &self.statics {
+            Statics::Bvh2(_) | Statics::CwBvh(_) => 0,
+            Statics::KdTree(tree) => tree.lists.len() as u32,
         }
     }
 
@@ -171,29 +198,35 @@ impl Accel {
             .filter(|&(index, _)| frame.visible[index])
             .map(|(index, triangle)| Item { primitive: PrimitiveId(first + index as u32), triangle })
             .collect();
-        let base = Base { node: self.static_nodes(), slot: self.static_slots() };
+        let base = Base { node: self.static_nodes(), slot: self.static_slots(), list: self.static_list_entries() };
         let params = self.spec.dynamic.params();
-        let (forest, nodes, dynamic_slots) = match &self.statics {
+        let (forest, nodes, list_entries, dynamic_slots) = match &self.statics {
             Statics::Bvh2(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::Bvh2(forest), nodes, slots)
+                (Kind::Bvh2(forest), nodes, 0, slots)
             }
             Statics::CwBvh(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::CwBvh(forest), nodes, slots)
+                (Kind::CwBvh(forest), nodes, 0, slots)
+            }
+            Statics::KdTree(statics) => {
+                let dynamic = kdtree::build(&items, self.spec.dynamic, self.spec.kd_layout, base);
+                let slots = slots(&dynamic.records, first, scene.dynamic_count);
+                let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
+                (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
             }
         };
         let info = FrameInfo {
             number: frame.number,
             dynamic_nodes: nodes as u32,
             dynamic_slots: items.len() as u32,
-            dynamic_list_entries: 0,
+            dynamic_list_entries: list_entries as u32,
         };
-        World { forest, info, static_slots: &self.slots, ancestry: &self.ancestry, dynamic_slots }
+        World { forest, info, static_slots: &self.slots, ancestry: self.ancestry.as_ref(), dynamic_slots }
     }
 }
 
@@ -208,7 +241,7 @@ where
     if !joined {
         return Tree::build(items, params, Base::default());
     }
-    let mut tree = Tree::build(items, params, Base { node: 1, slot: 0 });
+    let mut tree = Tree::build(items, params, Base { node: 1, ..Base::default() });
     tree.nodes.insert(0, Node::default());
     tree
 }
@@ -254,6 +287,7 @@ fn slots(records: &[triangle::Record], first: u32, count: usize) -> Vec<Triangle
 enum Kind<'a> {
     Bvh2(Forest<'a, 2>),
     CwBvh(Forest<'a, 8>),
+    KdTree(kdtree::Forest<'a>),
 }
 
 /// Everything that rays can meet in one frame.
@@ -261,10 +295,13 @@ pub struct World<'a> {
     forest: Kind<'a>,
     info: FrameInfo,
     static_slots: &'a [TriangleSlot],
-    ancestry: &'a Ancestry,
+    ancestry: Option<&'a Ancestry>,
     /// Slots of dynamic primitives, counted from the first dynamic slot.
     dynamic_slots: Vec<TriangleSlot>,
 }
+
+/// Why some methods are never called on a kd-tree.
+const BOXES_ONLY: &str = "a policy that needs a tree of boxes is refused with a kd-tree before it is built";
 
 impl World<'_> {
     /// Sizes of the frame's dynamic part.
@@ -277,6 +314,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.closest(*ray, watch),
             Kind::CwBvh(forest) => forest.closest(*ray, watch),
+            Kind::KdTree(forest) => forest.closest(*ray, watch),
         }
     }
 
@@ -285,7 +323,8 @@ impl World<'_> {
         self.occluded_in_order(ray, scope, Order::NearestFirst, watch)
     }
 
-    /// The same, with the children of nodes visited in `order`: perhaps another triangle, and yet one if there is one.
+    /// The same, with the children of a BVH's nodes visited in `order`: perhaps another triangle, and yet one if there is one. A
+    /// kd-tree is walked front to back.
     pub fn occluded_in_order(
         &self,
         ray: &Ray,
@@ -296,14 +335,16 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.occluded(ray, scope, order, watch),
             Kind::CwBvh(forest) => forest.occluded(ray, scope, order, watch),
+            Kind::KdTree(forest) => forest.occluded(ray, scope, watch),
         }
     }
 
-    /// A static triangle below the static node `node` that blocks the ray.
+    /// A static triangle below the static node `node` of a BVH that blocks the ray.
     pub fn occluded_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.occluded_below(ray, node, watch),
             Kind::CwBvh(forest) => forest.occluded_below(ray, node, watch),
+            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
         }
     }
 
@@ -313,13 +354,14 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
             Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
+            Kind::KdTree(forest) => forest.blocks(ray, slot, watch),
         }
     }
 
     /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
-    /// Level 1 is the node that holds the leaf.
+    /// Level 1 is the node that holds the leaf. For a BVH.
     pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
-        self.ancestry.ancestor(self.slot(primitive), levels)
+        self.ancestry.expect(BOXES_ONLY).ancestor(self.slot(primitive), levels)
     }
 
     /// The box around all static triangles; empty without any.
@@ -327,6 +369,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.static_bounds(),
             Kind::CwBvh(forest) => forest.static_bounds(),
+            Kind::KdTree(forest) => forest.static_bounds(),
         }
     }
 
@@ -336,6 +379,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+            Kind::KdTree(forest) => forest.test(ray, slot, watch),
         }
     }
 
@@ -345,6 +389,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => &forest.statics.records[slot],
             Kind::CwBvh(forest) => &forest.statics.records[slot],
+            Kind::KdTree(forest) => &forest.statics.records[slot],
         }
     }
 
@@ -353,6 +398,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.sight(shaft, watch),
             Kind::CwBvh(forest) => forest.sight(shaft, watch),
+            Kind::KdTree(forest) => forest.sight(shaft, watch),
         }
     }
 
@@ -362,6 +408,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
             Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
+            Kind::KdTree(forest) => forest.relation(shaft, slot, watch),
         }
     }
 
@@ -371,6 +418,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
             Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

@@ -21,7 +21,7 @@ const SMALLEST_COMPONENT: f32 = 1e-20;
 
 /// Widens the far side of a slab test, and the reach of a ray, by more than rounding can narrow them: 1 + 2 gamma(3),
 /// rounded up (Ize 2013, "Robust BVH Ray Traversal").
-pub const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
+pub(super) const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
 
 impl Ray {
     /// A ray from `origin` along `direction`, hits at `0 < t < reach`.
@@ -41,6 +41,15 @@ impl Ray {
         let mut far = [self.reach; N];
         for axis in 0..3 {
             let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+            if self.is_parallel(axis) {
+                // No crossing to compute: a ray in the face of a box would leave it where it enters it.
+                for at in 0..N {
+                    if origin < low[axis][at] || origin > high[axis][at] {
+                        near[at] = f32::INFINITY;
+                    }
+                }
+                continue;
+            }
             let (entry, exit) = if inverse < 0.0 { (&high[axis], &low[axis]) } else { (&low[axis], &high[axis]) };
             for at in 0..N {
                 near[at] = larger(near[at], (entry[at] - origin) * inverse);
@@ -53,6 +62,11 @@ impl Ray {
             }
         }
         near
+    }
+
+    /// Whether the ray keeps its coordinate along `axis`: no plane across it is crossed.
+    pub fn is_parallel(&self, axis: usize) -> bool {
+        self.direction[axis].abs() <= SMALLEST_COMPONENT
     }
 
     /// The open segment from `origin` to `target`.

@@ -83,6 +83,11 @@ impl SceneFacts {
 }
 
 impl PolicySpec {
+    /// Whether it needs a tree of boxes (a BVH).
+    pub fn needs_boxes(&self) -> bool {
+        matches!(self, Self::HashPredictor(_) | Self::Sato)
+    }
+
     /// The policy at the start of an animation.
     pub fn build(&self, facts: SceneFacts) -> Box<dyn Policy> {
         match self {

@@ -73,6 +73,7 @@ impl LaneFrame {
 fn count_policy(totals: &mut Totals, trail: &Trail) {
     totals.policy_node_visits += trail.nodes;
     totals.policy_triangle_tests += trail.triangles;
+    totals.list_reads += trail.lists;
     totals.policy_reads += trail.reads;
     totals.policy_writes += trail.writes;
 }
@@ -166,6 +167,7 @@ impl<'a> Lane<'a> {
     }
 
     fn finish_ray(&mut self, head: RayHead, path: Path<'_>) {
+        self.record.totals.list_reads += path.lists;
         count_policy(&mut self.record.totals, &self.policy);
         self.chunk.push(head, path.steps, &self.policy.steps);
         self.policy.clear();
