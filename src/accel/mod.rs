@@ -398,7 +398,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.sight(shaft, watch),
             Kind::CwBvh(forest) => forest.sight(shaft, watch),
-            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+            Kind::KdTree(forest) => forest.sight(shaft, watch),
         }
     }
 
@@ -408,7 +408,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
             Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
-            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+            Kind::KdTree(forest) => forest.relation(shaft, slot, watch),
         }
     }
 
@@ -418,7 +418,7 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
             Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
-            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

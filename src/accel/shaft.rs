@@ -23,10 +23,13 @@
 //! times `spread`.
 //!
 //! **Boxes.** A node is left out only if the slab test must miss it, and the slab test misses what is farther away
-//! from the ray than its own widening: entry and exit distances err by 4 u and 20 u of themselves, that is by at most
-//! `20 u |d|` in space; the margin is `32 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest
-//! component. In the other direction the slab test never misses a box that the ray meets: if a triangle must be hit
+//! from the ray than its own widening: entry and exit distances err by 4 u of themselves and are compared with a factor
+//! of 1 + 16 u, that is by at most `26 u |d|` in space (a kd-tree's planes are compared in the same way); the margin is
+//! `48 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest component. In the other direction the slab test never misses a box that the ray meets: if a triangle must be hit
 //! inside its edges by the bound above, the hit point is in the box of its corners, and so in those of all ancestors.
+//!
+//! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one test:
+//! one record is read, and evaluated for three corners at once.
 
 use glam::{DVec3, Vec3};
 
@@ -106,7 +109,7 @@ impl Shaft {
         let light = light.as_dvec3();
         let length = corners.iter().map(|corner| corner.distance(light)).fold(0.0, f64::max) + spread;
         // 1e-18: a hundred times what a ray strays by because its smallest direction component is set to 1e-20.
-        let margin = 32.0 * U * length + spread + 1e-18;
+        let margin = 48.0 * U * length + spread + 1e-18;
         let [a, b, c] = corners;
         let points = [a, b, c, light];
         let sides = [b - a, c - b, a - c];
@@ -127,7 +130,7 @@ impl Shaft {
     }
 
     /// Whether no ray can pass the slab test of the box.
-    fn misses_box(&self, low: DVec3, high: DVec3) -> bool {
+    pub(super) fn misses_box(&self, low: DVec3, high: DVec3) -> bool {
         if self.low.cmpgt(high).any() || self.high.cmplt(low).any() {
             return true;
         }

@@ -158,16 +158,16 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_in_the_box_s_face_decides_with_the_box() {
-        // The ray runs in the plane z = high of the triangle's box, along the edge from corner 0 to corner 1: the edge
-        // test lets it pass, a slab test does not, which would divide by the missing component of the direction.
+    fn a_ray_in_the_box_s_face_is_in_the_box() {
+        // The ray runs in the plane z = high of the triangle's box, along the edge from corner 0 to corner 1. A slab test
+        // that divided by the missing component of the direction would miss the box, and `blocks` with it.
         let corners =
             [[100000.695, 100000.52, 100000.66], [100001.32, 100000.52, 100000.66], [100000.695, 100000.52, 99999.99]];
         let record = Record::new(&Triangle { v: corners.map(Vec3::from_array) }, PrimitiveId(0));
         let direction = Vec3::new(-5.046875, 4.109375, 0.0);
         let ray = Ray::new(Vec3::new(100002.234, 99999.57, 100000.66), direction, 1.0);
         assert_eq!(record.test(&ray).0, Stop::Hit);
-        assert_eq!(record.blocks(&ray), (Stop::Edges, false));
+        assert_eq!(record.blocks(&ray), (Stop::Hit, true));
     }
 
     #[test]

@@ -85,7 +85,7 @@ impl SceneFacts {
 impl PolicySpec {
     /// Whether it needs a tree of boxes (a BVH).
     pub fn needs_boxes(&self) -> bool {
-        matches!(self, Self::HashPredictor(_) | Self::Sato | Self::Certified(_) | Self::Hybrid(_))
+        matches!(self, Self::HashPredictor(_) | Self::Sato)
     }
 
     /// The policy at the start of an animation.

@@ -7,6 +7,7 @@
 mod bounds;
 mod build;
 mod layout;
+mod shaft;
 mod split;
 #[cfg(test)]
 mod tests;

@@ -158,8 +158,8 @@ impl Forest<'_> {
         }
         let mut stack = Stack::with_capacity(64);
         let [statics, dynamic] = self.start(ray, watch);
-        stack.extend(dynamic);
-        stack.extend(statics.filter(|_| scope == Scope::All));
+        stack.extend(dynamic.filter(|_| scope != Scope::Static));
+        stack.extend(statics.filter(|_| scope != Scope::Dynamic));
         while let Some(span) = stack.pop() {
             for entry in self.descend(span, ray, &mut stack, watch) {
                 watch.list(ListId(entry));
