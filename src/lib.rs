@@ -13,6 +13,7 @@ pub mod quantity;
 pub mod ranged;
 pub mod reference;
 pub mod report;
+pub mod ron_file;
 pub mod scene;
 pub mod stats;
 pub mod stream;

@@ -23,7 +23,7 @@ fn experiment(name: &str, scene: Option<&str>, side: u32) -> Experiment {
     let mut experiment = Experiment::load(&file, Overrides { frames: None, resolution }).unwrap();
     if let Some(scene) = scene {
         let folder = Path::new(ROOT).join("configs/scenes");
-        let spec: umbrasim::scene::spec::SceneSpec = umbrasim::experiment::ron_file::read(&folder.join(scene)).unwrap();
+        let spec: umbrasim::scene::spec::SceneSpec = umbrasim::ron_file::read(&folder.join(scene)).unwrap();
         experiment.scene = spec.load(&folder).unwrap();
     }
     experiment

@@ -6,7 +6,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::frames::FrameRange;
-use super::ron_file::{self, ConfigError};
 use super::run::frame_result;
 use super::{ExperimentError, beside, check_boxes, progress};
 use crate::culling::{PolicySpec, SceneFacts};
@@ -15,6 +14,7 @@ use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
 use crate::report::summary::{FrameResult, PolicySummary};
+use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;

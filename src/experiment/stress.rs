@@ -3,7 +3,6 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use super::ron_file;
 use crate::culling::published::rules::{
     Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
 };
@@ -11,6 +10,7 @@ use crate::culling::symmetric::{Neighbours, SymmetricSpec};
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::quantity::Resolution;
 use crate::report::stress::{CaseSummary, Effect, FrameWrong, Shift, StressPolicy, StressSummary};
+use crate::ron_file;
 use crate::scene::builtin::cases::{Case, Recipe};
 use crate::scene::{RenderSpec, Scene};
 use crate::stream::Totals;

@@ -10,9 +10,9 @@ use super::random::{machines, streams};
 use super::synthetic::header;
 use super::*;
 use crate::engine::tally::sum_caches;
-use crate::experiment::ron_file;
 use crate::memory::command::CommandLog;
 use crate::memory::legality::violations;
+use crate::ron_file;
 use crate::stream::StreamReader;
 
 /// Runs for `cargo test`, or a long suite when the environment says so.
