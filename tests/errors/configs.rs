@@ -26,7 +26,7 @@ fn a_typo() {
        |     ^
     ");
     insta::assert_snapshot!(experiment("Published()", "Publishd()"), @r#"
-    error: tiny.ron:8:22: Unexpected variant named `Publishd` in enum `PolicySpec`, expected either `Off` or `Published` instead
+    error: tiny.ron:8:22: Unexpected variant named `Publishd` in enum `PolicySpec`, expected one of `Off`, `Published`, `Symmetric`, `LastOccluder`, `OccluderGrid`, `HashPredictor`, `Sato`, `Certified`, `Hybrid`, or `Oracle` instead
        |
      8 |         "Published": Publishd(),
        |                      ^
