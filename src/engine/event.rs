@@ -12,6 +12,7 @@ use crate::machine::shadow_cache::ShadowCache;
 use crate::machine::source::FrameCounts;
 use crate::machine::traversal::Traversal;
 use crate::memory::Wake;
+#[cfg(test)]
 use crate::memory::command::CommandLog;
 use crate::stream::{Header, Item};
 

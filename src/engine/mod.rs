@@ -16,6 +16,7 @@ use serde::{Deserialize, Serialize};
 use self::tally::Tally;
 use crate::machine::source::{FrameCounts, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
+#[cfg(test)]
 use crate::memory::command::CommandLog;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};

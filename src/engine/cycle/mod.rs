@@ -27,6 +27,7 @@ use super::tally::{BankTally, ChannelTally, Tally};
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 use crate::machine::source::FrameCounts;
+#[cfg(test)]
 use crate::memory::command::CommandLog;
 use crate::stream::{Header, Item};
 
