@@ -49,7 +49,10 @@ struct Channel {
     transfers: VecDeque<Transfer>,
     /// When the data bus is free, in parts of a cycle.
     bus_free: u64,
-    last_activate: Option<u64>,
+    /// Whether the bus was used last for a read.
+    bus_reads: bool,
+    /// The last four activates, the last first.
+    activates: [Option<u64>; 4],
     read_at: u64,
     refresh_due: u64,
     /// No command can be given before this cycle.
@@ -69,9 +72,14 @@ enum Next {
 }
 
 impl Channel {
+    /// When the bus is free for data, in parts of a cycle.
+    fn bus_free_for(&self, timing: &Timing, write: bool) -> u64 {
+        self.bus_free + if write && self.bus_reads { timing.turn_parts } else { 0 }
+    }
+
     /// The first cycle in which a column command's data would find the bus free early enough.
     fn bus_at(&self, timing: &Timing, write: bool) -> u64 {
-        (self.bus_free / timing.parts).saturating_sub(if write { timing.cwl } else { timing.cl })
+        (self.bus_free_for(timing, write) / timing.parts).saturating_sub(if write { timing.cwl } else { timing.cl })
     }
 
     fn next(&self, now: u64, timing: &Timing) -> Next {
@@ -82,7 +90,8 @@ impl Channel {
             }
         }
         let (read_bus, write_bus) = (self.bus_at(timing, false), self.bus_at(timing, true));
-        let activate_after = self.last_activate.map_or(0, |last| last + timing.rrd);
+        let after = |activate: Option<u64>, wait: u64| activate.map_or(0, |activate| activate + wait);
+        let activate_after = after(self.activates[0], timing.rrd).max(after(self.activates[3], timing.faw));
         let (mut activate, mut precharge, mut earliest) = (None, None, None::<u64>);
         let mut later = |at: u64| earliest = Some(earliest.map_or(at, |other| other.min(at)));
         for (index, pending) in self.queue.visible(now) {
@@ -135,7 +144,9 @@ impl Channel {
         };
         self.log.give(now, if request.write { Command::Write { bank, row } } else { Command::Read { bank, row } });
         let latency = if request.write { timing.cwl } else { timing.cl };
-        self.bus_free = self.bus_free.max((now + latency) * timing.parts) + timing.line_parts;
+        self.bus_free =
+            self.bus_free_for(timing, request.write).max((now + latency) * timing.parts) + timing.line_parts;
+        self.bus_reads = !request.write;
         let ends = self.bus_free.div_ceil(timing.parts);
         let bank = &mut self.banks[bank];
         if request.write {
@@ -171,7 +182,8 @@ impl Channel {
                     column_at: now + timing.rcd,
                     precharge_at: now + timing.ras,
                 };
-                self.last_activate = Some(now);
+                self.activates.rotate_right(1);
+                self.activates[0] = Some(now);
             }
             Next::Precharge(index) => {
                 let bank = self.prepare(index, Prepared::Precharged).bank;
@@ -231,7 +243,8 @@ impl Dram {
             banks: vec![BankState::default(); spec.banks.size()],
             transfers: VecDeque::new(),
             bus_free: 0,
-            last_activate: None,
+            bus_reads: false,
+            activates: [None; 4],
             read_at: 0,
             refresh_due: timing.refi,
             command_at: 0,
@@ -327,6 +340,7 @@ impl Dram {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::dram_timing::TimingSpec;
     use crate::ranged::{PowerOfTwo, Within};
 
     /// Nobody sleeps here: every cycle is acted in.
@@ -398,6 +412,40 @@ mod tests {
         let got = answers(&mut dram, &[(0, request(0, true)), (0, request(1, false))], 3000);
         let write_ends = 1 + timing.rcd + timing.cwl + LINE;
         assert_eq!(got, [write_ends + timing.wtr + timing.cl + LINE]);
+    }
+
+    #[test]
+    fn a_write_after_a_read_waits_for_the_bus_to_turn() {
+        let spec = DramSpec {
+            timing: TimingSpec { turn: Within::new(50).unwrap(), ..Default::default() },
+            ..DramSpec::default()
+        };
+        let mut dram = Dram::new(&spec, 1600, 64, PartId(0));
+        let timing = *dram.timing();
+        let row = [0, 1, 16].map(|line| request(line, line == 1));
+        let got = answers(&mut dram, &row.map(|request| (0, request)), 3000);
+        // Both reads go first: the write's data would come later than the bus is free of the first.
+        let reads_end = 1 + timing.rcd + timing.cl + 2 * LINE;
+        assert_eq!(got, [reads_end - LINE, reads_end]);
+        let mut alone = Dram::new(&spec, 1600, 64, PartId(0));
+        let got = answers(&mut alone, &[(0, row[0]), (0, row[1]), (300, row[2])], 3000);
+        let write_ends = reads_end - LINE + 50 + LINE;
+        assert_eq!(got, [reads_end - LINE, (write_ends + timing.wtr).max(301) + timing.cl + LINE]);
+    }
+
+    /// One line of each of eight banks: the fifth activate comes tFAW after the first.
+    #[test]
+    fn four_activates_fill_their_window() {
+        let spec = DramSpec {
+            timing: TimingSpec { faw: Within::new(200).unwrap(), ..Default::default() },
+            ..DramSpec::default()
+        };
+        let mut dram = Dram::new(&spec, 1600, 64, PartId(0));
+        let timing = *dram.timing();
+        let banks: Vec<_> = (0..8).map(|bank| (0, request(2 * bank, false))).collect();
+        let first = 1 + timing.rcd + timing.cl + LINE;
+        let window = |start: u64| (0..4).map(move |bank| start + bank * 16);
+        assert_eq!(answers(&mut dram, &banks, 3000), window(first).chain(window(first + 200)).collect::<Vec<_>>());
     }
 
     #[test]

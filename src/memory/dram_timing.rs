@@ -61,12 +61,16 @@ pub struct TimingSpec {
     pub rc: Within<1, 2000>,
     /// Activate to activate, any banks.
     pub rrd: Within<1, 1000>,
+    /// In any so many clocks there are at most four activates.
+    pub faw: Within<1, 1000>,
     /// Read to precharge.
     pub rtp: Within<1, 1000>,
     /// End of write data to precharge.
     pub wr: Within<1, 1000>,
     /// End of write data to read.
     pub wtr: Within<1, 1000>,
+    /// End of read data to begin of write data: the time to turn the bus.
+    pub turn: Within<0, 1000>,
     /// Refresh to refresh.
     pub refi: Within<100, 1_000_000>,
     /// Refresh to activate.
@@ -82,9 +86,11 @@ impl TimingSpec {
         ras: Within::literal(68),
         rc: Within::literal(102),
         rrd: Within::literal(16),
+        faw: Within::literal(64),
         rtp: Within::literal(12),
         wr: Within::literal(29),
         wtr: Within::literal(16),
+        turn: Within::literal(4),
         refi: Within::literal(6248),
         rfc: Within::literal(288),
     };
@@ -218,7 +224,7 @@ impl DramSpec {
     pub fn timing(&self, machine_mhz: u64, line: u64) -> Timing {
         let dram_mhz = self.clock_mhz.get();
         let cycles = |clocks: u64| (clocks * machine_mhz).div_ceil(dram_mhz);
-        let TimingSpec { cl, cwl, rcd, rp, ras, rc, rrd, rtp, wr, wtr, refi, rfc } = self.timing;
+        let TimingSpec { cl, cwl, rcd, rp, ras, rc, rrd, faw, rtp, wr, wtr, turn, refi, rfc } = self.timing;
         Timing {
             cl: cycles(cl.get()),
             cwl: cycles(cwl.get()),
@@ -227,12 +233,14 @@ impl DramSpec {
             ras: cycles(ras.get()),
             rc: cycles(rc.get()),
             rrd: cycles(rrd.get()),
+            faw: cycles(faw.get()),
             rtp: cycles(rtp.get()),
             wr: cycles(wr.get()),
             wtr: cycles(wtr.get()),
             refi: cycles(refi.get()),
             rfc: cycles(rfc.get()),
             parts: dram_mhz,
+            turn_parts: turn.get() * machine_mhz,
             line_parts: line / self.burst_bytes.get() * self.burst_clocks.get() * machine_mhz,
         }
     }
@@ -249,6 +257,7 @@ pub struct Timing {
     pub ras: u64,
     pub rc: u64,
     pub rrd: u64,
+    pub faw: u64,
     pub rtp: u64,
     pub wr: u64,
     pub wtr: u64,
@@ -256,6 +265,8 @@ pub struct Timing {
     pub rfc: u64,
     /// Parts that a machine cycle has, so that bus times are whole numbers: the DRAM's clock in MHz.
     pub parts: u64,
+    /// Parts that turning the bus from reads to writes takes.
+    pub turn_parts: u64,
     /// Parts that a line occupies the data bus.
     pub line_parts: u64,
 }
@@ -264,7 +275,9 @@ impl Timing {
     /// Cycles that closing all rows, a refresh and the next column command take at most. Without more time between
     /// refreshes nothing would be served.
     fn around_refresh(&self) -> u64 {
-        let close = self.rtp + self.cwl + self.line_parts.div_ceil(self.parts) + self.wr + self.rc;
-        close + self.rfc + self.rrd + self.rcd + self.wtr + self.line_parts.div_ceil(self.parts)
+        let line = self.line_parts.div_ceil(self.parts);
+        let close = self.rtp + self.cwl + line + self.wr + self.rc;
+        let bus = line.max(self.wtr) + self.turn_parts.div_ceil(self.parts);
+        close + self.rfc + self.rrd.max(self.faw) + self.rcd + bus
     }
 }

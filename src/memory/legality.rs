@@ -82,6 +82,8 @@ struct Checker<'a> {
     /// When the bus is free, in cycles times the DRAM's clock.
     bus_free: u64,
     line_clocks: u64,
+    reads_last: bool,
+    activates: Vec<u64>,
     refreshes: u64,
     found: Vec<Violation>,
 }
@@ -116,8 +118,8 @@ impl Checker<'_> {
             .collect();
         broken.into_iter().for_each(|rule| self.violated(cycle, rule));
         let data_end = match kind {
-            Kind::Read => self.data(cycle, self.spec.timing.cl.get()),
-            Kind::Write => self.data(cycle, self.spec.timing.cwl.get()),
+            Kind::Read => self.data(cycle, self.spec.timing.cl.get(), false),
+            Kind::Write => self.data(cycle, self.spec.timing.cwl.get(), true),
             Kind::Activate | Kind::Precharge | Kind::Refresh => cycle,
         };
         self.last.retain(|event| event.kind != kind || event.bank != bank);
@@ -125,8 +127,12 @@ impl Checker<'_> {
     }
 
     /// Puts a line on the bus; the cycle in which it has passed.
-    fn data(&mut self, cycle: u64, latency: u64) -> u64 {
+    fn data(&mut self, cycle: u64, latency: u64, write: bool) -> u64 {
         let clock = self.spec.clock_mhz.get();
+        if write && self.reads_last {
+            self.bus_free += self.spec.timing.turn.get() * self.machine_mhz;
+        }
+        self.reads_last = !write;
         let first = cycle + self.cycles(latency);
         if self.bus_free >= (first + 1) * clock {
             self.violated(cycle, "bus");
@@ -152,6 +158,12 @@ impl Checker<'_> {
         match command {
             Command::Activate { bank, row } => {
                 self.event(Kind::Activate, Some(bank), cycle);
+                self.activates.push(cycle);
+                if let Some(&[fifth_last, ..]) = self.activates.last_chunk::<5>()
+                    && (cycle - fifth_last) * self.spec.clock_mhz.get() < self.spec.timing.faw.get() * self.machine_mhz
+                {
+                    self.violated(cycle, "faw");
+                }
                 self.open[bank] = Some(row);
             }
             Command::Read { bank, .. } => self.event(Kind::Read, Some(bank), cycle),
@@ -190,6 +202,8 @@ pub fn violations(
         open: vec![None; spec.banks.size()],
         bus_free: 0,
         line_clocks: line / spec.burst_bytes.get() * spec.burst_clocks.get(),
+        reads_last: false,
+        activates: Vec::new(),
         refreshes: 0,
         found: Vec::new(),
     };
@@ -223,14 +237,14 @@ mod tests {
     use crate::ranged::{PowerOfTwo, Within};
     use crate::stats::TrafficClass;
 
-    const NAMES: [&str; 11] = ["cl", "cwl", "rcd", "rp", "ras", "rc", "rrd", "rtp", "wr", "wtr", "rfc"];
+    const NAMES: [&str; 13] = ["cl", "cwl", "rcd", "rp", "ras", "rc", "rrd", "faw", "rtp", "wr", "wtr", "turn", "rfc"];
 
-    /// Four banks, a line of 64 B in 4 clocks; all parameters `clocks`, but refreshes every 5000.
+    /// Eight banks, a line of 64 B in 4 clocks; all parameters `clocks`, but refreshes every 5000.
     fn spec(clocks: u64) -> DramSpec {
         let mut spec = DramSpec {
-            banks: PowerOfTwo::new(4).unwrap(),
+            banks: PowerOfTwo::new(8).unwrap(),
             burst_clocks: Within::new(2).unwrap(),
-            mapping: vec![Field::Column(1), Field::Bank(2), Field::Column(4), Field::Row],
+            mapping: vec![Field::Column(1), Field::Bank(3), Field::Column(4), Field::Row],
             ..DramSpec::default()
         };
         NAMES.iter().for_each(|name| set(&mut spec.timing, name, clocks));
@@ -248,6 +262,8 @@ mod tests {
             "ras" => timing.ras = value,
             "rc" => timing.rc = Within::new(clocks).unwrap(),
             "rrd" => timing.rrd = value,
+            "faw" => timing.faw = value,
+            "turn" => timing.turn = Within::new(clocks).unwrap(),
             "rtp" => timing.rtp = value,
             "wr" => timing.wr = value,
             "wtr" => timing.wtr = value,
@@ -291,6 +307,9 @@ mod tests {
             ("rfc", vec![(5000, Command::Refresh)], activate(0), 5050),
             ("rp", vec![(1, activate(0)), (4980, precharge(0))], Command::Refresh, 5030),
             ("rc", vec![(4980, activate(0)), (4985, precharge(0))], Command::Refresh, 5030),
+            ("faw", (0..4).map(|bank| (1 + 3 * bank as u64, activate(bank))).collect(), activate(4), 51),
+            // The line is read in cycles 6 to 10; the bus is turned up to 60.
+            ("turn", vec![(1, activate(0)), (5, read(0))], write(0), 59),
             // The line in front of it is on the bus up to cycle 10; data may begin where it ends.
             ("bus", vec![(1, activate(0)), (5, read(0))], read(0), 9),
         ];
@@ -304,6 +323,7 @@ mod tests {
                 let log: Vec<_> = commands.map(|(cycle, command)| LoggedCommand { cycle, command }).collect();
                 violations(&spec, 1600, 64, &log, cycle).into_iter().map(|violation| violation.rule).collect::<Vec<_>>()
             };
+            let name = if name == "turn" { "bus" } else { name };
             assert_eq!(at(earliest), [""; 0], "{name}, {last:?}");
             assert_eq!(at(earliest - 1), [name], "{name}, {last:?}");
         }
@@ -340,8 +360,8 @@ mod tests {
         let mut number = 1u64;
         let mut next = || {
             number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            // Three rows, four banks, 32 columns.
-            let line = LineAddr((number >> 33) % 384);
+            // Three rows, eight banks, 32 columns.
+            let line = LineAddr((number >> 33) % 768);
             let write = number >> 60 < 6;
             Request { line, class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(1) }
         };
@@ -369,7 +389,7 @@ mod tests {
             let found = violations(&right, 1600, 64, &log(&wrong, 40_000), 40_000);
             // How long data is under way shows in the bus and in what follows its end.
             let expected: &[&str] = match name {
-                "cl" => &["bus"],
+                "cl" | "turn" => &["bus"],
                 "cwl" => &["wtr", "wr", "bus"],
                 _ => &[name],
             };
@@ -398,7 +418,7 @@ mod tests {
     proptest! {
         /// Whatever the clocks: what the channel does is legal.
         #[test]
-        fn channels_keep_the_rules(clocks in prop::collection::vec(1..40u64, 11), clock in 200..4000u64) {
+        fn channels_keep_the_rules(clocks in prop::collection::vec(1..40u64, NAMES.len()), clock in 200..4000u64) {
             let mut spec = spec(1);
             spec.clock_mhz = Within::new(clock).unwrap();
             NAMES.iter().zip(&clocks).for_each(|(name, &clocks)| set(&mut spec.timing, name, clocks));

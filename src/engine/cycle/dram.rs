@@ -22,11 +22,14 @@ pub struct Channel {
     index: usize,
     timing: Timing,
     banks: Vec<BankState>,
-    activate: Option<u64>,
+    /// All activates in the last tFAW cycles, and the last one.
+    activates: Vec<u64>,
     write_data_end: Option<u64>,
     refresh: Option<u64>,
     /// When the data bus is free, in parts of a cycle.
     bus_free: u64,
+    /// Whether its last line was written.
+    bus_writes: bool,
     transfers: VecDeque<(u64, Request)>,
     pub counts: DramCounts,
     pub moved: [Bytes; TrafficClass::ALL.len()],
@@ -44,10 +47,11 @@ impl Channel {
             index,
             timing: spec.timing(machine_mhz, line),
             banks: vec![BankState::default(); spec.banks.size()],
-            activate: None,
+            activates: Vec::new(),
             write_data_end: None,
             refresh: None,
             bus_free: 0,
+            bus_writes: true,
             transfers: VecDeque::new(),
             counts: DramCounts::default(),
             moved: Default::default(),
@@ -106,7 +110,17 @@ impl Channel {
         let data = now + if write { self.timing.cwl } else { self.timing.cl };
         passed(bank.activate, self.timing.rcd, now)
             && (write || passed(self.write_data_end, self.timing.wtr, now))
-            && self.bus_free < (data + 1) * self.timing.parts
+            && self.bus_free_for(write) < (data + 1) * self.timing.parts
+    }
+
+    fn bus_free_for(&self, write: bool) -> u64 {
+        let turns = write && !self.bus_writes;
+        if turns { self.bus_free + self.timing.turn_parts } else { self.bus_free }
+    }
+
+    fn channel_can_activate(&self, now: u64) -> bool {
+        let in_window = self.activates.iter().filter(|&&activate| activate + self.timing.faw > now);
+        passed(self.activates.last().copied(), self.timing.rrd, now) && in_window.count() < 4
     }
 
     /// Gives the command that the requests in the queue ask for, if one is legal.
@@ -119,7 +133,7 @@ impl Channel {
             return self.access(index, now, wires);
         }
         let closed = |entry: &DramRequest| bank(entry).open.is_none();
-        let spaced = passed(self.activate, self.timing.rrd, now);
+        let spaced = self.channel_can_activate(now);
         let activate = queue.iter().position(|e| closed(e) && spaced && self.bank_can_activate(bank(e), now));
         let wanted = |number: usize| queue.iter().any(|e| e.place.bank == number && is_hit(e));
         let other = |entry: &DramRequest| !closed(entry) && !is_hit(entry) && !wanted(entry.place.bank);
@@ -128,7 +142,8 @@ impl Channel {
             let (number, row) = (queue[index].place.bank, queue[index].place.row);
             self.banks[number].open = Some(row);
             self.banks[number].activate = Some(now);
-            self.activate = Some(now);
+            self.activates.retain(|&activate| activate + self.timing.faw > now);
+            self.activates.push(now);
             self.log.give(now, Command::Activate { bank: number, row });
             wires.to_channel[self.index].entries(now).skip(index).take(1).for_each(|entry| entry.activated = true);
         } else if let Some(index) = precharge {
@@ -145,8 +160,9 @@ impl Channel {
         let DramRequest { request, place, activated, precharged } = entry.expect("the index is of the queue");
         let (bank, row) = (place.bank, place.row);
         let wait = if request.write { self.timing.cwl } else { self.timing.cl };
-        let begin = self.bus_free.max((now + wait) * self.timing.parts);
+        let begin = self.bus_free_for(request.write).max((now + wait) * self.timing.parts);
         self.bus_free = begin + self.timing.line_parts;
+        self.bus_writes = request.write;
         let end = self.bus_free.div_ceil(self.timing.parts);
         if request.write {
             self.write_data_end = Some(end);

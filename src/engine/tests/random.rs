@@ -45,7 +45,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
 fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
     let shape = (0..3u32, 0..3u32, 0..6u32, 0..3u32, 1..6u64, 0..3u32);
     let wait = || prop_oneof![3 => 1..30u64, 1 => 1..300u64];
-    let waits = prop::collection::vec(wait(), 11);
+    let waits = prop::collection::vec(wait(), 13);
     let clocks = (prop_oneof![Just(1600u64), 100..4000u64], 1..9u64);
     (shape, waits, clocks).prop_map(move |(shape, waits, (clock_mhz, burst_clocks))| {
         let (channels, banks, columns, low, queue, burst) = shape;
@@ -73,6 +73,7 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
         (timing.rtp, timing.wr, timing.wtr) = (num(waits[6]), num(waits[7]), num(waits[8]));
         timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
         timing.rfc = num(waits[10]);
+        (timing.faw, timing.turn) = (num(waits[11]), num(waits[12] - 1));
         dram
     })
 }
@@ -132,11 +133,12 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
 /// Any stream of a scene of [`super::synthetic::header`].
 pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
-    let store = (0..3usize, 0..STATIC, 0..3u8).prop_map(move |(store, index, kind)| match kind {
-        0 => Step::Read { store: stores[store], index },
-        1 => Step::Write { store: stores[store], index },
-        _ => Step::Update { store: stores[store], index },
-    });
+    let store =
+        (0..3usize, prop_oneof![0..STATIC, 0..64u32], 0..3u8).prop_map(move |(store, index, kind)| match kind {
+            0 => Step::Read { store: stores[store], index },
+            1 => Step::Write { store: stores[store], index },
+            _ => Step::Update { store: stores[store], index },
+        });
     let traversal = (0..8u8, 0..40u32, 0..3usize).prop_map(|(kind, index, stop)| match kind {
         0..4 => Step::Node(NodeId(index * index)),
         4 => Step::Node(NodeId(STATIC + index)),
@@ -145,7 +147,7 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     });
     let traversal = traversal.boxed();
     let path = prop::collection::vec(traversal.clone(), 0..12);
-    let policy = prop::collection::vec(prop_oneof![3 => store, 1 => traversal], 0..4).boxed();
+    let policy = prop::collection::vec(prop_oneof![2 => store, 1 => traversal], 0..6).boxed();
     let ray = (0..5u8, path, policy.clone());
     let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
         rays.into_iter()
