@@ -69,7 +69,8 @@ impl Stage {
     /// The cell's corners as barycentric coordinates, by bisection along its path.
     fn barycentric(&self) -> [Vec2; 3] {
         let border = 1.0 / 1024.0;
-        let mut corners = [Vec2::splat(border), Vec2::new(1.0 - 2.0 * border, border), Vec2::new(border, 1.0 - 2.0 * border)];
+        let mut corners =
+            [Vec2::splat(border), Vec2::new(1.0 - 2.0 * border, border), Vec2::new(border, 1.0 - 2.0 * border)];
         for step in self.cell.path() {
             let [a, b, c] = corners;
             let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
@@ -114,7 +115,8 @@ enum Blocker {
 }
 
 fn blocker() -> impl Strategy<Value = Blocker> {
-    let excess = (-8.0..0.5f64, proptest::bool::ANY).prop_map(|(e, more)| 10f64.powf(e) * if more { 1.0 } else { -1.0 });
+    let excess =
+        (-8.0..0.5f64, proptest::bool::ANY).prop_map(|(e, more)| 10f64.powf(e) * if more { 1.0 } else { -1.0 });
     prop_oneof![
         points().prop_map(Blocker::Free),
         (0..3usize, 0.0..1.0f64, point(), point(), 0.0..5.0f64).prop_map(|(corner, along, edge, third, size)| {
@@ -210,8 +212,8 @@ fn a_certificate_holds_for_every_ray() {
         }
         for ray in rays {
             let (_, blocked) = other.blocks(&ray);
-            prop_assert!(!(relation == Relation::Misses && blocked), "{ray:?} is blocked");
-            prop_assert!(!(relation == Relation::Covers && !blocked), "{ray:?} is not blocked");
+            prop_assert!(relation != Relation::Misses || !blocked, "{ray:?} is blocked");
+            prop_assert!(relation != Relation::Covers || blocked, "{ray:?} is not blocked");
         }
         Ok(())
     });
@@ -231,11 +233,10 @@ fn a_certain_blocker_is_found_by_the_tree() {
     let graze = (0.0..1.0f64, -40..=40i32, -5.0..0.0f64, proptest::bool::ANY);
     let setting = (frame(), points::<3>(), point(), graze);
     let result = runner.run(&setting, |(frame, corners, away, (at, ulps, near, flat))| {
-        // Flat, with its edge along a side of its box: there the box has no room to spare.
-        let DVec3 { x, z, .. } = corners[0];
-        let side = |corner: DVec3| if flat { DVec3 { x, z, ..corner } } else { corner };
-        let inner = |corner: DVec3| if flat { DVec3 { x: corner.x.max(x), z, ..corner } } else { corner };
-        let v = [corners[0], side(corners[1]), inner(corners[2])];
+        // Flat, and hit at a corner: there the box has no room to spare.
+        let flatten = |corner: DVec3| if flat { DVec3 { z: corners[0].z, ..corner } } else { corner };
+        let at = if flat { 1.0 } else { at };
+        let v = corners.map(flatten);
         let v = v.map(|corner| frame.place(corner));
         let record = Record::new(&Triangle { v }, NOBODY);
         // Through a point of an edge, or some units in the last place beside it.
@@ -256,6 +257,8 @@ fn a_certain_blocker_is_found_by_the_tree() {
     });
     result.unwrap_or_else(|failure| panic!("{failure}"));
     let [blocks, surely, missed] = counts.get();
-    println!("{blocks} rays are blocked, {surely} surely; {missed} by a triangle in whose box the slab test does not find them");
-    assert!(surely > 10_000, "{surely} of {blocks}");
+    println!(
+        "{blocks} rays are blocked, {surely} surely; {missed} by a triangle in whose box the slab test does not find them"
+    );
+    assert!(surely > 5_000, "{surely} of {blocks}");
 }

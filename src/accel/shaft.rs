@@ -191,12 +191,8 @@ impl Shaft {
         if (plane_front || outside_front) && (plane_back || outside_back) {
             return (Stop::Edges, Relation::Misses);
         }
-        let covers_front = front
-            && all(height, of_height)
-            && -light_height >= of_rest
-            && all(u, of_u)
-            && all(v, of_v)
-            && all(w, of_w);
+        let covers_front =
+            front && all(height, of_height) && -light_height >= of_rest && all(u, of_u) && all(v, of_v) && all(w, of_w);
         let covers_back = back
             && all(negated(height), of_height)
             && light_height >= of_rest

@@ -7,10 +7,10 @@
 mod bounds;
 mod build;
 mod layout;
+mod shaft;
 mod split;
 #[cfg(test)]
 mod tests;
-mod shaft;
 mod traverse;
 
 use std::ops::Range;

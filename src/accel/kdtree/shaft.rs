@@ -1,7 +1,7 @@
 //! How a shaft walks the static kd-tree: down to every cell that a ray of it may come to.
 
-use super::traverse::Forest;
 use super::View;
+use super::traverse::Forest;
 use crate::accel::shaft::{Relation, Shaft, Sight};
 use crate::accel::{Observer, Ray};
 use crate::quantity::{ListId, NodeId, TriangleSlot};
