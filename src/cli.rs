@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine;
+use umbrasim::engine::{self, Fidelity};
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, run, stress, trace};
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
@@ -66,6 +66,9 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
+        /// The engine: Event, or Cycle, which is plain and slow and gives the same numbers
+        #[arg(long, value_name = "ENGINE", default_value_t)]
+        fidelity: Fidelity,
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -80,6 +83,15 @@ enum Command {
         /// Write a report with the pictures too
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+    },
+    /// Run every culling policy on every small scene that is known to break one, and write a failure map
+    ///
+    /// Beside the map, the report shows how far other answers to what the published text leaves open move saving and
+    /// error. The command fails if a policy that must never be wrong is.
+    Stress {
+        /// Where the report goes
+        #[arg(long, value_name = "DIR", default_value = "reports/stress")]
+        out: PathBuf,
     },
     /// Say what a recorded ray stream holds
     Inspect {
@@ -147,15 +159,24 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(output.display())?;
             Ok(0)
         }
-        Command::Replay { stream, machine, json } => {
+        Command::Replay { stream, machine, fidelity, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let header = reader.header().clone();
             let json = JsonFile::begin(json)?;
-            let stats = engine::run(&spec, &header, reader)?;
+            let stats = engine::run(&spec, fidelity, &header, reader)?;
             print(report::replayed(&spec.name, &header.policy, &stats))?;
             json.finish(&stats)?;
             Ok(0)
+        }
+        Command::Stress { out } => {
+            report::check_target(&out)?;
+            let summary = stress::run();
+            report::stress::write_stress(&out, &summary)?;
+            let broken = summary.broken();
+            broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
+            println!("{}", out.join(report::PAGE_FILE).display());
+            Ok(u8::from(!broken.is_empty()))
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;

@@ -30,8 +30,13 @@ fn readings() -> [(&'static str, PublishedSpec); 9] {
     ]
 }
 
+/// Wrong decisions of each frame.
+type Wrong = &'static [u64];
+/// Readings, by their place in [`readings`].
+type Columns = &'static [usize];
+
 /// What the published reading gets wrong in each frame, and the readings (by column) that get something else wrong.
-fn expected(case: Case) -> (&'static [u64], &'static [(&'static [usize], &'static [u64])]) {
+fn expected(case: Case) -> (Wrong, &'static [(Columns, Wrong)]) {
     match case {
         Case::C1 | Case::C1b => (&[0, 0, 6], &[]),
         Case::C2 => (&[0, 0, 5, 5], &[]),

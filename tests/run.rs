@@ -280,7 +280,7 @@ fn ctrl_c_ends_a_run_with_a_report_of_the_frames_done() {
 fn ctrl_c_ends_a_trace_without_a_file() {
     let desk = Desk::with_experiment();
     let before = desk.contents();
-    let output = interrupt(&desk, &["trace", "tiny.ron", "-o", "x.rays", "--frames", "0..1000000"], || {
+    let output = interrupt(&desk, &["trace", "tiny.ron", "-o", "x.rays", "--frames", "0..100000"], || {
         fs::read_dir(desk.path("")).unwrap().count() > before.len()
     });
     let errors = common::error_text(&output);

@@ -69,7 +69,9 @@ fn trace(experiment: &Experiment, frames: &[u32], spec: TracerSpec) -> Traced {
     Traced { lanes, streams, offset: tracer.offset() }
 }
 
-/// Compares the pictures without culling with the reference renderer's, and asserts that they agree but for rounding.
+/// Compares the pictures without culling with the reference renderer's, and asserts that they agree but for rounding: of
+/// the scenes here at most 0.08 % of the primary hits differ, where two triangles meet, and 0.002 % of the decisions; the
+/// least PSNR is 56 dB, of textured scenes.
 fn against_reference(experiment: &Experiment, frames: &[u32]) {
     let traced = trace(experiment, frames, experiment.spec.tracer);
     let reference = Reference::new(&experiment.scene);
@@ -102,9 +104,9 @@ fn against_reference(experiment: &Experiment, frames: &[u32]) {
     );
     assert!(all.asked > sum.pixels / 2, "too few decisions to say anything: {all:?}");
     assert!(sum.hit_differences * 1000 <= sum.pixels, "{sum:?}");
-    assert!(all.numeric_differences * 1000 <= all.asked, "{all:?}");
+    assert!(all.numeric_differences * 10_000 <= all.asked, "{all:?}");
     assert_eq!(inner, 0, "primary hits differ away from edges");
-    assert!(psnr > 45.0, "{psnr}");
+    assert!(psnr > 50.0, "{psnr}");
 }
 
 #[test]
@@ -167,8 +169,7 @@ fn the_order_of_pixels_changes_no_count() {
 
 #[test]
 fn both_structures_find_the_same() {
-    let scenes = [("room.ron", 0), ("street.ron", 0), ("thicket.ron", 0)];
-    for (scene, _) in scenes {
+    for scene in ["room.ron", "street.ron", "thicket.ron"] {
         let mut experiment = experiment("quickstart.ron", Some(scene), 96);
         experiment.spec.policies = [("Off", PolicySpec::Off)].into_iter().collect();
         let structured = |structure| {

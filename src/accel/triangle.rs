@@ -51,7 +51,7 @@ impl Record {
         }
     }
 
-    /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see [`TIE`]). Moeller-Trumbore with
+    /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see `TIE`). Moeller-Trumbore with
     /// the normal at hand, so that the plane's part stands alone, as in the T&I engine's first mode (Nah et al. 2011,
     /// section 4.3).
     pub fn test(&self, ray: &Ray) -> (Stop, Option<TriangleHit>) {
@@ -75,9 +75,10 @@ impl Record {
     }
 
     /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach` by a ray that also meets the triangle's box.
-    /// Rounding lets the edge test pass some rays that are well outside a sliver or graze the plane; a tree's boxes would
-    /// keep such a ray from the triangle, or not, depending on where the traversal starts. With its own box asked too,
-    /// the answer of a traversal is that of all triangles tested one by one, whatever is visited.
+    /// The edge test and the slab test round differently where an edge lies in a face of the box: far from the origin, one
+    /// in some thousand rays that are aimed at such an edge passes the first and not the second, and a tree's boxes keep
+    /// it from the triangle or not, depending on where the traversal starts. With the triangle's own box asked too, which
+    /// lies in all boxes above it, the answer of a traversal is that of all triangles tested one by one.
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
             (Stop::Hit, Some(hit)) if hit.t < ray.reach => {
@@ -154,6 +155,19 @@ mod tests {
         assert_eq!(record().blocks(&ends_on), (Stop::Plane, false));
         let crosses = Ray::segment(Vec3::new(0.25, 0.25, 1.0), Vec3::new(0.25, 0.25, -1.0));
         assert_eq!(record().blocks(&crosses), (Stop::Hit, true));
+    }
+
+    #[test]
+    fn a_ray_in_the_box_s_face_is_in_the_box() {
+        // The ray runs in the plane z = high of the triangle's box, along the edge from corner 0 to corner 1. A slab test
+        // that divided by the missing component of the direction would miss the box, and `blocks` with it.
+        let corners =
+            [[100000.695, 100000.52, 100000.66], [100001.32, 100000.52, 100000.66], [100000.695, 100000.52, 99999.99]];
+        let record = Record::new(&Triangle { v: corners.map(Vec3::from_array) }, PrimitiveId(0));
+        let direction = Vec3::new(-5.046875, 4.109375, 0.0);
+        let ray = Ray::new(Vec3::new(100002.234, 99999.57, 100000.66), direction, 1.0);
+        assert_eq!(record.test(&ray).0, Stop::Hit);
+        assert_eq!(record.blocks(&ray), (Stop::Hit, true));
     }
 
     #[test]

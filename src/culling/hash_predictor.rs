@@ -53,7 +53,7 @@ impl HashPredictorSpec {
         let bits = self.origin_bits.get() as u32;
         let cells = (1 << bits) as f32;
         let place = ((ray.origin - low) / (high - low) * cells).to_array();
-        // A box without width or without triangles gives no number, which is cell 0.
+        // Without triangles, and in a box without width, there may be no number: that is cell 0.
         let origin = place.into_iter().fold(0, |hash, at| hash << bits | at.clamp(0.0, cells - 1.0) as u32);
         let direction = ray.direction.normalize_or_zero();
         let theta = direction.z.clamp(-1.0, 1.0).acos().to_degrees() as u32;
@@ -240,7 +240,7 @@ mod tests {
         // What lies outside counts to the outermost cells.
         assert_eq!(hash([-9.0, 99.0, 31.9], Vec3::Z), (31 << 5 | 31) ^ (5 << 3));
         // Straight down: 180 degrees.
-        assert_eq!(hash([0.0; 3], -Vec3::Z), 5 << 3 | 5);
+        assert_eq!(hash([0.0; 3], Vec3::new(0.0, 0.0, -1.0)), 5 << 3 | 5);
         let none = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         assert_eq!(spec.hash(&Ray::new(Vec3::ONE, Vec3::Z, 1.0), none), 5 << 3);
     }

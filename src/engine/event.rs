@@ -1,32 +1,19 @@
 //! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
 
+use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::{Due, Wheel};
-use super::{Outcome, RunError};
+use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::Dispatcher;
 use crate::machine::intersection::Intersection;
 use crate::machine::links::{Links, Parts};
 use crate::machine::pipeline::Pipeline;
 use crate::machine::shadow_cache::ShadowCache;
+use crate::machine::source::FrameCounts;
 use crate::machine::traversal::Traversal;
 use crate::memory::Wake;
+use crate::memory::command::CommandLog;
 use crate::stream::{Header, Item};
-
-/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
-fn patience(spec: &MachineSpec) -> u64 {
-    let units = [
-        spec.dispatcher.latency.get(),
-        spec.dispatcher.shading_cycles.get(),
-        spec.traversal.latency.get(),
-        spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
-        spec.shadow_cache.latency.get(),
-        spec.l2.latency.get(),
-    ];
-    let dram = spec.dram.timing(spec.clock_mhz.get(), spec.line_bytes.get());
-    let line = dram.line_parts.div_ceil(dram.parts);
-    let command = dram.cl.max(dram.cwl) + line + dram.wr + dram.wtr + dram.rc + dram.rfc + dram.rcd;
-    100_000 + 2 * units.iter().sum::<u64>() + 2 * command
-}
 
 /// The machine in motion.
 pub(super) struct Event {
@@ -66,45 +53,12 @@ impl Event {
         }
     }
 
-    /// Replays all items; the number of cycles that it took.
-    pub(super) fn run<E>(
-        &mut self,
-        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
-        mut outcome: impl FnMut(Outcome) -> Result<(), RunError<E>>,
-    ) -> Result<u64, RunError<E>> {
-        let mut due = Due::default();
-        self.links.clock.wake(Parts::DISPATCHER, 0);
-        (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
-        while let Some(now) = self.links.clock.turn(&mut due) {
-            #[cfg(test)]
-            if self.eager {
-                due.fill(self.links.parts.count() as u32);
-                self.links.clock.wake(Parts::DISPATCHER, now + 1);
-            }
-            if due.next(0, 1).is_some() {
-                let events = self.dispatcher.tick(now, &mut next, &mut self.links)?;
-                if let Some(counts) = events.frame_over {
-                    outcome(Outcome::FrameOver(counts))?;
-                }
-                if events.frame_began {
-                    self.drop_dynamic_lines();
-                }
-            }
-            self.tick_units(now, &due);
-            if self.dispatcher.is_finished() && self.is_idle() {
-                return Ok(now + 1);
-            }
-            self.watch(now)?;
-        }
-        Err(RunError::Deadlock { cycle: self.links.clock.now(), queues: self.queues() })
-    }
-
-    /// The units that work on rays: their kind's name, the name of their L1s, and their common parts.
-    pub(super) fn pipelines(&self) -> [(&'static str, &'static str, Vec<&Pipeline>); 3] {
+    /// The common parts of the units that work on rays, kind by kind.
+    fn pipelines(&self) -> [Vec<&Pipeline>; 3] {
         [
-            ("traversal", "l1_traversal", self.traversal.iter().map(|unit| &unit.pipeline).collect()),
-            ("intersection", "l1_intersection", self.intersection.iter().map(|unit| &unit.pipeline).collect()),
-            ("shadow_cache", "l1_shadow_cache", vec![&self.shadow_cache.pipeline]),
+            self.traversal.iter().map(|unit| &unit.pipeline).collect(),
+            self.intersection.iter().map(|unit| &unit.pipeline).collect(),
+            vec![&self.shadow_cache.pipeline],
         ]
     }
 
@@ -138,7 +92,7 @@ impl Event {
         if now < self.watch_at {
             return Ok(());
         }
-        let units = self.pipelines().into_iter().flat_map(|(.., pipelines)| pipelines);
+        let units = self.pipelines().into_iter().flatten();
         let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
         let dram = &self.links.dram;
         let columns: u64 = (0..dram.channels()).map(|i| dram.counts(i).reads + dram.counts(i).writes).sum();
@@ -160,6 +114,78 @@ impl Event {
         links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
         (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
         lines.join("\n")
+    }
+}
+
+impl Engine for Event {
+    fn run<E>(
+        &mut self,
+        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
+        mut frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
+    ) -> Result<u64, RunError<E>> {
+        let mut due = Due::default();
+        self.links.clock.wake(Parts::DISPATCHER, 0);
+        (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
+        while let Some(now) = self.links.clock.turn(&mut due) {
+            #[cfg(test)]
+            if self.eager {
+                due.fill(self.links.parts.count() as u32);
+                self.links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+            if due.next(0, 1).is_some() {
+                let events = self.dispatcher.tick(now, &mut next, &mut self.links)?;
+                if let Some(counts) = events.frame_over {
+                    frame_over(&counts)?;
+                }
+                if events.frame_began {
+                    self.drop_dynamic_lines();
+                }
+            }
+            self.tick_units(now, &due);
+            if self.dispatcher.is_finished() && self.is_idle() {
+                return Ok(now + 1);
+            }
+            self.watch(now)?;
+        }
+        Err(RunError::Deadlock { cycle: self.links.clock.now(), queues: self.queues() })
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let unit = |unit: &Pipeline| UnitTally {
+            causes: unit.causes().until(cycles),
+            cache: *unit.cache().counts(),
+            requested: *unit.requested(),
+            written_through: *unit.written_through(),
+        };
+        let Links { l2, dram, .. } = &self.links;
+        let channel = |index| ChannelTally {
+            counts: *dram.counts(index),
+            moved: *dram.moved(index),
+            refresh_due: dram.refresh_is_due(index, cycles - 1),
+        };
+        let banks = l2.banks.iter().map(|bank| BankTally {
+            cache: *bank.cache().counts(),
+            moved: *bank.moved(),
+            reads: *bank.reads(),
+        });
+        Tally {
+            cycles,
+            rays: self.dispatcher.rays(),
+            dispatcher: self.dispatcher.causes.until(cycles),
+            units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
+            banks: banks.collect(),
+            channels: (0..dram.channels()).map(channel).collect(),
+        }
+    }
+
+    #[cfg(test)]
+    fn keep_commands(&mut self) {
+        self.links.dram.keep_commands();
+    }
+
+    #[cfg(test)]
+    fn commands(&self) -> Vec<&CommandLog> {
+        (0..self.links.dram.channels()).map(|index| self.links.dram.log(index)).collect()
     }
 }
 

@@ -1,15 +1,22 @@
 //! Replays a ray stream on a machine.
 
 mod check;
+mod cycle;
 mod event;
-#[cfg(test)]
-mod synthetic;
+mod tally;
 #[cfg(test)]
 mod tests;
 mod wheel;
 
-use crate::machine::dispatcher::{FrameCounts, StreamFault};
+use std::fmt;
+use std::str::FromStr;
+
+use serde::{Deserialize, Serialize};
+
+use self::tally::Tally;
+use crate::machine::source::{FrameCounts, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
+use crate::memory::command::CommandLog;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
@@ -50,9 +57,56 @@ pub enum RunError<E> {
     },
 }
 
-/// What an engine tells while it runs.
-enum Outcome {
-    FrameOver(FrameCounts),
+/// How a machine is replayed. Both engines implement the rules of MODEL.md and give the same numbers.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Fidelity {
+    /// A part acts only in cycles in which it has something to do: fast.
+    #[default]
+    Event,
+    /// Every part acts in every cycle: plain, slow, and what `Event` is held to.
+    Cycle,
+}
+
+/// The name in reports, as in files.
+impl fmt::Display for Fidelity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Event => "Event",
+            Self::Cycle => "Cycle",
+        })
+    }
+}
+
+impl FromStr for Fidelity {
+    type Err = String;
+
+    fn from_str(name: &str) -> Result<Self, String> {
+        [Self::Event, Self::Cycle]
+            .into_iter()
+            .find(|fidelity| fidelity.to_string() == name)
+            .ok_or_else(|| format!("there is no engine `{name}`: Event and Cycle are allowed"))
+    }
+}
+
+/// A way of replaying a stream.
+trait Engine {
+    /// Replays all items that `next` gives; the number of cycles that it took. Every frame that is over is told.
+    fn run<E>(
+        &mut self,
+        next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
+        frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
+    ) -> Result<u64, RunError<E>>;
+
+    /// What was counted in a run of `cycles`.
+    fn tally(&self, cycles: u64) -> Tally;
+
+    #[cfg(test)]
+    /// From now on the DRAM's commands are kept.
+    fn keep_commands(&mut self);
+
+    #[cfg(test)]
+    /// The commands that were kept, a channel each.
+    fn commands(&self) -> Vec<&CommandLog>;
 }
 
 /// Replays `items`, a stream with the given header, on a machine. Memory is bounded: a chunk is dropped when all its rays are
@@ -60,21 +114,42 @@ enum Outcome {
 /// of every unit) are checked, and a violation is an error.
 pub fn run<E>(
     machine: &MachineSpec,
+    fidelity: Fidelity,
     header: &Header,
     items: impl Iterator<Item = Result<Item, E>>,
 ) -> Result<MachineStats, RunError<E>> {
     machine.check()?;
-    replay(event::Event::new(machine, header), machine, items)
+    let tally = match fidelity {
+        Fidelity::Event => replay(&mut event::Event::new(machine, header), machine, items)?,
+        Fidelity::Cycle => replay(&mut cycle::Cycle::new(machine, header), machine, items)?,
+    };
+    Ok(tally.stats(machine))
 }
 
 fn replay<E>(
-    mut engine: event::Event,
+    engine: &mut impl Engine,
     machine: &MachineSpec,
     mut items: impl Iterator<Item = Result<Item, E>>,
-) -> Result<MachineStats, RunError<E>> {
+) -> Result<Tally, RunError<E>> {
     let next = || items.next().transpose().map_err(RunError::Source);
-    let cycles = engine.run(next, |Outcome::FrameOver(counts)| check::frame(&counts))?;
-    let stats = check::collect(&engine, machine, cycles);
-    check::run(&engine, machine, &stats).map_err(RunError::Invariant)?;
-    Ok(stats)
+    let cycles = engine.run(next, check::frame)?;
+    let tally = engine.tally(cycles);
+    check::run(&tally, machine).map_err(RunError::Invariant)?;
+    Ok(tally)
+}
+
+/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
+fn patience(spec: &MachineSpec) -> u64 {
+    let units = [
+        spec.dispatcher.latency.get(),
+        spec.dispatcher.shading_cycles.get(),
+        spec.traversal.latency.get(),
+        spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
+        spec.shadow_cache.latency.get(),
+        spec.l2.latency.get(),
+    ];
+    let dram = spec.dram.timing(spec.clock_mhz.get(), spec.line_bytes.get());
+    let line = dram.line_parts.div_ceil(dram.parts);
+    let command = dram.cl.max(dram.cwl) + line + dram.wr + dram.wtr + dram.rc + dram.rfc + dram.rcd;
+    100_000 + 2 * units.iter().sum::<u64>() + 2 * command
 }

@@ -7,6 +7,7 @@ pub mod replay;
 pub mod ron_file;
 pub mod run;
 pub mod spec;
+pub mod stress;
 pub mod trace;
 pub mod validation;
 

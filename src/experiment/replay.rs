@@ -5,7 +5,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use crate::engine::{self, RunError};
+use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
@@ -55,13 +55,14 @@ impl<'scope> Replays<'scope> {
         scope: &'scope Scope<'scope, 'env>,
         name: &str,
         machine: &'env MachineSpec,
+        fidelity: Fidelity,
         policy: usize,
         header: Header,
     ) {
         let (items, received): (_, Receiver<Item>) = sync_channel(WAITING);
         let thread = scope.spawn(move || {
             let begin = Instant::now();
-            let stats = engine::run(machine, &header, received.into_iter().map(Ok))?;
+            let stats = engine::run(machine, fidelity, &header, received.into_iter().map(Ok))?;
             Ok(Replayed { stats, wall: begin.elapsed() })
         });
         self.runs.push(Replay { policy, machine: name.to_owned(), items, thread });

@@ -80,7 +80,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
         let mut replays = Replays::default();
         for (name, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
-                replays.start(scope, name, machine, policy, header.clone());
+                replays.start(scope, name, machine, experiment.spec.fidelity, policy, header.clone());
             }
         }
         for (index, &number) in experiment.frames.iter().enumerate() {
@@ -277,7 +277,7 @@ impl Gathered {
             })?;
             stage(format!("{machine}, {}", names[policy]), replayed.wall, Some(replayed.stats.rays));
             let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
-                fidelity: "Event".to_owned(),
+                fidelity: experiment.spec.fidelity.to_string(),
                 frames: self.replayed.clone(),
                 policies: Named::default(),
             });

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::frames::{FrameChoice, FrameRange};
 use super::ron_file::{self, ConfigError};
 use crate::culling::PolicySpec;
+use crate::engine::Fidelity;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::tracer::TracerSpec;
@@ -35,6 +36,9 @@ pub struct ExperimentSpec {
     /// The machines' files.
     #[serde(default)]
     pub machines: Vec<PathBuf>,
+    /// How the machines are replayed.
+    #[serde(default)]
+    pub fidelity: Fidelity,
     /// Which of the traced frames the machines replay.
     #[serde(default = "all")]
     pub replay: FrameChoice,

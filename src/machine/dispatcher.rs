@@ -6,13 +6,13 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::causes::Causes;
-use super::layout::OutOfRange;
 use super::links::{Links, Parts};
 use super::ray::{Owner, RayId};
+use super::source::{FrameCounts, StreamFault, check_step, parents};
 use crate::memory::Wake;
 use crate::ranged::Within;
 use crate::stats::Cause;
-use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
+use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
 
 /// The dispatcher. The defaults are the T&I engine's (Nah et al. 2011, section 4: 128 rays in the input buffer, one handed over a
 /// cycle); the latency is its reciprocal of 16 cycles and a box test of 8; shading is assumed.
@@ -40,33 +40,6 @@ impl Default for DispatcherSpec {
     }
 }
 
-/// What is wrong with a stream.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum StreamFault {
-    /// Items come in a wrong order.
-    #[error("the stream has {found} where {expected} belongs")]
-    Order {
-        /// What came.
-        found: &'static str,
-        /// What belongs there.
-        expected: &'static str,
-    },
-    /// A ray does not fit the format.
-    #[error("ray {index} of a chunk {fault}")]
-    Ray {
-        /// The ray's place in its chunk.
-        index: usize,
-        /// What is wrong with it.
-        fault: &'static str,
-    },
-    /// A step names something that is not there.
-    #[error(transparent)]
-    OutOfRange(#[from] OutOfRange),
-    /// A packed step is of no kind.
-    #[error("{0:#010x} is not a step")]
-    NotAStep(u32),
-}
-
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ChunkRay {
@@ -88,30 +61,15 @@ struct ActiveChunk {
 impl ActiveChunk {
     fn new(chunk: Arc<Chunk>) -> Result<Self, StreamFault> {
         let count = chunk.len();
-        let mut parents = Vec::with_capacity(count);
+        let parents = parents(&chunk)?;
         let mut primaries = Vec::new();
         let mut first_child = vec![0u32; count + 2];
-        for (index, ray) in chunk.rays().enumerate() {
-            let fault = |fault| StreamFault::Ray { index, fault };
-            let primary = ray.head.kind == RayKind::Primary;
-            if primary {
-                primaries.push(index as u32);
-            }
-            let Some(&group) = primaries.last() else { return Err(fault("comes before the first primary ray")) };
-            if primary != (ray.head.parent == 0) {
-                return Err(fault("is a primary ray with a parent, or another ray without one"));
-            }
-            let parent = (index as u32).checked_sub(ray.head.parent).filter(|&parent| parent >= group);
-            let Some(parent) = parent else { return Err(fault("has a parent outside its pixel group")) };
-            if ray.head.decision == Decision::Skip
-                && (ray.head.kind != RayKind::Shadow || !ray.packed_path().is_empty())
-            {
-                return Err(fault("is skipped, but is no shadow ray or has a path"));
-            }
-            if !primary {
+        for (index, &parent) in parents.iter().enumerate() {
+            if index as u32 == parent {
+                primaries.push(parent);
+            } else {
                 first_child[parent as usize + 2] += 1;
             }
-            parents.push(parent);
         }
         // Counts become beginnings, shifted by one; filling moves each beginning to its end, the next one's beginning.
         for index in 1..first_child.len() {
@@ -144,17 +102,6 @@ enum Phase {
     Ending(Totals),
     /// After the last frame.
     Finished,
-}
-
-/// A frame that is over, as counted by both sides.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameCounts {
-    /// The frame's number.
-    pub frame: u32,
-    /// What the tracer counted.
-    pub tracer: Totals,
-    /// What the machine replayed.
-    pub machine: Totals,
 }
 
 /// What happened in a cycle that concerns others.
@@ -288,10 +235,7 @@ impl Dispatcher {
                 (_, Some(Item::Rays(chunk))) => self.load(chunk)?,
                 (_, Some(Item::End { policy, totals })) => {
                     for &word in policy.iter() {
-                        links
-                            .layout
-                            .check(Step::unpack(word).ok_or(StreamFault::NotAStep(word))?)
-                            .map_err(StreamFault::from)?;
+                        check_step(word, &links.layout)?;
                     }
                     self.phase = Phase::Closing(policy, totals);
                 }
@@ -350,8 +294,7 @@ impl Dispatcher {
         ray.steps.extend_from_slice(source.packed_policy());
         ray.path_end = source.packed_path().len();
         for (index, &word) in ray.steps.iter().enumerate() {
-            let step = Step::unpack(word).ok_or(StreamFault::NotAStep(word))?;
-            links.layout.check(step)?;
+            let step = check_step(word, &links.layout)?;
             if index < ray.path_end && !step.is_traversal() {
                 return Err(StreamFault::Ray { index: which.index as usize, fault: "has a policy step in its path" });
             }

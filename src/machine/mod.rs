@@ -8,6 +8,7 @@ pub mod links;
 pub mod pipeline;
 pub mod ray;
 pub mod shadow_cache;
+pub mod source;
 pub mod spec;
 pub mod traversal;
 

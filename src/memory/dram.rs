@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::command::{Command, CommandLog};
 use super::dram_timing::{DramSpec, Place, Timing};
 use super::queue::Queue;
 use super::{PartId, Request, Wake};
@@ -55,6 +56,7 @@ struct Channel {
     command_at: u64,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
+    log: CommandLog,
 }
 
 /// What a channel can do next.
@@ -119,18 +121,19 @@ impl Channel {
         }
     }
 
-    fn prepare(&mut self, index: usize, what: Prepared) -> usize {
+    fn prepare(&mut self, index: usize, what: Prepared) -> &Pending {
         let Some(pending) = self.queue.get_mut(index) else { unreachable!("`next` names a request of the queue") };
         if pending.prepared != Prepared::Precharged {
             pending.prepared = what;
         }
-        pending.bank
+        pending
     }
 
     fn column(&mut self, index: usize, now: u64, timing: &Timing, wake: &mut impl Wake) {
-        let Some(Pending { request, bank, prepared, .. }) = self.queue.take_at(index, now, wake) else {
+        let Some(Pending { request, bank, row, prepared }) = self.queue.take_at(index, now, wake) else {
             unreachable!("`next` names a request of the queue")
         };
+        self.log.give(now, if request.write { Command::Write { bank, row } } else { Command::Read { bank, row } });
         let latency = if request.write { timing.cwl } else { timing.cl };
         self.bus_free = self.bus_free.max((now + latency) * timing.parts) + timing.line_parts;
         let ends = self.bus_free.div_ceil(timing.parts);
@@ -160,10 +163,10 @@ impl Channel {
         match self.next(now, timing) {
             Next::Column(index) => self.column(index, now, timing, wake),
             Next::Activate(index) => {
-                let bank = self.prepare(index, Prepared::Activated);
-                let row = self.queue.get_mut(index).map(|pending| pending.row);
+                let Pending { bank, row, .. } = *self.prepare(index, Prepared::Activated);
+                self.log.give(now, Command::Activate { bank, row });
                 self.banks[bank] = BankState {
-                    open: row,
+                    open: Some(row),
                     activate_at: now + timing.rc,
                     column_at: now + timing.rcd,
                     precharge_at: now + timing.ras,
@@ -171,7 +174,8 @@ impl Channel {
                 self.last_activate = Some(now);
             }
             Next::Precharge(index) => {
-                let bank = self.prepare(index, Prepared::Precharged);
+                let bank = self.prepare(index, Prepared::Precharged).bank;
+                self.log.give(now, Command::Precharge { bank });
                 self.banks[bank].close(now, timing);
             }
             Next::Wait(at) => return at.unwrap_or(u64::MAX).min(self.refresh_due),
@@ -188,6 +192,7 @@ impl Channel {
                 return at;
             }
             self.banks.iter_mut().filter(|bank| bank.open.is_some()).for_each(|bank| bank.close(now, timing));
+            self.log.give(now, Command::PrechargeAll);
             return now + 1;
         }
         if let Some(at) = ready(|bank| bank.activate_at, &self.banks, false).filter(|&at| at > now) {
@@ -195,6 +200,7 @@ impl Channel {
         }
         self.banks.iter_mut().for_each(|bank| bank.activate_at = now + timing.rfc);
         self.refresh_due += timing.refi;
+        self.log.give(now, Command::Refresh);
         self.counts.refreshes += 1;
         now + 1
     }
@@ -231,6 +237,7 @@ impl Dram {
             command_at: 0,
             counts: DramCounts::default(),
             moved: [Bytes(0); TrafficClass::ALL.len()],
+            log: CommandLog::default(),
         };
         Self { spec: spec.clone(), timing, channels: (0..spec.channels.get()).map(channel).collect() }
     }
@@ -290,13 +297,19 @@ impl Dram {
         &self.channels[index].counts
     }
 
-    /// Bytes moved, by class.
-    pub fn moved(&self) -> [Bytes; TrafficClass::ALL.len()] {
-        let mut sum = [Bytes(0); TrafficClass::ALL.len()];
-        for channel in &self.channels {
-            sum.iter_mut().zip(channel.moved).for_each(|(sum, moved)| *sum += moved);
-        }
-        sum
+    /// Bytes that channel `index` moved, by class.
+    pub fn moved(&self, index: usize) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.channels[index].moved
+    }
+
+    /// From now on all commands are kept.
+    pub fn keep_commands(&mut self) {
+        self.channels.iter_mut().for_each(|channel| channel.log.keep());
+    }
+
+    /// The commands of channel `index`, as far as they were kept.
+    pub fn log(&self, index: usize) -> &CommandLog {
+        &self.channels[index].log
     }
 
     /// Timing in machine cycles.
@@ -426,6 +439,35 @@ mod tests {
         assert_eq!(dram.counts(0).refreshes, 10);
     }
 
+    /// A channel that never waits for requests: between refreshes a line follows the other.
+    #[test]
+    fn bandwidth_is_limited_by_refreshes_alone() {
+        let mut dram = dram();
+        let timing = *dram.timing();
+        let intervals = 20;
+        // Before the first refresh: the activate in cycle 1.
+        let (mut first, mut expected) = (1 + timing.rcd, 0);
+        for due in (1..=intervals).map(|interval| interval * timing.refi) {
+            let lines = (due - first).div_ceil(LINE);
+            let last = first + (lines - 1) * LINE;
+            expected += lines;
+            first = due.max(last + timing.rtp) + timing.rp + timing.rfc + timing.rcd;
+        }
+        let (mut column, cycles) = (0, intervals * timing.refi);
+        for now in 0..cycles {
+            // The 32 lines of one row, over and over.
+            while dram.put(request(column / 2 * 16 + column % 2, false), now, &mut Awake) {
+                column = (column + 1) % 32;
+            }
+            dram.tick(0, now, &mut Awake, |_, _| {});
+        }
+        let counts = dram.counts(0);
+        assert_eq!((counts.reads, counts.row_conflicts), (expected, 0));
+        // LPDDR4 of one channel keeps 94 % of its peak.
+        let (busy, share) = (expected * LINE, 1.0 - (timing.rp + timing.rfc + timing.rcd) as f64 / timing.refi as f64);
+        assert!((busy as f64 / cycles as f64 - share).abs() < 0.005, "{busy} of {cycles}, {share}");
+    }
+
     #[test]
     fn a_refresh_closes_the_rows() {
         let mut dram = dram();
@@ -458,7 +500,7 @@ mod tests {
             ],
             ..DramSpec::default()
         };
-        spec.check(64).unwrap();
+        spec.check(64, 1600).unwrap();
         let mut seen = std::collections::BTreeMap::new();
         for line in 0..4096 {
             let Place { channel, bank, row } = spec.place(LineAddr(line));

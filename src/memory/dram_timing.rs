@@ -124,8 +124,8 @@ pub struct Place {
 }
 
 impl DramSpec {
-    /// Checks what single fields cannot; `line` is the line size in bytes.
-    pub fn check(&self, line: u64) -> Result<(), String> {
+    /// Checks what single fields cannot; `line` is the line size in bytes, `machine_mhz` the machine's clock.
+    pub fn check(&self, line: u64, machine_mhz: u64) -> Result<(), String> {
         let burst = self.burst_bytes.get();
         if burst > line {
             return Err(format!("`dram.burst_bytes` is {burst}: up to the line size, {line}, is allowed"));
@@ -133,14 +133,15 @@ impl DramSpec {
         if self.row_bytes.get() < line {
             return Err(format!("`dram.row_bytes` is {}: at least the line size, {line}, is allowed", self.row_bytes));
         }
-        let TimingSpec { ras, rp, rc, refi, rfc, .. } = self.timing;
+        let TimingSpec { ras, rp, rc, refi, .. } = self.timing;
         if rc.get() < ras.get() + rp.get() {
             return Err(format!("`dram.timing.rc` is {rc}: at least ras + rp = {} is allowed", ras.get() + rp.get()));
         }
-        if refi.get() <= 4 * (rc.get() + rfc.get()) {
+        let cycles = self.timing(machine_mhz, line);
+        if cycles.refi <= 2 * cycles.around_refresh() {
             return Err(format!(
-                "`dram.timing.refi` is {refi}: more than 4 (rc + rfc) = {} is allowed",
-                4 * (rc.get() + rfc.get())
+                "`dram.timing.refi` is {refi}: more than {} cycles of the machine are allowed, twice what a refresh and the first access after it can take",
+                2 * cycles.around_refresh()
             ));
         }
         self.check_mapping(line)
@@ -257,4 +258,13 @@ pub struct Timing {
     pub parts: u64,
     /// Parts that a line occupies the data bus.
     pub line_parts: u64,
+}
+
+impl Timing {
+    /// Cycles that closing all rows, a refresh and the next column command take at most. Without more time between
+    /// refreshes nothing would be served.
+    fn around_refresh(&self) -> u64 {
+        let close = self.rtp + self.cwl + self.line_parts.div_ceil(self.parts) + self.wr + self.rc;
+        close + self.rfc + self.rrd + self.rcd + self.wtr + self.line_parts.div_ceil(self.parts)
+    }
 }

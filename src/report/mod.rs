@@ -7,6 +7,7 @@ pub mod format;
 mod page;
 pub mod pictures;
 pub mod plots;
+pub mod stress;
 pub mod summary;
 mod table;
 
@@ -137,6 +138,11 @@ pub fn check_target(target: &Path) -> Result<(), ReportError> {
 /// Writes a report at `target`, in the place of an earlier one if there is one. It is made in a directory beside it and
 /// comes into its place complete or not at all: after an error the place is as it was.
 pub fn write_report(target: &Path, report: &Report) -> Result<(), ReportError> {
+    replace(target, |dir| fill(dir, report))
+}
+
+/// Puts what `fill` makes in a new directory at `target`, complete or not at all.
+fn replace(target: &Path, fill: impl FnOnce(&Path) -> Result<(), ReportError>) -> Result<(), ReportError> {
     check_target(target)?;
     let parent = match target.parent() {
         Some(parent) if parent != Path::new("") => parent,
@@ -150,7 +156,7 @@ pub fn write_report(target: &Path, report: &Report) -> Result<(), ReportError> {
 
     // The directory beside is private to the user; the one in it has the rights that directories usually get.
     let staging = beside.path().join("new");
-    fill(&staging, report).map_err(|error| match error {
+    fill(&staging).map_err(|error| match error {
         // The place that the file was meant for: the one beside it is gone when the user reads this.
         ReportError::Write { path, source } => ReportError::Write {
             path: path.strip_prefix(&staging).map_or(path.clone(), |file| target.join(file)),

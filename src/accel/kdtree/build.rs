@@ -7,9 +7,12 @@ use super::{Layout, Node, Tree};
 use crate::accel::Quality;
 use crate::accel::build::{Base, Item};
 
-/// Levels below which no cell is split: bounds the stack where triangles meet in a point, around which cells could
-/// shrink for long. BART's trees stay well above it.
-const MAX_DEPTH: usize = 64;
+/// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
+/// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
+/// for ever deeper where triangles meet in a point: that makes nodes, and hardly saves a triangle test.
+fn max_depth(items: usize) -> u32 {
+    (8.0 + 1.3 * f64::from(items.ilog2())).round() as u32
+}
 
 /// A cell that is built, before the layout; the left child of a split follows it.
 pub(super) enum Built {
@@ -32,6 +35,7 @@ struct Part {
 struct Builder<'a> {
     items: &'a [Item<'a>],
     quality: Quality,
+    max_depth: u32,
     cells: Vec<Built>,
 }
 
@@ -48,7 +52,7 @@ pub fn build(items: &[Item<'_>], quality: Quality, layout: Layout, base: Base) -
     if parts.is_empty() {
         return Tree { bounds, nodes: Vec::new(), lists: Vec::new(), records: Vec::new() };
     }
-    let mut builder = Builder { items, quality, cells: Vec::new() };
+    let mut builder = Builder { items, quality, max_depth: max_depth(items.len()), cells: Vec::new() };
     builder.cell(bounds, parts, 0);
     lay_out(&builder.cells, bounds, items, layout, base)
 }
@@ -64,7 +68,7 @@ pub fn build_static(items: &[Item<'_>], quality: Quality, layout: Layout, joined
 }
 
 impl Builder<'_> {
-    fn cell(&mut self, cell: Bounds, parts: Vec<Part>, depth: usize) {
+    fn cell(&mut self, cell: Bounds, parts: Vec<Part>, depth: u32) {
         let Some(plane) = self.plane(cell, &parts, depth) else {
             self.cells.push(Built::Leaf(parts.iter().map(|part| part.item).collect()));
             return;
@@ -82,9 +86,9 @@ impl Builder<'_> {
         self.cell(above, right, depth + 1);
     }
 
-    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006, section 3.3).
-    fn plane(&self, cell: Bounds, parts: &[Part], depth: usize) -> Option<Plane> {
-        if parts.is_empty() || depth == MAX_DEPTH {
+    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006).
+    fn plane(&self, cell: Bounds, parts: &[Part], depth: u32) -> Option<Plane> {
+        if parts.is_empty() || depth == self.max_depth {
             return None;
         }
         let boxes = parts.iter().map(|part| part.bounds);

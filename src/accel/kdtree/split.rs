@@ -5,10 +5,10 @@ use glam::DVec3;
 
 use super::bounds::Bounds;
 
-/// Cost of a traversal step, and of a triangle test beside it (Wald and Havran 2006, section 5).
+/// Cost of a traversal step, and of a triangle test beside it (Wald and Havran 2006).
 const TRAVERSAL: f64 = 15.0;
 const INTERSECTION: f64 = 20.0;
-/// What a split costs that cuts off an empty part, as a share of its cost otherwise (Wald and Havran 2006, section 3.2).
+/// What a split costs that cuts off an empty part, as a share of its cost otherwise (Wald and Havran 2006).
 const EMPTY: f64 = 0.8;
 
 /// A plane that splits a cell.
@@ -87,8 +87,8 @@ fn position(key: u64) -> f32 {
     f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }
 
-/// The cheapest of all planes at the faces of `boxes`, which lie in `cell`, with its cost (Wald and Havran 2006, section
-/// 4.2: sorted events, O(n log n) for a cell).
+/// The cheapest of all planes at the faces of `boxes`, which lie in `cell`, with its cost (Wald and Havran 2006:
+/// sorted events, O(n log n) for a cell).
 pub(super) fn sweep(cell: Bounds, boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Option<(f64, Plane)> {
     let mut search = Search::new(cell);
     let mut events = Vec::with_capacity(2 * boxes.len());

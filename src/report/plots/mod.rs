@@ -8,6 +8,7 @@ mod dram_rows;
 mod hit_rates;
 mod over_frames;
 mod saving;
+pub mod stress;
 mod utilization;
 mod wrong;
 

@@ -1,13 +1,13 @@
+mod agreement;
+mod random;
+mod synthetic;
+
 use std::convert::Infallible;
 
-use proptest::prelude::*;
-
-use super::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
+use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
 use super::*;
 use crate::machine::dispatcher::Dispatcher;
 use crate::machine::pipeline::WritePolicy;
-use crate::memory::dram_timing::Field;
-use crate::memory::replacement::Policy;
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::{Cause, TrafficClass};
 use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
@@ -25,7 +25,7 @@ fn items(items: Vec<Item>) -> impl Iterator<Item = Result<Item, Infallible>> {
 }
 
 fn replayed(machine: &MachineSpec, stream: Vec<Item>) -> MachineStats {
-    run(machine, &header(), items(stream)).unwrap_or_else(|error| panic!("{error}"))
+    run(machine, Fidelity::Event, &header(), items(stream)).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
@@ -187,7 +187,7 @@ fn an_empty_stream_takes_one_cycle() {
 fn wrong_streams_are_refused() {
     let machine = MachineSpec::default();
     let good = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = |stream: Vec<Item>| run(&machine, &header(), items(stream)).unwrap_err().to_string();
+    let error = |stream: Vec<Item>| run(&machine, Fidelity::Event, &header(), items(stream)).unwrap_err().to_string();
     assert_eq!(error(good[..2].to_vec()), "the stream has its end where rays or a frame's end belongs");
     assert_eq!(error(good[1..].to_vec()), "the stream has rays where a frame's beginning belongs");
     let beyond = one_frame(&[SyntheticRay::primary(nodes([STATIC]))]);
@@ -204,7 +204,10 @@ fn wrong_streams_are_refused() {
 #[test]
 fn an_error_of_the_source_comes_through() {
     let stream = one_frame(&[]).into_iter().take(1).map(Ok).chain([Err("disk on fire")]);
-    assert!(matches!(run(&MachineSpec::default(), &header(), stream), Err(RunError::Source("disk on fire"))));
+    assert!(matches!(
+        run(&MachineSpec::default(), Fidelity::Event, &header(), stream),
+        Err(RunError::Source("disk on fire"))
+    ));
 }
 
 /// A machine with everything as small as it can be.
@@ -265,7 +268,7 @@ fn chunks_are_dropped_when_their_rays_are_done() {
         most = most.max(chunks.len());
         Ok::<_, Infallible>(item)
     });
-    run(&MachineSpec::default(), &header(), watched).unwrap();
+    run(&MachineSpec::default(), Fidelity::Event, &header(), watched).unwrap();
     // 128 rays are in flight and hits are shaded: some 400 rays are begun and not done, of 64 a chunk.
     assert!(total > 60 && most <= 10, "{most} of {total} chunks at once");
 }
@@ -276,7 +279,7 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     let mut engine = event::Event::new(&machine, &header());
     engine.dispatcher = Dispatcher::new(&machine.dispatcher, 4, 0);
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = replay(engine, &machine, items(stream)).unwrap_err().to_string();
+    let error = replay(&mut engine, &machine, items(stream)).unwrap_err().to_string();
     assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
@@ -284,174 +287,28 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
 #[test]
 fn violated_identities_are_found() {
     let machine = MachineSpec::default();
-    let mut engine = event::Event::new(&machine, &header());
-    let mut stream = one_frame(&bvh_like(1, 50, 12, 2)).into_iter();
-    let cycles = engine.run::<Infallible>(|| Ok(stream.next()), |_| Ok(())).unwrap();
-    let good = check::collect(&engine, &machine, cycles);
-    assert_eq!(check::run(&engine, &machine, &good), Ok(()));
-    type Breakage = fn(&mut MachineStats);
+    let good = replay(&mut event::Event::new(&machine, &header()), &machine, items(one_frame(&bvh_like(1, 50, 12, 2))))
+        .unwrap();
+    type Breakage = fn(&mut Tally);
     let broken: [(&str, Breakage); 6] = [
-        ("hits + half misses + misses", |s| {
-            s.caches.get_mut("l2").unwrap().get_mut(&TrafficClass::Node).unwrap().hits += 1
+        ("hits + half misses + misses", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
+        ("cycles of all causes", |t| t.units[0][1].causes[Cause::Busy as usize] += 1),
+        ("row hits", |t| t.channels[0].counts.row_hits += 1),
+        ("bytes between L2 and DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),
+        ("against DRAM bytes", |t| {
+            t.channels[0].counts.reads -= 1;
+            t.channels[0].counts.row_misses -= 1;
         }),
-        ("cycles of all causes", |s| *s.units.get_mut("traversal").unwrap().get_mut(&Cause::Busy).unwrap() += 1),
-        ("row hits", |s| s.dram.row_hits += 1),
-        ("against DRAM bytes", |s| s.bytes.get_mut("dram").unwrap().get_mut(&TrafficClass::Node).unwrap().0 += 1),
-        ("against DRAM bytes", |s| s.dram = Default::default()),
-        ("exceed the peak", |s| {
-            s.cycles.0 /= 50;
-            s.units.clear();
+        ("exceed the peak", |t| {
+            t.cycles /= 50;
+            let causes = t.units.iter_mut().flatten().map(|unit| &mut unit.causes).chain([&mut t.dispatcher]);
+            causes.for_each(|causes| (*causes = Default::default(), causes[0] = t.cycles).1);
         }),
     ];
     for (expected, breakage) in broken {
-        let mut stats = good.clone();
-        breakage(&mut stats);
-        let error = check::run(&engine, &machine, &stats).unwrap_err();
+        let mut tally = good.clone();
+        breakage(&mut tally);
+        let error = check::run(&tally, &machine).unwrap_err();
         assert!(error.contains(expected), "{error}");
-    }
-}
-
-/// Machines from small to smallest, with odd latencies.
-fn machines() -> impl Strategy<Value = MachineSpec> {
-    let small = |most: u64| 1..=most;
-    let units = (small(3), small(5), small(4), small(3), small(4), 0..4u64, small(6), any::<bool>());
-    let latencies = (small(9), small(9), small(9), small(5), small(30), small(3));
-    let caches = (0..3u32, 0..3u32, small(3), small(3), small(3), small(2));
-    let dram = (0..2u32, 0..3u32, small(5), 50..4000u64, 1..2000u64, 5..8u32);
-    (units, latencies, caches, dram).prop_map(|(units, latencies, caches, dram)| {
-        let mut machine = MachineSpec::default();
-        machine.traversal.count = num(units.0);
-        machine.traversal.rays = num(units.1);
-        machine.intersection.count = num(units.2);
-        machine.intersection.tests = num(units.3);
-        machine.intersection.queue = num(units.4);
-        machine.dispatcher.rays = num(1 + units.5 * 7);
-        machine.dispatcher.per_cycle = num(units.6);
-        machine.shadow_cache.contexts = num(units.4);
-        machine.shadow_cache.writes = if units.7 { WritePolicy::Back } else { WritePolicy::Through };
-        machine.dispatcher.latency = num(latencies.0);
-        machine.traversal.latency = num(latencies.1);
-        machine.intersection.latency = num(latencies.2);
-        machine.intersection.divide_latency = num(latencies.3);
-        machine.dispatcher.shading_cycles = num(latencies.4);
-        machine.l2.latency = num(latencies.5);
-        let line = 32 << caches.0;
-        machine.line_bytes = pow(line);
-        let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 5 }];
-        let mut ways = [1, 2, 4].into_iter().cycle().skip(caches.1 as usize);
-        for (index, cache) in
-            [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache]
-                .into_iter()
-                .enumerate()
-        {
-            let count = ways.next().unwrap();
-            (cache.ways, cache.bytes) = (num(count), num((line * count) << caches.1));
-            cache.replacement = policy[(index + caches.0 as usize) % 4];
-            (cache.mshrs, cache.targets, cache.queue) = (num(caches.2), num(caches.3), num(caches.4));
-            (cache.ports, cache.latency) = (num(caches.5), num(caches.4));
-        }
-        machine.l2.banks = pow(1 << caches.1);
-        machine.l2.ways = num(2);
-        machine.l2.bytes = num((line * 2 * 4) << caches.1);
-        (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (num(caches.3), num(caches.2), num(caches.5));
-        machine.dram.channels = pow(1 << dram.0);
-        machine.dram.banks = pow(1 << dram.1);
-        machine.dram.queue = num(dram.2);
-        machine.clock_mhz = num(dram.3);
-        machine.dram.clock_mhz = num(dram.4);
-        machine.dram.timing.refi = num(1700);
-        machine.dram.row_bytes = pow(line << dram.5);
-        machine.dram.mapping =
-            vec![Field::Column(2), Field::Channel(dram.0), Field::Bank(dram.1), Field::Column(dram.5 - 2), Field::Row];
-        machine
-    })
-}
-
-fn streams() -> impl Strategy<Value = Vec<Item>> {
-    let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
-    let store = (0..3usize, 0..STATIC, 0..3u8).prop_map(move |(store, index, kind)| match kind {
-        0 => Step::Read { store: stores[store], index },
-        1 => Step::Write { store: stores[store], index },
-        _ => Step::Update { store: stores[store], index },
-    });
-    let traversal = (0..8u8, 0..40u32, 0..3usize).prop_map(|(kind, index, stop)| match kind {
-        0..4 => Step::Node(crate::quantity::NodeId(index * index)),
-        4 => Step::Node(crate::quantity::NodeId(STATIC + index)),
-        5 => Step::List(crate::quantity::ListId(index)),
-        _ => triangle(index * 50, [Stop::Plane, Stop::Edges, Stop::Hit][stop]),
-    });
-    let traversal = traversal.boxed();
-    let path = prop::collection::vec(traversal.clone(), 0..12);
-    let policy = prop::collection::vec(prop_oneof![3 => store, 1 => traversal], 0..4).boxed();
-    let ray = (0..5u8, path, policy.clone());
-    let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
-        rays.into_iter()
-            .enumerate()
-            .map(|(index, (kind, path, policy))| {
-                let parent = 1 + (kind as u32 * 7 % index.max(1) as u32);
-                let ray = match (index, kind) {
-                    (0, _) => SyntheticRay::primary(path),
-                    (_, 0) => SyntheticRay::shadow(parent, Decision::Skip, Vec::new()),
-                    (_, 1) => SyntheticRay::shadow(parent, Decision::DynamicOnly, path),
-                    (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
-                    _ => {
-                        SyntheticRay { kind: crate::stream::RayKind::Reflection, parent, ..SyntheticRay::primary(path) }
-                    }
-                };
-                ray.with_policy(policy)
-            })
-            .collect::<Vec<_>>()
-    });
-    let frames = (prop::collection::vec(group, 0..12), policy, 1..9usize).prop_map(|(groups, end, chunk)| {
-        let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
-        frame(info, &groups.concat(), &end, chunk)
-    });
-    prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
-}
-
-proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
-
-    /// No deadlock, no violated identity, the same result twice, and the same result when all parts act in all cycles.
-    #[test]
-    fn any_machine_replays_any_stream(machine in machines(), stream in streams()) {
-        let first = run(&machine, &header(), items(stream.clone())).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        let second = run(&machine, &header(), items(stream.clone())).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        prop_assert_eq!(&first, &second);
-        let mut engine = event::Event::new(&machine, &header());
-        engine.eager = true;
-        let eager = replay(engine, &machine, items(stream)).map_err(|e| TestCaseError::fail(e.to_string()))?;
-        prop_assert_eq!(first, eager);
-    }
-}
-
-/// Not a test of the model: prints how fast it is replayed. Run with `--release -- --ignored --nocapture`.
-#[test]
-#[ignore = "measures speed"]
-fn throughput() {
-    for (name, text) in [
-        ("small", include_str!("../../configs/machines/small.ron")),
-        ("desktop", include_str!("../../configs/machines/desktop.ron")),
-    ] {
-        let machine = MachineSpec::from_ron(text).unwrap();
-        for (depth, descents) in [(12, 4), (20, 3)] {
-            let header = Header { static_nodes: 1 << depth, static_slots: 1 << depth, ..header() };
-            let rays = bvh_like(1, 100_000, depth, descents);
-            let steps: usize = rays.iter().map(|ray| ray.path.len()).sum();
-            let stream = frame(FrameInfo::default(), &rays, &[], 4096);
-            let start = std::time::Instant::now();
-            let stats = run(&machine, &header, items(stream)).unwrap();
-            let seconds = start.elapsed().as_secs_f64();
-            println!(
-                "{name}, {depth} levels: {:.1} steps a ray, {:.3} Mray/s, {:.1} Msteps/s, {} cycles, TRV busy {:.2}, hits {:.3} L1, {:.3} L2",
-                steps as f64 / stats.rays as f64,
-                stats.rays as f64 / seconds / 1e6,
-                steps as f64 / seconds / 1e6,
-                stats.cycles,
-                stats.utilization("traversal").unwrap(),
-                stats.caches["l1_traversal"][&TrafficClass::Node].hit_rate().unwrap(),
-                stats.caches["l2"][&TrafficClass::Node].hit_rate().unwrap(),
-            );
-        }
     }
 }

@@ -1,0 +1,281 @@
+//! The dispatcher.
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use super::ray::{Id, Origin, Ray, Sender};
+use super::wires::Wires;
+use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::source::{FrameCounts, StreamFault, check_step, parents};
+use crate::stats::Cause;
+use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
+
+/// A chunk of which somebody still needs a ray.
+#[derive(Debug)]
+pub struct Group {
+    chunk: Arc<Chunk>,
+    /// The children of each ray, in the stream's order.
+    children: Vec<Vec<usize>>,
+}
+
+/// Where the dispatcher stands in the stream.
+#[derive(Debug)]
+enum Phase {
+    Between,
+    InFrame,
+    /// No more rays of the frame come.
+    AllKnown {
+        end: Arc<Vec<u32>>,
+        totals: Totals,
+    },
+    AtTheEnd {
+        totals: Totals,
+    },
+    Finished,
+}
+
+pub struct Host {
+    spec: DispatcherSpec,
+    phase: Phase,
+    frame: u32,
+    primaries: VecDeque<Origin>,
+    ready: VecDeque<Origin>,
+    shading: VecDeque<(u64, Origin)>,
+    free_entries: VecDeque<Id>,
+    free_slots: Vec<u64>,
+    last_unit: usize,
+    /// Rays done, skipped ones not counted.
+    pub rays: u64,
+    pub causes: [u64; Cause::ALL.len()],
+}
+
+/// What the dispatcher's cycle means for others.
+#[derive(Default)]
+pub struct HostCycle {
+    pub frame_over: Option<FrameCounts>,
+    pub frame_began: bool,
+}
+
+impl Host {
+    pub fn new(spec: &DispatcherSpec, units: usize, slots: u64) -> Self {
+        Self {
+            spec: *spec,
+            phase: Phase::Between,
+            frame: 0,
+            primaries: VecDeque::new(),
+            ready: VecDeque::new(),
+            shading: VecDeque::new(),
+            free_entries: (0..spec.rays.size()).collect(),
+            free_slots: vec![slots; units],
+            last_unit: units - 1,
+            rays: 0,
+            causes: Default::default(),
+        }
+    }
+
+    pub fn tick<E: From<StreamFault>>(
+        &mut self,
+        now: u64,
+        next: &mut impl FnMut() -> Result<Option<Item>, E>,
+        wires: &mut Wires,
+    ) -> Result<HostCycle, E> {
+        let mut cycle = HostCycle::default();
+        while let Some(unit) = wires.freed_slots.take(now) {
+            self.free_slots[unit] += 1;
+        }
+        while let Some(id) = wires.done.take(now) {
+            // What is seen in this cycle was done in the one before.
+            self.ray_done(id, now - 1, wires);
+        }
+        if wires.frame_over.take(now).is_some()
+            && let Phase::AtTheEnd { totals: tracer } = self.phase
+        {
+            let machine = std::mem::take(&mut wires.replayed);
+            cycle.frame_over = Some(FrameCounts { frame: self.frame, tracer, machine });
+            self.phase = Phase::Between;
+        }
+        cycle.frame_began = self.read_on(next, wires)?;
+        while let Some((at, _)) = self.shading.front()
+            && *at <= now
+            && let Some((_, Origin { group, index: parent })) = self.shading.pop_front()
+        {
+            let children = group.children[parent].iter();
+            self.ready.extend(children.map(|&index| Origin { group: Rc::clone(&group), index }));
+        }
+        let mut handed_over = 0;
+        while handed_over < self.spec.per_cycle.get() && self.hand_over(now, wires)? {
+            handed_over += 1;
+            self.read_on(next, wires)?;
+        }
+        self.begin_end(now, wires);
+        let cause = if handed_over > 0 {
+            Cause::Busy
+        } else if !self.ready.is_empty() || !self.primaries.is_empty() {
+            Cause::Blocked
+        } else if !self.shading.is_empty() {
+            Cause::Pipeline
+        } else {
+            Cause::Starved
+        };
+        self.causes[cause as usize] += 1;
+        Ok(cycle)
+    }
+
+    /// Reads the stream until a primary ray is known or the frame has no more; whether a frame began.
+    fn read_on<E: From<StreamFault>>(
+        &mut self,
+        next: &mut impl FnMut() -> Result<Option<Item>, E>,
+        wires: &mut Wires,
+    ) -> Result<bool, E> {
+        let mut began = false;
+        while self.primaries.is_empty() && matches!(self.phase, Phase::Between | Phase::InFrame) {
+            let in_frame = matches!(self.phase, Phase::InFrame);
+            let wrong = |found| {
+                let expected = if in_frame { "rays or a frame's end" } else { "a frame's beginning" };
+                Err(StreamFault::Order { found, expected }.into())
+            };
+            match next()? {
+                None if in_frame => return wrong("its end"),
+                None => self.phase = Phase::Finished,
+                Some(Item::Frame(_)) if in_frame => return wrong("a frame's beginning"),
+                Some(Item::Frame(frame)) => {
+                    wires.layout.begin_frame(&frame);
+                    self.frame = frame.number;
+                    self.phase = Phase::InFrame;
+                    began = true;
+                }
+                Some(Item::Rays(_)) if !in_frame => return wrong("rays"),
+                Some(Item::Rays(chunk)) => self.learn(chunk)?,
+                Some(Item::End { .. }) if !in_frame => return wrong("a frame's end"),
+                Some(Item::End { policy: end, totals }) => {
+                    for &word in end.iter() {
+                        check_step(word, &wires.layout)?;
+                    }
+                    self.phase = Phase::AllKnown { end, totals };
+                }
+            }
+        }
+        Ok(began)
+    }
+
+    fn learn(&mut self, chunk: Arc<Chunk>) -> Result<(), StreamFault> {
+        let mut children = vec![Vec::new(); chunk.len()];
+        let mut primaries = Vec::new();
+        for (index, parent) in parents(&chunk)?.into_iter().enumerate() {
+            if parent as usize == index {
+                primaries.push(index);
+            } else {
+                children[parent as usize].push(index);
+            }
+        }
+        let group = Rc::new(Group { chunk, children });
+        self.primaries.extend(primaries.into_iter().map(|index| Origin { group: Rc::clone(&group), index }));
+        Ok(())
+    }
+
+    /// Hands over the next ray, if there is one and nothing is missing; whether that was so.
+    fn hand_over(&mut self, now: u64, wires: &mut Wires) -> Result<bool, StreamFault> {
+        let Some(origin) = self.ready.front().or(self.primaries.front()).cloned() else { return Ok(false) };
+        let Some(&id) = self.free_entries.front() else { return Ok(false) };
+        let ray = read_ray(origin, wires)?;
+        if ray.decision == Decision::Skip {
+            wires.retired.put(now, id);
+        } else {
+            let units = self.free_slots.len();
+            let after_the_last = (1..=units).map(|step| (self.last_unit + step) % units);
+            let Some(unit) = after_the_last.into_iter().find(|&unit| self.free_slots[unit] > 0) else {
+                return Ok(false);
+            };
+            self.free_slots[unit] -= 1;
+            self.last_unit = unit;
+            wires.dispatched[unit].put(now, id);
+        }
+        wires.rays[id] = Some(ray);
+        self.free_entries.pop_front();
+        if self.ready.pop_front().is_none() {
+            self.primaries.pop_front();
+        }
+        Ok(true)
+    }
+
+    /// Ray `id` was done in cycle `at`.
+    fn ray_done(&mut self, id: Id, at: u64, wires: &mut Wires) {
+        self.free_entries.push_back(id);
+        let ray = wires.rays[id].take().expect("a ray that is done was under way");
+        let replayed = &mut wires.replayed;
+        match ray.kind {
+            RayKind::Primary => replayed.primary_rays += 1,
+            RayKind::Reflection | RayKind::Refraction => replayed.secondary_rays += 1,
+            RayKind::Shadow => replayed.shadow_rays += 1,
+        }
+        match ray.decision {
+            Decision::Trace => self.rays += 1,
+            Decision::DynamicOnly => {
+                self.rays += 1;
+                replayed.shadow_rays_dynamic_only += 1;
+            }
+            Decision::Skip => replayed.shadow_rays_skipped += 1,
+        }
+        let origin = ray.origin.expect("a ray of the pool is of the stream");
+        if !origin.group.children[origin.index].is_empty() {
+            self.shading.push_back((at + self.spec.shading_cycles.get(), origin));
+        }
+    }
+
+    /// Step 3.
+    fn begin_end(&mut self, now: u64, wires: &mut Wires) {
+        let Phase::AllKnown { end, totals } = &self.phase else { return };
+        let rays_to_come = !self.primaries.is_empty() || !self.ready.is_empty() || !self.shading.is_empty();
+        if rays_to_come || self.in_flight() > 0 {
+            return;
+        }
+        if end.is_empty() {
+            wires.frame_over.put(now, ());
+        } else {
+            wires.frame_end.put(now, Arc::clone(end));
+        }
+        self.phase = Phase::AtTheEnd { totals: *totals };
+    }
+
+    fn in_flight(&self) -> usize {
+        self.spec.rays.size() - self.free_entries.len()
+    }
+
+    pub fn is_finished(&self) -> bool {
+        matches!(self.phase, Phase::Finished)
+    }
+
+    pub fn queues(&self) -> String {
+        format!(
+            "rays in flight {}/{}, ready {}, being shaded {}, free slots {:?}",
+            self.in_flight(),
+            self.spec.rays,
+            self.ready.len(),
+            self.shading.len(),
+            self.free_slots
+        )
+    }
+}
+
+/// The ray as the stream has it.
+fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
+    let source = origin.group.chunk.ray(origin.index);
+    let steps = |words: &[u32]| -> Result<VecDeque<Step>, StreamFault> {
+        words.iter().map(|&word| check_step(word, &wires.layout)).collect()
+    };
+    let path = steps(source.packed_path())?;
+    if !path.iter().all(|step| step.is_traversal()) {
+        return Err(StreamFault::Ray { index: origin.index, fault: "has a policy step in its path" });
+    }
+    Ok(Ray {
+        kind: source.head.kind,
+        decision: source.head.decision,
+        path,
+        policy: steps(source.packed_policy())?,
+        undecided: source.head.decision == Decision::Skip,
+        at_edges: false,
+        sender: Sender::ShadowCache,
+        origin: Some(origin),
+    })
+}

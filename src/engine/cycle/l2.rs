@@ -1,0 +1,131 @@
+//! A bank of the L2.
+
+use std::collections::VecDeque;
+
+use super::cache::{Cache, Met};
+use super::wires::{DramRequest, Request, Wires};
+use crate::memory::bank::L2Spec;
+use crate::memory::dram_timing::DramSpec;
+use crate::memory::tags::TagArray;
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{CacheCounts, TrafficClass};
+
+pub struct Bank {
+    index: usize,
+    spec: L2Spec,
+    dram: DramSpec,
+    line: u64,
+    /// Of an access that waits: the L1 that gets the line, `None` for a write.
+    cache: Cache<Option<usize>>,
+    answers: VecDeque<(u64, usize, LineAddr)>,
+    out: VecDeque<Request>,
+    pub moved: [Bytes; TrafficClass::ALL.len()],
+    pub reads: [u64; TrafficClass::ALL.len()],
+}
+
+impl Bank {
+    pub fn new(spec: &L2Spec, dram: &DramSpec, index: usize, line: u64) -> Self {
+        let banks = spec.banks.get();
+        let sets = spec.bytes.get() / (line * spec.ways.get() * banks);
+        let tags = TagArray::new(sets as usize, spec.ways.size(), banks.ilog2(), spec.replacement);
+        Self {
+            index,
+            spec: *spec,
+            dram: dram.clone(),
+            line,
+            cache: Cache::new(tags, spec.mshrs.size(), spec.targets.size()),
+            answers: VecDeque::new(),
+            out: VecDeque::new(),
+            moved: Default::default(),
+            reads: Default::default(),
+        }
+    }
+
+    fn out_has_room(&self) -> bool {
+        self.out.len() < self.spec.queue.size()
+    }
+
+    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+        while let Some(&(at, to, line)) = self.answers.front()
+            && at <= now
+        {
+            self.answers.pop_front();
+            wires.to_l1[to].put(now, line);
+        }
+        self.fill(now, wires);
+        self.access(now, wires);
+        self.send(now, wires);
+    }
+
+    fn fill(&mut self, now: u64, wires: &mut Wires) {
+        let Some(&line) = wires.from_dram[self.index].first(now) else { return };
+        let Some(filled) = self.cache.fill(line, self.out_has_room()) else { return };
+        wires.from_dram[self.index].take(now);
+        if let Some(victim) = filled.dirty_victim {
+            let bytes = Bytes(self.line);
+            self.out.push_back(Request {
+                line: victim.line,
+                class: victim.class,
+                write: true,
+                bytes,
+                from: self.index,
+            });
+        }
+        for reader in filled.waited.into_iter().flatten() {
+            self.answers.push_back((now + self.spec.latency.get(), reader, line));
+        }
+    }
+
+    fn access(&mut self, now: u64, wires: &mut Wires) {
+        let Some(&Request { line, class, write, bytes, from }) = wires.to_bank[self.index].first(now) else { return };
+        match self.cache.access(line, class, write, self.out_has_room(), (!write).then_some(from)) {
+            Met::Stop => return,
+            Met::Hit if write => {}
+            Met::Hit => self.answers.push_back((now + self.spec.latency.get(), from, line)),
+            Met::HalfMiss => {}
+            Met::Miss => {
+                let bytes = Bytes(self.line);
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.index });
+            }
+        }
+        wires.to_bank[self.index].take(now);
+        self.moved[class as usize] += bytes;
+        if !write {
+            self.reads[class as usize] += 1;
+        }
+    }
+
+    fn send(&mut self, now: u64, wires: &mut Wires) {
+        let Some(&request) = self.out.front() else { return };
+        let place = self.dram.place(request.line);
+        let channel = &mut wires.to_channel[place.channel];
+        if channel.has_room() {
+            channel.put(now, DramRequest { request, place, activated: false, precharged: false });
+            self.out.pop_front();
+        }
+    }
+
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.answers.is_empty() && self.out.is_empty() && self.cache.on_their_way() == 0
+    }
+
+    pub fn counts(&self) -> &[CacheCounts; TrafficClass::ALL.len()] {
+        &self.cache.counts
+    }
+
+    pub fn queues(&self, wires: &Wires) -> String {
+        format!(
+            "requests {}/{}, misses under way {}, fills {}, answers {}, out {}",
+            wires.to_bank[self.index].len(),
+            self.spec.queue,
+            self.cache.on_their_way(),
+            wires.from_dram[self.index].len(),
+            self.answers.len(),
+            self.out.len()
+        )
+    }
+}

@@ -1,0 +1,74 @@
+//! What lies between two parts, in two phases: parts put and take, then the cycle's end settles what they did.
+
+use std::collections::VecDeque;
+
+/// A queue. What is put in can be taken `latency` cycles later; a place that is freed can be used in the next cycle.
+#[derive(Clone, Debug)]
+pub struct Link<T> {
+    places: usize,
+    latency: u64,
+    entries: VecDeque<(u64, T)>,
+    put: Vec<(u64, T)>,
+    /// Places that were free when the cycle began.
+    free: usize,
+}
+
+impl<T> Link<T> {
+    /// An empty queue of `places` places.
+    pub fn new(places: usize, latency: u64) -> Self {
+        Self { places, latency, entries: VecDeque::new(), put: Vec::new(), free: places }
+    }
+
+    /// An empty queue with a place for everything that can come.
+    pub fn unbounded() -> Self {
+        Self::new(usize::MAX, 1)
+    }
+
+    /// Whether there is a place.
+    pub fn has_room(&self) -> bool {
+        self.put.len() < self.free
+    }
+
+    /// Puts `entry` in cycle `now`.
+    pub fn put(&mut self, now: u64, entry: T) {
+        assert!(self.has_room(), "whoever puts has asked for room");
+        self.put.push((now + self.latency, entry));
+    }
+
+    /// The first entry, if it can be taken in cycle `now`.
+    pub fn first(&self, now: u64) -> Option<&T> {
+        self.entries.front().filter(|(at, _)| *at <= now).map(|(_, entry)| entry)
+    }
+
+    /// Takes the first entry, if that is possible in cycle `now`.
+    pub fn take(&mut self, now: u64) -> Option<T> {
+        self.first(now)?;
+        self.entries.pop_front().map(|(_, entry)| entry)
+    }
+
+    /// Entries in order that can be taken in cycle `now`.
+    pub fn entries(&mut self, now: u64) -> impl Iterator<Item = &mut T> {
+        self.entries.iter_mut().filter(move |(at, _)| *at <= now).map(|(_, entry)| entry)
+    }
+
+    /// Takes entry `index`, whatever stands before it.
+    pub fn remove(&mut self, index: usize) -> Option<T> {
+        self.entries.remove(index).map(|(_, entry)| entry)
+    }
+
+    /// The cycle ends: what was put is there, what was taken has left its place.
+    pub fn settle(&mut self) {
+        self.entries.extend(self.put.drain(..));
+        self.free = self.places - self.entries.len();
+    }
+
+    /// Whether nothing is there or was put.
+    pub fn is_empty(&self) -> bool {
+        self.entries.is_empty() && self.put.is_empty()
+    }
+
+    /// How many are there, for the report of a deadlock.
+    pub fn len(&self) -> usize {
+        self.entries.len() + self.put.len()
+    }
+}

@@ -1,0 +1,172 @@
+//! The plain engine: every part acts in every cycle, as MODEL.md says, and nothing else. It is slow, and the truth that the
+//! event-driven engine is held to: the two share specs, memory layout and tag arrays, no scheduling and no unit.
+//!
+//! A cycle has two phases: all parts act on what was there when the cycle began; then all links settle.
+
+mod cache;
+mod dram;
+mod host;
+mod intersection;
+mod l2;
+mod link;
+mod ray;
+mod shadow_cache;
+mod traversal;
+mod unit;
+mod wires;
+
+use self::dram::Channel;
+use self::host::Host;
+use self::intersection::Intersection;
+use self::l2::Bank;
+use self::shadow_cache::ShadowCache;
+use self::traversal::Traversal;
+use self::unit::Unit;
+use self::wires::Wires;
+use super::tally::{BankTally, ChannelTally, Tally};
+use super::{Engine, RunError, patience};
+use crate::machine::MachineSpec;
+use crate::machine::source::FrameCounts;
+use crate::memory::command::CommandLog;
+use crate::stream::{Header, Item};
+
+/// The machine.
+pub(super) struct Cycle {
+    host: Host,
+    traversal: Vec<Traversal>,
+    intersection: Vec<Intersection>,
+    shadow_cache: ShadowCache,
+    banks: Vec<Bank>,
+    channels: Vec<Channel>,
+    wires: Wires,
+    patience: u64,
+}
+
+/// The numbers below `count`, in the order in which their parts act in cycle `now`.
+fn in_turn(count: usize, now: u64) -> impl Iterator<Item = usize> {
+    let first = (now % count as u64) as usize;
+    (0..count).map(move |step| (first + step) % count)
+}
+
+impl Cycle {
+    pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
+        let (units, tests) = (spec.traversal.count.size(), spec.intersection.count.size());
+        let (pool, line) = (spec.dispatcher.rays.size(), spec.line_bytes.get());
+        let channel = |index| Channel::new(&spec.dram, index, spec.clock_mhz.get(), line);
+        Self {
+            host: Host::new(&spec.dispatcher, units, spec.traversal.rays.get()),
+            traversal: (0..units).map(|index| Traversal::new(&spec.traversal, index, line)).collect(),
+            intersection: (0..tests)
+                .map(|index| Intersection::new(&spec.intersection, index, units + index, line))
+                .collect(),
+            shadow_cache: ShadowCache::new(&spec.shadow_cache, pool, units + tests, line),
+            banks: (0..spec.l2.banks.size()).map(|index| Bank::new(&spec.l2, &spec.dram, index, line)).collect(),
+            channels: (0..spec.dram.channels.size()).map(channel).collect(),
+            wires: Wires::new(spec, header),
+            patience: patience(spec),
+        }
+    }
+
+    fn tick_units(&mut self, now: u64) {
+        let wires = &mut self.wires;
+        in_turn(self.traversal.len(), now).for_each(|index| self.traversal[index].tick(now, wires));
+        in_turn(self.intersection.len(), now).for_each(|index| self.intersection[index].tick(now, wires));
+        self.shadow_cache.tick(now, wires);
+        in_turn(self.banks.len(), now).for_each(|index| self.banks[index].tick(now, wires));
+        in_turn(self.channels.len(), now).for_each(|index| self.channels[index].tick(now, wires));
+        wires.settle();
+    }
+
+    fn drop_dynamic_lines(&mut self) {
+        let first = self.wires.layout.dynamic_part();
+        self.traversal.iter_mut().for_each(|unit| unit.unit.drop_from(first));
+        self.intersection.iter_mut().for_each(|unit| unit.unit.drop_from(first));
+        self.shadow_cache.unit.drop_from(first);
+        self.banks.iter_mut().for_each(|bank| bank.drop_from(first));
+    }
+
+    fn units(&self) -> [Vec<&Unit>; 3] {
+        [
+            self.traversal.iter().map(|unit| &unit.unit).collect(),
+            self.intersection.iter().map(|unit| &unit.unit).collect(),
+            vec![&self.shadow_cache.unit],
+        ]
+    }
+
+    fn memory_is_empty(&self) -> bool {
+        self.units().into_iter().flatten().all(Unit::memory_is_empty)
+            && self.banks.iter().all(Bank::is_empty)
+            && self.channels.iter().all(Channel::is_empty)
+            && self.wires.memory_is_empty()
+    }
+
+    fn queues(&self) -> String {
+        let wires = &self.wires;
+        let mut lines = vec![format!("dispatcher: {}", self.host.queues())];
+        let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
+        self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
+        self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(wires)));
+        list("shadow_cache", 0, self.shadow_cache.queues(wires));
+        self.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues(wires)));
+        self.channels.iter().enumerate().for_each(|(i, channel)| list("dram channel", i, channel.queues(wires)));
+        lines.join("\n")
+    }
+}
+
+impl Engine for Cycle {
+    fn run<E>(
+        &mut self,
+        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
+        mut frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
+    ) -> Result<u64, RunError<E>> {
+        let (mut progress, mut watched) = (0, 0);
+        for now in 0.. {
+            let cycle = self.host.tick(now, &mut next, &mut self.wires)?;
+            if let Some(counts) = cycle.frame_over {
+                frame_over(&counts)?;
+            }
+            if cycle.frame_began {
+                self.drop_dynamic_lines();
+            }
+            self.tick_units(now);
+            if self.host.is_finished() && self.memory_is_empty() {
+                return Ok(now + 1);
+            }
+            if now - watched == self.patience {
+                let progress_now = self.tally(now + 1).operations();
+                if progress_now == progress {
+                    return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
+                }
+                (progress, watched) = (progress_now, now);
+            }
+        }
+        unreachable!("the cycles do not end")
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let bank = |bank: &Bank| BankTally { cache: *bank.counts(), moved: bank.moved, reads: bank.reads };
+        let channel = |channel: &Channel| ChannelTally {
+            counts: channel.counts,
+            moved: channel.moved,
+            refresh_due: channel.refresh_is_due(cycles - 1),
+        };
+        Tally {
+            cycles,
+            rays: self.host.rays,
+            dispatcher: self.host.causes,
+            units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
+            banks: self.banks.iter().map(bank).collect(),
+            channels: self.channels.iter().map(channel).collect(),
+        }
+    }
+
+    #[cfg(test)]
+    fn keep_commands(&mut self) {
+        self.channels.iter_mut().for_each(|channel| channel.log.keep());
+    }
+
+    #[cfg(test)]
+    fn commands(&self) -> Vec<&CommandLog> {
+        self.channels.iter().map(|channel| &channel.log).collect()
+    }
+}

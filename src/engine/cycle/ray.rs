@@ -1,0 +1,52 @@
+//! A ray in the machine, or a step of a frame's end.
+
+use std::collections::VecDeque;
+use std::rc::Rc;
+
+use super::host::Group;
+use crate::stream::{Decision, RayKind, Step};
+
+/// The number of a pool entry, or, from the pool's size on, of an entry for a step of a frame's end.
+pub type Id = usize;
+
+/// Who sent a ray to an intersection unit, and gets it back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sender {
+    Traversal(usize),
+    ShadowCache,
+}
+
+/// Where a ray is in the stream.
+#[derive(Clone, Debug)]
+pub struct Origin {
+    pub group: Rc<Group>,
+    pub index: usize,
+}
+
+/// The ray.
+#[derive(Clone, Debug)]
+pub struct Ray {
+    pub kind: RayKind,
+    pub decision: Decision,
+    /// Steps of the path that are not performed yet.
+    pub path: VecDeque<Step>,
+    /// Steps of the policy that are not performed yet.
+    pub policy: VecDeque<Step>,
+    /// Whether the decision of a skipped ray is still to be made.
+    pub undecided: bool,
+    /// Whether the triangle test under way is at the edges.
+    pub at_edges: bool,
+    pub sender: Sender,
+    /// `None` for a step of a frame's end.
+    pub origin: Option<Origin>,
+}
+
+impl Ray {
+    /// The step that an intersection unit is to perform.
+    pub fn tested_step(&mut self) -> &mut VecDeque<Step> {
+        match self.sender {
+            Sender::Traversal(_) => &mut self.path,
+            Sender::ShadowCache => &mut self.policy,
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The traversal unit.
+
+use std::collections::VecDeque;
+
+use super::ray::{Id, Sender};
+use super::unit::Unit;
+use super::wires::Wires;
+use crate::machine::pipeline::WritePolicy;
+use crate::machine::traversal::TraversalSpec;
+use crate::stream::{RayKind, Step};
+
+pub struct Traversal {
+    index: usize,
+    pub unit: Unit,
+    /// The queue for intersection.
+    leaving: VecDeque<Id>,
+}
+
+impl Traversal {
+    pub fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
+        let unit = Unit::new(index, &spec.cache, spec.latency.get(), line, WritePolicy::Back);
+        Self { index, unit, leaving: VecDeque::new() }
+    }
+
+    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+        self.unit.fill_and_hit(now, wires);
+        if let Some(id) = self.unit.leave(now) {
+            let ray = wires.ray(id);
+            ray.path.pop_front();
+            match ray.kind {
+                RayKind::Primary | RayKind::Reflection | RayKind::Refraction => wires.replayed.node_visits += 1,
+                RayKind::Shadow => wires.replayed.shadow_node_visits += 1,
+            }
+            self.next_step(id, now, wires);
+        }
+        while let Some(id) = wires.tested[self.index].take(now) {
+            self.next_step(id, now, wires);
+        }
+        while let Some(id) = wires.dispatched[self.index].take(now) {
+            self.next_step(id, now, wires);
+        }
+        let began = self.unit.begin(now, &wires.layout);
+        self.unit.access(now);
+        if let Some(&id) = self.leaving.front()
+            && wires.send_to_test(now, id, id)
+        {
+            self.leaving.pop_front();
+        }
+        self.unit.send(now, wires);
+        self.unit.account(began, !self.leaving.is_empty(), false);
+    }
+
+    fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {
+        let ray = wires.ray(id);
+        match ray.path.front() {
+            Some(&Step::Node(node)) => self.unit.fetch(id, wires.layout.node(node), &wires.layout),
+            Some(_) => {
+                ray.sender = Sender::Traversal(self.index);
+                self.leaving.push_back(id);
+            }
+            None => {
+                let to = if ray.policy.is_empty() { &mut wires.done } else { &mut wires.retired };
+                to.put(now, id);
+                wires.freed_slots.put(now, self.index);
+            }
+        }
+    }
+
+    pub fn queues(&self) -> String {
+        format!("{}, leaving for intersection {}", self.unit.queues(), self.leaving.len())
+    }
+}

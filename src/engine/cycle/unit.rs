@@ -1,0 +1,235 @@
+//! What traversal, intersection and shadow-cache units have in common: steps 1 to 7 of their cycles.
+
+use std::collections::{BTreeMap, VecDeque};
+
+use super::cache::{Cache, Met};
+use super::ray::Id;
+use super::wires::{Request, Wires};
+use crate::engine::tally::UnitTally;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::pipeline::WritePolicy;
+use crate::memory::cache::CacheSpec;
+use crate::memory::tags::TagArray;
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::Cause;
+
+/// A fetch under way.
+#[derive(Clone, Debug)]
+struct Fetch {
+    element: Element,
+    /// Lines that are not accessed yet.
+    to_access: VecDeque<LineAddr>,
+    /// Lines that were accessed and have not come.
+    to_come: usize,
+}
+
+/// The unit.
+#[derive(Clone, Debug)]
+pub struct Unit {
+    /// The number of its L1.
+    l1: usize,
+    spec: CacheSpec,
+    latency: u64,
+    line: u64,
+    writes: WritePolicy,
+    cache: Cache<Id>,
+    out: VecDeque<Request>,
+    /// Fetches of all rays that fetch or wait for data.
+    fetches: BTreeMap<Id, Fetch>,
+    fetch_queue: VecDeque<Id>,
+    hits: VecDeque<(u64, Id)>,
+    /// Rays with all their data, and what that is.
+    ready: VecDeque<(Id, Option<Element>)>,
+    stages: VecDeque<(u64, Id)>,
+    pub tally: UnitTally,
+}
+
+impl Unit {
+    pub fn new(l1: usize, spec: &CacheSpec, latency: u64, line: u64, writes: WritePolicy) -> Self {
+        let sets = spec.bytes.get() / (line * spec.ways.get());
+        let tags = TagArray::new(sets as usize, spec.ways.size(), 0, spec.replacement);
+        Self {
+            l1,
+            spec: *spec,
+            latency,
+            line,
+            writes,
+            cache: Cache::new(tags, spec.mshrs.size(), spec.targets.size()),
+            out: VecDeque::new(),
+            fetches: BTreeMap::new(),
+            fetch_queue: VecDeque::new(),
+            hits: VecDeque::new(),
+            ready: VecDeque::new(),
+            stages: VecDeque::new(),
+            tally: UnitTally::default(),
+        }
+    }
+
+    fn out_has_room(&self) -> bool {
+        self.out.len() < self.spec.queue.size()
+    }
+
+    /// A ray begins to fetch `element`.
+    pub fn fetch(&mut self, id: Id, element: Element, layout: &Layout) {
+        let (first, count) = layout.lines(&element);
+        let to_access = (0..count).map(|line| LineAddr(first.0 + line)).collect();
+        self.fetches.insert(id, Fetch { element, to_access, to_come: 0 });
+        self.fetch_queue.push_back(id);
+    }
+
+    /// A ray is to have an operation without a fetch.
+    pub fn ready_without_fetch(&mut self, id: Id) {
+        self.ready.push_back((id, None));
+    }
+
+    /// Steps 1 and 2.
+    pub fn fill_and_hit(&mut self, now: u64, wires: &mut Wires) {
+        let lines = &mut wires.to_l1[self.l1];
+        if let Some(&line) = lines.first(now)
+            && let Some(filled) = self.cache.fill(line, self.out_has_room())
+        {
+            lines.take(now);
+            if let Some(victim) = filled.dirty_victim {
+                let bytes = Bytes(self.line);
+                self.out.push_back(Request {
+                    line: victim.line,
+                    class: victim.class,
+                    write: true,
+                    bytes,
+                    from: self.l1,
+                });
+            }
+            for id in filled.waited {
+                self.line_came(id);
+            }
+        }
+        while let Some(&(at, id)) = self.hits.front()
+            && at <= now
+        {
+            self.hits.pop_front();
+            self.line_came(id);
+        }
+    }
+
+    fn line_came(&mut self, id: Id) {
+        let fetch = self.fetches.get_mut(&id).expect("who waits for a line has a fetch under way");
+        fetch.to_come -= 1;
+        if fetch.to_come == 0 && fetch.to_access.is_empty() {
+            self.ready.push_back((id, Some(fetch.element)));
+            self.fetches.remove(&id);
+        }
+    }
+
+    /// Step 3: the ray whose operation ends.
+    pub fn leave(&mut self, now: u64) -> Option<Id> {
+        let &(_, id) = self.stages.front().filter(|&&(at, _)| at == now)?;
+        self.stages.pop_front();
+        Some(id)
+    }
+
+    /// Step 5: whether an operation began.
+    pub fn begin(&mut self, now: u64, layout: &Layout) -> bool {
+        let Some(&(id, element)) = self.ready.front() else { return false };
+        if let Some(element) = element.filter(|element| element.write && self.writes == WritePolicy::Through) {
+            if !self.out_has_room() {
+                return false;
+            }
+            let (line, _) = layout.lines(&element);
+            let bytes = Bytes(element.bytes);
+            self.out.push_back(Request { line, class: element.class, write: true, bytes, from: self.l1 });
+            self.tally.written_through[element.class as usize].writes += 1;
+            self.tally.written_through[element.class as usize].bytes += bytes;
+        }
+        self.ready.pop_front();
+        self.stages.push_back((now + self.latency, id));
+        true
+    }
+
+    /// Step 6.
+    pub fn access(&mut self, now: u64) {
+        for _ in 0..self.spec.ports.get() {
+            let Some(&id) = self.fetch_queue.front() else { return };
+            let room = self.out_has_room();
+            let Some(Fetch { element, to_access, to_come }) = self.fetches.get_mut(&id) else {
+                unreachable!("a ray of the fetch queue has a fetch under way")
+            };
+            let line = to_access[0];
+            let dirties = element.write && self.writes == WritePolicy::Back;
+            match self.cache.access(line, element.class, dirties, room, id) {
+                Met::Stop => return,
+                Met::Hit => self.hits.push_back((now + self.spec.latency.get(), id)),
+                Met::HalfMiss => {}
+                Met::Miss => {
+                    let (class, bytes) = (element.class, Bytes(self.line));
+                    self.out.push_back(Request { line, class, write: false, bytes, from: self.l1 });
+                }
+            }
+            to_access.pop_front();
+            *to_come += 1;
+            if to_access.is_empty() {
+                self.tally.requested[element.class as usize] += Bytes(element.bytes);
+                self.fetch_queue.pop_front();
+            }
+        }
+    }
+
+    /// Step 7.
+    pub fn send(&mut self, now: u64, wires: &mut Wires) {
+        let Some(&request) = self.out.front() else { return };
+        let banks = wires.to_bank.len() as u64;
+        let bank = &mut wires.to_bank[(request.line.0 % banks) as usize];
+        if bank.has_room() {
+            bank.put(now, request);
+            self.out.pop_front();
+        }
+    }
+
+    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit, `dividing` whether
+    /// one is in the divider.
+    pub fn account(&mut self, began: bool, leaving: bool, dividing: bool) {
+        let memory = !self.fetches.is_empty();
+        let pipeline = !self.stages.is_empty() || dividing;
+        let blocked = leaving || !self.ready.is_empty();
+        let cause = if began {
+            Cause::Busy
+        } else if !(memory || pipeline || blocked) {
+            Cause::Starved
+        } else if blocked {
+            Cause::Blocked
+        } else if memory {
+            Cause::Memory
+        } else {
+            Cause::Pipeline
+        };
+        self.tally.causes[cause as usize] += 1;
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    /// Whether nothing is on its way to or from memory.
+    pub fn memory_is_empty(&self) -> bool {
+        self.out.is_empty() && self.cache.on_their_way() == 0
+    }
+
+    /// What was counted.
+    pub fn tally(&self) -> UnitTally {
+        UnitTally { cache: self.cache.counts, ..self.tally.clone() }
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!(
+            "to fetch {}, fetches under way {}, ready {}, in the pipeline {}, misses under way {}, out {}/{}",
+            self.fetch_queue.len(),
+            self.fetches.len(),
+            self.ready.len(),
+            self.stages.len(),
+            self.cache.on_their_way(),
+            self.out.len(),
+            self.spec.queue
+        )
+    }
+}

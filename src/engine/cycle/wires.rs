@@ -1,0 +1,139 @@
+//! All links between the parts, and what all parts can see.
+
+use std::sync::Arc;
+
+use super::link::Link;
+use super::ray::{Id, Ray};
+use crate::machine::MachineSpec;
+use crate::machine::layout::Layout;
+use crate::memory::dram_timing::Place;
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::TrafficClass;
+use crate::stream::{Header, Totals};
+
+/// What a cache asks of the level below.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    pub line: LineAddr,
+    pub class: TrafficClass,
+    pub write: bool,
+    pub bytes: Bytes,
+    /// The L1, or the bank of the L2, that asks.
+    pub from: usize,
+}
+
+/// A request in a channel of the DRAM.
+#[derive(Clone, Copy, Debug)]
+pub struct DramRequest {
+    pub request: Request,
+    pub place: Place,
+    pub activated: bool,
+    pub precharged: bool,
+}
+
+/// Links and common knowledge.
+pub struct Wires {
+    /// The rays in the machine, by their entries.
+    pub rays: Vec<Option<Ray>>,
+    pub layout: Layout,
+    /// What was replayed of the frame so far.
+    pub replayed: Totals,
+    /// From the dispatcher to each traversal unit.
+    pub dispatched: Vec<Link<Id>>,
+    /// To each intersection unit.
+    pub tests: Vec<Link<Id>>,
+    /// From intersection units to each traversal unit.
+    pub tested: Vec<Link<Id>>,
+    /// From intersection units to the shadow-cache unit.
+    pub tested_for_policy: Link<Id>,
+    /// Retired and skipped rays to the shadow-cache unit.
+    pub retired: Link<Id>,
+    /// The steps of a frame's end to the shadow-cache unit.
+    pub frame_end: Link<Arc<Vec<u32>>>,
+    /// To the dispatcher: rays that are done.
+    pub done: Link<Id>,
+    /// To the dispatcher: units in which a slot was freed.
+    pub freed_slots: Link<usize>,
+    /// To the dispatcher: the frame is over.
+    pub frame_over: Link<()>,
+    /// From L1s to each bank of the L2.
+    pub to_bank: Vec<Link<Request>>,
+    /// From the L2 to each L1: traversal units', intersection units', the shadow-cache unit's.
+    pub to_l1: Vec<Link<LineAddr>>,
+    /// From banks to each channel of the DRAM.
+    pub to_channel: Vec<Link<DramRequest>>,
+    /// From the DRAM to each bank.
+    pub from_dram: Vec<Link<LineAddr>>,
+}
+
+impl Wires {
+    pub fn new(spec: &MachineSpec, header: &Header) -> Self {
+        fn links<T>(count: usize, link: impl Fn() -> Link<T>) -> Vec<Link<T>> {
+            (0..count).map(|_| link()).collect()
+        }
+        let units = spec.traversal.count.size();
+        let tests = spec.intersection.count.size();
+        let entries = spec.dispatcher.rays.size() + spec.shadow_cache.contexts.size();
+        Self {
+            rays: (0..entries).map(|_| None).collect(),
+            layout: Layout::new(header, spec.line_bytes.get()),
+            replayed: Totals::default(),
+            dispatched: links(units, || Link::new(usize::MAX, spec.dispatcher.latency.get())),
+            tests: links(tests, || Link::new(spec.intersection.queue.size(), 1)),
+            tested: links(units, Link::unbounded),
+            tested_for_policy: Link::unbounded(),
+            retired: Link::new(spec.dispatcher.rays.size(), 1),
+            frame_end: Link::unbounded(),
+            done: Link::unbounded(),
+            freed_slots: Link::unbounded(),
+            frame_over: Link::unbounded(),
+            to_bank: links(spec.l2.banks.size(), || Link::new(spec.l2.queue.size(), 1)),
+            to_l1: links(units + tests + 1, Link::unbounded),
+            to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
+            from_dram: links(spec.l2.banks.size(), Link::unbounded),
+        }
+    }
+
+    /// The cycle ends.
+    pub fn settle(&mut self) {
+        fn all<T>(links: &mut [Link<T>]) {
+            links.iter_mut().for_each(Link::settle);
+        }
+        all(&mut self.dispatched);
+        all(&mut self.tests);
+        all(&mut self.tested);
+        all(&mut self.to_bank);
+        all(&mut self.to_l1);
+        all(&mut self.to_channel);
+        all(&mut self.from_dram);
+        self.tested_for_policy.settle();
+        self.retired.settle();
+        self.frame_end.settle();
+        self.done.settle();
+        self.freed_slots.settle();
+        self.frame_over.settle();
+    }
+
+    /// The ray in entry `id`.
+    pub fn ray(&mut self, id: Id) -> &mut Ray {
+        self.rays[id].as_mut().expect("an entry that is under way holds a ray")
+    }
+
+    /// Sends a ray to the intersection unit that `number` chooses, if that has a place in its queue.
+    pub fn send_to_test(&mut self, now: u64, id: Id, number: usize) -> bool {
+        let unit = number % self.tests.len();
+        let room = self.tests[unit].has_room();
+        if room {
+            self.tests[unit].put(now, id);
+        }
+        room
+    }
+
+    /// Whether nothing is between L1s, L2 and DRAM.
+    pub fn memory_is_empty(&self) -> bool {
+        self.to_bank.iter().all(Link::is_empty)
+            && self.to_l1.iter().all(Link::is_empty)
+            && self.to_channel.iter().all(Link::is_empty)
+            && self.from_dram.iter().all(Link::is_empty)
+    }
+}

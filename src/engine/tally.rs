@@ -1,0 +1,149 @@
+//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of it.
+
+use std::collections::BTreeMap;
+
+use crate::machine::MachineSpec;
+use crate::machine::pipeline::WrittenThrough;
+use crate::quantity::{Bytes, Cycle};
+use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, TrafficClass};
+
+/// Something a class of traffic, in the order of [`TrafficClass::ALL`].
+pub type PerClass<T> = [T; TrafficClass::ALL.len()];
+/// Cycles a cause, at the places of their discriminants.
+pub type PerCause = [u64; Cause::ALL.len()];
+
+/// What a traversal, intersection or shadow-cache unit counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct UnitTally {
+    /// Cycles by cause.
+    pub causes: PerCause,
+    /// Accesses to its L1.
+    pub cache: PerClass<CacheCounts>,
+    /// Bytes that it asked its L1 for.
+    pub requested: PerClass<Bytes>,
+    /// Writes that went through its L1.
+    pub written_through: PerClass<WrittenThrough>,
+}
+
+/// What a bank of the L2 counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct BankTally {
+    /// Accesses.
+    pub cache: PerClass<CacheCounts>,
+    /// Bytes moved between L1s and the bank.
+    pub moved: PerClass<Bytes>,
+    /// Reads among the accesses.
+    pub reads: PerClass<u64>,
+}
+
+/// What a channel of the DRAM counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChannelTally {
+    /// Commands.
+    pub counts: DramCounts,
+    /// Bytes moved.
+    pub moved: PerClass<Bytes>,
+    /// Whether a refresh was due in the last cycle and not given.
+    pub refresh_due: bool,
+}
+
+/// What a whole run counted.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    /// Cycles that the run took.
+    pub cycles: u64,
+    /// Rays done, skipped ones not counted.
+    pub rays: u64,
+    /// The dispatcher's cycles by cause.
+    pub dispatcher: PerCause,
+    /// Traversal units, intersection units, the shadow-cache unit.
+    pub units: [Vec<UnitTally>; KINDS.len()],
+    /// Banks of the L2.
+    pub banks: Vec<BankTally>,
+    /// Channels of the DRAM.
+    pub channels: Vec<ChannelTally>,
+}
+
+/// The names of the kinds of [`Tally::units`], and of their L1s.
+const KINDS: [(&str, &str); 3] =
+    [("traversal", "l1_traversal"), ("intersection", "l1_intersection"), ("shadow_cache", "l1_shadow_cache")];
+
+impl Tally {
+    /// Operations begun so far, by any part: what the watchdog looks at.
+    pub fn operations(&self) -> u64 {
+        let busy = |causes: &PerCause| causes[Cause::Busy as usize];
+        let columns = |channel: &ChannelTally| channel.counts.reads + channel.counts.writes;
+        busy(&self.dispatcher)
+            + self.units.iter().flatten().map(|unit| busy(&unit.causes)).sum::<u64>()
+            + self.channels.iter().map(columns).sum::<u64>()
+    }
+
+    /// The commands of all channels.
+    pub fn commands(&self) -> DramCounts {
+        let mut sum = DramCounts::default();
+        for channel in &self.channels {
+            let DramCounts { reads, writes, row_hits, row_misses, row_conflicts, refreshes } = channel.counts;
+            sum.reads += reads;
+            sum.writes += writes;
+            sum.row_hits += row_hits;
+            sum.row_misses += row_misses;
+            sum.row_conflicts += row_conflicts;
+            sum.refreshes += refreshes;
+        }
+        sum
+    }
+
+    /// The run as reports have it.
+    pub fn stats(&self, machine: &MachineSpec) -> MachineStats {
+        let mut stats = MachineStats {
+            cycles: Cycle(self.cycles),
+            clock_mhz: machine.clock_mhz.get() as f64,
+            rays: self.rays,
+            dram: self.commands(),
+            dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
+            ..MachineStats::default()
+        };
+        for ((unit, level), units) in KINDS.into_iter().zip(&self.units) {
+            stats.caches.insert(level.into(), present(&sum_caches(units.iter().map(|unit| &unit.cache))));
+            stats.bytes.insert(level.into(), present(&sum_bytes(units.iter().map(|unit| &unit.requested))));
+            stats.units.insert(unit.into(), sum_causes(units.iter().map(|unit| &unit.causes)));
+            stats.unit_counts.insert(unit.into(), units.len() as u64);
+        }
+        stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));
+        stats.unit_counts.insert("dispatcher".into(), 1);
+        stats.caches.insert("l2".into(), present(&sum_caches(self.banks.iter().map(|bank| &bank.cache))));
+        stats.bytes.insert("l2".into(), present(&sum_bytes(self.banks.iter().map(|bank| &bank.moved))));
+        stats.bytes.insert("dram".into(), present(&sum_bytes(self.channels.iter().map(|channel| &channel.moved))));
+        stats
+    }
+}
+
+/// Accesses of several caches together.
+pub fn sum_caches<'a>(caches: impl Iterator<Item = &'a PerClass<CacheCounts>>) -> PerClass<CacheCounts> {
+    let mut sum = PerClass::<CacheCounts>::default();
+    for (class, counts) in caches.flat_map(|counts| counts.iter().enumerate()) {
+        sum[class].accesses += counts.accesses;
+        sum[class].hits += counts.hits;
+        sum[class].half_misses += counts.half_misses;
+        sum[class].misses += counts.misses;
+        sum[class].write_backs += counts.write_backs;
+    }
+    sum
+}
+
+/// Bytes of several parts together.
+pub fn sum_bytes<'a>(moved: impl Iterator<Item = &'a PerClass<Bytes>>) -> PerClass<Bytes> {
+    let mut sum = PerClass::default();
+    moved.for_each(|moved| sum.iter_mut().zip(moved).for_each(|(sum, &moved)| *sum += moved));
+    sum
+}
+
+/// What is not zero, by class: absent is absent.
+fn present<T: Default + PartialEq + Copy>(values: &PerClass<T>) -> BTreeMap<TrafficClass, T> {
+    TrafficClass::ALL.into_iter().zip(*values).filter(|(_, value)| *value != T::default()).collect()
+}
+
+fn sum_causes<'a>(causes: impl Iterator<Item = &'a PerCause> + Clone) -> BTreeMap<Cause, u64> {
+    let cycles = |cause: Cause| causes.clone().map(|causes| causes[cause as usize]).sum();
+    Cause::ALL.into_iter().map(|cause| (cause, cycles(cause))).collect()
+}

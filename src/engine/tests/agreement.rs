@@ -1,0 +1,127 @@
+//! Both engines give the same numbers.
+
+use std::cell::RefCell;
+use std::path::Path;
+
+use proptest::prelude::*;
+use proptest::test_runner::{Config, TestCaseError, TestError, TestRunner};
+
+use super::random::{machines, streams};
+use super::synthetic::header;
+use super::*;
+use crate::engine::tally::sum_caches;
+use crate::experiment::ron_file;
+use crate::memory::command::CommandLog;
+use crate::memory::legality::violations;
+use crate::stream::StreamReader;
+
+/// Runs for `cargo test`, or a long suite when the environment says so.
+pub fn cases(short: u32) -> u32 {
+    if std::env::var_os("UMBRASIM_LONG").is_some() { 20 * short } else { short }
+}
+
+fn counted(
+    engine: &mut impl Engine,
+    machine: &MachineSpec,
+    stream: &[Item],
+) -> Result<(Tally, Vec<CommandLog>), String> {
+    engine.keep_commands();
+    let tally = replay(engine, machine, items(stream.to_vec())).map_err(|error| error.to_string())?;
+    Ok((tally, engine.commands().into_iter().cloned().collect()))
+}
+
+/// What both engines counted, or where they differ.
+pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<(Tally, Vec<CommandLog>), String> {
+    let event = counted(&mut event::Event::new(machine, header), machine, stream)?;
+    let cycle = counted(&mut cycle::Cycle::new(machine, header), machine, stream)?;
+    for (channel, (event, cycle)) in event.1.iter().zip(&cycle.1).enumerate() {
+        if let Some(at) = event.commands().iter().zip(cycle.commands()).position(|(event, cycle)| event != cycle) {
+            let (event, cycle) = (event.commands()[at], cycle.commands()[at]);
+            return Err(format!("channel {channel}, command {at}: Event gives {event:?}, Cycle {cycle:?}"));
+        }
+    }
+    if event != cycle {
+        return Err(format!("Event counts {:#?}\nCycle {:#?}", event.0, cycle.0));
+    }
+    let (clock, line) = (machine.clock_mhz.get(), machine.line_bytes.get());
+    for (channel, log) in cycle.1.iter().enumerate() {
+        let found = violations(&machine.dram, clock, line, log.commands(), cycle.0.cycles);
+        if let Some(first) = found.first() {
+            return Err(format!("channel {channel}: {first:?} in {:#?}", log.commands()));
+        }
+    }
+    Ok(event)
+}
+
+/// Checks `test` on many values; the message of a failure is short.
+fn check_many<S: Strategy>(short: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
+    let config = Config { cases: cases(short), failure_persistence: None, ..Config::default() };
+    let result = TestRunner::new(config).run(&strategy, |value| test(value).map_err(TestCaseError::fail));
+    match result {
+        Ok(()) => {}
+        Err(TestError::Fail(why, value)) => panic!("{why}\nfor {value:#?}"),
+        Err(TestError::Abort(why)) => panic!("{why}"),
+    }
+}
+
+#[test]
+fn engines_agree_on_any_machine_and_stream() {
+    let all = RefCell::new(Vec::new());
+    check_many(200, (machines(), streams()), |(machine, stream)| {
+        let (tally, _) = agree(&machine, &header(), &stream)?;
+        all.borrow_mut().push(tally);
+        Ok(())
+    });
+    // The random cases must reach every count, or their agreement says little.
+    let all = all.into_inner();
+    for cause in Cause::ALL {
+        for kind in 0..3 {
+            let reached =
+                all.iter().filter(|tally| tally.units[kind].iter().any(|unit| unit.causes[cause as usize] > 0));
+            // An intersection unit hands on at once: its neighbours always have a place.
+            assert!(reached.count() > 20 || (kind, cause) == (1, Cause::Blocked), "kind {kind}: {cause:?}");
+        }
+        assert!(all.iter().any(|tally| tally.dispatcher[cause as usize] > 0) || cause == Cause::Memory, "{cause:?}");
+    }
+    let reached = |what: &str, count: fn(&Tally) -> u64| {
+        let reached = all.iter().filter(|tally| count(tally) > 0).count();
+        assert!(reached > 20, "{what}: in {reached} cases only");
+    };
+    reached("refreshes", |tally| tally.commands().refreshes);
+    reached("row hits", |tally| tally.commands().row_hits);
+    reached("row conflicts", |tally| tally.commands().row_conflicts);
+    reached("writes", |tally| tally.commands().writes);
+    for class in [TrafficClass::ModeWord, TrafficClass::PixelCounter, TrafficClass::OccluderId] {
+        let some = |count: &dyn Fn(&Tally) -> u64| all.iter().filter(|tally| count(tally) > 0).count();
+        let l2 = |tally: &Tally| sum_caches(tally.banks.iter().map(|bank| &bank.cache))[class as usize];
+        let l1 = |tally: &Tally| sum_caches(tally.units.iter().flatten().map(|unit| &unit.cache))[class as usize];
+        assert!(some(&|tally| l1(tally).write_backs) > 20 && some(&|tally| l2(tally).write_backs) > 20, "{class:?}");
+        assert!(some(&|tally| l2(tally).half_misses) > 0, "{class:?}");
+    }
+}
+
+/// What was recorded of the quickstart, on the shipped machines.
+#[test]
+fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reader = StreamReader::open(&root.join("traces/quickstart.rays")).unwrap();
+    let recorded = reader.header().clone();
+    let stream: Vec<Item> = reader.collect::<Result<_, _>>().unwrap();
+    for machine in std::fs::read_dir(root.join("configs/machines")).unwrap() {
+        let machine: MachineSpec = ron_file::read(&machine.unwrap().path()).unwrap();
+        agree(&machine, &recorded, &stream).unwrap_or_else(|why| panic!("{}: {why}", machine.name));
+    }
+}
+
+/// The same result when all parts act in all cycles.
+#[test]
+fn waking_more_often_changes_nothing() {
+    check_many(50, (machines(), streams()), |(machine, stream)| {
+        let mut engine = event::Event::new(&machine, &header());
+        let lazy = counted(&mut engine, &machine, &stream)?;
+        let mut engine = event::Event::new(&machine, &header());
+        engine.eager = true;
+        let eager = counted(&mut engine, &machine, &stream)?;
+        if lazy == eager { Ok(()) } else { Err("the eager run differs".into()) }
+    });
+}

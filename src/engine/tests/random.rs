@@ -1,0 +1,171 @@
+//! Random machines, from small to smallest, and random streams.
+
+use proptest::prelude::*;
+
+use super::synthetic::{STATIC, SyntheticRay, frame, triangle};
+use super::{num, pow};
+use crate::machine::MachineSpec;
+use crate::machine::pipeline::WritePolicy;
+use crate::memory::cache::CacheSpec;
+use crate::memory::dram_timing::{DramSpec, Field};
+use crate::memory::replacement::Policy;
+use crate::quantity::{ListId, NodeId};
+use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
+
+/// A latency: mostly small, one now and then, or as long as `most`.
+fn latency(most: u64) -> impl Strategy<Value = u64> {
+    prop_oneof![2 => Just(1), 6 => 1..10u64.min(most), 2 => 1..=60u64.min(most), 1 => Just(most)]
+}
+
+fn replacement() -> impl Strategy<Value = Policy> {
+    prop_oneof![
+        Just(Policy::Lru),
+        Just(Policy::Fifo),
+        Just(Policy::TreePlru),
+        (0..9u64).prop_map(|seed| Policy::Random { seed })
+    ]
+}
+
+fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
+    let shape = (0..3u32, 0..4u32, replacement(), latency(200));
+    (shape, 1..3u64, 1..4u64, 1..4u64, 1..4u64).prop_map(
+        move |((ways, sets, replacement, latency), ports, mshrs, targets, queue)| CacheSpec {
+            bytes: num((line << ways) << sets),
+            ways: num(1 << ways),
+            replacement,
+            latency: num(latency),
+            ports: num(ports),
+            mshrs: num(mshrs),
+            targets: num(targets),
+            queue: num(queue),
+        },
+    )
+}
+
+fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
+    let shape = (0..3u32, 0..3u32, 0..6u32, 0..3u32, 1..6u64, 0..3u32);
+    let wait = || prop_oneof![3 => 1..30u64, 1 => 1..300u64];
+    let waits = prop::collection::vec(wait(), 11);
+    let clocks = (prop_oneof![Just(1600u64), 100..4000u64], 1..9u64);
+    (shape, waits, clocks).prop_map(move |(shape, waits, (clock_mhz, burst_clocks))| {
+        let (channels, banks, columns, low, queue, burst) = shape;
+        let low = low.min(columns);
+        let mut dram = DramSpec {
+            clock_mhz: num(clock_mhz),
+            channels: pow(1 << channels),
+            banks: pow(1 << banks),
+            row_bytes: pow(line << columns),
+            burst_bytes: pow(line >> burst),
+            burst_clocks: num(burst_clocks),
+            queue: num(queue),
+            mapping: vec![
+                Field::Column(low),
+                Field::Channel(channels),
+                Field::Column(columns - low),
+                Field::Bank(banks),
+                Field::Row,
+            ],
+            ..DramSpec::default()
+        };
+        let timing = &mut dram.timing;
+        (timing.cl, timing.cwl, timing.rcd) = (num(waits[0]), num(waits[1]), num(waits[2]));
+        (timing.rp, timing.ras, timing.rrd) = (num(waits[3]), num(waits[4]), num(waits[5]));
+        (timing.rtp, timing.wr, timing.wtr) = (num(waits[6]), num(waits[7]), num(waits[8]));
+        timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
+        timing.rfc = num(waits[10]);
+        dram
+    })
+}
+
+/// A machine for lines of `line` bytes.
+fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
+    let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64, 1..5u64);
+    let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000), latency(300));
+    let caches = (cache(line), cache(line), cache(line), cache(line), 0..3u32);
+    let rest = (50..4000u64, any::<bool>(), 1..4000u64);
+    (counts, latencies, caches, dram(line), rest).prop_map(
+        move |(counts, latencies, caches, dram, (clock, back, refi))| {
+            let mut machine =
+                MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
+            // About the shortest interval of refreshes that is allowed, and a little more.
+            let mut interval = 100;
+            machine.dram.timing.refi = num(interval);
+            while machine.dram.check(line, clock).is_err() {
+                interval *= 2;
+                machine.dram.timing.refi = num(interval);
+            }
+            machine.dram.timing.refi = num(interval + refi);
+            machine.traversal.count = num(counts.0);
+            machine.traversal.rays = num(counts.1);
+            machine.intersection.count = num(counts.2);
+            machine.intersection.tests = num(counts.3);
+            machine.intersection.queue = num(counts.4);
+            machine.dispatcher.rays = num(counts.5);
+            machine.dispatcher.per_cycle = num(counts.6);
+            machine.shadow_cache.contexts = num(counts.7);
+            machine.shadow_cache.writes = if back { WritePolicy::Back } else { WritePolicy::Through };
+            machine.dispatcher.latency = num(latencies.0);
+            machine.traversal.latency = num(latencies.1);
+            machine.intersection.latency = num(latencies.2);
+            machine.intersection.divide_latency = num(latencies.3);
+            machine.shadow_cache.latency = num(latencies.4);
+            machine.dispatcher.shading_cycles = num(latencies.5);
+            machine.l2.latency = num(latencies.6);
+            machine.traversal.cache = caches.0;
+            machine.intersection.cache = caches.1;
+            machine.shadow_cache.cache = caches.2;
+            let (l2, banks) = (caches.3, caches.4);
+            (machine.l2.ways, machine.l2.bytes, machine.l2.banks) =
+                (l2.ways, num(l2.bytes.get() << banks), pow(1 << banks));
+            (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (l2.mshrs, l2.targets, l2.queue);
+            machine.l2.replacement = l2.replacement;
+            machine
+        },
+    )
+}
+
+/// Any machine.
+pub fn machines() -> impl Strategy<Value = MachineSpec> {
+    prop_oneof![machine(32), machine(64), machine(128)]
+}
+
+/// Any stream of a scene of [`super::synthetic::header`].
+pub fn streams() -> impl Strategy<Value = Vec<Item>> {
+    let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
+    let store = (0..3usize, 0..STATIC, 0..3u8).prop_map(move |(store, index, kind)| match kind {
+        0 => Step::Read { store: stores[store], index },
+        1 => Step::Write { store: stores[store], index },
+        _ => Step::Update { store: stores[store], index },
+    });
+    let traversal = (0..8u8, 0..40u32, 0..3usize).prop_map(|(kind, index, stop)| match kind {
+        0..4 => Step::Node(NodeId(index * index)),
+        4 => Step::Node(NodeId(STATIC + index)),
+        5 => Step::List(ListId(index)),
+        _ => triangle(index * 50, [Stop::Plane, Stop::Edges, Stop::Hit][stop]),
+    });
+    let traversal = traversal.boxed();
+    let path = prop::collection::vec(traversal.clone(), 0..12);
+    let policy = prop::collection::vec(prop_oneof![3 => store, 1 => traversal], 0..4).boxed();
+    let ray = (0..5u8, path, policy.clone());
+    let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
+        rays.into_iter()
+            .enumerate()
+            .map(|(index, (kind, path, policy))| {
+                let parent = 1 + (kind as u32 * 7 % index.max(1) as u32);
+                let ray = match (index, kind) {
+                    (0, _) => SyntheticRay::primary(path),
+                    (_, 0) => SyntheticRay::shadow(parent, Decision::Skip, Vec::new()),
+                    (_, 1) => SyntheticRay::shadow(parent, Decision::DynamicOnly, path),
+                    (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
+                    _ => SyntheticRay { kind: RayKind::Reflection, parent, ..SyntheticRay::primary(path) },
+                };
+                ray.with_policy(policy)
+            })
+            .collect::<Vec<_>>()
+    });
+    let frames = (prop::collection::vec(group, 0..12), policy, 1..9usize).prop_map(|(groups, end, chunk)| {
+        let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
+        frame(info, &groups.concat(), &end, chunk)
+    });
+    prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
+}
