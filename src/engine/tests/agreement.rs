@@ -9,7 +9,6 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, Test
 use super::random::{machines, streams};
 use super::synthetic::header;
 use super::*;
-use crate::engine::tally::sum_caches;
 use crate::memory::command::CommandLog;
 use crate::memory::legality::violations;
 use crate::ron_file;
