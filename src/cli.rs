@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine::{self, Fidelity};
+use umbrasim::engine::Fidelity;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, run, stress, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, trace};
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
@@ -162,10 +162,10 @@ pub fn execute(cli: Cli) -> Result<u8> {
         Command::Replay { stream, machine, fidelity, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
-            let header = reader.header().clone();
+            let policy = reader.header().policy.clone();
             let json = JsonFile::begin(json)?;
-            let stats = engine::run(&spec, fidelity, &header, reader)?;
-            print(report::replayed(&spec.name, &header.policy, &stats))?;
+            let stats = replay::replay_file(&spec, fidelity, reader)?;
+            print(report::replayed(&spec.name, &policy, &stats))?;
             json.finish(&stats)?;
             Ok(0)
         }

@@ -3,6 +3,9 @@
 use std::convert::Infallible;
 use std::path::Path;
 
+use indicatif::ProgressBar;
+
+use super::progress;
 use crate::culling::published::rules::{
     Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
 };
@@ -74,8 +77,11 @@ pub fn run() -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
     let specs: Vec<_> = policies.iter().map(|(_, spec)| spec.clone()).collect();
-    let cases = Case::all().map(|case| run_case(case, &specs)).collect();
-    StressSummary::new(named.collect(), cases, effects(), SCENES)
+    let bar = progress::bar(Case::all().count() + SCENES as usize, "cases").with_message("stress");
+    let cases = Case::all().map(|case| run_case(case, &specs)).inspect(|_| bar.inc(1)).collect();
+    let summary = StressSummary::new(named.collect(), cases, effects(&bar), SCENES);
+    bar.finish_and_clear();
+    summary
 }
 
 fn run_case(case: Case, specs: &[PolicySpec]) -> CaseSummary {
@@ -94,7 +100,7 @@ fn run_case(case: Case, specs: &[PolicySpec]) -> CaseSummary {
 }
 
 /// What each answer changes on random scenes, against the default answers on the same scene.
-fn effects() -> Vec<Effect> {
+fn effects(bar: &ProgressBar) -> Vec<Effect> {
     let published = |text: &str| {
         let spec = ron_file::parse(&format!("({text})"), Path::new("answers"));
         PolicySpec::Published(spec.expect("the list holds what a config can"))
@@ -121,6 +127,7 @@ fn effects() -> Vec<Effect> {
             changes.0.push(saving - base.0);
             changes.1.push(wrong - base.1);
         }
+        bar.inc(1);
     }
     let effect = |(option, (saving, wrong)): (&str, (Vec<f64>, Vec<f64>))| Effect {
         option: option.into(),
