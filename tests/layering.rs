@@ -16,7 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("scene", &["quantity", "ranged"]),
     ("reference", &["quantity", "scene"]),
     ("accel", &["quantity", "stream", "scene"]),
-    ("culling", &["quantity", "stream", "scene", "accel"]),
+    ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
     ("memory", &["quantity", "ranged", "stats"]),
