@@ -79,7 +79,7 @@ impl Shader<'_> {
     fn shadows(&self, surface: &Surface) -> ShadowBits {
         let start = surface.point + self.offset * surface.normal;
         let mut bits = ShadowBits::default();
-        if !surface.material.sends_back_light() {
+        if surface.material.is_perfect_mirror() {
             return bits;
         }
         for (light, bit) in self.frame.frame.lights.iter().zip((0..).map(|light| 1u64 << light)) {

@@ -107,9 +107,9 @@ pub struct Material {
 }
 
 impl Material {
-    /// Whether light that comes straight from a point light is sent back. Where it is not, no shadow ray is asked for.
-    pub fn sends_back_light(&self) -> bool {
-        self.diffuse != Vec3::ZERO || self.specular != Vec3::ZERO && self.shininess.is_finite()
+    /// Whether it only mirrors: nothing of it is lit by a point light, so no shadow ray is asked for.
+    pub fn is_perfect_mirror(&self) -> bool {
+        self.diffuse == Vec3::ZERO && self.specular != Vec3::ZERO && self.shininess.is_infinite()
     }
 }
 

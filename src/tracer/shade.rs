@@ -103,7 +103,7 @@ impl<'a> Shader<'a> {
     /// The shadow rays that the surface asks for: none if it sends back no light.
     pub fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
         let start = surface.point + surface.geometric * self.offset;
-        let asking = if surface.material.sends_back_light() { &self.frame.lights[..] } else { &[] };
+        let asking = if surface.material.is_perfect_mirror() { &[] } else { &self.frame.lights[..] };
         asking.iter().enumerate().filter_map(move |(index, light)| {
             let to_light = light.position - surface.point;
             let on_viewer_side = to_light.dot(surface.geometric) > 0.0;
