@@ -354,7 +354,8 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
             Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
-            Kind::KdTree(forest) => forest.blocks(ray, slot, watch),
+            // Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

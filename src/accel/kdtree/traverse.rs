@@ -180,13 +180,6 @@ impl Forest<'_> {
         (self.statics.bounds.low, self.statics.bounds.high)
     }
 
-    /// Whether the triangle in `slot` blocks the ray.
-    pub fn blocks(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
-        let (stop, blocked) = self.record(slot).blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
-    }
-
     /// Tests the triangle in `slot` alone: the distance of the hit, if there is one.
     pub fn test(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> Option<f32> {
         let (stop, hit) = self.record(slot).test(ray);
