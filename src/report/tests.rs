@@ -170,6 +170,7 @@ fn plots_are_well_formed_and_the_same_twice() {
         names,
         [
             "saving",
+            "tradeoff",
             "wrong",
             "bytes-small",
             "bytes-desktop",
