@@ -1,6 +1,7 @@
 //! The command line: what a user can ask for, and the flow of each command.
 
-use std::io::Write;
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -8,9 +9,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine::{self, Fidelity};
+use umbrasim::engine::Fidelity;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, run, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, trace};
+use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
 use umbrasim::stream::{StreamReader, inspect};
@@ -82,6 +84,15 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// Run every culling policy on every small scene that is known to break one, and write a failure map
+    ///
+    /// Beside the map, the report shows how far other answers to what the published text leaves open move saving and
+    /// error. The command fails if a policy that must never be wrong is.
+    Stress {
+        /// Where the report goes
+        #[arg(long, value_name = "DIR", default_value = "reports/stress")]
+        out: PathBuf,
+    },
     /// Say what a recorded ray stream holds
     Inspect {
         /// The stream's file
@@ -145,39 +156,46 @@ pub fn execute(cli: Cli) -> Result<u8> {
         Command::Trace { experiment, output, policy } => {
             let stop = stop_on_interrupt()?;
             trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop)?;
-            println!("{}", output.display());
+            print(output.display())?;
             Ok(0)
         }
         Command::Replay { stream, machine, fidelity, json } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
-            let header = reader.header().clone();
-            let stats = engine::run(&spec, fidelity, &header, reader)?;
-            println!("{}", report::replayed(&spec.name, &header.policy, &stats));
-            if let Some(json) = json {
-                write_whole(&json, serde_json::to_string_pretty(&stats)?.as_bytes())?;
-            }
+            let policy = reader.header().policy.clone();
+            let json = JsonFile::begin(json)?;
+            let stats = replay::replay_file(&spec, fidelity, reader)?;
+            print(report::replayed(&spec.name, &policy, &stats))?;
+            json.finish(&stats)?;
             Ok(0)
+        }
+        Command::Stress { out } => {
+            report::check_target(&out)?;
+            let summary = stress::run();
+            report::stress::write_stress(&out, &summary)?;
+            let broken = summary.broken();
+            broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
+            println!("{}", out.join(report::PAGE_FILE).display());
+            Ok(u8::from(!broken.is_empty()))
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;
             let text = if json { serde_json::to_string_pretty(&inspection)? } else { inspect::render(&inspection) };
-            println!("{text}");
+            print(text)?;
             Ok(0)
         }
         Command::PaperTable { config, json } => {
+            let json = JsonFile::begin(json)?;
             let stop = stop_on_interrupt()?;
             let readings = paper::paper_table(&config, &stop)?;
-            println!("{}", report::drawn(&paper::grid(&readings)));
-            println!("\ndistance: root mean square of the differences of the four shares, in points");
-            if let Some(json) = json {
-                write_whole(&json, serde_json::to_string_pretty(&readings)?.as_bytes())?;
-            }
+            print(report::drawn(&paper::grid(&readings)))?;
+            print("\ndistance: root mean square of the differences of the four shares, in points")?;
+            json.finish(&readings)?;
             Ok(u8::from(stop.load(Ordering::Relaxed)))
         }
         Command::Plot { report } => {
             report::redraw(&report)?;
-            println!("{}", report.join(report::PAGE_FILE).display());
+            print(report.join(report::PAGE_FILE).display())?;
             Ok(0)
         }
     }
@@ -189,24 +207,43 @@ fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -
     }
     let stop = stop_on_interrupt()?;
     let result = run::run(experiment, machines, &stop)?;
-    println!("{}", report::terminal(&result.summary));
+    print(report::terminal(&result.summary))?;
     if let Some(out) = out {
         report::write_report(out, &result)?;
-        println!("{}", out.join(report::PAGE_FILE).display());
+        print(out.join(report::PAGE_FILE).display())?;
     }
     Ok(u8::from(stop.load(Ordering::Relaxed)))
 }
 
-/// Writes a file beside its place and moves it there: it is there whole or not at all.
-fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let write = || -> std::io::Result<()> {
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        file.write_all(bytes)?;
-        file.persist(path)?;
-        Ok(())
-    };
-    write().with_context(|| format!("cannot write {}", path.display()))
+/// Prints a line. A reader that has gone away (`| head`) wants no more, which is no error.
+fn print(text: impl Display) -> Result<()> {
+    match writeln!(io::stdout(), "{text}") {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(error).context("cannot write to standard output")
+        }
+        _ => Ok(()),
+    }
+}
+
+/// A file for measurements, if the user wants one. It is begun before the work, which would be lost if it could not be.
+struct JsonFile(Option<(PathBuf, NewFile)>);
+
+impl JsonFile {
+    fn begin(path: Option<PathBuf>) -> Result<Self> {
+        let begin = |path: PathBuf| {
+            let file = NewFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            anyhow::Ok((path, file))
+        };
+        Ok(Self(path.map(begin).transpose()?))
+    }
+
+    fn finish(self, measured: &impl serde::Serialize) -> Result<()> {
+        let Some((path, mut file)) = self.0 else { return Ok(()) };
+        let text = serde_json::to_string_pretty(measured)?;
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.finish())
+            .with_context(|| format!("cannot write {}", path.display()))
+    }
 }
 
 /// A flag that the first Ctrl-C sets; the second one ends the program at once.

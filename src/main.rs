@@ -7,9 +7,12 @@ use std::process::ExitCode;
 use clap::Parser;
 use umbrasim::engine::RunError;
 use umbrasim::experiment::run::RunFailure;
+use umbrasim::experiment::trace::TraceError;
 use umbrasim::stream::StreamError;
 
 fn main() -> ExitCode {
+    #[cfg(unix)]
+    outlive_size_limits();
     match cli::execute(cli::Cli::parse()) {
         Ok(status) => ExitCode::from(status),
         Err(error) => {
@@ -19,10 +22,22 @@ fn main() -> ExitCode {
     }
 }
 
-/// 1 for what went wrong inside a simulation, 2 for what the user can mend.
+/// Makes a write beyond a file size limit an error, as one to a full disk is; else a signal would end the program without
+/// a word and leave its temporary files behind.
+#[cfg(unix)]
+fn outlive_size_limits() {
+    use nix::sys::signal::{SigSet, Signal};
+    let mut blocked = SigSet::empty();
+    blocked.add(Signal::SIGXFSZ);
+    // Threads started later inherit this. Without it the program still works, but for that message.
+    let _ = blocked.thread_block();
+}
+
+/// 1 for what was stopped or went wrong inside a simulation, 2 for what the user can mend.
 fn status(error: &anyhow::Error) -> u8 {
     let replay_failed = error.downcast_ref::<RunError<StreamError>>().is_some_and(|error| {
         matches!(error, RunError::Counts { .. } | RunError::Invariant(_) | RunError::Deadlock { .. })
     });
-    if replay_failed || error.is::<RunFailure>() { 1 } else { 2 }
+    let stopped = matches!(error.downcast_ref(), Some(TraceError::Stopped));
+    if replay_failed || stopped || error.is::<RunFailure>() { 1 } else { 2 }
 }

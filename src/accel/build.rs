@@ -33,6 +33,8 @@ pub struct Base {
     pub node: u32,
     /// The tree's first triangle slot.
     pub slot: u32,
+    /// The tree's first entry of primitive lists.
+    pub list: u32,
 }
 
 /// A node width that obvhs can build.

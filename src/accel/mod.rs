@@ -2,21 +2,28 @@
 //!
 //! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own.
 
+mod ancestry;
 pub mod build;
+pub mod kdtree;
 pub mod ray;
+pub mod shaft;
+#[cfg(test)]
+mod tests;
 pub mod trail;
 pub mod tree;
 pub mod triangle;
 
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use obvhs::BvhBuildParams;
 use serde::{Deserialize, Serialize};
 
+use self::ancestry::Ancestry;
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
+pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
-use crate::quantity::{PrimitiveId, TriangleSlot};
+use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 use crate::scene::{Frame, Scene};
 use crate::stream::{FrameInfo, Structure};
 
@@ -30,22 +37,30 @@ pub struct AccelSpec {
     pub statics: Quality,
     /// How much work goes into the dynamic tree, each frame.
     pub dynamic: Quality,
+    /// The order of a kd-tree's nodes; the other structures have one order only.
+    pub kd_layout: kdtree::Layout,
 }
 
 impl Default for AccelSpec {
     fn default() -> Self {
-        Self { structure: Structure::Bvh2, statics: Quality::Best, dynamic: Quality::Fast }
+        Self {
+            structure: Structure::Bvh2,
+            statics: Quality::Best,
+            dynamic: Quality::Fast,
+            kd_layout: kdtree::Layout::Ordered,
+        }
     }
 }
 
-/// How well a tree is built: presets of obvhs without pre-splits, so that each triangle has one record.
+/// How well a tree is built. For BVHs, presets of obvhs without pre-splits, so that each triangle has one record; for
+/// kd-trees see [`kdtree::build`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Quality {
     /// For trees that live one frame.
     Fast,
     /// A good tree.
     Medium,
-    /// The best that obvhs builds.
+    /// The best that there is.
     Best,
 }
 
@@ -67,6 +82,19 @@ pub enum Scope {
     All,
     /// Dynamic triangles only.
     Dynamic,
+    /// Static triangles only.
+    Static,
+}
+
+/// In which order a shadow ray visits the children of a node that it meets. It changes what is visited before a blocker
+/// is found, never whether one is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Order {
+    /// By where the ray enters their boxes.
+    #[default]
+    NearestFirst,
+    /// By the area of their boxes (SATO: Nah and Manocha 2014).
+    LargestFirst,
 }
 
 /// The nearest hit of a ray.
@@ -88,11 +116,14 @@ pub struct Accel {
     statics: Statics,
     /// The slot of each static primitive.
     slots: Vec<TriangleSlot>,
+    /// Of a BVH.
+    ancestry: Option<Ancestry>,
 }
 
 enum Statics {
     Bvh2(Tree<2>),
     CwBvh(Tree<8>),
+    KdTree(kdtree::Tree),
 }
 
 impl Accel {
@@ -107,19 +138,26 @@ impl Accel {
             .map(|(index, triangle)| Item { primitive: PrimitiveId(index as u32), triangle })
             .collect();
         let params = spec.statics.params();
-        let (statics, slots) = match spec.structure {
+        let (statics, slots, ancestry) = match spec.structure {
             Structure::Bvh2 => {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
-                (Statics::Bvh2(tree), slots)
+                let ancestry = Ancestry::of(&tree);
+                (Statics::Bvh2(tree), slots, Some(ancestry))
             }
             Structure::CwBvh => {
                 let tree = static_tree(&items, params, joined);
                 let slots = slots(&tree.records, 0, items.len());
-                (Statics::CwBvh(tree), slots)
+                let ancestry = Ancestry::of(&tree);
+                (Statics::CwBvh(tree), slots, Some(ancestry))
+            }
+            Structure::KdTree => {
+                let tree = kdtree::build_static(&items, spec.statics, spec.kd_layout, joined);
+                let slots = slots(&tree.records, 0, items.len());
+                (Statics::KdTree(tree), slots, None)
             }
         };
-        Self { spec, joined, statics, slots }
+        Self { spec, joined, statics, slots, ancestry }
     }
 
     /// Which structure it is.
@@ -132,6 +170,15 @@ impl Accel {
         match &self.statics {
             Statics::Bvh2(tree) => tree.nodes.len() as u32,
             Statics::CwBvh(tree) => tree.nodes.len() as u32,
+            Statics::KdTree(tree) => tree.nodes.len() as u32,
+        }
+    }
+
+    /// The number of entries of the static tree's primitive lists.
+    pub fn static_list_entries(&self) -> u32 {
+        match &self.statics {
+            Statics::Bvh2(_) | Statics::CwBvh(_) => 0,
+            Statics::KdTree(tree) => tree.lists.len() as u32,
         }
     }
 
@@ -151,29 +198,35 @@ impl Accel {
             .filter(|&(index, _)| frame.visible[index])
             .map(|(index, triangle)| Item { primitive: PrimitiveId(first + index as u32), triangle })
             .collect();
-        let base = Base { node: self.static_nodes(), slot: self.static_slots() };
+        let base = Base { node: self.static_nodes(), slot: self.static_slots(), list: self.static_list_entries() };
         let params = self.spec.dynamic.params();
-        let (forest, nodes, dynamic_slots) = match &self.statics {
+        let (forest, nodes, list_entries, dynamic_slots) = match &self.statics {
             Statics::Bvh2(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::Bvh2(forest), nodes, slots)
+                (Kind::Bvh2(forest), nodes, 0, slots)
             }
             Statics::CwBvh(statics) => {
                 let forest = forest(statics, self.joined, &items, params, base);
                 let slots = slots(&forest.dynamic.records, first, scene.dynamic_count);
                 let nodes = forest.dynamic.nodes.len();
-                (Kind::CwBvh(forest), nodes, slots)
+                (Kind::CwBvh(forest), nodes, 0, slots)
+            }
+            Statics::KdTree(statics) => {
+                let dynamic = kdtree::build(&items, self.spec.dynamic, self.spec.kd_layout, base);
+                let slots = slots(&dynamic.records, first, scene.dynamic_count);
+                let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
+                (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
             }
         };
         let info = FrameInfo {
             number: frame.number,
             dynamic_nodes: nodes as u32,
             dynamic_slots: items.len() as u32,
-            dynamic_list_entries: 0,
+            dynamic_list_entries: list_entries as u32,
         };
-        World { forest, info, static_slots: &self.slots, dynamic_slots }
+        World { forest, info, static_slots: &self.slots, ancestry: self.ancestry.as_ref(), dynamic_slots }
     }
 }
 
@@ -188,7 +241,7 @@ where
     if !joined {
         return Tree::build(items, params, Base::default());
     }
-    let mut tree = Tree::build(items, params, Base { node: 1, slot: 0 });
+    let mut tree = Tree::build(items, params, Base { node: 1, ..Base::default() });
     tree.nodes.insert(0, Node::default());
     tree
 }
@@ -234,6 +287,7 @@ fn slots(records: &[triangle::Record], first: u32, count: usize) -> Vec<Triangle
 enum Kind<'a> {
     Bvh2(Forest<'a, 2>),
     CwBvh(Forest<'a, 8>),
+    KdTree(kdtree::Forest<'a>),
 }
 
 /// Everything that rays can meet in one frame.
@@ -241,9 +295,13 @@ pub struct World<'a> {
     forest: Kind<'a>,
     info: FrameInfo,
     static_slots: &'a [TriangleSlot],
+    ancestry: Option<&'a Ancestry>,
     /// Slots of dynamic primitives, counted from the first dynamic slot.
     dynamic_slots: Vec<TriangleSlot>,
 }
+
+/// Why some methods are never called on a kd-tree.
+const BOXES_ONLY: &str = "a policy that needs a tree of boxes is refused with a kd-tree before it is built";
 
 impl World<'_> {
     /// Sizes of the frame's dynamic part.
@@ -256,14 +314,63 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.closest(*ray, watch),
             Kind::CwBvh(forest) => forest.closest(*ray, watch),
+            Kind::KdTree(forest) => forest.closest(*ray, watch),
         }
     }
 
     /// A triangle that blocks the ray; if it is dynamic, no static triangle blocks.
     pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        self.occluded_in_order(ray, scope, Order::NearestFirst, watch)
+    }
+
+    /// The same, with the children of a BVH's nodes visited in `order`: perhaps another triangle, and yet one if there is one. A
+    /// kd-tree is walked front to back.
+    pub fn occluded_in_order(
+        &self,
+        ray: &Ray,
+        scope: Scope,
+        order: Order,
+        watch: &mut impl Observer,
+    ) -> Option<PrimitiveId> {
         match &self.forest {
-            Kind::Bvh2(forest) => forest.occluded(ray, scope, watch),
-            Kind::CwBvh(forest) => forest.occluded(ray, scope, watch),
+            Kind::Bvh2(forest) => forest.occluded(ray, scope, order, watch),
+            Kind::CwBvh(forest) => forest.occluded(ray, scope, order, watch),
+            Kind::KdTree(forest) => forest.occluded(ray, scope, watch),
+        }
+    }
+
+    /// A static triangle below the static node `node` of a BVH that blocks the ray.
+    pub fn occluded_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.occluded_below(ray, node, watch),
+            Kind::CwBvh(forest) => forest.occluded_below(ray, node, watch),
+            Kind::KdTree(_) => unreachable!("{BOXES_ONLY}"),
+        }
+    }
+
+    /// Whether one visible primitive's triangle blocks the ray. If it does, [`World::occluded`] finds a blocker too.
+    pub fn blocks(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
+            // Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
+        }
+    }
+
+    /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
+    /// Level 1 is the node that holds the leaf. For a BVH.
+    pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
+        self.ancestry.expect(BOXES_ONLY).ancestor(self.slot(primitive), levels)
+    }
+
+    /// The box around all static triangles; empty without any.
+    pub fn static_bounds(&self) -> (Vec3, Vec3) {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.static_bounds(),
+            Kind::CwBvh(forest) => forest.static_bounds(),
+            Kind::KdTree(forest) => forest.static_bounds(),
         }
     }
 
@@ -273,6 +380,46 @@ impl World<'_> {
         match &self.forest {
             Kind::Bvh2(forest) => forest.test(ray, slot, watch),
             Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+            Kind::KdTree(forest) => forest.test(ray, slot, watch),
+        }
+    }
+
+    /// A static triangle's record.
+    pub fn static_record(&self, primitive: PrimitiveId) -> &triangle::Record {
+        let slot = self.slot(primitive).0 as usize;
+        match &self.forest {
+            Kind::Bvh2(forest) => &forest.statics.records[slot],
+            Kind::CwBvh(forest) => &forest.statics.records[slot],
+            Kind::KdTree(forest) => &forest.statics.records[slot],
+        }
+    }
+
+    /// Looks for static blockers of the rays of `shaft`.
+    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.sight(shaft, watch),
+            Kind::CwBvh(forest) => forest.sight(shaft, watch),
+            Kind::KdTree(forest) => forest.sight(shaft, watch),
+        }
+    }
+
+    /// What a static triangle does to the rays of `shaft`.
+    pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
+            Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
+            Kind::KdTree(forest) => forest.relation(shaft, slot, watch),
+        }
+    }
+
+    /// Whether a static triangle is certain to block `ray`, also when the tree is traversed.
+    pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
+        let slot = self.slot(primitive);
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

@@ -1,12 +1,14 @@
 //! What watches a traversal: a recorder, or nothing.
 
-use crate::quantity::{NodeId, TriangleSlot};
+use crate::quantity::{ListId, NodeId, TriangleSlot};
 use crate::stream::{Step, Stop, Store};
 
 /// Is told of every step of a traversal, in order.
 pub trait Observer {
     /// A node was fetched and its children tested.
     fn node(&mut self, node: NodeId);
+    /// An entry of a primitive list was read.
+    fn list(&mut self, entry: ListId);
     /// A triangle was tested.
     fn triangle(&mut self, slot: TriangleSlot, stop: Stop);
 }
@@ -16,6 +18,7 @@ pub struct Silent;
 
 impl Observer for Silent {
     fn node(&mut self, _: NodeId) {}
+    fn list(&mut self, _: ListId) {}
     fn triangle(&mut self, _: TriangleSlot, _: Stop) {}
 }
 
@@ -26,6 +29,8 @@ pub struct Trail {
     pub steps: Vec<u32>,
     /// Nodes visited.
     pub nodes: u64,
+    /// Entries of primitive lists read.
+    pub lists: u64,
     /// Triangles tested.
     pub triangles: u64,
     /// Entries of stores read.
@@ -41,6 +46,8 @@ pub struct Path<'a> {
     pub steps: &'a [u32],
     /// Nodes visited.
     pub nodes: u64,
+    /// Entries of primitive lists read.
+    pub lists: u64,
     /// Triangles tested.
     pub triangles: u64,
 }
@@ -50,13 +57,14 @@ pub struct Path<'a> {
 pub struct Mark {
     steps: usize,
     nodes: u64,
+    lists: u64,
     triangles: u64,
 }
 
 impl Trail {
     /// How far the trail has come.
     pub fn mark(&self) -> Mark {
-        Mark { steps: self.steps.len(), nodes: self.nodes, triangles: self.triangles }
+        Mark { steps: self.steps.len(), nodes: self.nodes, lists: self.lists, triangles: self.triangles }
     }
 
     /// The part between two marks.
@@ -64,6 +72,7 @@ impl Trail {
         Path {
             steps: &self.steps[start.steps..end.steps],
             nodes: end.nodes - start.nodes,
+            lists: end.lists - start.lists,
             triangles: end.triangles - start.triangles,
         }
     }
@@ -86,6 +95,12 @@ impl Trail {
         self.steps.push(Step::Read { store, index }.pack());
     }
 
+    /// An entry of a store was written whole.
+    pub fn write(&mut self, store: Store, index: u32) {
+        self.writes += 1;
+        self.steps.push(Step::Write { store, index }.pack());
+    }
+
     /// An entry of a store was read, changed and written.
     pub fn update(&mut self, store: Store, index: u32) {
         self.writes += 1;
@@ -97,6 +112,11 @@ impl Observer for Trail {
     fn node(&mut self, node: NodeId) {
         self.nodes += 1;
         self.steps.push(Step::Node(node).pack());
+    }
+
+    fn list(&mut self, entry: ListId) {
+        self.lists += 1;
+        self.steps.push(Step::List(entry).pack());
     }
 
     fn triangle(&mut self, slot: TriangleSlot, stop: Stop) {

@@ -1,14 +1,15 @@
 //! Trees of boxes with `N` children a node, and how a ray walks them: one loop for the BVH2 (`N` = 2) and the CwBVH
 //! (`N` = 8).
 //!
-//! Children are visited nearest first, ties in the node's own order; a child that lies behind the nearest hit by the
+//! Children are visited nearest first, unless a shadow ray asks for another order, ties in the node's own order; a child that lies behind the nearest hit by the
 //! time it is taken from the stack is dropped without a visit.
 
 use glam::Vec3;
 
+use super::ray::SLAB;
 use super::trail::Observer;
 use super::triangle::Record;
-use super::{Hit, Ray, Scope};
+use super::{Hit, Order, Ray, Scope};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 
 /// A reference to a child: a run of triangle slots, another node, or nothing.
@@ -47,10 +48,6 @@ impl<const N: usize> Default for Node<N> {
     }
 }
 
-/// Widens the far side of a slab test, and the reach of a ray, by more than rounding can narrow them: 1 + 2 gamma(3),
-/// rounded up (Ize 2013, "Robust BVH Ray Traversal").
-const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
-
 impl<const N: usize> Node<N> {
     /// Makes `child` the child number `at`, with the given box.
     pub fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
@@ -74,34 +71,14 @@ impl<const N: usize> Node<N> {
     /// Where the ray enters each child's box, and infinity where it misses it.
     #[inline(always)]
     fn entries(&self, ray: &Ray) -> [f32; N] {
-        let mut near = [0.0f32; N];
-        let mut far = [ray.reach; N];
-        for axis in 0..3 {
-            let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
-            let (entry, exit) =
-                if inverse < 0.0 { (&self.high[axis], &self.low[axis]) } else { (&self.low[axis], &self.high[axis]) };
-            for child in 0..N {
-                near[child] = larger(near[child], (entry[child] - origin) * inverse);
-                far[child] = smaller(far[child], (exit[child] - origin) * inverse);
-            }
-        }
-        for child in 0..N {
-            if near[child] > far[child] * SLAB {
-                near[child] = f32::INFINITY;
-            }
-        }
-        near
+        ray.entries(&self.low, &self.high)
     }
-}
 
-/// The smaller of two numbers that are no NaN: one instruction, where `f32::min` takes several.
-fn smaller(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
-}
-
-/// The larger of two numbers that are no NaN.
-fn larger(a: f32, b: f32) -> f32 {
-    if a > b { a } else { b }
+    /// Half the area of a child's box.
+    fn half_area(&self, child: usize) -> f32 {
+        let [x, y, z] = [0, 1, 2].map(|axis| self.high[axis][child] - self.low[axis][child]);
+        x * y + y * z + z * x
+    }
 }
 
 /// A tree over static or dynamic triangles. Ids of nodes and slots are global (see [`NodeId`], [`TriangleSlot`]).
@@ -125,10 +102,17 @@ pub struct Forest<'a, const N: usize> {
     pub dynamic: Tree<N>,
 }
 
-/// Children that wait, with the ray's entry. One allocation a ray is faster here than a stack that may spill.
+/// Children that wait, each with what it is sorted by among its siblings. One allocation a ray is faster here than a stack
+/// that may spill.
 type Stack = Vec<(f32, Child)>;
 
 impl<const N: usize> Forest<'_, N> {
+    /// The box around the static tree.
+    pub fn static_bounds(&self) -> (Vec3, Vec3) {
+        let root = if self.joined { self.statics.nodes.get(1) } else { self.statics.nodes.first() };
+        root.unwrap_or(&Node::default()).bounds()
+    }
+
     fn node(&self, id: u32) -> &Node<N> {
         let id = id as usize;
         self.statics.nodes.get(id).unwrap_or_else(|| &self.dynamic.nodes[id - self.statics.nodes.len()])
@@ -139,18 +123,23 @@ impl<const N: usize> Forest<'_, N> {
         self.statics.records.get(slot).unwrap_or_else(|| &self.dynamic.records[slot - self.statics.records.len()])
     }
 
-    /// Visits a node: pushes the children that the ray meets, the nearest last.
-    fn visit(&self, node: &Node<N>, ray: &Ray, stack: &mut Stack) {
+    /// Visits a node: pushes the children that the ray meets, the first in `order` last.
+    fn visit(&self, node: &Node<N>, ray: &Ray, order: Order, stack: &mut Stack) {
         let entries = node.entries(ray);
         let first = stack.len();
-        for (entry, &child) in entries.into_iter().zip(&node.children) {
+        for (number, (entry, &child)) in entries.into_iter().zip(&node.children).enumerate() {
             if entry < f32::INFINITY {
-                // Insertion, farthest first; an equal entry goes below, so that the node's own order decides a tie.
+                let key = match order {
+                    Order::NearestFirst => entry,
+                    Order::LargestFirst => -node.half_area(number),
+                };
+                // Insertion, the last in order first; an equal key goes below, so that the node's own order decides a
+                // tie.
                 let mut at = stack.len();
-                while at > first && stack[at - 1].0 <= entry {
+                while at > first && stack[at - 1].0 <= key {
                     at -= 1;
                 }
-                stack.insert(at, (entry, child));
+                stack.insert(at, (key, child));
             }
         }
     }
@@ -160,14 +149,14 @@ impl<const N: usize> Forest<'_, N> {
         let mut stack = Stack::with_capacity(64);
         let mut nearest: Option<Hit> = None;
         watch.node(NodeId(0));
-        self.visit(&self.root, &ray, &mut stack);
+        self.visit(&self.root, &ray, Order::NearestFirst, &mut stack);
         while let Some((entry, child)) = stack.pop() {
             if entry > ray.reach * SLAB {
                 continue;
             }
             if child.count == 0 {
                 watch.node(NodeId(child.index));
-                self.visit(self.node(child.index), &ray, &mut stack);
+                self.visit(self.node(child.index), &ray, Order::NearestFirst, &mut stack);
                 continue;
             }
             for slot in child.index..child.index + child.count {
@@ -185,9 +174,9 @@ impl<const N: usize> Forest<'_, N> {
         nearest
     }
 
-    /// A triangle that blocks the ray within `scope`, the first found; static triangles are all tried before the first
-    /// dynamic one, so that a dynamic blocker proves that no static one blocks.
-    pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+    /// A triangle that blocks the ray within `scope`, the first found in `order`; static triangles are all tried before
+    /// the first dynamic one, so that a dynamic blocker proves that no static one blocks.
+    pub fn occluded(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {
         if scope == Scope::Dynamic && !self.joined {
             return None;
         }
@@ -195,31 +184,55 @@ impl<const N: usize> Forest<'_, N> {
         watch.node(NodeId(0));
         if self.joined {
             let entries = self.root.entries(ray);
-            let trees = if scope == Scope::Dynamic { 1..2 } else { 0..2 };
+            let trees = match scope {
+                Scope::All => 0..2,
+                Scope::Static => 0..1,
+                Scope::Dynamic => 1..2,
+            };
             for tree in trees.rev() {
                 if entries[tree] < f32::INFINITY {
                     stack.push((entries[tree], self.root.children[tree]));
                 }
             }
         } else {
-            self.visit(&self.root, ray, &mut stack);
+            self.visit(&self.root, ray, order, &mut stack);
         }
+        self.first_blocker(ray, order, stack, watch)
+    }
+
+    /// A triangle that blocks the ray, among those below a node, the nearest children first.
+    pub fn occluded_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        let stack = vec![(0.0, Child { index: node.0, count: 0 })];
+        self.first_blocker(ray, Order::NearestFirst, stack, watch)
+    }
+
+    fn first_blocker(
+        &self,
+        ray: &Ray,
+        order: Order,
+        mut stack: Stack,
+        watch: &mut impl Observer,
+    ) -> Option<PrimitiveId> {
         while let Some((_, child)) = stack.pop() {
             if child.count == 0 {
                 watch.node(NodeId(child.index));
-                self.visit(self.node(child.index), ray, &mut stack);
+                self.visit(self.node(child.index), ray, order, &mut stack);
                 continue;
             }
             for slot in child.index..child.index + child.count {
-                let record = self.record(slot);
-                let (stop, blocked) = record.blocks(ray);
-                watch.triangle(TriangleSlot(slot), stop);
-                if blocked {
-                    return Some(record.primitive);
+                if self.blocks(ray, TriangleSlot(slot), watch) {
+                    return Some(self.record(slot).primitive);
                 }
             }
         }
         None
+    }
+
+    /// Whether the triangle in `slot` blocks the ray.
+    pub fn blocks(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
+        let (stop, blocked) = self.record(slot.0).blocks(ray);
+        watch.triangle(slot, stop);
+        blocked
     }
 
     /// Tests the triangle in `slot` alone: the distance of the hit, if there is one.
@@ -227,5 +240,12 @@ impl<const N: usize> Forest<'_, N> {
         let (stop, hit) = self.record(slot.0).test(ray);
         watch.triangle(slot, stop);
         hit.map(|hit| hit.t)
+    }
+
+    /// Whether the triangle in `slot` is certain to block `ray`, also when the tree is traversed.
+    pub fn surely_blocked(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
+        let (stop, blocked) = self.record(slot.0).surely_blocks(ray);
+        watch.triangle(slot, stop);
+        blocked
     }
 }

@@ -4,9 +4,9 @@ pub mod frames;
 pub mod paper;
 mod progress;
 pub mod replay;
-pub mod ron_file;
 pub mod run;
 pub mod spec;
+pub mod stress;
 pub mod trace;
 pub mod validation;
 
@@ -15,16 +15,16 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use self::frames::FrameRange;
-use self::ron_file::ConfigError;
 use self::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::ron_file::{self, ConfigError};
 use crate::scene::render::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
-use crate::stream::Step;
+use crate::stream::{Step, Structure};
 
 /// What the command line sets in place of the file.
 #[derive(Clone, Copy, Debug, Default)]
@@ -108,6 +108,7 @@ impl Experiment {
             );
             return Err(wrong(what).into());
         }
+        check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
         Ok(Self { spec, scene_spec, scene, machines, frames })
     }
@@ -121,7 +122,7 @@ impl Experiment {
 
     /// The policies before the first frame, in the order of the file.
     pub fn policies(&self) -> Vec<Box<dyn Policy>> {
-        self.spec.policies.iter().map(|(_, policy)| policy.build(facts(&self.scene))).collect()
+        self.spec.policies.iter().map(|(_, policy)| policy.build(SceneFacts::of(&self.scene))).collect()
     }
 
     /// Names of the policies, in the order of the file.
@@ -139,12 +140,16 @@ impl Experiment {
     }
 }
 
-/// What policies must know of a scene.
-fn facts(scene: &Scene) -> SceneFacts {
-    SceneFacts {
-        statics: scene.statics.len() as u32,
-        primitives: scene.primitive_count() as u32,
-        lights: scene.light_count as u32,
+/// Refuses policies that need a tree of boxes with a structure that is none.
+fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
+    match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
+        Some((name, _)) => {
+            let what = format!(
+                "the policy `{name}` needs a tree of boxes: with it, `Bvh2` or `CwBvh` is allowed as structure"
+            );
+            Err(ConfigError::Content { path: path.into(), what })
+        }
+        None => Ok(()),
     }
 }
 

@@ -6,15 +6,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use serde::{Deserialize, Serialize};
 
 use super::frames::FrameRange;
-use super::ron_file::{self, ConfigError};
 use super::run::frame_result;
-use super::{ExperimentError, beside, facts, progress};
-use crate::culling::PolicySpec;
+use super::{ExperimentError, beside, check_boxes, progress};
+use crate::culling::{PolicySpec, SceneFacts};
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
 use crate::report::summary::{FrameResult, PolicySummary};
+use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;
@@ -115,6 +115,9 @@ pub struct Reading {
 /// Tries all readings; those done when `stop` became true.
 pub fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
     let spec: PaperSpec = ron_file::read(path)?;
+    for &structure in &spec.structures {
+        check_boxes(path, &spec.policies, structure)?;
+    }
     let mut readings = Vec::new();
     let ranges = spec.frames.len() * spec.structures.len() * spec.depths.len() * spec.shadow_rays.len();
     let bar = progress::bar(ranges * spec.scenes.len(), "readings").with_message("paper");
@@ -169,7 +172,7 @@ fn read(
     let tracer = Tracer::new(scene, &scene.animation.frame(numbers[0]), spec.resolution, tracer_spec);
     let named = spec.policies.iter().map(|(_, policy)| policy);
     let mut policies: Vec<_> =
-        std::iter::once(&PolicySpec::Off).chain(named).map(|policy| policy.build(facts(scene))).collect();
+        std::iter::once(&PolicySpec::Off).chain(named).map(|policy| policy.build(SceneFacts::of(scene))).collect();
     let mut results: Vec<Vec<FrameResult>> = vec![Vec::new(); policies.len()];
     for &number in &numbers {
         let frame = scene.animation.frame(number);

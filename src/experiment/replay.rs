@@ -5,10 +5,11 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
+use super::progress;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item};
+use crate::stream::{Header, Item, StreamError, StreamReader};
 
 /// A machine that was told nothing more will come, or that has failed.
 #[derive(Debug)]
@@ -88,4 +89,22 @@ impl<'scope> Replays<'scope> {
         };
         threads.into_iter().map(join).collect()
     }
+}
+
+/// Replays a recorded stream on a machine.
+pub fn replay_file(
+    machine: &MachineSpec,
+    fidelity: Fidelity,
+    reader: StreamReader,
+) -> Result<MachineStats, RunError<StreamError>> {
+    let header = reader.header().clone();
+    let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
+    let items = reader.inspect(|item| {
+        if matches!(item, Ok(Item::End { .. })) {
+            bar.inc(1);
+        }
+    });
+    let stats = engine::run(machine, fidelity, &header, items);
+    bar.finish_and_clear();
+    stats
 }

@@ -6,11 +6,11 @@ use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
 use super::frames::{FrameChoice, FrameRange};
-use super::ron_file::{self, ConfigError};
 use crate::culling::PolicySpec;
 use crate::engine::Fidelity;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::ron_file::{self, ConfigError};
 use crate::tracer::TracerSpec;
 
 /// An experiment: a scene, traced for several policies, replayed on several machines. Paths are relative to the folder of

@@ -75,7 +75,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::experiment::ron_file;
+    use crate::ron_file;
 
     fn read(text: &str) -> Result<MachineSpec, String> {
         let machine: MachineSpec = ron_file::parse(text, Path::new("x.ron")).map_err(|error| error.to_string())?;

@@ -8,7 +8,8 @@
 //! - **Start points.** The geometric normal is turned to the viewer. Shadow and reflected rays start at the hit point
 //!   plus `offset` times that normal, refracted ones at the hit point minus it.
 //! - **Shadow rays.** [`ShadowRays::ViewerSide`](crate::scene::ShadowRays) asks for a light if (light - hit point).normal is
-//!   above 0, `Always` asks for all. A light is hidden if any triangle meets the segment from the start point to the light,
+//!   above 0, `Always` asks for all; a [perfect mirror](crate::scene::Material::is_perfect_mirror) asks for none. A light is
+//!   hidden if any triangle meets the segment from the start point to the light,
 //!   both ends left out. Both sides of a triangle block; transparency is ignored.
 //! - **Shading** is in linear colour. N is the normal interpolated between the corners, of unit length and turned to the
 //!   side of the geometric one; the geometric one where there are none or where they cancel out. The sum of

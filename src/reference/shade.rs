@@ -79,6 +79,9 @@ impl Shader<'_> {
     fn shadows(&self, surface: &Surface) -> ShadowBits {
         let start = surface.point + self.offset * surface.normal;
         let mut bits = ShadowBits::default();
+        if surface.material.is_perfect_mirror() {
+            return bits;
+        }
         for (light, bit) in self.frame.frame.lights.iter().zip((0..).map(|light| 1u64 << light)) {
             let position = light.position.as_dvec3();
             if self.spec.shadow_rays == ShadowRays::Always || surface.faces(position) {

@@ -7,6 +7,7 @@ pub mod format;
 mod page;
 pub mod pictures;
 pub mod plots;
+pub mod stress;
 pub mod summary;
 mod table;
 
@@ -15,6 +16,7 @@ use std::io::{self, Write};
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
+use crate::new_file::NewFile;
 pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
@@ -136,6 +138,11 @@ pub fn check_target(target: &Path) -> Result<(), ReportError> {
 /// Writes a report at `target`, in the place of an earlier one if there is one. It is made in a directory beside it and
 /// comes into its place complete or not at all: after an error the place is as it was.
 pub fn write_report(target: &Path, report: &Report) -> Result<(), ReportError> {
+    replace(target, |dir| fill(dir, report))
+}
+
+/// Puts what `fill` makes in a new directory at `target`, complete or not at all.
+fn replace(target: &Path, fill: impl FnOnce(&Path) -> Result<(), ReportError>) -> Result<(), ReportError> {
     check_target(target)?;
     let parent = match target.parent() {
         Some(parent) if parent != Path::new("") => parent,
@@ -149,7 +156,14 @@ pub fn write_report(target: &Path, report: &Report) -> Result<(), ReportError> {
 
     // The directory beside is private to the user; the one in it has the rights that directories usually get.
     let staging = beside.path().join("new");
-    fill(&staging, report)?;
+    fill(&staging).map_err(|error| match error {
+        // The place that the file was meant for: the one beside it is gone when the user reads this.
+        ReportError::Write { path, source } => ReportError::Write {
+            path: path.strip_prefix(&staging).map_or(path.clone(), |file| target.join(file)),
+            source,
+        },
+        other => other,
+    })?;
     let earlier = beside.path().join("earlier");
     let in_the_way = match fs::rename(target, &earlier) {
         Ok(()) => true,
@@ -223,17 +237,12 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     let failed = |source| ReportError::Write { path: path.into(), source };
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(failed)?;
-    let mut partial = path.as_os_str().to_owned();
-    partial.push(".partial");
-    let written = fs::File::create(&partial).and_then(|mut file| {
+    let write = || {
+        let mut file = NewFile::create(path)?;
         file.write_all(bytes)?;
-        // A full disk may be noticed only now.
-        file.sync_all()
-    });
-    written.and_then(|()| fs::rename(&partial, path)).map_err(|source| {
-        let _ = fs::remove_file(&partial);
-        failed(source)
-    })
+        file.finish()
+    };
+    write().map_err(failed)
 }
 
 #[cfg(test)]

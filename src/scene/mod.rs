@@ -96,7 +96,7 @@ pub struct Material {
     pub diffuse: Vec3,
     /// Phong highlight colour, and the weight of the reflected ray.
     pub specular: Vec3,
-    /// Phong exponent.
+    /// Phong exponent; infinite for a perfect mirror, which shows no highlight of a point.
     pub shininess: f32,
     /// Weight of the refracted ray, 0 for opaque.
     pub transmittance: f32,
@@ -104,6 +104,13 @@ pub struct Material {
     pub index_of_refraction: f32,
     /// A picture that colours the surface.
     pub texture: Option<TextureId>,
+}
+
+impl Material {
+    /// Whether it only mirrors: nothing of it is lit by a point light, so no shadow ray is asked for.
+    pub fn is_perfect_mirror(&self) -> bool {
+        self.diffuse == Vec3::ZERO && self.specular != Vec3::ZERO && self.shininess.is_infinite()
+    }
 }
 
 impl Default for Material {

@@ -92,15 +92,18 @@ pub enum Structure {
     Bvh2,
     /// Compressed 8-wide BVH (Ylitie et al. 2017).
     CwBvh,
+    /// kd-tree; a node is a plane and a reference, or a run of list entries.
+    KdTree,
 }
 
 impl Structure {
     /// Bytes of a node: 2 boxes of 24 B and 2 references of 8 B for the BVH2; 80 B for the CwBVH (Ylitie et al. 2017,
-    /// section 3).
+    /// section 3); 8 B for the kd-tree (Nah et al. 2011).
     pub fn node_bytes(self) -> u64 {
         match self {
             Self::Bvh2 => 64,
             Self::CwBvh => 80,
+            Self::KdTree => 8,
         }
     }
 }

@@ -3,23 +3,22 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use lz4_flex::block::{compress_into, get_maximum_output_size};
-use tempfile::NamedTempFile;
-
 use super::columns::{chunk_len, put_chunk};
 use super::format::{
     BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES, RAW_LIMIT, Tag,
     VERSION, checksum, end_len, index_len, put_end, put_frame, put_index,
 };
 use super::{Checker, FrameInfo, Header, Item, Place, StreamError, Violation};
+use crate::new_file::NewFile;
 use crate::quantity::Bytes;
+use lz4_flex::block::{compress_into, get_maximum_output_size};
 
 /// Writes a stream item by item, each checked against the rules of streams first. It holds one block in memory at a
 /// time.
 ///
-/// [`StreamWriter::create`] writes to a temporary file beside the target, which takes the target's name in
-/// [`StreamWriter::finish`] only: a writer that is dropped, or that fails, leaves nothing behind.
-pub struct StreamWriter<W = NamedTempFile> {
+/// [`StreamWriter::create`] writes a [`NewFile`], which is there after [`StreamWriter::finish`] only: a writer that is
+/// dropped, or that fails, leaves nothing behind.
+pub struct StreamWriter<W = NewFile> {
     output: W,
     /// The target, for errors.
     path: PathBuf,
@@ -43,16 +42,7 @@ impl StreamWriter {
         if path.metadata().is_ok_and(|there| !there.is_file()) {
             return Err(StreamError::NotAFile { path: path.to_owned() });
         }
-        let folder = match path.parent() {
-            Some(folder) if !folder.as_os_str().is_empty() => folder,
-            _ => Path::new("."),
-        };
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".rays-").suffix(".part");
-        // A temporary file is its owner's alone; a stream is a file like any other.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let output = builder.tempfile_in(folder);
+        let output = NewFile::create(path);
         let output = output.map_err(|source| StreamError::Io { path: path.to_owned(), doing: "create", source })?;
         Self::new(output, path, header)
     }
@@ -61,11 +51,7 @@ impl StreamWriter {
     /// without an error, and its bytes are on the disk.
     pub fn finish(self) -> Result<(), StreamError> {
         let path = self.path.clone();
-        let output = self.complete()?;
-        let synced = output.as_file().sync_all();
-        synced
-            .and_then(|()| output.persist(&path).map(drop).map_err(|failed| failed.error))
-            .map_err(|source| StreamError::Io { path, doing: "write", source })
+        self.complete()?.finish().map_err(|source| StreamError::Io { path, doing: "write", source })
     }
 }
 

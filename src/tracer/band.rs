@@ -80,12 +80,20 @@ impl Band<'_> {
         let mut whitted = Whitted {
             world: self.world,
             shader: self.shader,
-            lanes: policies.iter().map(|policy| Lane::new(policy.worker(), lights)).collect(),
+            lanes: policies.iter().map(|policy| Lane::new(policy.as_ref(), lights)).collect(),
             full: Trail::default(),
-            dynamic: Trail::default(),
+            own: Trail::default(),
         };
         let mut colors = vec![Vec3::ZERO; policies.len()];
         for (x, y) in self.pixels(rows.clone()) {
+            if x == 0 && y > rows.start && y % BAND_ROWS == 0 {
+                // The band is the whole picture for the sake of a live policy: what others learn in some rows must not
+                // depend on that.
+                for (lane, policy) in whitted.lanes.iter_mut().zip(policies).filter(|(_, policy)| !policy.needs().live)
+                {
+                    lane.change_worker(policy.worker());
+                }
+            }
             let (left, up) = (x.checked_sub(1), y.checked_sub(1));
             let references = if self.needs.references {
                 [reference(left, Some(y)), reference(Some(x), up), reference(left, up), reference(Some(x + 1), up)]

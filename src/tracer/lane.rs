@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use crate::accel::{Path, Trail};
-use crate::culling::{Change, Worker};
+use crate::accel::{Order, Path, Trail};
+use crate::culling::{Change, Policy, Worker};
 use crate::quantity::{LightId, PixelId, PrimitiveId, Resolution};
 use crate::scene::{Picture, Scene, ShadowBits};
 use crate::stream::{Chunk, Decision, Outcome, RayHead, RayKind, Totals};
@@ -73,6 +73,7 @@ impl LaneFrame {
 fn count_policy(totals: &mut Totals, trail: &Trail) {
     totals.policy_node_visits += trail.nodes;
     totals.policy_triangle_tests += trail.triangles;
+    totals.list_reads += trail.lists;
     totals.policy_reads += trail.reads;
     totals.policy_writes += trail.writes;
 }
@@ -99,6 +100,8 @@ pub(super) struct BandRecord {
 /// A policy at work in a band.
 pub(super) struct Lane<'a> {
     pub worker: Box<dyn Worker + 'a>,
+    /// The order in which its shadow rays visit nodes.
+    pub order: Order,
     pub chunk: Chunk,
     pub record: BandRecord,
     /// The shadows of the current pixel's primary hit.
@@ -108,9 +111,22 @@ pub(super) struct Lane<'a> {
 }
 
 impl<'a> Lane<'a> {
-    pub fn new(worker: Box<dyn Worker + 'a>, lights: usize) -> Self {
+    pub fn new(policy: &'a dyn Policy, lights: usize) -> Self {
         let record = BandRecord { wrong: vec![WrongDecisions::default(); lights], ..BandRecord::default() };
-        Self { worker, chunk: Chunk::default(), record, shadows: ShadowBits::default(), policy: Trail::default() }
+        Self {
+            worker: policy.worker(),
+            order: policy.order(),
+            chunk: Chunk::default(),
+            record,
+            shadows: ShadowBits::default(),
+            policy: Trail::default(),
+        }
+    }
+
+    /// Another worker goes on.
+    pub fn change_worker(&mut self, worker: Box<dyn Worker + 'a>) {
+        let done = std::mem::replace(&mut self.worker, worker);
+        self.record.changes.extend(done.finish());
     }
 
     /// Records a primary or secondary ray, with what the policy has done since the last record.
@@ -151,6 +167,7 @@ impl<'a> Lane<'a> {
     }
 
     fn finish_ray(&mut self, head: RayHead, path: Path<'_>) {
+        self.record.totals.list_reads += path.lists;
         count_policy(&mut self.record.totals, &self.policy);
         self.chunk.push(head, path.steps, &self.policy.steps);
         self.policy.clear();
@@ -164,7 +181,7 @@ impl<'a> Lane<'a> {
 
     /// Ends the band.
     pub fn finish(mut self) -> (Chunk, BandRecord) {
-        self.record.changes = self.worker.finish();
+        self.record.changes.extend(self.worker.finish());
         (self.chunk, self.record)
     }
 }

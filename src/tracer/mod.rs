@@ -97,7 +97,7 @@ impl<'a> Tracer<'a> {
             primitives: self.scene.primitive_count() as u32,
             static_nodes: self.accel.static_nodes(),
             static_slots: self.accel.static_slots(),
-            static_list_entries: 0,
+            static_list_entries: self.accel.static_list_entries(),
             stores: policy.stores(),
             input_hash: hash.digest(),
         }

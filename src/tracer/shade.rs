@@ -13,7 +13,7 @@ pub(super) struct Shader<'a> {
     scene: &'a Scene,
     frame: &'a Frame,
     pub spec: RenderSpec,
-    offset: f32,
+    pub offset: f32,
 }
 
 /// A point that was hit.
@@ -27,7 +27,7 @@ pub(super) struct Surface<'a> {
     /// The interpolated normal, on the same side.
     shading: Vec3,
     /// Whether the ray meets the counter-clockwise side.
-    outside: bool,
+    pub outside: bool,
     direction: Vec3,
 }
 
@@ -100,10 +100,11 @@ impl<'a> Shader<'a> {
         surface.ambient
     }
 
-    /// The shadow rays that the surface asks for.
+    /// The shadow rays that the surface asks for: none if it sends back no light.
     pub fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
         let start = surface.point + surface.geometric * self.offset;
-        self.frame.lights.iter().enumerate().filter_map(move |(index, light)| {
+        let asking = if surface.material.is_perfect_mirror() { &[] } else { &self.frame.lights[..] };
+        asking.iter().enumerate().filter_map(move |(index, light)| {
             let to_light = light.position - surface.point;
             let on_viewer_side = to_light.dot(surface.geometric) > 0.0;
             if !on_viewer_side && self.spec.shadow_rays == ShadowRays::ViewerSide {

@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 
 use super::lane::Lane;
 use super::shade::Shader;
-use crate::accel::{Hit, Path, Ray, Scope, Trail, World};
+use crate::accel::{Hit, Order, Path, Ray, Scope, Trail, World};
 use crate::culling::{Evidence, Primary, Probe, SurfaceHit};
 use crate::quantity::{LightId, PixelId};
 use crate::stream::{Decision, Outcome, RayHead, RayKind};
@@ -31,8 +31,8 @@ pub(super) struct Whitted<'a> {
     pub lanes: Vec<Lane<'a>>,
     /// A shadow ray's path without culling.
     pub full: Trail,
-    /// Its path among dynamic objects only.
-    pub dynamic: Trail,
+    /// Its path in a lane that traces it differently.
+    pub own: Trail,
 }
 
 impl Whitted<'_> {
@@ -56,12 +56,17 @@ impl Whitted<'_> {
         };
         let surface = self.shader.surface(ray.ray, &hit);
         let shadow_rays: SmallVec<[_; 8]> = self.shader.shadow_rays(&surface).collect();
-        let at = SurfaceHit { primitive: hit.primitive, depth: ray.depth };
+        let at = SurfaceHit {
+            primitive: hit.primitive,
+            depth: ray.depth,
+            barycentric: hit.barycentric,
+            outside: surface.outside,
+        };
 
         // The policies decide on all lights before the first shadow ray leaves.
         let mut verdicts = SmallVec::<[_; 32]>::new();
         for (lane, color) in self.lanes.iter_mut().zip(colors.iter_mut()) {
-            let mut probe = Probe::new(self.world, &mut lane.policy);
+            let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
             lane.worker.hit(at, primary, &mut probe);
             verdicts.extend(shadow_rays.iter().map(|it| lane.worker.decide(at, it.light, &it.ray, &mut probe)));
             lane.record.occlusion_tests += probe.occlusion_tests;
@@ -74,17 +79,18 @@ impl Whitted<'_> {
             let blocker = self.world.occluded(&shadow.ray, Scope::All, &mut self.full);
             for (number, (lane, color)) in self.lanes.iter_mut().zip(colors.iter_mut()).enumerate() {
                 let verdict = verdicts[number * shadow_rays.len() + asked];
-                self.dynamic.clear();
+                self.own.clear();
                 let (found, path) = match verdict.scope() {
-                    Some(Scope::All) => (blocker, self.full.path()),
-                    Some(Scope::Dynamic) => {
-                        (self.world.occluded(&shadow.ray, Scope::Dynamic, &mut self.dynamic), self.dynamic.path())
+                    Some(Scope::All) if lane.order == Order::NearestFirst => (blocker, self.full.path()),
+                    Some(scope) => {
+                        let found = self.world.occluded_in_order(&shadow.ray, scope, lane.order, &mut self.own);
+                        (found, self.own.path())
                     }
-                    None => (None, self.dynamic.path()),
+                    None => (None, self.own.path()),
                 };
                 let dark = found.is_some() || verdict.scope().is_none();
-                let mut probe = Probe::new(self.world, &mut lane.policy);
-                lane.worker.learn(at, shadow.light, Evidence { verdict, blocker: found }, &mut probe);
+                let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
+                lane.worker.learn(at, shadow.light, Evidence { ray: shadow.ray, verdict, blocker: found }, &mut probe);
                 let head = RayHead {
                     kind: RayKind::Shadow,
                     light: shadow.light,

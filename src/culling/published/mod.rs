@@ -78,6 +78,8 @@ impl Published {
             }
         }
         if pixels > 0 {
+            // What was counted before the shadows is compared with the same of earlier frames, not with all hits.
+            let pixels = self.census.as_ref().map_or(pixels, |census| census[primitive.0 as usize]);
             match self.first_word(primitive).occlusion() {
                 Occlusion::Init => {
                     self.set_occlusion(primitive, Occlusion::FullyRendered);

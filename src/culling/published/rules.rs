@@ -221,7 +221,8 @@ choices! {
     ResetCheck {
         /// At the frame's end.
         FrameEnd,
-        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone.
+        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone, whose hits are then the ones
+        /// that are counted, in this frame and in the highest number.
         BeforeShadows,
     }
     /// Which words decisions read.

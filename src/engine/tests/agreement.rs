@@ -9,9 +9,9 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, Test
 use super::random::{machines, streams, sweeps};
 use super::synthetic::header;
 use super::*;
-use crate::experiment::ron_file;
 use crate::memory::command::CommandLog;
 use crate::memory::legality::violations;
+use crate::ron_file;
 use crate::stream::StreamReader;
 
 fn counted(

@@ -8,6 +8,8 @@ mod dram_rows;
 mod hit_rates;
 mod over_frames;
 mod saving;
+pub mod stress;
+mod tradeoff;
 mod utilization;
 mod wrong;
 
@@ -19,8 +21,8 @@ use super::pictures::file_name;
 use super::summary::{MachineRun, MachineSummary, Summary};
 
 /// All plots, in the page's order.
-pub const PLOTS: [Plot; 6] =
-    [saving::PLOT, wrong::PLOT, bytes::PLOT, hit_rates::PLOT, utilization::PLOT, dram_rows::PLOT];
+pub const PLOTS: [Plot; 7] =
+    [saving::PLOT, tradeoff::PLOT, wrong::PLOT, bytes::PLOT, hit_rates::PLOT, utilization::PLOT, dram_rows::PLOT];
 
 /// A plot.
 pub struct Plot {

@@ -108,6 +108,7 @@ impl<'a> Lexer<'a> {
         let word = self.word(what)?;
         match std::str::from_utf8(word).ok().and_then(|text| text.parse().ok()) {
             Some(number) if (least..=most).contains(&number) => Ok(number),
+            _ if (least, most) == (i64::MIN, i64::MAX) => Err(self.found(word, &format!("{what}, a whole number,"))),
             _ => Err(self.found(word, &format!("{what}, a whole number from {least} to {most},"))),
         }
     }

@@ -1,5 +1,6 @@
 //! Scenes made in code: nothing to download, the same on every run.
 
+pub mod cases;
 pub mod shapes;
 
 mod paint;
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use super::parts::Parts;
 use super::{Geometry, Scene};
 use crate::ranged::Within;
+use cases::Case;
 use paint::Palette;
 
 /// A number of lights.
@@ -62,6 +64,9 @@ pub enum BuiltInSpec {
         #[serde(default = "number::<100_000, 1_000, 4_000_000>")]
         triangles: Within<1_000, 4_000_000>,
     },
+    /// A small scene to test culling with. Its numbers are for its own [resolution](Case::resolution) and [way of
+    /// rendering](Case::render).
+    Case(Case),
 }
 
 /// A default of a ranged field.
@@ -81,6 +86,7 @@ pub fn build(spec: &BuiltInSpec) -> Scene {
         BuiltInSpec::Thicket { lights, frame_count, triangles } => {
             thicket::build(lights.size(), triangles.size()).into_scene("thicket", *frame_count)
         }
+        BuiltInSpec::Case(case) => case.scene(),
     }
 }
 

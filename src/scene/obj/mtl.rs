@@ -77,10 +77,17 @@ impl Library {
         let path = library.parent().map_or_else(|| name.into(), |folder| folder.join(name));
         let kind = path.extension().map(|kind| kind.to_ascii_lowercase());
         let texture = match kind.as_ref().and_then(|kind| kind.to_str()) {
-            Some("png") => png(&path)?,
-            Some("ppm") => texture::read_ppm(&path)?,
+            Some("png") => png(&path),
+            Some("ppm") => texture::read_ppm(&path),
             _ => return Err(wrong(format!("map_Kd {name:?} is not allowed: the name of a .png or .ppm file is"))),
         };
+        let texture = texture.map_err(|error| match error {
+            // Who names the picture is the news; that it is not there is only half of it.
+            SceneError::Read { path, source } => {
+                wrong(format!("map_Kd {name:?}: cannot read {}: {source}", path.display()))
+            }
+            other => other,
+        })?;
         self.textures.push(texture);
         Ok(TextureId((self.textures.len() - 1) as u32))
     }

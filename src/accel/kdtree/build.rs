@@ -1,0 +1,130 @@
+//! Builds kd-trees, top down, by the surface area heuristic.
+
+use super::bounds::Bounds;
+use super::layout::lay_out;
+use super::split::{BINS, Plane, bins, leaf_cost, sweep};
+use super::{Layout, Node, Tree};
+use crate::accel::Quality;
+use crate::accel::build::{Base, Item};
+
+/// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
+/// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
+/// for ever deeper where triangles meet in a point: that makes nodes, and hardly saves a triangle test.
+fn max_depth(items: usize) -> u32 {
+    (8.0 + 1.3 * f64::from(items.ilog2())).round() as u32
+}
+
+/// A cell that is built, before the layout; the left child of a split follows it.
+pub(super) enum Built {
+    Split {
+        axis: usize,
+        at: f32,
+        right: usize,
+    },
+    /// Indices of items.
+    Leaf(Vec<u32>),
+}
+
+/// An item's part in a cell.
+#[derive(Clone, Copy)]
+struct Part {
+    item: u32,
+    bounds: Bounds,
+}
+
+struct Builder<'a> {
+    items: &'a [Item<'a>],
+    quality: Quality,
+    max_depth: u32,
+    cells: Vec<Built>,
+}
+
+/// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers every
+/// plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes only
+/// where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
+pub fn build(items: &[Item<'_>], quality: Quality, layout: Layout, base: Base) -> Tree {
+    let parts: Vec<_> = items
+        .iter()
+        .enumerate()
+        .map(|(index, item)| Part { item: index as u32, bounds: Bounds::of(item.triangle) })
+        .collect();
+    let bounds = parts.iter().fold(Bounds::EMPTY, |all, part| all.union(part.bounds));
+    if parts.is_empty() {
+        return Tree { bounds, nodes: Vec::new(), lists: Vec::new(), records: Vec::new() };
+    }
+    let mut builder = Builder { items, quality, max_depth: max_depth(items.len()), cells: Vec::new() };
+    builder.cell(bounds, parts, 0);
+    lay_out(&builder.cells, bounds, items, layout, base)
+}
+
+/// Builds the static tree; with dynamic triangles to join, its root is node 1, and node 0 is the joining one.
+pub fn build_static(items: &[Item<'_>], quality: Quality, layout: Layout, joined: bool) -> Tree {
+    let base = Base { node: u32::from(joined), ..Base::default() };
+    let mut tree = build(items, quality, layout, base);
+    if joined || items.is_empty() {
+        tree.nodes.insert(0, Node::leaf(0..0));
+    }
+    tree
+}
+
+impl Builder<'_> {
+    fn cell(&mut self, cell: Bounds, parts: Vec<Part>, depth: u32) {
+        let Some(plane) = self.plane(cell, &parts, depth) else {
+            self.cells.push(Built::Leaf(parts.iter().map(|part| part.item).collect()));
+            return;
+        };
+        let place = self.cells.len();
+        self.cells.push(Built::Split { axis: plane.axis, at: plane.at, right: 0 });
+        let [below, above] = cell.split(plane.axis, plane.at);
+        let [left, right] = self.divide(plane, [below, above], &parts);
+        drop(parts);
+        self.cell(below, left, depth + 1);
+        let right_place = self.cells.len();
+        if let Built::Split { right, .. } = &mut self.cells[place] {
+            *right = right_place;
+        }
+        self.cell(above, right, depth + 1);
+    }
+
+    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006).
+    fn plane(&self, cell: Bounds, parts: &[Part], depth: u32) -> Option<Plane> {
+        if parts.is_empty() || depth == self.max_depth {
+            return None;
+        }
+        let boxes = parts.iter().map(|part| part.bounds);
+        // With fewer triangles, bins are no cheaper than the sweep.
+        let (cost, plane) = if self.quality == Quality::Fast && parts.len() > 2 * BINS {
+            bins(cell, boxes)
+        } else {
+            sweep(cell, boxes)
+        }?;
+        (cost < leaf_cost(parts.len())).then_some(plane)
+    }
+
+    /// The parts on either side. What merely touches the plane from one side is not in the other.
+    fn divide(&self, plane: Plane, cells: [Bounds; 2], parts: &[Part]) -> [Vec<Part>; 2] {
+        let mut sides = [Vec::new(), Vec::new()];
+        for &part in parts {
+            let (low, high) = (part.bounds.low[plane.axis], part.bounds.high[plane.axis]);
+            if low == plane.at && high == plane.at {
+                sides[usize::from(!plane.flat_left)].push(part);
+            } else if high <= plane.at {
+                sides[0].push(part);
+            } else if low >= plane.at {
+                sides[1].push(part);
+            } else {
+                let halves = part.bounds.split(plane.axis, plane.at);
+                for ((side, half), cell) in sides.iter_mut().zip(halves).zip(cells) {
+                    let bounds = if self.quality == Quality::Best {
+                        let triangle = self.items[part.item as usize].triangle;
+                        cell.clip(triangle).map(|clipped| clipped.intersection(half))
+                    } else {
+                        Some(half)
+                    };
+                    side.extend(bounds.map(|bounds| Part { bounds, ..part }));
+                }
+            }
+        }
+        sides
+    }
+}

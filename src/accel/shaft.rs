@@ -1,0 +1,266 @@
+//! Shafts: all shadow rays from a piece of a surface to a point light at once, and what the static tree says of them.
+//!
+//! A certificate must foretell what the tracer's `f32` arithmetic will answer for every ray of the shaft, not what is
+//! true of real numbers. So nothing here asks whether the shaft meets a triangle; it asks whether [`Record::blocks`] and
+//! the tree's slab test *can* or *must* answer "blocked", with an error bound between the two.
+//!
+//! **Notation.** `u` = 2^-24, half a unit in the last place of 1. A ray starts at `o`, ends at the light `L`, and has
+//! `d = fl(L - o)`. A record has a corner `A` and edges `a`, `b`, all of them `f32` and taken as exact. With `s = o - A`,
+//! `n = a x b` and `m = L - A`, the quantities that the triangle test compares are
+//!
+//! - `D = n.s` (height over the plane) and `F = -n.d = n.(o - L)` (how much the ray faces it),
+//! - `U = b.(s x d) = b.(s x m)` and `V = -a.(s x d) = -a.(s x m)`, because `d = m - s` and `s x s = 0`.
+//!
+//! All four are affine in `o`. Where an inequality between them holds at the three corners of a piece of a surface, it
+//! holds in all of it: three evaluations in `f64` decide for every ray.
+//!
+//! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`: a difference
+//! of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
+//! `|fl(D) - D| <= 8 u |s||a||b|`, `|fl(F) - F| <= 8 u |d||a||b|`, `|fl(U) - U| <= 9 u |s||d||b|`, `|fl(V) - V| <= 9 u
+//! |s||d||a|`; the code takes 10, 10, 12 and 12, and adds for the sum `U + V` and for the tie rule of the plane test.
+//! Products that underflow err by less than [`UNDERFLOW`] each; where a product could overflow, nothing is certified.
+//! Starting points may stray by `spread` from the lifted piece (see [`Shaft::new`]): each bound grows by the gradient
+//! times `spread`.
+//!
+//! **Boxes.** A node is left out only if the slab test must miss it, and the slab test misses what is farther away
+//! from the ray than its own widening: entry and exit distances err by 4 u of themselves and are compared with a factor
+//! of 1 + 16 u, that is by at most `26 u |d|` in space (a kd-tree's planes are compared in the same way); the margin is
+//! `48 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest component. In the other direction the slab test never misses a box that the ray meets: if a triangle must be hit
+//! inside its edges by the bound above, the hit point is in the box of its corners, and so in those of all ancestors.
+//!
+//! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one test:
+//! one record is read, and evaluated for three corners at once.
+
+use glam::{DVec3, Vec3};
+
+use super::trail::Observer;
+use super::tree::{Child, Forest, Node};
+use super::triangle::Record;
+use crate::quantity::{NodeId, TriangleSlot};
+use crate::stream::Stop;
+
+/// Half a unit in the last place of 1 in `f32`.
+const U: f64 = 1.0 / (1u64 << 24) as f64;
+/// More than the error of any one underflowing product or sum of the triangle test, times the operations in it.
+const UNDERFLOW: f64 = 1e-43;
+/// Far enough below the largest `f32` that no intermediate result of the test overflows.
+const OVERFLOW: f64 = 1e37;
+
+/// All shadow rays from a triangular piece of a surface to a point light.
+#[derive(Clone, Debug)]
+pub struct Shaft {
+    corners: [DVec3; 3],
+    light: DVec3,
+    spread: f64,
+    /// Length of the longest ray.
+    length: f64,
+    /// How far apart a box must be.
+    margin: f64,
+    low: DVec3,
+    high: DVec3,
+    /// Axes that can separate the shaft from a box, besides the box's own, and the shaft's extent on each.
+    axes: [Axis; AXES],
+}
+
+/// Four faces, and the cross products of six edges with three box axes.
+const AXES: usize = 4 + 6 * 3;
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Axis {
+    direction: DVec3,
+    low: f64,
+    high: f64,
+}
+
+impl Axis {
+    fn new(direction: DVec3, points: &[DVec3; 4]) -> Self {
+        let on = points.map(|point| point.dot(direction));
+        let low = on.into_iter().fold(f64::INFINITY, f64::min);
+        let high = on.into_iter().fold(f64::NEG_INFINITY, f64::max);
+        Self { direction, low, high }
+    }
+}
+
+/// What a shaft says of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Relation {
+    /// No ray of the shaft is blocked by it.
+    Misses,
+    /// Every ray of the shaft is blocked by it.
+    Covers,
+    /// Neither is certain.
+    Crosses,
+}
+
+/// What is known of the static blockers of all rays of a shaft.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sight {
+    /// No ray has one.
+    Clear,
+    /// One triangle blocks every ray.
+    Blocked,
+    /// Not known: a triangle is in the way of a proof that there is none.
+    Unknown,
+}
+
+impl Shaft {
+    /// The rays to `light` that start within `spread` of the triangle `corners`.
+    pub fn new(corners: [DVec3; 3], light: Vec3, spread: f64) -> Self {
+        let light = light.as_dvec3();
+        let length = corners.iter().map(|corner| corner.distance(light)).fold(0.0, f64::max) + spread;
+        // 1e-18: a hundred times what a ray strays by because its smallest direction component is set to 1e-20.
+        let margin = 48.0 * U * length + spread + 1e-18;
+        let [a, b, c] = corners;
+        let points = [a, b, c, light];
+        let sides = [b - a, c - b, a - c];
+        let beams = [light - a, light - b, light - c];
+        let mut axes = [Axis::default(); AXES];
+        axes[0] = Axis::new(sides[0].cross(sides[1]), &points);
+        for at in 0..3 {
+            axes[1 + at] = Axis::new(sides[at].cross(beams[at]), &points);
+        }
+        for (edge, direction) in sides.into_iter().chain(beams).enumerate() {
+            for (at, unit) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
+                axes[4 + 3 * edge + at] = Axis::new(direction.cross(unit), &points);
+            }
+        }
+        let low = points.into_iter().fold(DVec3::INFINITY, DVec3::min) - margin;
+        let high = points.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
+        Self { corners, light, spread, length, margin, low, high, axes }
+    }
+
+    /// Whether no ray can pass the slab test of the box.
+    pub(super) fn misses_box(&self, low: DVec3, high: DVec3) -> bool {
+        if self.low.cmpgt(high).any() || self.high.cmplt(low).any() {
+            return true;
+        }
+        let (center, half) = ((low + high) * 0.5, (high - low) * 0.5);
+        self.axes.iter().any(|axis| {
+            let middle = center.dot(axis.direction);
+            let reach = half.dot(axis.direction.abs()) + self.margin * axis.direction.length();
+            middle - reach > axis.high || middle + reach < axis.low
+        })
+    }
+
+    /// What the triangle of `record` does to the rays, and how far the test had to read.
+    pub fn relation(&self, record: &Record) -> (Stop, Relation) {
+        let corner = record.corner.as_dvec3();
+        let [a, b] = record.edges.map(|edge| edge.as_dvec3());
+        let normal = a.cross(b);
+        let to_light = self.light - corner;
+        let from_corner = self.corners.map(|at| at - corner);
+        let (length_a, length_b) = (a.length(), b.length());
+        let far = from_corner.iter().map(|s| s.length()).fold(0.0, f64::max) + self.spread;
+        let area = length_a * length_b;
+        let moment = far * self.length;
+        if !(moment.max(1.0) * (length_a + length_b).max(1.0) < OVERFLOW && self.length.max(far) * area < OVERFLOW) {
+            return (Stop::Edges, Relation::Crosses);
+        }
+        let tiny = UNDERFLOW * (1.0 + far + self.length) * (1.0 + length_a + length_b);
+        let stray = self.spread * normal.length() + tiny;
+        // Bounds on the errors of D, F, F - D with the tie rule, U, V, and F - U - V.
+        let of_height = 10.0 * U * far * area + stray;
+        let of_facing = 10.0 * U * self.length * area + stray;
+        let of_rest = of_height + 2.0 * of_facing;
+        let stray_u = self.spread * length_b * to_light.length() + tiny;
+        let stray_v = self.spread * length_a * to_light.length() + tiny;
+        let of_u = 12.0 * U * moment * length_b + stray_u;
+        let of_v = 12.0 * U * moment * length_a + stray_v;
+        let of_w = 13.0 * U * moment * (length_a + length_b) + stray_u + stray_v + of_facing;
+
+        let height = from_corner.map(|s| s.dot(normal));
+        // D - F is the light's own height, the same for all rays.
+        let light_height = to_light.dot(normal);
+        let facing = height.map(|height| height - light_height);
+        let all = |values: [f64; 3], limit: f64| values.into_iter().all(|value| value >= limit);
+        let negated = |values: [f64; 3]| values.map(|value: f64| -value);
+        let (front, back) = (all(facing, of_facing), all(negated(facing), of_facing));
+        // The test multiplies everything by the sign of F. The plane rejects a sign if F never has it, if the height
+        // does not have it, or if the light is on the same side.
+        let plane_front = back || all(negated(height), of_height) || light_height >= of_rest;
+        let plane_back = front || all(height, of_height) || -light_height >= of_rest;
+        if plane_front && plane_back {
+            return (Stop::Plane, Relation::Misses);
+        }
+        let moments = from_corner.map(|s| s.cross(to_light));
+        let u = moments.map(|moment| b.dot(moment));
+        let v = moments.map(|moment| -a.dot(moment));
+        let w = [0, 1, 2].map(|at| facing[at] - u[at] - v[at]);
+        let outside_front = all(negated(u), of_u) || all(negated(v), of_v) || all(negated(w), of_w);
+        let outside_back = all(u, of_u) || all(v, of_v) || all(w, of_w);
+        if (plane_front || outside_front) && (plane_back || outside_back) {
+            return (Stop::Edges, Relation::Misses);
+        }
+        let covers_front =
+            front && all(height, of_height) && -light_height >= of_rest && all(u, of_u) && all(v, of_v) && all(w, of_w);
+        let covers_back = back
+            && all(negated(height), of_height)
+            && light_height >= of_rest
+            && all(negated(u), of_u)
+            && all(negated(v), of_v)
+            && all(negated(w), of_w);
+        if covers_front || covers_back {
+            return (Stop::Hit, Relation::Covers);
+        }
+        // The faces of the shaft itself, where the rays face the triangle well enough to say where a hit would be.
+        if front || back {
+            let least = facing.into_iter().fold(f64::INFINITY, |least, facing| least.min(facing.abs())) - of_facing;
+            let on_plane = 2.0 * ((of_u + of_w) * length_a + (of_v + of_w) * length_b);
+            let margin = (on_plane + of_rest.max(of_height) * self.length) / least + self.margin;
+            let apart = self.axes[..4].iter().any(|axis| {
+                let margin = margin * axis.direction.length();
+                let on = [corner, corner + a, corner + b].map(|point| point.dot(axis.direction));
+                on.iter().all(|&on| on > axis.high + margin) || on.iter().all(|&on| on < axis.low - margin)
+            });
+            if apart {
+                return (Stop::Edges, Relation::Misses);
+            }
+        }
+        (Stop::Hit, Relation::Crosses)
+    }
+}
+
+impl<const N: usize> Forest<'_, N> {
+    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
+    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+        if self.statics.records.is_empty() {
+            return Sight::Clear;
+        }
+        let mut stack = vec![Child { index: u32::from(self.joined), count: 0 }];
+        while let Some(child) = stack.pop() {
+            if child.count == 0 {
+                watch.node(NodeId(child.index));
+                self.statics.nodes[child.index as usize].meet(shaft, &mut stack);
+                continue;
+            }
+            for slot in child.index..child.index + child.count {
+                match self.relation(shaft, TriangleSlot(slot), watch) {
+                    Relation::Misses => {}
+                    Relation::Covers => return Sight::Blocked,
+                    Relation::Crosses => return Sight::Unknown,
+                }
+            }
+        }
+        Sight::Clear
+    }
+
+    /// What the static triangle in `slot` does to the rays of `shaft`.
+    pub fn relation(&self, shaft: &Shaft, slot: TriangleSlot, watch: &mut impl Observer) -> Relation {
+        let (stop, relation) = shaft.relation(&self.statics.records[slot.0 as usize]);
+        watch.triangle(slot, stop);
+        relation
+    }
+}
+
+impl<const N: usize> Node<N> {
+    /// Pushes the children that a ray of the shaft may visit.
+    fn meet(&self, shaft: &Shaft, stack: &mut Vec<Child>) {
+        for (at, &child) in self.children.iter().enumerate() {
+            let low = Vec3::from_array(self.low.map(|planes| planes[at])).as_dvec3();
+            let high = Vec3::from_array(self.high.map(|planes| planes[at])).as_dvec3();
+            if !child.is_none() && !shaft.misses_box(low, high) {
+                stack.push(child);
+            }
+        }
+    }
+}

@@ -1,0 +1,111 @@
+//! Hints: the last static blocker of rays from a cell to a light, to be tested first.
+//!
+//! A hint is tested with the ray itself before it is believed, so nothing depends on it but work. Hence the table needs
+//! no tags: two cells that share an entry spoil each other's hint, never the picture.
+
+use rustc_hash::FxHashMap;
+
+use super::cells::Cell;
+use super::{Change, Probe};
+use crate::accel::{Ray, Trail};
+use crate::quantity::{LightId, PrimitiveId};
+use crate::ranged::PowerOfTwo;
+use crate::stream::Store;
+
+/// An entry without a hint.
+const NONE: u32 = u32::MAX;
+
+/// The kind of [`Change`] that carries a hint.
+const HINT: u32 = 1 << 17;
+
+/// The table, as it was at the frame's start.
+pub struct Hints {
+    entries: Vec<u32>,
+    lights: u32,
+}
+
+impl Hints {
+    /// An empty table.
+    pub fn new<const LO: u64, const HI: u64>(entries: PowerOfTwo<LO, HI>, lights: u32) -> Self {
+        Self { entries: vec![NONE; entries.size()], lights }
+    }
+
+    /// Multiplicative hashing: the upper bits of a product with an odd number near 2^64 over the golden ratio (Knuth, TAOCP
+    /// 3, section 6.4).
+    fn index(&self, cell: Cell, light: LightId) -> u32 {
+        let key = u64::from(cell.primitive.0) << 32 ^ u64::from(cell.place) << 6 ^ u64::from(light.0);
+        let product = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        (product >> (64 - self.entries.len().trailing_zeros())) as u32
+    }
+
+    /// Somebody to use it in a band.
+    pub fn worker(&self) -> HintWorker<'_> {
+        HintWorker { hints: self, changed: FxHashMap::default(), last: vec![Last::default(); self.lights as usize] }
+    }
+
+    /// Takes in what was learned in a frame; of two bands, the later one's stays.
+    pub fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+        let mut hints: Vec<_> = changes.iter().filter(|change| change.kind == HINT).collect();
+        // Stable: what one band learned comes in any order, but names an entry once.
+        hints.sort_by_key(|change| change.index);
+        for change in hints {
+            self.entries[change.index as usize] = change.value;
+            trail.update(Store::OccluderId, change.index);
+        }
+    }
+
+    /// The number of entries.
+    pub fn entries(&self) -> u32 {
+        self.entries.len() as u32
+    }
+}
+
+/// What became of the last rays to a light that no certificate answered, whichever cell they came from.
+#[derive(Clone, Copy, Debug, Default)]
+struct Last {
+    /// The last blocker.
+    blocker: Option<PrimitiveId>,
+    /// Whether the last ray was blocked.
+    dark: bool,
+}
+
+/// Uses hints in a band.
+pub struct HintWorker<'a> {
+    hints: &'a Hints,
+    changed: FxHashMap<u32, u32>,
+    last: Vec<Last>,
+}
+
+impl HintWorker<'_> {
+    fn hint(&self, index: u32) -> u32 {
+        self.changed.get(&index).copied().unwrap_or(self.hints.entries[index as usize])
+    }
+
+    /// A triangle that is certain to block `ray`, if a hint names one: the cell's own hint, then the light's last blocker.
+    /// A cell without a hint has its last ray lit, or is new: then the last blocker is tried only next to other dark rays.
+    pub fn blocker(&self, cell: Cell, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
+        let index = self.hints.index(cell, light);
+        probe.read(Store::OccluderId, index);
+        let hint = self.hint(index);
+        let own = (hint != NONE).then_some(PrimitiveId(hint));
+        let last = self.last[usize::from(light.0)];
+        let next = last.blocker.filter(|&next| own != Some(next) && (own.is_some() || last.dark));
+        own.into_iter().chain(next).find(|&primitive| probe.surely_blocked(ray, primitive))
+    }
+
+    /// A ray from a cell to a light had this static blocker, or none: after a lit ray the cell has no hint.
+    pub fn learn(&mut self, cell: Cell, light: LightId, blocker: Option<PrimitiveId>) {
+        let last = &mut self.last[usize::from(light.0)];
+        *last = Last { blocker: blocker.or(last.blocker), dark: blocker.is_some() };
+        let index = self.hints.index(cell, light);
+        let hint = blocker.map_or(NONE, |blocker| blocker.0);
+        if hint != self.hint(index) {
+            self.changed.insert(index, hint);
+        }
+    }
+
+    /// What was learned.
+    pub fn finish(self) -> impl Iterator<Item = Change> {
+        self.changed.into_iter().map(|(index, value)| Change { kind: HINT, index, value })
+    }
+}

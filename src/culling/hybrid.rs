@@ -1,0 +1,127 @@
+//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers.
+//!
+//! The two complement each other: a re-tested blocker answers dark rays for one triangle test and cannot answer lit
+//! ones; a certificate answers both, and cannot be had where the answer changes within a cell, or where no single
+//! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test is
+//! not watertight, and a ray may slip between them in the tracer.)
+
+use serde::{Deserialize, Serialize};
+
+use super::cells::Cell;
+use super::certificates::{CertificateSpec, Certificates, Prover};
+use super::hints::{HintWorker, Hints};
+use super::mode_word::Shadow;
+use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use crate::accel::{Ray, Trail};
+use crate::quantity::{LightId, PrimitiveId};
+use crate::ranged::PowerOfTwo;
+use crate::scene::Light;
+use crate::stream::StoreEntries;
+
+/// Settings of certificates and hints. They hold for every scene: nothing is in units of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct HybridSpec {
+    /// When proofs are asked for, and how many are kept.
+    pub certificates: CertificateSpec,
+    /// Entries of the table of hints.
+    pub hints: PowerOfTwo<2, 16_777_216>,
+}
+
+impl Default for HybridSpec {
+    /// 64 KB of hints: sixteen times as many save two in a hundred more of the triangle tests in the BART kitchen.
+    fn default() -> Self {
+        Self { certificates: CertificateSpec::default(), hints: const { PowerOfTwo::literal(16_384) } }
+    }
+}
+
+/// The policy.
+pub struct Hybrid {
+    certificates: Certificates,
+    hints: Hints,
+    facts: SceneFacts,
+}
+
+impl Hybrid {
+    /// Nothing known yet.
+    pub fn new(spec: HybridSpec, facts: SceneFacts) -> Self {
+        let hints = Hints::new(spec.hints, facts.lights);
+        Self { certificates: Certificates::new(spec.certificates, facts), hints, facts }
+    }
+}
+
+impl Policy for Hybrid {
+    fn begin_frame(&mut self, lights: &[Light], _: Option<Vec<u32>>) {
+        self.certificates.begin_frame(lights);
+    }
+
+    fn worker(&self) -> Box<dyn Worker + '_> {
+        Box::new(HybridWorker {
+            prover: self.certificates.prover(),
+            hints: self.hints.worker(),
+            facts: self.facts,
+            open: vec![None; self.facts.lights as usize],
+        })
+    }
+
+    fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+        self.certificates.end_frame(changes, trail);
+        self.hints.end_frame(changes, trail);
+    }
+
+    fn stores(&self) -> StoreEntries {
+        StoreEntries {
+            mode_words: self.certificates.entries(),
+            occluder_ids: self.hints.entries(),
+            ..StoreEntries::default()
+        }
+    }
+}
+
+/// A ray that no certificate answers.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    cell: Cell,
+    /// The hint that blocks it.
+    blocker: Option<PrimitiveId>,
+}
+
+struct HybridWorker<'a> {
+    prover: Prover<'a>,
+    hints: HintWorker<'a>,
+    facts: SceneFacts,
+    /// The rays of the hit in work that no certificate answers, by light.
+    open: Vec<Option<Open>>,
+}
+
+impl Worker for HybridWorker<'_> {
+    fn hit(&mut self, _: SurfaceHit, _: Option<&Primary<'_>>, _: &mut Probe<'_>) {
+        self.prover.hit();
+        self.open.fill(None);
+    }
+
+    fn decide(&mut self, hit: SurfaceHit, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Verdict {
+        let leaf = self.prover.leaf(hit, light, probe);
+        match leaf.map(|leaf| leaf.mode) {
+            Some(Shadow::Full) => return Verdict::Dark,
+            Some(Shadow::Non) => return Verdict::DynamicOnly,
+            _ => {}
+        }
+        let cell = leaf.map_or(Cell::whole(hit.primitive), |leaf| leaf.cell);
+        let blocker = self.hints.blocker(cell, light, ray, probe);
+        self.open[usize::from(light.0)] = Some(Open { cell, blocker });
+        if blocker.is_some() { Verdict::Dark } else { Verdict::Trace }
+    }
+
+    fn learn(&mut self, _: SurfaceHit, light: LightId, evidence: Evidence, probe: &mut Probe<'_>) {
+        let Some(Open { cell, blocker }) = self.open[usize::from(light.0)] else { return };
+        let traced = evidence.blocker.filter(|&blocker| !self.facts.is_dynamic(blocker));
+        let blocker = blocker.or(traced);
+        self.hints.learn(cell, light, blocker);
+        self.prover.learn(light, blocker, probe);
+    }
+
+    fn finish(self: Box<Self>) -> Vec<Change> {
+        self.prover.finish().chain(self.hints.finish()).collect()
+    }
+}

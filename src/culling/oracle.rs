@@ -1,0 +1,20 @@
+//! The limit of culling: every static answer known in advance, at no cost.
+
+use super::{Policy, Probe, SurfaceHit, Verdict, Worker};
+use crate::accel::Ray;
+use crate::quantity::LightId;
+
+/// Knows of every ray whether a static triangle blocks it.
+pub struct Oracle;
+
+impl Policy for Oracle {
+    fn worker(&self) -> Box<dyn Worker + '_> {
+        Box::new(Oracle)
+    }
+}
+
+impl Worker for Oracle {
+    fn decide(&mut self, _: SurfaceHit, _: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Verdict {
+        if probe.statically_blocked(ray) { Verdict::Dark } else { Verdict::DynamicOnly }
+    }
+}

@@ -1,0 +1,37 @@
+//! The published algorithm with occlusion tests in both directions: the current pixel's ray against the other pixel's
+//! primitive, and the other way round.
+
+use serde::{Deserialize, Serialize};
+
+use super::published::rules::{Directions, Preset, PublishedRules, References};
+
+/// The published algorithm, tested both ways.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SymmetricSpec {
+    /// Which pixels are compared.
+    pub neighbours: Neighbours,
+    /// Everything else.
+    pub preset: Preset,
+}
+
+/// Which neighbours of a pixel it is compared with, sooner or later.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Neighbours {
+    /// Those beside, above and below.
+    #[default]
+    Four,
+    /// Those at the corners too.
+    Eight,
+}
+
+impl SymmetricSpec {
+    /// The rules that the published algorithm follows then.
+    pub fn rules(self) -> PublishedRules {
+        let references = match self.neighbours {
+            Neighbours::Four => References::LeftAndUpper,
+            Neighbours::Eight => References::WithDiagonals,
+        };
+        PublishedRules { directions: Directions::BothWays, references, ..self.preset.rules() }
+    }
+}

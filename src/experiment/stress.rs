@@ -1,0 +1,183 @@
+//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends change.
+
+use std::convert::Infallible;
+use std::path::Path;
+
+use indicatif::ProgressBar;
+
+use super::progress;
+use crate::culling::published::rules::{
+    Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
+};
+use crate::culling::symmetric::{Neighbours, SymmetricSpec};
+use crate::culling::{Policy, PolicySpec, SceneFacts};
+use crate::quantity::Resolution;
+use crate::report::stress::{CaseSummary, Effect, FrameWrong, Shift, StressPolicy, StressSummary};
+use crate::ron_file;
+use crate::scene::builtin::cases::{Case, Recipe};
+use crate::scene::{RenderSpec, Scene};
+use crate::stream::Totals;
+use crate::tracer::{LaneFrame, Tracer, TracerSpec};
+
+/// Frames for which the last view of a failure case is held.
+const HELD: u32 = 4;
+/// Random scenes on which open ends are tried.
+const SCENES: u32 = 12;
+/// Their pictures' size.
+const SIZE: Resolution = Resolution { width: 48, height: 48 };
+
+/// Other answers to what the text leaves open than the default ones, one at a time, as a config has them. (The order of
+/// pixels is not among them: with latched words no order changes a decision.)
+const ANSWERS: [&str; 21] = [
+    "preset: Literal",
+    "partial: Sticky",
+    "reset_modes: Clear",
+    "highest: AtReset",
+    "highest: RunningMaximum",
+    "evidence: AnyBlocker",
+    "secondary: CullAndCount",
+    "secondary: Ignore",
+    "light_moves: Flush",
+    "occluded_full: BecomesPartial",
+    "references: WithDiagonals",
+    "directions: BothWays",
+    "directions: BothWays, references: WithDiagonals",
+    "dynamic_tests: Spared",
+    "border: Ignored",
+    "reset_ratio: 1.5",
+    "reset_ratio: 2.0",
+    "reset_ratio: 3.0",
+    "reset_ratio: 8.0",
+    "reset_check: BeforeShadows",
+    "words: Live",
+];
+
+/// The policies of the failure map: each with its defaults, and readings of the published text.
+pub fn policies() -> Vec<(String, PolicySpec)> {
+    let literal = PublishedSpec { preset: Preset::Literal, ..PublishedSpec::default() };
+    let repaired = PublishedSpec {
+        directions: Some(Directions::BothWays),
+        references: Some(References::WithDiagonals),
+        evidence: Some(EvidenceRule::StaticBlockers),
+        reset_check: Some(ResetCheck::BeforeShadows),
+        secondary: Some(Secondary::Ignore),
+        ..literal
+    };
+    let eight = SymmetricSpec { neighbours: Neighbours::Eight, ..SymmetricSpec::default() };
+    let readings = [
+        ("Published literal", PolicySpec::Published(literal)),
+        ("Symmetric eight", PolicySpec::Symmetric(eight)),
+        ("all repairs", PolicySpec::Published(repaired)),
+    ];
+    PolicySpec::all().into_iter().chain(readings).map(|(name, spec)| (name.to_owned(), spec)).collect()
+}
+
+/// Runs everything.
+pub fn run() -> StressSummary {
+    let policies = policies();
+    let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
+    let specs: Vec<_> = policies.iter().map(|(_, spec)| spec.clone()).collect();
+    let bar = progress::bar(Case::all().count() + SCENES as usize, "cases").with_message("stress");
+    let cases = Case::all().map(|case| run_case(case, &specs)).inspect(|_| bar.inc(1)).collect();
+    let summary = StressSummary::new(named.collect(), cases, effects(&bar), SCENES);
+    bar.finish_and_clear();
+    summary
+}
+
+fn run_case(case: Case, specs: &[PolicySpec]) -> CaseSummary {
+    let scene = case.scene();
+    let frames = scene.frame_count + if case.is_failure() { HELD } else { 0 };
+    let mut policies = vec![Vec::new(); specs.len()];
+    trace(&scene, frames, case.resolution(), case.render(), specs, |lane, done| {
+        let mut frame = FrameWrong { shadow_rays: done.totals.shadow_rays, ..FrameWrong::default() };
+        for wrong in &done.wrong {
+            frame.false_dark += wrong.false_dark;
+            frame.false_lit += wrong.false_lit;
+        }
+        policies[lane].push(frame);
+    });
+    CaseSummary { name: case.name().into(), title: case.title().into(), policies }
+}
+
+/// What each answer changes on random scenes, against the default answers on the same scene.
+fn effects(bar: &ProgressBar) -> Vec<Effect> {
+    let published = |text: &str| {
+        let spec = ron_file::parse(&format!("({text})"), Path::new("answers"));
+        PolicySpec::Published(spec.expect("the list holds what a config can"))
+    };
+    let specs: Vec<_> = [PolicySpec::Off, published("")].into_iter().chain(ANSWERS.map(published)).collect();
+    // By answer, the change in each scene.
+    let mut changes = vec![(Vec::new(), Vec::new()); ANSWERS.len()];
+    for seed in 0..SCENES {
+        let scene = Recipe { seed: seed.into(), ..Recipe::default() }.scene("random");
+        let render = RenderSpec { depth: 3, ..RenderSpec::default() };
+        let mut sums = vec![(Totals::default(), 0); specs.len()];
+        trace(&scene, scene.frame_count, SIZE, render, &specs, |lane, done| {
+            sums[lane].0 += done.totals;
+            sums[lane].1 += done.wrong.iter().map(|wrong| wrong.false_dark + wrong.false_lit).sum::<u64>();
+        });
+        let visits = |totals: &Totals| (totals.shadow_node_visits + totals.policy_node_visits) as f64;
+        let off = visits(&sums[0].0);
+        let figures = |(totals, wrong): &(Totals, u64)| {
+            (1.0 - visits(totals) / off, *wrong as f64 * 1e6 / totals.shadow_rays as f64)
+        };
+        let base = figures(&sums[1]);
+        for (changes, sum) in changes.iter_mut().zip(&sums[2..]) {
+            let (saving, wrong) = figures(sum);
+            changes.0.push(saving - base.0);
+            changes.1.push(wrong - base.1);
+        }
+        bar.inc(1);
+    }
+    let effect = |(option, (saving, wrong)): (&str, (Vec<f64>, Vec<f64>))| Effect {
+        option: option.into(),
+        saving: Shift::of(&saving),
+        wrong_per_million: Shift::of(&wrong),
+    };
+    ANSWERS.into_iter().zip(changes).map(effect).collect()
+}
+
+/// Traces frames 0 to `frames` for all policies; `done` gets each one's frame.
+fn trace(
+    scene: &Scene,
+    frames: u32,
+    resolution: Resolution,
+    render: RenderSpec,
+    specs: &[PolicySpec],
+    mut done: impl FnMut(usize, LaneFrame),
+) {
+    let tracer =
+        Tracer::new(scene, &scene.animation.frame(0), resolution, TracerSpec { render, ..TracerSpec::default() });
+    let facts = SceneFacts::of(scene);
+    let mut policies: Vec<Box<dyn Policy>> = specs.iter().map(|spec| spec.build(facts)).collect();
+    for number in 0..frames {
+        let Ok(lanes) = tracer.frame(&scene.animation.frame(number), &mut policies, |_, _| Ok::<_, Infallible>(()));
+        lanes.into_iter().enumerate().for_each(|(lane, frame)| done(lane, frame));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::stress::Outcome;
+
+    #[test]
+    fn the_map_shows_what_is_known() {
+        let summary = run();
+        assert_eq!(summary.broken(), Vec::<String>::new());
+        let outcome = |case: &str, policy: &str| {
+            let column = summary.policies.iter().position(|it| it.name == policy).expect("a policy");
+            let case = summary.cases.iter().find(|it| it.name == case).expect("a case");
+            Outcome::of(&case.policies[column])
+        };
+        assert_eq!(outcome("C3", "Published literal"), Outcome::Healed { frames: 1, worst: 8 });
+        assert_eq!(outcome("C8", "Published literal"), Outcome::Wrong { frames: 6, worst: 78 });
+        assert_eq!(outcome("C8", "Published"), Outcome::Right);
+        assert_eq!(outcome("C4", "Symmetric"), Outcome::Right);
+        assert_eq!(outcome("C4m", "Published literal"), Outcome::Right);
+        let of = |option: &str| summary.effects.iter().find(|it| it.option == option).expect("an answer");
+        assert!(of("secondary: Ignore").saving.mean < 0.0);
+        // Nothing flows from lights that stand still.
+        assert_eq!(of("light_moves: Flush").saving, Shift { mean: 0.0, error: 0.0 });
+    }
+}

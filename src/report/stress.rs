@@ -1,0 +1,282 @@
+//! The stress report: where each policy is wrong, for how long, and how far the published text's open ends move it.
+
+use std::path::Path;
+
+use minijinja::{Environment, Value, context};
+use serde::{Deserialize, Serialize};
+
+use super::format::{exact, percent};
+use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+
+/// The version of the names in `summary.json`.
+const SCHEMA: u32 = 1;
+
+/// What all policies did in all cases; `summary.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StressSummary {
+    /// The version of these names.
+    pub schema: u32,
+    /// The policies, in the order of the columns.
+    pub policies: Vec<StressPolicy>,
+    /// The cases.
+    pub cases: Vec<CaseSummary>,
+    /// What each answer to an open question changes.
+    pub effects: Vec<Effect>,
+    /// Random scenes that the effects are of.
+    pub effect_scenes: u32,
+}
+
+/// A policy under stress.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StressPolicy {
+    /// Its name.
+    pub name: String,
+    /// Whether it must never be wrong.
+    pub exact: bool,
+}
+
+/// What happened in a case.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CaseSummary {
+    /// Its name.
+    pub name: String,
+    /// What it is about.
+    pub title: String,
+    /// Of each policy, frame by frame.
+    pub policies: Vec<Vec<FrameWrong>>,
+}
+
+/// Wrong decisions in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameWrong {
+    /// Shadow rays decided on.
+    pub shadow_rays: u64,
+    /// Decided dark, though the light is seen.
+    pub false_dark: u64,
+    /// Decided lit, though it is not.
+    pub false_lit: u64,
+}
+
+impl FrameWrong {
+    /// Wrong decisions of both kinds.
+    pub fn wrong(&self) -> u64 {
+        self.false_dark + self.false_lit
+    }
+}
+
+/// How a case ended for a policy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// No decision was wrong.
+    Right,
+    /// Some were, none in the last frame.
+    Healed {
+        /// Frames with wrong decisions.
+        frames: usize,
+        /// The most in a frame.
+        worst: u64,
+    },
+    /// Some are wrong in the last frame.
+    Wrong {
+        /// Frames with wrong decisions.
+        frames: usize,
+        /// The most in a frame.
+        worst: u64,
+    },
+}
+
+impl Outcome {
+    /// The outcome of some frames.
+    pub fn of(all: &[FrameWrong]) -> Self {
+        let frames = all.iter().filter(|frame| frame.wrong() > 0).count();
+        let worst = all.iter().map(FrameWrong::wrong).max().unwrap_or(0);
+        match all.last() {
+            _ if frames == 0 => Self::Right,
+            Some(last) if last.wrong() > 0 => Self::Wrong { frames, worst },
+            _ => Self::Healed { frames, worst },
+        }
+    }
+}
+
+/// What one other answer to what the text leaves open changes, against the default answers on the same scenes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// The answer, as a config has it.
+    pub option: String,
+    /// Change of the share of shadow traversal saved.
+    pub saving: Shift,
+    /// Change of wrong decisions in a million shadow rays.
+    pub wrong_per_million: Shift,
+}
+
+/// A mean change over scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shift {
+    /// The mean.
+    pub mean: f64,
+    /// Half the width of its 95 % confidence interval.
+    pub error: f64,
+}
+
+impl Shift {
+    /// Of the changes seen in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
+    pub fn of(changes: &[f64]) -> Self {
+        const T: f64 = 2.201;
+        let count = changes.len() as f64;
+        let mean = changes.iter().sum::<f64>() / count;
+        let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        Self { mean, error: T * (variance / count).sqrt() }
+    }
+
+    /// Whether the change is more than its own error bar.
+    pub fn matters(&self) -> bool {
+        self.mean.abs() > self.error
+    }
+}
+
+impl StressSummary {
+    /// A summary of this version.
+    pub fn new(policies: Vec<StressPolicy>, cases: Vec<CaseSummary>, effects: Vec<Effect>, effect_scenes: u32) -> Self {
+        Self { schema: SCHEMA, policies, cases, effects, effect_scenes }
+    }
+
+    /// Wrong decisions of policies that must not make any.
+    pub fn broken(&self) -> Vec<String> {
+        let of_case = |case: &CaseSummary| -> Vec<String> {
+            let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
+            let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
+            wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name)).collect()
+        };
+        self.cases.iter().flat_map(of_case).collect()
+    }
+}
+
+/// Writes the report at `target`, in the place of an earlier one if there is one, complete or not at all.
+pub fn write_stress(target: &Path, summary: &StressSummary) -> Result<(), ReportError> {
+    replace(target, |dir| {
+        let mut text = serde_json::to_vec_pretty(summary).map_err(ReportError::Summary)?;
+        text.push(b'\n');
+        put(&dir.join(SUMMARY_FILE), &text)?;
+        let map = plots::stress::map(summary).map_err(ReportError::Plot)?;
+        let over_frames = plots::stress::over_frames(summary).map_err(ReportError::Plot)?;
+        put(&dir.join(PLOTS_FOLDER).join("failure-map.svg"), map.as_bytes())?;
+        put(&dir.join(PLOTS_FOLDER).join("wrong-over-frames.svg"), over_frames.as_bytes())?;
+        let page = page(summary, &map, &over_frames).map_err(ReportError::Page)?;
+        put(&dir.join(PAGE_FILE), page.as_bytes())
+    })
+}
+
+fn page(summary: &StressSummary, map: &str, over_frames: &str) -> Result<String, minijinja::Error> {
+    let names = |matters: fn(&Effect) -> bool| -> Vec<String> {
+        summary.effects.iter().filter(|effect| matters(effect)).map(|effect| effect.option.clone()).collect()
+    };
+    let effect = |effect: &Effect| -> Vec<String> {
+        let points = |share: f64| format!("{:+.2}", share * 100.0);
+        let Effect { option, saving, wrong_per_million: wrong } = effect;
+        vec![
+            option.clone(),
+            format!("{} \u{b1} {:.2}", points(saving.mean), saving.error * 100.0),
+            format!("{:+.0} \u{b1} {:.0}", wrong.mean, wrong.error),
+        ]
+    };
+    let totals = |(column, policy): (usize, &StressPolicy)| -> Vec<String> {
+        let frames = || summary.cases.iter().flat_map(|case| &case.policies[column]);
+        let rays: u64 = frames().map(|frame| frame.shadow_rays).sum();
+        let [dark, lit] = [frames().map(|frame| frame.false_dark).sum(), frames().map(|frame| frame.false_lit).sum()];
+        let failed = |case: &&CaseSummary| Outcome::of(&case.policies[column]) != Outcome::Right;
+        vec![
+            policy.name.clone(),
+            if policy.exact { "never".into() } else { "allowed".into() },
+            exact(summary.cases.iter().filter(failed).count() as u64),
+            exact(dark),
+            exact(lit),
+            percent((dark + lit) as f64 / rays.max(1) as f64),
+        ]
+    };
+    let cases: Vec<Value> = summary
+        .cases
+        .iter()
+        .map(|case| context! { name => case.name.as_str(), title => case.title.as_str() })
+        .collect();
+    let mut environment = Environment::new();
+    environment.add_template("stress.html", include_str!("stress.html"))?;
+    environment.get_template("stress.html")?.render(context! {
+        map,
+        over_frames,
+        broken => summary.broken(),
+        totals => summary.policies.iter().enumerate().map(totals).collect::<Vec<_>>(),
+        effects => summary.effects.iter().map(effect).collect::<Vec<_>>(),
+        effect_scenes => summary.effect_scenes,
+        saving_matters => names(|effect| effect.saving.matters()),
+        wrong_matters => names(|effect| effect.wrong_per_million.matters()),
+        cases,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frames(wrong: &[u64]) -> Vec<FrameWrong> {
+        wrong.iter().map(|&wrong| FrameWrong { shadow_rays: 9, false_dark: wrong, false_lit: 0 }).collect()
+    }
+
+    #[test]
+    fn outcomes_by_hand() {
+        assert_eq!(Outcome::of(&frames(&[0, 0])), Outcome::Right);
+        assert_eq!(Outcome::of(&[]), Outcome::Right);
+        assert_eq!(Outcome::of(&frames(&[0, 3, 5, 0])), Outcome::Healed { frames: 2, worst: 5 });
+        assert_eq!(Outcome::of(&frames(&[0, 3, 5])), Outcome::Wrong { frames: 2, worst: 5 });
+    }
+
+    #[test]
+    fn a_shift_by_hand() {
+        // Variance 4 over 12 scenes: the standard error is 2 / sqrt(12).
+        let changes = [1.0, 5.0, 3.0, 1.0, 5.0, 3.0, 1.0, 5.0, 3.0, 1.0, 5.0, 3.0].map(|x: f64| x);
+        let shift = Shift::of(&changes);
+        let variance: f64 = 8.0 * 4.0 / 11.0;
+        assert_eq!(shift.mean, 3.0);
+        assert!((shift.error - 2.201 * (variance / 12.0).sqrt()).abs() < 1e-12);
+        assert!(shift.matters());
+        assert!(!Shift::of(&[0.0; 12]).matters());
+    }
+
+    fn summary() -> StressSummary {
+        let policy = |name: &str, exact| StressPolicy { name: name.into(), exact };
+        let case = CaseSummary {
+            name: "C8".into(),
+            title: "a dynamic blocker leaves".into(),
+            policies: vec![frames(&[0, 0, 0]), frames(&[0, 78, 78])],
+        };
+        let shift = Shift { mean: 0.25, error: 0.125 };
+        let effect = Effect { option: "partial: Sticky".into(), saving: shift, wrong_per_million: shift };
+        StressSummary::new(vec![policy("Off", true), policy("Published", false)], vec![case], vec![effect], 12)
+    }
+
+    #[test]
+    fn the_report_holds_everything_and_replaces_itself_only() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("stress");
+        for _ in 0..2 {
+            write_stress(&target, &summary()).unwrap();
+        }
+        let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
+        assert_eq!(serde_json::from_slice::<StressSummary>(&text).unwrap(), summary());
+        let page = std::fs::read_to_string(target.join(PAGE_FILE)).unwrap();
+        for part in ["C8", "a dynamic blocker leaves", "partial: Sticky", "+25.00", "78"] {
+            assert!(page.contains(part), "{part}");
+        }
+        let foreign = folder.path().join("foreign");
+        std::fs::create_dir(&foreign).unwrap();
+        std::fs::write(foreign.join("notes.txt"), "mine").unwrap();
+        assert!(matches!(write_stress(&foreign, &summary()), Err(ReportError::Foreign { .. })));
+    }
+
+    #[test]
+    fn an_exact_policy_that_is_wrong_is_named() {
+        let mut summary = summary();
+        assert_eq!(summary.broken(), Vec::<String>::new());
+        summary.policies[1].exact = true;
+        assert_eq!(summary.broken(), ["Published in C8"]);
+    }
+}

@@ -1,0 +1,121 @@
+//! Configs and command lines that are wrong.
+
+use super::common::{Desk, EXPERIMENT, SCENE, machine};
+
+/// What a run of the experiment says with one place of it changed.
+fn experiment(from: &str, to: &str) -> String {
+    let desk = Desk::with_experiment();
+    desk.put_changed("tiny.ron", EXPERIMENT, from, to);
+    desk.refused(&["run", "tiny.ron", "--out", "report"])
+}
+
+/// What a replay says on a machine with one place of its file changed.
+fn on_machine(from: &str, to: &str) -> String {
+    let desk = Desk::with_experiment();
+    desk.succeed(&["trace", "tiny.ron", "-o", "good.rays", "--frames", "0..1"]);
+    desk.put_changed("small.ron", &machine(), from, to);
+    desk.refused(&["replay", "good.rays", "--machine", "small.ron"])
+}
+
+#[test]
+fn a_typo() {
+    insta::assert_snapshot!(experiment("resolution", "resolutoin"), @r"
+    error: tiny.ron:5:5: Unexpected field named `resolutoin` in `ExperimentSpec`, expected one of `name`, `scene`, `frames`, `resolution`, `tracer`, `policies`, `machines`, `fidelity`, `replay`, or `validate` instead
+       |
+     5 |     resolutoin: (width: 16, height: 16),
+       |     ^
+    ");
+    insta::assert_snapshot!(experiment("Published()", "Publishd()"), @r#"
+    error: tiny.ron:8:22: Unexpected variant named `Publishd` in enum `PolicySpec`, expected one of `Off`, `Published`, `Symmetric`, `LastOccluder`, `OccluderGrid`, `HashPredictor`, `Sato`, `Certified`, `Hybrid`, or `Oracle` instead
+       |
+     8 |         "Published": Publishd(),
+       |                      ^
+    "#);
+    insta::assert_snapshot!(experiment("Published()", "Published(border: Lft)"), @r#"
+    error: tiny.ron:8:40: Unexpected variant named `Lft` in enum `Border`, expected either `Occludes` or `Ignored` instead
+       |
+     8 |         "Published": Published(border: Lft),
+       |                                        ^
+    "#);
+    insta::assert_snapshot!(experiment("policies: {", "policies: ["), @r"
+    error: tiny.ron:6:14: Expected opening `{`
+       |
+     6 |     policies: [
+       |              ^
+    ");
+    insta::assert_snapshot!(on_machine("shading_cycles", "shading_cycle"), @r"
+    error: small.ron:11:9: Unexpected field named `shading_cycle` in `DispatcherSpec`, expected one of `rays`, `per_cycle`, `latency`, or `shading_cycles` instead
+        |
+     11 |         shading_cycle: 100, // assumed
+        |         ^
+    ");
+}
+
+#[test]
+fn a_value_out_of_range() {
+    insta::assert_snapshot!(experiment("width: 16", "width: 0"), @r"
+    error: tiny.ron:5:38: a resolution of 0x16: each side can be from 1 to 8192
+       |
+     5 |     resolution: (width: 0, height: 16),
+       |                                      ^
+    ");
+    insta::assert_snapshot!(experiment("\"tiny\"", "\"a/b\""), @r#"
+    error: tiny.ron:2:12: the name `a/b`: 1 to 64 letters, digits, `-` and `_` are allowed
+       |
+     2 |     name: "a/b",
+       |            ^
+    "#);
+    insta::assert_snapshot!(on_machine("clock_mhz: 500", "clock_mhz: 0"), @r"
+    error: small.ron:5:16: 0 is not allowed here: a whole number from 1 to 10000 is
+       |
+     5 |     clock_mhz: 0, // TI, section 5
+       |                ^
+    ");
+}
+
+#[test]
+fn sizes_that_do_not_fit_together() {
+    insta::assert_snapshot!(on_machine("bytes: 16384, ways: 4", "bytes: 16384, ways: 3"), @"error: small.ron: `intersection.cache.bytes` is 16384: with lines of 64 B, 3 ways and 1 bank(s), 192 times a power of two is allowed");
+    insta::assert_snapshot!(on_machine("row_bytes: 2048", "row_bytes: 32"), @"error: small.ron: `dram.row_bytes` is 32: at least the line size, 64, is allowed");
+    insta::assert_snapshot!(on_machine("mapping: [Column(1), Bank(3)", "mapping: [Column(1), Bank(2)"), @"error: small.ron: `dram.mapping` has 2 bit(s) of `Bank`: 3 is allowed, for 8 of them (columns count lines of a row)");
+}
+
+#[test]
+fn nothing_to_measure_against() {
+    insta::assert_snapshot!(experiment("\"Off\": Off,", ""), @r#"
+    error: tiny.ron:9:5: no policy is `Off`, which the others are measured against: add "Off": Off
+       |
+     9 |     },
+       |     ^
+    "#);
+}
+
+#[test]
+fn frames_beyond_the_scene() {
+    let desk = Desk::with_experiment();
+    desk.put_changed("scene.ron", SCENE, "frame_count: 1000000", "frame_count: 120");
+    insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "x.rays", "--frames", "100..121"]), @"error: tiny.ron: `frames` is 100..121:1, but `floor` has frames 0 to 119: END can be up to 120");
+}
+
+#[test]
+fn a_wrong_command_line() {
+    let desk = Desk::with_experiment();
+    let first = |args: &[&str]| desk.refused(args).lines().next().unwrap_or_default().to_owned();
+    insta::assert_snapshot!(first(&["trace", "tiny.ron", "-o", "x.rays", "--policy", "Publshed"]), @"error: the experiment has no policy `Publshed`; it has `Off`, `Published`");
+    insta::assert_snapshot!(first(&["run", "tiny.ron", "--frames", "9..3"]), @"error: invalid value '9..3' for '--frames <A..B:STEP>': `9..3` is no range of frames: write FIRST..END:STEP, such as 0..800:16, with FIRST below END; END is not included, and :STEP may be left out for 1");
+    insta::assert_snapshot!(first(&["run", "tiny.ron", "--resolution", "512"]), @"error: invalid value '512' for '--resolution <WxH>': `512` is not a resolution: write WIDTHxHEIGHT, such as 512x512");
+    insta::assert_snapshot!(first(&["run", "tiny.ron", "--threads", "0"]), @"error: invalid value '0' for '--threads <N>': 0 is not in 1..=1024");
+    insta::assert_snapshot!(first(&["run", "absent.ron"]), @"error: cannot read absent.ron: No such file or directory (os error 2)");
+}
+
+#[test]
+fn an_output_that_is_no_report() {
+    let desk = Desk::with_experiment();
+    std::fs::create_dir(desk.path("notes")).unwrap();
+    desk.put("notes/todo.txt", "water the plants");
+    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes"]), @"error: notes is not an umbrasim report (it has no summary.json of one) and will not be overwritten");
+    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes/todo.txt"]), @"error: notes/todo.txt is not an umbrasim report (it has no summary.json of one) and will not be overwritten");
+    insta::assert_snapshot!(desk.refused(&["plot", "notes"]), @"error: cannot read notes/summary.json: No such file or directory (os error 2)");
+    insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "notes"]), @"error: notes is there and is no regular file: a ray stream cannot be written to it");
+    insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "nowhere/x.rays"]), @"error: cannot create nowhere/x.rays: there is no folder nowhere");
+}
