@@ -105,7 +105,7 @@ fn engines_agree_on_any_machine_and_stream() {
 
 /// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to go.
 #[test]
-fn engines_agree_on_few_lines_and_many_writes() {
+fn engines_agree_where_fills_wait() {
     check_many(300, (machines(), sweeps()), |(mut machine, stream)| {
         let line = machine.line_bytes.get();
         let cache = &mut machine.shadow_cache.cache;
