@@ -159,7 +159,10 @@ impl Pipeline {
     /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
     /// to go to another unit, `dividing` whether one is in the divider.
     pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool, dividing: bool) {
+        let hits = self.hits.len();
         let stalled = self.access(now, &mut links.rays);
+        // A hit may have made another line, a clean one, the next to go: a fill that waits can be made then.
+        let hit = self.hits.len() > hits;
         let sent = self.out.front().is_some_and(|&request| links.l2.put(request, now, &mut links.clock));
         if sent {
             self.out.pop_front();
@@ -170,7 +173,7 @@ impl Pipeline {
         let at_once = !self.ready.is_empty()
             || !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
-            || lines.is_some_and(|at| at <= now) && (self.filled || sent);
+            || lines.is_some_and(|at| at <= now) && (self.filled || sent || hit);
         if at_once {
             links.clock.wake(self.part, now + 1);
             return;

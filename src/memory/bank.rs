@@ -146,8 +146,10 @@ impl Bank {
         let accessed = self.access(now, wake);
         let sent = self.send(now, dram, wake);
         let next = now + 1;
-        // A fill frees a register, a departure a place: whatever stalled may go on.
-        let stalled_may_go_on = (filled || sent) && !self.requests.is_empty() || sent && !self.fills.is_empty();
+        // A fill frees a register, a departure a place, and a hit may make another line, a clean one, the next to go: whatever
+        // stalled may go on.
+        let stalled_may_go_on =
+            (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
         let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();
         if more || stalled_may_go_on || filled && !self.fills.is_empty() {
             wake.wake(self.part, next);

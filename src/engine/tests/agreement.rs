@@ -6,7 +6,7 @@ use std::path::Path;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
-use super::random::{machines, streams};
+use super::random::{machines, streams, sweeps};
 use super::synthetic::header;
 use super::*;
 use crate::memory::command::CommandLog;
@@ -101,6 +101,23 @@ fn engines_agree_on_any_machine_and_stream() {
         let l2 = |tally: &&Tally| tally.banks.iter().any(|bank| bank.cache[class as usize].write_backs > 0);
         assert!(all.iter().filter(l1).count() > 4 && all.iter().filter(l2).count() > 4, "{class:?}");
     }
+}
+
+/// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to go.
+#[test]
+fn engines_agree_where_fills_wait() {
+    check_many(300, (machines(), sweeps()), |(mut machine, stream)| {
+        let line = machine.line_bytes.get();
+        let cache = &mut machine.shadow_cache.cache;
+        (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (num(2 * line), num(2), num(1), num(4));
+        (cache.latency, cache.targets) = (num(20), num(4));
+        machine.shadow_cache.writes = WritePolicy::Back;
+        machine.shadow_cache.contexts = num(6);
+        machine.l2.banks = pow(1);
+        (machine.l2.bytes, machine.l2.ways, machine.l2.queue) = (num(2 * line), num(2), num(1));
+        machine.dram.queue = num(1);
+        agree(&machine, &header(), &stream).map(drop)
+    });
 }
 
 /// What was recorded of the quickstart, on the shipped machines.

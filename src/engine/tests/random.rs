@@ -171,3 +171,12 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     });
     prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
 }
+
+/// Streams of a frame's end alone, with stores of a few lines.
+pub fn sweeps() -> impl Strategy<Value = Vec<Item>> {
+    let step = (0..96u32, 0..10u8).prop_map(|(index, kind)| match kind {
+        0..7 => Step::Read { store: Store::ModeWord, index },
+        _ => Step::Write { store: Store::ModeWord, index },
+    });
+    prop::collection::vec(step, 200..400).prop_map(|end| frame(FrameInfo::default(), &[], &end, 1))
+}
