@@ -110,6 +110,14 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
+    /// Say what the numbers of a report mean: unit and definition, and their values in a report
+    Explain {
+        /// The end of a statistic's path, such as row_hits or bytes.dram.node [default: all statistics]
+        name: Option<String>,
+        /// A report's folder, to show the values in it
+        #[arg(long, value_name = "DIR")]
+        report: Option<PathBuf>,
+    },
     /// Draw the plots and the page of a report again, from its numbers on disk
     Plot {
         /// The report's folder
@@ -192,6 +200,12 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print("\ndistance: root mean square of the differences of the four shares, in points")?;
             json.finish(&readings)?;
             Ok(u8::from(stop.load(Ordering::Relaxed)))
+        }
+        Command::Explain { name, report } => {
+            let summary = report.map(|report| report::read_summary(&report.join(report::SUMMARY_FILE))).transpose()?;
+            let text = report::explain::explain(name.as_deref(), summary.as_ref()).map_err(anyhow::Error::msg)?;
+            print(text)?;
+            Ok(0)
         }
         Command::Plot { report } => {
             report::redraw(&report)?;

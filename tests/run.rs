@@ -47,6 +47,20 @@ fn report(desk: &Desk) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 #[test]
+fn every_number_is_declared_and_can_be_explained() {
+    let desk = quickstart("2");
+    assert_eq!(
+        umbrasim::report::explain::undeclared(&summary(&desk)),
+        Vec::<String>::new(),
+        "declare them in STATISTICS"
+    );
+    let told = desk.succeed(&["explain", "row_hits", "--report", "report"]);
+    assert!(told.contains("column commands that found their row open"), "{told}");
+    let hits = &summary(&desk)["machines"]["small"]["policies"]["Off"]["dram"]["row_hits"];
+    assert!(told.contains("machines.small.policies.Off.dram.row_hits") && told.contains(&hits.to_string()), "{told}");
+}
+
+#[test]
 fn every_config_loads() {
     let machines = configs("machines");
     let experiments = configs("experiments");
