@@ -1,11 +1,15 @@
 //! Reads RON files, and says where and what is wrong in them.
 
+use std::cell::RefCell;
 use std::fmt;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
 use ron::error::SpannedError;
 use ron::extensions::Extensions;
-use serde::de::DeserializeOwned;
+use serde::Deserializer;
+use serde::de::value::MapAccessDeserializer;
+use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
 /// Why a config cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +66,43 @@ pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
 /// Reads `text`, which came from `path`, as RON.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
-    options.from_str(text).map_err(|error| ConfigError::At(Box::new(place(text, path, &error))))
+    let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());
+    let parsed = options.from_str(text);
+    FOLDER.replace(outer);
+    parsed.map_err(|error| ConfigError::At(Box::new(place(text, path, &error))))
+}
+
+thread_local! {
+    /// The folder of the file that is being read: a field that names another file is told by nobody else where it stands.
+    static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
+}
+
+/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it.
+/// Written back, it is its values.
+pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<T, D::Error> {
+    struct ValuesOrFile<T>(PhantomData<T>);
+
+    impl<'de, T: DeserializeOwned> Visitor<'de> for ValuesOrFile<T> {
+        type Value = T;
+
+        fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            f.write_str("the name of a file, or its values in brackets")
+        }
+
+        fn visit_str<E: Error>(self, file: &str) -> Result<T, E> {
+            let file = FOLDER.with_borrow(|folder| folder.join(file));
+            read(&file).map_err(|error| match error {
+                ConfigError::Read { source, .. } => E::custom(format!("cannot read {}: {source}", file.display())),
+                error => E::custom(error),
+            })
+        }
+
+        fn visit_map<A: MapAccess<'de>>(self, values: A) -> Result<T, A::Error> {
+            T::deserialize(MapAccessDeserializer::new(values))
+        }
+    }
+
+    from.deserialize_any(ValuesOrFile(PhantomData))
 }
 
 /// What all files may use beyond plain RON: no `Some` around optional values, no second brackets in `Variant((a: 1))`.

@@ -136,6 +136,8 @@ pub struct MachineStats {
     pub unit_counts: BTreeMap<String, u64>,
     /// The DRAM's commands.
     pub dram: DramCounts,
+    /// The DRAM's channels, part, page policy and address mapping, in words.
+    pub dram_organization: String,
     /// Peak bandwidth of the DRAM in bytes a machine cycle.
     pub dram_peak_bytes_per_cycle: f64,
 }

@@ -90,9 +90,9 @@ fn dram(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     equal(|| "column commands times the line against DRAM bytes".into(), columns * machine.line_bytes.get(), bytes)?;
     let l2: u64 = tally.banks.iter().flat_map(|bank| bank.cache).map(|counts| counts.misses).sum();
     equal(|| "DRAM reads against misses of the L2".into(), counts.reads, l2)?;
-    let spec = &machine.dram;
-    let time = u128::from(bytes) * u128::from(spec.burst_clocks.get() * machine.clock_mhz.get());
-    let peak = u128::from(spec.channels.get() * spec.burst_bytes.get() * spec.clock_mhz.get());
+    let (spec, part) = (&machine.dram, &machine.dram.part);
+    let time = u128::from(bytes) * u128::from(part.burst_clocks.get() * machine.clock_mhz.get());
+    let peak = u128::from(spec.channels.get() * part.burst_bytes.get() * part.clock_mhz.get());
     if time > peak * u128::from(tally.cycles) {
         return Err(format!(
             "{bytes} DRAM bytes in {} cycles exceed the peak of {} bytes a cycle",
@@ -100,8 +100,9 @@ fn dram(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
             spec.peak_bytes_per_cycle(machine.clock_mhz.get())
         ));
     }
-    let last = tally.cycles - 1;
-    let refi = spec.timing(machine.clock_mhz.get(), machine.line_bytes.get()).refi;
+    // Clocks begin with 0, in which no refresh is due.
+    let last = spec.clocks(machine.clock_mhz.get()).first(tally.cycles) - 1;
+    let refi = part.timing.refi.get();
     for (index, channel) in tally.channels.iter().enumerate() {
         let given = channel.counts.refreshes + u64::from(channel.refresh_due);
         equal(|| format!("refreshes of channel {index}, given and due"), given, last / refi)?;

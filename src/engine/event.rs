@@ -13,7 +13,7 @@ use crate::machine::source::FrameCounts;
 use crate::machine::traversal::Traversal;
 use crate::memory::Wake;
 #[cfg(test)]
-use crate::memory::command::CommandLog;
+use crate::memory::dram::command::CommandLog;
 use crate::stream::{Header, Item};
 
 /// The machine in motion.

@@ -17,7 +17,7 @@ use self::tally::Tally;
 use crate::machine::source::{FrameCounts, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 #[cfg(test)]
-use crate::memory::command::CommandLog;
+use crate::memory::dram::command::CommandLog;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
@@ -149,8 +149,7 @@ fn patience(spec: &MachineSpec) -> u64 {
         spec.shadow_cache.latency.get(),
         spec.l2.latency.get(),
     ];
-    let dram = spec.dram.timing(spec.clock_mhz.get(), spec.line_bytes.get());
-    let line = dram.line_parts.div_ceil(dram.parts);
-    let command = dram.cl.max(dram.cwl) + line + dram.wr + dram.wtr + dram.rc + dram.rfc + dram.rcd;
-    100_000 + 2 * units.iter().sum::<u64>() + 2 * command
+    let part = &spec.dram.part;
+    let clocks = part.timing.around_refresh(part.burst_clocks.get()) + part.timing.cl.get();
+    100_000 + 2 * units.iter().sum::<u64>() + 2 * spec.dram.clocks(spec.clock_mhz.get()).cycle_after(clocks)
 }

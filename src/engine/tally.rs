@@ -100,6 +100,7 @@ impl Tally {
             clock_mhz: machine.clock_mhz.get() as f64,
             rays: self.rays,
             dram: self.commands(),
+            dram_organization: machine.dram.to_string(),
             dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
             ..MachineStats::default()
         };

@@ -7,7 +7,7 @@ use super::intersection::IntersectionSpec;
 use super::shadow_cache::ShadowCacheSpec;
 use super::traversal::TraversalSpec;
 use crate::memory::bank::L2Spec;
-use crate::memory::dram_timing::DramSpec;
+use crate::memory::dram::spec::DramSpec;
 use crate::ranged::{PowerOfTwo, Within};
 
 /// A machine.
@@ -65,7 +65,7 @@ impl MachineSpec {
             .and_then(|()| self.intersection.cache.check("intersection.cache", line))
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
-            .and_then(|()| self.dram.check(line, self.clock_mhz.get()))
+            .and_then(|()| self.dram.check(line))
             .map_err(SpecError)
     }
 }
@@ -88,8 +88,8 @@ mod tests {
         let machines = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/machines");
         let mut count = 0;
         for file in std::fs::read_dir(machines).unwrap() {
-            let text = std::fs::read_to_string(file.unwrap().path()).unwrap();
-            let machine = read(&text).unwrap_or_else(|error| panic!("{error}"));
+            let machine: MachineSpec = ron_file::read(&file.unwrap().path()).unwrap_or_else(|error| panic!("{error}"));
+            machine.check().unwrap_or_else(|error| panic!("{error}"));
             assert_eq!(read(&ron::to_string(&machine).unwrap()), Ok(machine));
             count += 1;
         }
@@ -109,9 +109,8 @@ mod tests {
             ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),
             ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),
             ("(dram: (mapping: [Column(5), Bank(3)]))", "does not end with `Row`"),
-            ("(dram: (burst_bytes: 128))", "up to the line size, 64, is allowed"),
-            ("(dram: (timing: (rc: 50)))", "at least ras + rp = 102 is allowed"),
-            ("(dram: (timing: (refi: 500)))", "`dram.timing.refi` is 500: more than"),
+            ("(dram: (part: (name: \"x\")))", "Unexpected missing field named `clock_mhz`"),
+            ("(dram: (part: 5))", "the name of a file, or its values in brackets"),
         ];
         for (text, expected) in cases {
             let error = read(text).unwrap_err();

@@ -2,11 +2,7 @@
 
 pub mod bank;
 pub mod cache;
-pub mod command;
 pub mod dram;
-pub mod dram_timing;
-#[cfg(test)]
-pub mod legality;
 pub mod mshr;
 pub mod queue;
 pub mod replacement;

@@ -32,7 +32,8 @@ pub fn page(
     };
     let machine = |(name, machine): (&str, &MachineSummary)| {
         let plots = plots(&Section::Machine(name.into()));
-        context! { name, fidelity => machine.fidelity.as_str(), plots }
+        let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
+        context! { name, fidelity => machine.fidelity.as_str(), dram, plots }
     };
     let mut environment = Environment::new();
     environment.add_template("page.html", include_str!("page.html"))?;

@@ -111,6 +111,8 @@ fn machine(share: f64, words: u64) -> MachineRun {
             row_conflicts: scaled(5e6),
             refreshes: 1_000,
         },
+        dram_organization:
+            "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
         dram_peak_bytes_per_cycle: 12.8,
     })
 }

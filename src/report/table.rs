@@ -198,7 +198,8 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
         names: 1,
         rows: units.collect(),
     };
-    [sum, caches, units].iter().map(drawn).collect::<Vec<_>>().join("\n\n")
+    let dram = format!("DRAM: {}", stats.dram_organization);
+    [drawn(&sum), dram, drawn(&caches), drawn(&units)].join("\n\n")
 }
 
 /// A table for the terminal, without a line's end at the end.

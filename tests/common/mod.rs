@@ -32,11 +32,12 @@ impl Desk {
         Self { dir: tempfile::tempdir().unwrap() }
     }
 
-    /// A folder with `small.ron`, a machine, and `tiny.ron`, an experiment on a scene of three triangles, one of which
+    /// A folder with `small.ron`, a machine, its DRAM part, and `tiny.ron`, an experiment on a scene of three triangles, one of which
     /// moves: a frame is traced in a few milliseconds.
     pub fn with_experiment() -> Self {
         let desk = Self::new();
         desk.put("small.ron", &machine());
+        desk.put("lpddr4_3200.ron", &dram_part());
         desk.put("tiny.ron", EXPERIMENT);
         desk.put("scene.ron", SCENE);
         desk.put("floor.obj", FLOOR);
@@ -111,9 +112,14 @@ fn collect(folder: &Path, found: &mut Vec<(PathBuf, Vec<u8>)>) {
     }
 }
 
-/// The text of `configs/machines/small.ron`.
+/// The text of `configs/machines/small.ron`, with the part of its DRAM beside it.
 pub fn machine() -> String {
-    fs::read_to_string(Path::new(ROOT).join("configs/machines/small.ron")).unwrap()
+    fs::read_to_string(Path::new(ROOT).join("configs/machines/small.ron")).unwrap().replace("../dram/", "")
+}
+
+/// The text of `configs/dram/lpddr4_3200.ron`.
+pub fn dram_part() -> String {
+    fs::read_to_string(Path::new(ROOT).join("configs/dram/lpddr4_3200.ron")).unwrap()
 }
 
 /// The experiment of [`Desk::with_experiment`].

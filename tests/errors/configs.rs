@@ -1,6 +1,6 @@
 //! Configs and command lines that are wrong.
 
-use super::common::{Desk, EXPERIMENT, SCENE, machine};
+use super::common::{Desk, EXPERIMENT, SCENE, dram_part, machine};
 
 /// What a run of the experiment says with one place of it changed.
 fn experiment(from: &str, to: &str) -> String {
@@ -15,6 +15,54 @@ fn on_machine(from: &str, to: &str) -> String {
     desk.succeed(&["trace", "tiny.ron", "-o", "good.rays", "--frames", "0..1"]);
     desk.put_changed("small.ron", &machine(), from, to);
     desk.refused(&["replay", "good.rays", "--machine", "small.ron"])
+}
+
+/// What a replay says on a machine with one place of its DRAM part's file changed.
+fn on_dram(from: &str, to: &str) -> String {
+    let desk = Desk::with_experiment();
+    desk.succeed(&["trace", "tiny.ron", "-o", "good.rays", "--frames", "0..1"]);
+    desk.put_changed("lpddr4_3200.ron", &dram_part(), from, to);
+    desk.refused(&["replay", "good.rays", "--machine", "small.ron"])
+}
+
+#[test]
+fn a_dram_part() {
+    insta::assert_snapshot!(on_dram("rrd_s", "rrds"), @r#"
+    error: small.ron:38:16: lpddr4_3200.ron:14:29: Unexpected field named `rrds` in `Timing`, expected one of `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, or `rfc` instead
+        |
+     14 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
+        |                             ^
+        |
+     38 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
+    error: small.ron:38:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
+       |
+     8 |     banks: 7,
+       |            ^
+        |
+     38 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
+    error: small.ron:38:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
+        |
+     18 |     ),
+        |     ^
+        |
+     38 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
+    error: small.ron:38:16: cannot read lpddr4.ron: No such file or directory (os error 2)
+        |
+     38 |         part: "lpddr4.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.rc` is 100: at least ras + rp = 102 is allowed");
+    insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed");
+    insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take");
 }
 
 #[test]
@@ -76,8 +124,8 @@ fn a_value_out_of_range() {
 #[test]
 fn sizes_that_do_not_fit_together() {
     insta::assert_snapshot!(on_machine("bytes: 16384, ways: 4", "bytes: 16384, ways: 3"), @"error: small.ron: `intersection.cache.bytes` is 16384: with lines of 64 B, 3 ways and 1 bank(s), 192 times a power of two is allowed");
-    insta::assert_snapshot!(on_machine("row_bytes: 2048", "row_bytes: 32"), @"error: small.ron: `dram.row_bytes` is 32: at least the line size, 64, is allowed");
-    insta::assert_snapshot!(on_machine("mapping: [Column(1), Bank(3)", "mapping: [Column(1), Bank(2)"), @"error: small.ron: `dram.mapping` has 2 bit(s) of `Bank`: 3 is allowed, for 8 of them (columns count lines of a row)");
+    insta::assert_snapshot!(on_dram("row_bytes: 2048", "row_bytes: 32"), @"error: small.ron: the DRAM part LPDDR4-3200: `row_bytes` is 32: at least the line size, 64, is allowed");
+    insta::assert_snapshot!(on_machine("mapping: [Column(1), Bank(3)", "mapping: [Column(1), Bank(2)"), @"error: small.ron: `dram.mapping` has 2 bit(s) of `Bank`: 3 is allowed, for 8 banks a group");
 }
 
 #[test]

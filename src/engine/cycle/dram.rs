@@ -3,12 +3,13 @@
 use std::collections::VecDeque;
 
 use super::wires::{DramRequest, Request, Wires};
-use crate::memory::command::{Command, CommandLog};
-use crate::memory::dram_timing::{DramSpec, Timing};
+use crate::memory::dram::command::{Column, Command, CommandLog};
+use crate::memory::dram::part::DramPart;
+use crate::memory::dram::spec::{DramSpec, Page};
 use crate::quantity::Bytes;
 use crate::stats::{DramCounts, TrafficClass};
 
-/// When something last happened in a bank.
+/// When something last happened in a bank, in clocks of the DRAM.
 #[derive(Clone, Debug, Default)]
 struct BankState {
     open: Option<u64>,
@@ -16,39 +17,59 @@ struct BankState {
     precharge: Option<u64>,
     read: Option<u64>,
     write_data_end: Option<u64>,
+    /// The bank closes by itself as soon as it may; for requests it is closed already.
+    closes_itself: bool,
+}
+
+/// When something last happened in a bank group.
+#[derive(Clone, Debug, Default)]
+struct GroupState {
+    activate: Option<u64>,
+    column: Option<u64>,
+    write_data_end: Option<u64>,
 }
 
 pub struct Channel {
     index: usize,
-    timing: Timing,
+    part: DramPart,
+    page: Page,
+    machine_mhz: u64,
+    bursts: u64,
+    /// The next clock to act in.
+    clock: u64,
     banks: Vec<BankState>,
-    /// All activates in the last tFAW cycles, and the last one.
+    groups: Vec<GroupState>,
+    /// All activates in the last tFAW clocks.
     activates: Vec<u64>,
-    write_data_end: Option<u64>,
     refresh: Option<u64>,
-    /// When the data bus is free, in parts of a cycle.
+    /// When the data bus is free.
     bus_free: u64,
-    /// Whether its last line was written.
+    /// Whether its last burst was written.
     bus_writes: bool,
+    /// Lines with the clock in which their data ends.
     transfers: VecDeque<(u64, Request)>,
     pub counts: DramCounts,
     pub moved: [Bytes; TrafficClass::ALL.len()],
     pub log: CommandLog,
 }
 
-/// Whether in cycle `now` at least `wait` cycles have passed since an event, if there was one.
+/// Whether in clock `now` at least `wait` clocks have passed since an event, if there was one.
 fn passed(event: Option<u64>, wait: u64, now: u64) -> bool {
     event.is_none_or(|event| now >= event + wait)
 }
 
 impl Channel {
     pub fn new(spec: &DramSpec, index: usize, machine_mhz: u64, line: u64) -> Self {
+        let part = spec.part.clone();
         Self {
             index,
-            timing: spec.timing(machine_mhz, line),
-            banks: vec![BankState::default(); spec.banks.size()],
+            page: spec.page,
+            machine_mhz,
+            bursts: line / part.burst_bytes.get(),
+            clock: 0,
+            banks: vec![BankState::default(); part.banks.size()],
+            groups: vec![GroupState::default(); part.bank_groups.size()],
             activates: Vec::new(),
-            write_data_end: None,
             refresh: None,
             bus_free: 0,
             bus_writes: true,
@@ -56,27 +77,44 @@ impl Channel {
             counts: DramCounts::default(),
             moved: Default::default(),
             log: CommandLog::default(),
+            part,
         }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub fn tick(&mut self, cycle: u64, wires: &mut Wires) {
+        let mhz = self.part.clock_mhz.get();
+        // Data that ends at clock `e` has passed when `e / mhz` is not after the beginning of the cycle.
         while let Some(&(end, request)) = self.transfers.front()
-            && end <= now
+            && end * self.machine_mhz <= cycle * mhz
         {
             self.transfers.pop_front();
             if !request.write {
-                wires.from_dram[request.from].put(now, request.line);
+                wires.from_dram[request.from].put(cycle, request.line);
             }
         }
-        if self.refresh_is_due(now) {
-            self.toward_refresh(now);
-        } else {
-            self.serve(now, wires);
+        // Clocks that begin before the cycle ends.
+        while self.clock * self.machine_mhz < (cycle + 1) * mhz {
+            self.act(self.clock, cycle, wires);
+            self.clock += 1;
         }
     }
 
-    pub fn refresh_is_due(&self, now: u64) -> bool {
-        now >= (self.counts.refreshes + 1) * self.timing.refi
+    fn act(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
+        for number in 0..self.banks.len() {
+            if self.banks[number].closes_itself && self.can_precharge(&self.banks[number], now) {
+                (self.banks[number].closes_itself, self.banks[number].precharge) = (false, Some(now));
+            }
+        }
+        if now >= (self.counts.refreshes + 1) * self.part.timing.refi.get() {
+            self.toward_refresh(now);
+        } else {
+            self.serve(now, cycle, wires);
+        }
+    }
+
+    /// Whether a refresh was due in the last clock that was acted in, and was not given.
+    pub fn refresh_is_due(&self) -> bool {
+        self.clock > (self.counts.refreshes + 1) * self.part.timing.refi.get()
     }
 
     fn toward_refresh(&mut self, now: u64) {
@@ -95,46 +133,58 @@ impl Channel {
     }
 
     fn bank_can_activate(&self, bank: &BankState, now: u64) -> bool {
-        passed(bank.activate, self.timing.rc, now)
-            && passed(bank.precharge, self.timing.rp, now)
-            && passed(self.refresh, self.timing.rfc, now)
+        !bank.closes_itself
+            && passed(bank.activate, self.part.timing.rc.get(), now)
+            && passed(bank.precharge, self.part.timing.rp.get(), now)
+            && passed(self.refresh, self.part.timing.rfc.get(), now)
     }
 
     fn can_precharge(&self, bank: &BankState, now: u64) -> bool {
-        passed(bank.activate, self.timing.ras, now)
-            && passed(bank.read, self.timing.rtp, now)
-            && passed(bank.write_data_end, self.timing.wr, now)
+        passed(bank.activate, self.part.timing.ras.get(), now)
+            && passed(bank.read, self.part.timing.rtp.get(), now)
+            && passed(bank.write_data_end, self.part.timing.wr.get(), now)
     }
 
-    fn can_access(&self, bank: &BankState, write: bool, now: u64) -> bool {
-        let data = now + if write { self.timing.cwl } else { self.timing.cl };
-        passed(bank.activate, self.timing.rcd, now)
-            && (write || passed(self.write_data_end, self.timing.wtr, now))
-            && self.bus_free_for(write) < (data + 1) * self.timing.parts
+    /// Whether an event of its kind is long enough ago in all groups: `long` in the group of bank `bank`, `short` in others.
+    fn groups_allow(&self, bank: usize, event: fn(&GroupState) -> Option<u64>, waits: (u64, u64), now: u64) -> bool {
+        let (short, long) = waits;
+        let own = self.part.group(bank);
+        let wait = |group| if group == own { long } else { short };
+        self.groups.iter().enumerate().all(|(group, state)| passed(event(state), wait(group), now))
     }
 
-    fn bus_free_for(&self, write: bool) -> u64 {
+    fn can_access(&self, number: usize, write: bool, now: u64) -> bool {
+        let timing = &self.part.timing;
+        let latency = if write { timing.cwl } else { timing.cl };
         let turns = write && !self.bus_writes;
-        if turns { self.bus_free + self.timing.turn_parts } else { self.bus_free }
+        let free = self.bus_free + if turns { timing.turn.get() } else { 0 };
+        let columns = (timing.ccd_s.get(), timing.ccd_l.get());
+        let writes = (timing.wtr_s.get(), timing.wtr_l.get());
+        passed(self.banks[number].activate, timing.rcd.get(), now)
+            && self.groups_allow(number, |group| group.column, columns, now)
+            && (write || self.groups_allow(number, |group| group.write_data_end, writes, now))
+            && free <= now + latency.get()
     }
 
-    fn channel_can_activate(&self, now: u64) -> bool {
-        let in_window = self.activates.iter().filter(|&&activate| activate + self.timing.faw > now);
-        passed(self.activates.last().copied(), self.timing.rrd, now) && in_window.count() < 4
+    fn can_activate(&self, number: usize, now: u64) -> bool {
+        let timing = &self.part.timing;
+        let in_window = self.activates.iter().filter(|&&activate| activate + timing.faw.get() > now);
+        in_window.count() < 4
+            && self.bank_can_activate(&self.banks[number], now)
+            && self.groups_allow(number, |group| group.activate, (timing.rrd_s.get(), timing.rrd_l.get()), now)
     }
 
     /// Gives the command that the requests in the queue ask for, if one is legal.
-    fn serve(&mut self, now: u64, wires: &mut Wires) {
-        let queue: Vec<DramRequest> = wires.to_channel[self.index].entries(now).map(|entry| *entry).collect();
+    fn serve(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
+        let queue: Vec<DramRequest> = wires.to_channel[self.index].entries(cycle).map(|entry| *entry).collect();
         let bank = |entry: &DramRequest| &self.banks[entry.place.bank];
         let is_hit = |entry: &DramRequest| bank(entry).open == Some(entry.place.row);
-        let column = queue.iter().position(|e| is_hit(e) && self.can_access(bank(e), e.request.write, now));
+        let column = queue.iter().position(|e| is_hit(e) && self.can_access(e.place.bank, e.request.write, now));
         if let Some(index) = column {
-            return self.access(index, now, wires);
+            return self.access(index, now, cycle, wires);
         }
         let closed = |entry: &DramRequest| bank(entry).open.is_none();
-        let spaced = self.channel_can_activate(now);
-        let activate = queue.iter().position(|e| closed(e) && spaced && self.bank_can_activate(bank(e), now));
+        let activate = queue.iter().position(|e| closed(e) && self.can_activate(e.place.bank, now));
         let wanted = |number: usize| queue.iter().any(|e| e.place.bank == number && is_hit(e));
         let other = |entry: &DramRequest| !closed(entry) && !is_hit(entry) && !wanted(entry.place.bank);
         let precharge = queue.iter().position(|e| other(e) && self.can_precharge(bank(e), now));
@@ -142,47 +192,64 @@ impl Channel {
             let (number, row) = (queue[index].place.bank, queue[index].place.row);
             self.banks[number].open = Some(row);
             self.banks[number].activate = Some(now);
-            self.activates.retain(|&activate| activate + self.timing.faw > now);
+            self.groups[self.part.group(number)].activate = Some(now);
+            self.activates.retain(|&activate| activate + self.part.timing.faw.get() > now);
             self.activates.push(now);
             self.log.give(now, Command::Activate { bank: number, row });
-            wires.to_channel[self.index].entries(now).skip(index).take(1).for_each(|entry| entry.activated = true);
+            wires.to_channel[self.index].entries(cycle).skip(index).take(1).for_each(|entry| entry.activated = true);
         } else if let Some(index) = precharge {
             let number = queue[index].place.bank;
             self.banks[number].open = None;
             self.banks[number].precharge = Some(now);
             self.log.give(now, Command::Precharge { bank: number });
-            wires.to_channel[self.index].entries(now).skip(index).take(1).for_each(|entry| entry.precharged = true);
+            wires.to_channel[self.index].entries(cycle).skip(index).take(1).for_each(|entry| entry.precharged = true);
         }
     }
 
-    fn access(&mut self, index: usize, now: u64, wires: &mut Wires) {
-        let entry = wires.to_channel[self.index].remove(index);
-        let DramRequest { request, place, activated, precharged } = entry.expect("the index is of the queue");
-        let (bank, row) = (place.bank, place.row);
-        let wait = if request.write { self.timing.cwl } else { self.timing.cl };
-        let begin = self.bus_free_for(request.write).max((now + wait) * self.timing.parts);
-        self.bus_free = begin + self.timing.line_parts;
+    fn access(&mut self, index: usize, now: u64, cycle: u64, wires: &mut Wires) {
+        let queue = &mut wires.to_channel[self.index];
+        let entry = queue.entries(cycle).nth(index).expect("the index is of the queue");
+        let DramRequest { request, place, activated, precharged, bursts_done } = *entry;
+        entry.bursts_done += 1;
+        let last = bursts_done + 1 == self.bursts;
+        let auto_precharge = last && self.page == Page::Closed;
+        let (bank, group) = (&mut self.banks[place.bank], &mut self.groups[self.part.group(place.bank)]);
+        let column = place.column * self.bursts + bursts_done;
+        let named = Column { bank: place.bank, row: place.row, column, auto_precharge };
+        group.column = Some(now);
         self.bus_writes = request.write;
-        let end = self.bus_free.div_ceil(self.timing.parts);
         if request.write {
-            self.write_data_end = Some(end);
-            self.banks[bank].write_data_end = Some(end);
-            self.counts.writes += 1;
-            self.log.give(now, Command::Write { bank, row });
+            self.bus_free = now + self.part.timing.cwl.get() + self.part.burst_clocks.get();
+            bank.write_data_end = Some(self.bus_free);
+            group.write_data_end = Some(self.bus_free);
+            self.log.give(now, Command::Write(named));
         } else {
-            self.banks[bank].read = Some(now);
-            self.counts.reads += 1;
-            self.log.give(now, Command::Read { bank, row });
+            self.bus_free = now + self.part.timing.cl.get() + self.part.burst_clocks.get();
+            bank.read = Some(now);
+            self.log.give(now, Command::Read(named));
         }
-        if precharged {
-            self.counts.row_conflicts += 1;
-        } else if activated {
-            self.counts.row_misses += 1;
-        } else {
-            self.counts.row_hits += 1;
+        if auto_precharge {
+            (bank.open, bank.closes_itself) = (None, true);
         }
-        self.moved[request.class as usize] += request.bytes;
-        self.transfers.push_back((end, request));
+        if bursts_done == 0 {
+            if precharged {
+                self.counts.row_conflicts += 1;
+            } else if activated {
+                self.counts.row_misses += 1;
+            } else {
+                self.counts.row_hits += 1;
+            }
+        }
+        if last {
+            queue.remove(index);
+            if request.write {
+                self.counts.writes += 1;
+            } else {
+                self.counts.reads += 1;
+            }
+            self.moved[request.class as usize] += request.bytes;
+            self.transfers.push_back((self.bus_free, request));
+        }
     }
 
     pub fn is_empty(&self) -> bool {

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use super::cache::{Cache, Met};
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::bank::L2Spec;
-use crate::memory::dram_timing::DramSpec;
+use crate::memory::dram::spec::DramSpec;
 use crate::memory::tags::TagArray;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{CacheCounts, TrafficClass};
@@ -100,7 +100,7 @@ impl Bank {
         let place = self.dram.place(request.line);
         let channel = &mut wires.to_channel[place.channel];
         if channel.has_room() {
-            channel.put(now, DramRequest { request, place, activated: false, precharged: false });
+            channel.put(now, DramRequest { request, place, activated: false, precharged: false, bursts_done: 0 });
             self.out.pop_front();
         }
     }

@@ -28,7 +28,7 @@ use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 use crate::machine::source::FrameCounts;
 #[cfg(test)]
-use crate::memory::command::CommandLog;
+use crate::memory::dram::command::CommandLog;
 use crate::stream::{Header, Item};
 
 /// The machine.
@@ -149,7 +149,7 @@ impl Engine for Cycle {
         let channel = |channel: &Channel| ChannelTally {
             counts: channel.counts,
             moved: channel.moved,
-            refresh_due: channel.refresh_is_due(cycles - 1),
+            refresh_due: channel.refresh_is_due(),
         };
         Tally {
             cycles,

@@ -6,7 +6,7 @@ use super::link::Link;
 use super::ray::{Id, Ray};
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
-use crate::memory::dram_timing::Place;
+use crate::memory::dram::mapping::Place;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 use crate::stream::{Header, Totals};
@@ -29,6 +29,7 @@ pub struct DramRequest {
     pub place: Place,
     pub activated: bool,
     pub precharged: bool,
+    pub bursts_done: u64,
 }
 
 /// Links and common knowledge.

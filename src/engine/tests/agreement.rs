@@ -9,8 +9,8 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, Test
 use super::random::{machines, streams, sweeps};
 use super::synthetic::header;
 use super::*;
-use crate::memory::command::CommandLog;
-use crate::memory::legality::violations;
+use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::legality::violations;
 use crate::ron_file;
 use crate::stream::StreamReader;
 
@@ -37,9 +37,9 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
     if event != cycle {
         return Err(format!("Event counts {:#?}\nCycle {:#?}", event.0, cycle.0));
     }
-    let (clock, line) = (machine.clock_mhz.get(), machine.line_bytes.get());
+    let end = machine.dram.clocks(machine.clock_mhz.get()).first(cycle.0.cycles) - 1;
     for (channel, log) in cycle.1.iter().enumerate() {
-        let found = violations(&machine.dram, clock, line, log.commands(), cycle.0.cycles);
+        let found = violations(&machine.dram, machine.line_bytes.get(), log.commands(), end);
         if let Some(first) = found.first() {
             return Err(format!("channel {channel}: {first:?} in {:#?}", log.commands()));
         }
@@ -128,7 +128,7 @@ fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
     let recorded = reader.header().clone();
     let stream: Vec<Item> = reader.collect::<Result<_, _>>().unwrap();
     for machine in std::fs::read_dir(root.join("configs/machines")).unwrap() {
-        let machine: MachineSpec = ron_file::read(&machine.unwrap().path()).unwrap();
+        let machine: MachineSpec = ron_file::read(&machine.unwrap().path()).unwrap_or_else(|error| panic!("{error}"));
         agree(&machine, &recorded, &stream).unwrap_or_else(|why| panic!("{}: {why}", machine.name));
     }
 }

@@ -34,15 +34,25 @@ fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
 
 /// The machine with other lines, and as many of them in a row of the DRAM.
 fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
-    machine.dram.row_bytes = pow(machine.dram.row_bytes.get() / machine.line_bytes.get() * line);
+    let row = &mut machine.dram.part.row_bytes;
+    *row = pow(row.get() / machine.line_bytes.get() * line);
     machine.line_bytes = pow(line);
     machine
 }
 
-/// Cycles from a miss in an L1 to the fill, in a machine at rest.
+/// The default machine with a DRAM whose clock is its own: all its times are whole cycles.
+fn in_step() -> MachineSpec {
+    let mut machine = MachineSpec::default();
+    machine.dram.part.clock_mhz = num(machine.clock_mhz.get());
+    machine
+}
+
+/// Cycles from a miss in an L1 to the fill, in a machine at rest that is in step with its DRAM.
 fn miss_latency(machine: &MachineSpec) -> u64 {
-    let timing = machine.dram.timing(machine.clock_mhz.get(), machine.line_bytes.get());
-    let dram = timing.rcd + timing.cl + timing.line_parts.div_ceil(timing.parts);
+    let part = &machine.dram.part;
+    let bursts = part.bursts(machine.line_bytes.get());
+    let line = (bursts - 1) * part.timing.ccd_l.get() + part.burst_clocks.get();
+    let dram = part.timing.rcd.get() + part.timing.cl.get() + line;
     // To the L2, to the DRAM, back to the L2, back to the L1: a cycle each.
     4 + dram + machine.l2.latency.get()
 }
@@ -55,7 +65,7 @@ fn frame_latency(machine: &MachineSpec) -> u64 {
 
 #[test]
 fn one_ray_with_one_node_takes_the_sum_of_all_latencies() {
-    let machine = MachineSpec::default();
+    let machine = in_step();
     let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(nodes([0]))]));
     let expected = frame_latency(&machine) + miss_latency(&machine) + machine.traversal.latency.get();
     assert_eq!(stats.cycles.0, expected);
@@ -64,7 +74,7 @@ fn one_ray_with_one_node_takes_the_sum_of_all_latencies() {
 
 #[test]
 fn a_hit_of_a_primary_ray_passes_twice_and_divides() {
-    let machine = MachineSpec::default();
+    let machine = in_step();
     let unit = machine.intersection.latency.get();
     // Slot 0: plane and edges share a line of 64 bytes, so the second fetch hits.
     let both = miss_latency(&machine) + unit + machine.intersection.cache.latency.get() + unit;
@@ -81,7 +91,7 @@ fn a_hit_of_a_primary_ray_passes_twice_and_divides() {
 
 #[test]
 fn a_skipped_ray_costs_one_operation_and_no_traversal() {
-    let machine = MachineSpec::default();
+    let machine = in_step();
     let primary = SyntheticRay::primary(nodes([0]));
     let alone = replayed(&machine, one_frame(std::slice::from_ref(&primary)));
     let stats = replayed(&machine, one_frame(&[primary, SyntheticRay::shadow(1, Decision::Skip, Vec::new())]));
@@ -94,7 +104,7 @@ fn a_skipped_ray_costs_one_operation_and_no_traversal() {
 
 #[test]
 fn children_wait_for_the_policy_of_their_parent() {
-    let machine = MachineSpec::default();
+    let machine = in_step();
     let primary = SyntheticRay::primary(nodes([0]));
     let shadow = SyntheticRay::shadow(1, Decision::Trace, nodes([0]));
     let plain = replayed(&machine, one_frame(&[primary.clone(), shadow.clone()]));
@@ -107,7 +117,7 @@ fn children_wait_for_the_policy_of_their_parent() {
 
 #[test]
 fn a_saturated_unit_begins_one_operation_a_cycle() {
-    let mut machine = MachineSpec::default();
+    let mut machine = in_step();
     machine.traversal.count = num(1);
     let rays: Vec<_> = (0..200).map(|_| SyntheticRay::primary(nodes(vec![0; 50]))).collect();
     let stats = replayed(&machine, one_frame(&rays));

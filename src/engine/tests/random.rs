@@ -7,7 +7,9 @@ use super::{num, pow};
 use crate::machine::MachineSpec;
 use crate::machine::pipeline::WritePolicy;
 use crate::memory::cache::CacheSpec;
-use crate::memory::dram_timing::{DramSpec, Field};
+use crate::memory::dram::mapping::{Field, Mapping};
+use crate::memory::dram::part::DramPart;
+use crate::memory::dram::spec::{DramSpec, Page};
 use crate::memory::replacement::Policy;
 use crate::quantity::{ListId, NodeId};
 use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
@@ -43,38 +45,50 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
 }
 
 fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
-    let shape = (0..3u32, 0..3u32, 0..6u32, 0..3u32, 1..6u64, 0..3u32);
+    let shape = (0..3u32, 0..3u32, 0..3u32, 0..6u32, 0..3u32, 1..6u64, 0..3u32);
     let wait = || prop_oneof![3 => 1..30u64, 1 => 1..300u64];
-    let waits = prop::collection::vec(wait(), 13);
+    let waits = prop::collection::vec(wait(), 16);
     let clocks = (prop_oneof![Just(1600u64), 100..4000u64], 1..9u64);
-    (shape, waits, clocks).prop_map(move |(shape, waits, (clock_mhz, burst_clocks))| {
-        let (channels, banks, columns, low, queue, burst) = shape;
+    (shape, waits, clocks, any::<bool>()).prop_map(move |(shape, waits, (clock_mhz, burst_clocks), closed)| {
+        let (channels, groups, banks, columns, low, queue, burst) = shape;
         let low = low.min(columns);
-        let mut dram = DramSpec {
+        let mut part = DramPart {
             clock_mhz: num(clock_mhz),
-            channels: pow(1 << channels),
-            banks: pow(1 << banks),
+            bank_groups: pow(1 << groups),
+            banks: pow(1 << (groups + banks)),
             row_bytes: pow(line << columns),
             burst_bytes: pow(line >> burst),
             burst_clocks: num(burst_clocks),
-            queue: num(queue),
-            mapping: vec![
-                Field::Column(low),
-                Field::Channel(channels),
-                Field::Column(columns - low),
-                Field::Bank(banks),
-                Field::Row,
-            ],
-            ..DramSpec::default()
+            ..DramPart::default()
         };
-        let timing = &mut dram.timing;
+        let timing = &mut part.timing;
         (timing.cl, timing.cwl, timing.rcd) = (num(waits[0]), num(waits[1]), num(waits[2]));
-        (timing.rp, timing.ras, timing.rrd) = (num(waits[3]), num(waits[4]), num(waits[5]));
-        (timing.rtp, timing.wr, timing.wtr) = (num(waits[6]), num(waits[7]), num(waits[8]));
+        (timing.rp, timing.ras, timing.rtp, timing.wr) = (num(waits[3]), num(waits[4]), num(waits[6]), num(waits[7]));
         timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
         timing.rfc = num(waits[10]);
         (timing.faw, timing.turn) = (num(waits[11]), num(waits[12] - 1));
-        dram
+        // What is longer within a group than between groups, if there are groups.
+        let longer = |wait: u64| if groups > 0 { wait / 4 } else { 0 };
+        let ccd = burst_clocks + waits[13] / 16;
+        (timing.ccd_s, timing.ccd_l) = (num(ccd), num(ccd + longer(waits[14])));
+        (timing.rrd_s, timing.rrd_l) = (num(waits[5]), num(waits[5] + longer(waits[15])));
+        (timing.wtr_s, timing.wtr_l) = (num(waits[8]), num(waits[8] + longer(waits[15])));
+        let mapping = vec![
+            Field::Column(low),
+            Field::BankGroup(groups / 2),
+            Field::Channel(channels),
+            Field::Column(columns - low),
+            Field::BankGroup(groups - groups / 2),
+            Field::Bank(banks),
+            Field::Row,
+        ];
+        DramSpec {
+            part,
+            channels: pow(1 << channels),
+            queue: num(queue),
+            page: if closed { Page::Closed } else { Page::Open },
+            mapping: Mapping(mapping),
+        }
     })
 }
 
@@ -90,12 +104,12 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
             let mut interval = 100;
-            machine.dram.timing.refi = num(interval);
-            while machine.dram.check(line, clock).is_err() {
+            machine.dram.part.timing.refi = num(interval);
+            while machine.dram.check(line).is_err() {
                 interval *= 2;
-                machine.dram.timing.refi = num(interval);
+                machine.dram.part.timing.refi = num(interval);
             }
-            machine.dram.timing.refi = num(interval + refi);
+            machine.dram.part.timing.refi = num(interval + refi);
             machine.traversal.count = num(counts.0);
             machine.traversal.rays = num(counts.1);
             machine.intersection.count = num(counts.2);

@@ -10,20 +10,10 @@ pub enum Command {
         /// The row.
         row: u64,
     },
-    /// Reads a line of a bank's open row.
-    Read {
-        /// The bank.
-        bank: usize,
-        /// The row.
-        row: u64,
-    },
-    /// Writes a line of a bank's open row.
-    Write {
-        /// The bank.
-        bank: usize,
-        /// The row.
-        row: u64,
-    },
+    /// Reads a burst of a bank's open row.
+    Read(Column),
+    /// Writes a burst of a bank's open row.
+    Write(Column),
     /// Closes a bank's row.
     Precharge {
         /// The bank.
@@ -35,11 +25,24 @@ pub enum Command {
     Refresh,
 }
 
-/// A command and the cycle of the machine in which it was given.
+/// What a column command names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Column {
+    /// The bank.
+    pub bank: usize,
+    /// The row.
+    pub row: u64,
+    /// The burst's place in the row.
+    pub column: u64,
+    /// Whether the bank closes the row afterwards by itself.
+    pub auto_precharge: bool,
+}
+
+/// A command and the clock of the DRAM in which it was given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoggedCommand {
-    /// The cycle.
-    pub cycle: u64,
+    /// The clock.
+    pub clock: u64,
     /// The command.
     pub command: Command,
 }
@@ -56,10 +59,10 @@ impl CommandLog {
         self.commands.get_or_insert_default();
     }
 
-    /// `command` is given in cycle `cycle`.
-    pub fn give(&mut self, cycle: u64, command: Command) {
+    /// `command` is given in clock `clock`.
+    pub fn give(&mut self, clock: u64, command: Command) {
         if let Some(commands) = &mut self.commands {
-            commands.push(LoggedCommand { cycle, command });
+            commands.push(LoggedCommand { clock, command });
         }
     }
 

@@ -1,0 +1,367 @@
+//! A channel, scheduled first-ready, first-come-first-served (Rixner et al. 2000).
+
+use std::collections::VecDeque;
+
+use super::command::{Column, Command, CommandLog};
+use super::mapping::Place;
+use super::part::{DramPart, Timing};
+use super::spec::{Clocks, DramSpec, Page};
+use crate::memory::queue::Queue;
+use crate::memory::{PartId, Request, Wake};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{DramCounts, TrafficClass};
+
+/// What was done for a request before its first column command.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Prepared {
+    Nothing,
+    Activated,
+    Precharged,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    request: Request,
+    place: Place,
+    prepared: Prepared,
+    /// Bursts that had their column command.
+    done: u64,
+}
+
+/// The first clocks in which a bank allows each command, as far as the bank alone decides.
+#[derive(Clone, Copy, Debug, Default)]
+struct BankState {
+    open: Option<u64>,
+    activate_at: u64,
+    column_at: u64,
+    precharge_at: u64,
+}
+
+/// The first clocks in which a bank group, or the whole channel, allows each command.
+#[derive(Clone, Copy, Debug, Default)]
+struct Earliest {
+    activate: u64,
+    column: u64,
+    read: u64,
+}
+
+/// A line whose last burst has had its column command.
+#[derive(Clone, Copy, Debug)]
+struct Transfer {
+    /// The first cycle in which all its data has passed.
+    at: u64,
+    request: Request,
+}
+
+/// One channel. Times are clocks of the DRAM where nothing else is said.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    part: PartId,
+    dram: DramPart,
+    page: Page,
+    clocks: Clocks,
+    bursts: u64,
+    queue: Queue<Pending>,
+    banks: Vec<BankState>,
+    groups: Vec<Earliest>,
+    any: Earliest,
+    transfers: VecDeque<Transfer>,
+    /// When the data bus is free.
+    bus_free: u64,
+    /// Whether the bus was used last for a read.
+    bus_reads: bool,
+    /// The last four activates, the last first.
+    activates: [Option<u64>; 4],
+    refresh_due: u64,
+    /// No command can be given before this clock.
+    command_at: u64,
+    counts: DramCounts,
+    moved: [Bytes; TrafficClass::ALL.len()],
+    log: CommandLog,
+}
+
+/// What a channel can do next.
+enum Next {
+    Column(usize),
+    Activate(usize),
+    Precharge(usize),
+    /// Nothing before this clock.
+    Wait(Option<u64>),
+}
+
+impl Channel {
+    /// An idle channel with the number `part` in the machine.
+    pub fn new(spec: &DramSpec, clocks: Clocks, line: u64, part: PartId) -> Self {
+        let dram = spec.part.clone();
+        Self {
+            part,
+            page: spec.page,
+            clocks,
+            bursts: dram.bursts(line),
+            queue: Queue::new(spec.queue.size()),
+            banks: vec![BankState::default(); dram.banks.size()],
+            groups: vec![Earliest::default(); dram.bank_groups.size()],
+            any: Earliest::default(),
+            transfers: VecDeque::new(),
+            bus_free: 0,
+            bus_reads: false,
+            activates: [None; 4],
+            refresh_due: dram.timing.refi.get(),
+            command_at: 0,
+            counts: DramCounts::default(),
+            moved: [Bytes(0); TrafficClass::ALL.len()],
+            log: CommandLog::default(),
+            dram,
+        }
+    }
+
+    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, place: Place, now: u64, wake: &mut impl Wake) -> bool {
+        if !self.queue.has_room(now) {
+            self.queue.wait_for_room(request.from, now, wake);
+            return false;
+        }
+        self.queue.put(Pending { request, place, prepared: Prepared::Nothing, done: 0 }, now + 1);
+        let seen = self.clocks.first(now + 1);
+        self.command_at = self.command_at.min(seen);
+        wake.wake(self.part, self.clocks.cycle(seen));
+        true
+    }
+
+    /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
+    pub fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+        while let Some(&Transfer { request, .. }) = self.transfers.front().filter(|transfer| transfer.at <= now) {
+            self.transfers.pop_front();
+            if !request.write {
+                answer(request.from, request.line);
+                wake.wake(request.from, now + 1);
+            }
+        }
+        let end = self.clocks.first(now + 1);
+        while self.command_at < end {
+            self.command_at = self.command(self.command_at, now, wake);
+        }
+        // A request that was put in this cycle, before the channel acted, cannot be seen yet.
+        if self.queue.last_at().is_some_and(|at| at > now) {
+            self.command_at = end;
+        }
+        wake.wake(self.part, self.clocks.cycle(self.command_at));
+        if let Some(transfer) = self.transfers.front() {
+            wake.wake(self.part, transfer.at);
+        }
+    }
+
+    /// Gives at most one command in clock `clock` of cycle `now`; returns before which clock none can follow, if no request
+    /// comes.
+    fn command(&mut self, clock: u64, now: u64, wake: &mut impl Wake) -> u64 {
+        if self.refresh_due <= clock {
+            return self.refresh(clock);
+        }
+        match self.next(clock, now) {
+            Next::Column(index) => self.column(index, clock, now, wake),
+            Next::Activate(index) => self.activate(index, clock),
+            Next::Precharge(index) => {
+                let bank = self.prepare(index, Prepared::Precharged).bank;
+                self.log.give(clock, Command::Precharge { bank });
+                self.banks[bank].close(clock, &self.dram.timing);
+            }
+            Next::Wait(at) => return at.unwrap_or(u64::MAX).min(self.refresh_due),
+        }
+        clock + 1
+    }
+
+    fn next(&self, clock: u64, now: u64) -> Next {
+        let mut wanted = 0u64;
+        for (_, pending) in self.queue.visible(now) {
+            if self.banks[pending.place.bank].open == Some(pending.place.row) {
+                wanted |= 1 << pending.place.bank;
+            }
+        }
+        let bus = [self.bus_at(false), self.bus_at(true)];
+        let window = self.activates[3].map_or(0, |fourth| fourth + self.dram.timing.faw.get());
+        let activate_at = self.any.activate.max(window);
+        let (mut activate, mut precharge, mut earliest) = (None, None, None::<u64>);
+        let mut later = |at: u64| earliest = Some(earliest.map_or(at, |other| other.min(at)));
+        for (index, pending) in self.queue.visible(now) {
+            let number = pending.place.bank;
+            let (bank, group) = (&self.banks[number], &self.groups[self.dram.group(number)]);
+            let write = pending.request.write;
+            match bank.open {
+                Some(row) if row == pending.place.row => {
+                    let column = bank.column_at.max(self.any.column).max(group.column).max(bus[usize::from(write)]);
+                    let at = if write { column } else { column.max(self.any.read).max(group.read) };
+                    if at <= clock {
+                        return Next::Column(index);
+                    }
+                    later(at);
+                }
+                None => {
+                    let at = bank.activate_at.max(activate_at).max(group.activate);
+                    if at > clock {
+                        later(at);
+                    } else if activate.is_none() {
+                        activate = Some(index);
+                    }
+                }
+                Some(_) if wanted >> number & 1 == 0 => {
+                    if bank.precharge_at > clock {
+                        later(bank.precharge_at);
+                    } else if precharge.is_none() {
+                        precharge = Some(index);
+                    }
+                }
+                Some(_) => {}
+            }
+        }
+        match (activate, precharge) {
+            (Some(index), _) => Next::Activate(index),
+            (None, Some(index)) => Next::Precharge(index),
+            (None, None) => Next::Wait(earliest),
+        }
+    }
+
+    /// When the bus is free for data.
+    fn bus_free_for(&self, write: bool) -> u64 {
+        self.bus_free + if write && self.bus_reads { self.dram.timing.turn.get() } else { 0 }
+    }
+
+    fn latency(&self, write: bool) -> u64 {
+        if write { self.dram.timing.cwl.get() } else { self.dram.timing.cl.get() }
+    }
+
+    /// The first clock in which a column command's data would find the bus free.
+    fn bus_at(&self, write: bool) -> u64 {
+        self.bus_free_for(write).saturating_sub(self.latency(write))
+    }
+
+    fn prepare(&mut self, index: usize, what: Prepared) -> Place {
+        let Some(pending) = self.queue.get_mut(index) else { unreachable!("`next` names a request of the queue") };
+        if pending.prepared != Prepared::Precharged {
+            pending.prepared = what;
+        }
+        pending.place
+    }
+
+    fn activate(&mut self, index: usize, clock: u64) {
+        let Place { bank, row, .. } = self.prepare(index, Prepared::Activated);
+        self.log.give(clock, Command::Activate { bank, row });
+        let timing = &self.dram.timing;
+        self.any.activate = clock + timing.rrd_s.get();
+        self.groups[self.dram.group(bank)].activate = clock + timing.rrd_l.get();
+        self.banks[bank] = BankState {
+            open: Some(row),
+            activate_at: clock + timing.rc.get(),
+            column_at: clock + timing.rcd.get(),
+            precharge_at: clock + timing.ras.get(),
+        };
+        self.activates.rotate_right(1);
+        self.activates[0] = Some(clock);
+    }
+
+    fn column(&mut self, index: usize, clock: u64, now: u64, wake: &mut impl Wake) {
+        let Some(pending) = self.queue.get_mut(index) else { unreachable!("`next` names a request of the queue") };
+        pending.done += 1;
+        let Pending { request, place: Place { bank, row, column, .. }, prepared, done } = *pending;
+        let last = done == self.bursts;
+        let auto_precharge = last && self.page == Page::Closed;
+        let named = Column { bank, row, column: column * self.bursts + done - 1, auto_precharge };
+        self.log.give(clock, if request.write { Command::Write(named) } else { Command::Read(named) });
+        self.bus_free = clock + self.latency(request.write) + self.dram.burst_clocks.get();
+        self.bus_reads = !request.write;
+        let ends = self.bus_free;
+        let timing = &self.dram.timing;
+        let (state, group) = (&mut self.banks[bank], &mut self.groups[self.dram.group(bank)]);
+        self.any.column = clock + timing.ccd_s.get();
+        group.column = clock + timing.ccd_l.get();
+        if request.write {
+            state.precharge_at = state.precharge_at.max(ends + timing.wr.get());
+            self.any.read = ends + timing.wtr_s.get();
+            group.read = ends + timing.wtr_l.get();
+        } else {
+            state.precharge_at = state.precharge_at.max(clock + timing.rtp.get());
+        }
+        if auto_precharge {
+            state.close(state.precharge_at, timing);
+        }
+        if done == 1 {
+            match prepared {
+                Prepared::Nothing => self.counts.row_hits += 1,
+                Prepared::Activated => self.counts.row_misses += 1,
+                Prepared::Precharged => self.counts.row_conflicts += 1,
+            }
+        }
+        if last {
+            self.queue.take_at(index, now, wake);
+            *(if request.write { &mut self.counts.writes } else { &mut self.counts.reads }) += 1;
+            self.moved[request.class as usize] += request.bytes;
+            self.transfers.push_back(Transfer { at: self.clocks.cycle_after(ends), request });
+        }
+    }
+
+    fn refresh(&mut self, clock: u64) -> u64 {
+        let ready = |at: fn(&BankState) -> u64, banks: &[BankState], open: bool| {
+            banks.iter().filter(|bank| bank.open.is_some() == open).map(at).max()
+        };
+        let timing = &self.dram.timing;
+        if let Some(at) = ready(|bank| bank.precharge_at, &self.banks, true) {
+            if at > clock {
+                return at;
+            }
+            self.banks.iter_mut().filter(|bank| bank.open.is_some()).for_each(|bank| bank.close(clock, timing));
+            self.log.give(clock, Command::PrechargeAll);
+            return clock + 1;
+        }
+        if let Some(at) = ready(|bank| bank.activate_at, &self.banks, false).filter(|&at| at > clock) {
+            return at;
+        }
+        self.banks.iter_mut().for_each(|bank| bank.activate_at = clock + timing.rfc.get());
+        self.refresh_due += timing.refi.get();
+        self.log.give(clock, Command::Refresh);
+        self.counts.refreshes += 1;
+        clock + 1
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.queue.is_empty() && self.transfers.is_empty()
+    }
+
+    /// The clock in which the next refresh is due.
+    pub fn refresh_due(&self) -> u64 {
+        self.refresh_due
+    }
+
+    /// What was done.
+    pub fn counts(&self) -> &DramCounts {
+        &self.counts
+    }
+
+    /// Bytes moved, by class.
+    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.moved
+    }
+
+    /// From now on all commands are kept.
+    pub fn keep_commands(&mut self) {
+        self.log.keep();
+    }
+
+    /// The commands, as far as they were kept.
+    pub fn log(&self) -> &CommandLog {
+        &self.log
+    }
+
+    /// The state of the queue, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        let Self { queue, transfers, .. } = self;
+        format!("queue {}/{}, transfers {}", queue.len(), queue.capacity(), transfers.len())
+    }
+}
+
+impl BankState {
+    /// The row is closed from clock `clock` on.
+    fn close(&mut self, clock: u64, timing: &Timing) {
+        self.open = None;
+        self.activate_at = self.activate_at.max(clock + timing.rp.get());
+    }
+}

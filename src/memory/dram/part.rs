@@ -1,0 +1,196 @@
+//! DRAM parts: organisation and timing as a data sheet has them, a file each in `configs/dram`.
+
+use serde::{Deserialize, Serialize};
+
+use crate::ranged::{PowerOfTwo, Within};
+
+/// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
+/// would be wrong.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DramPart {
+    /// The part's name in reports.
+    pub name: String,
+    /// The clock that commands are given in and timing is counted in.
+    pub clock_mhz: Within<1, 20_000>,
+    /// Bank groups; 1 for a part without.
+    pub bank_groups: PowerOfTwo<1, 16>,
+    /// Banks, all groups together.
+    pub banks: PowerOfTwo<1, 64>,
+    /// Bytes of a row of a bank.
+    pub row_bytes: PowerOfTwo<32, 65_536>,
+    /// Bytes of a burst: bus width times burst length.
+    pub burst_bytes: PowerOfTwo<8, 256>,
+    /// Clocks that a burst occupies the data bus.
+    pub burst_clocks: Within<1, 64>,
+    /// Timing.
+    pub timing: Timing,
+}
+
+/// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l` between
+/// banks of one group.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Timing {
+    /// Read command to data.
+    pub cl: Within<1, 1000>,
+    /// Write command to data.
+    pub cwl: Within<1, 1000>,
+    /// Activate to column command.
+    pub rcd: Within<1, 1000>,
+    /// Precharge to activate.
+    pub rp: Within<1, 1000>,
+    /// Activate to precharge.
+    pub ras: Within<1, 1000>,
+    /// Activate to activate, same bank.
+    pub rc: Within<1, 2000>,
+    /// Column command to column command.
+    pub ccd_s: Within<1, 1000>,
+    /// The same in one group.
+    pub ccd_l: Within<1, 1000>,
+    /// Activate to activate.
+    pub rrd_s: Within<1, 1000>,
+    /// The same in one group.
+    pub rrd_l: Within<1, 1000>,
+    /// In any so many clocks there are at most four activates.
+    pub faw: Within<1, 1000>,
+    /// Read to precharge.
+    pub rtp: Within<1, 1000>,
+    /// End of write data to precharge.
+    pub wr: Within<1, 1000>,
+    /// End of write data to read.
+    pub wtr_s: Within<1, 1000>,
+    /// The same in one group.
+    pub wtr_l: Within<1, 1000>,
+    /// End of read data to begin of write data: the time to turn the bus.
+    pub turn: Within<0, 1000>,
+    /// Refresh to refresh.
+    pub refi: Within<100, 1_000_000>,
+    /// Refresh to activate.
+    pub rfc: Within<1, 10_000>,
+}
+
+/// One LPDDR4-3200 channel of 16 bits, as in `configs/dram/lpddr4_3200.ron`.
+impl Default for DramPart {
+    fn default() -> Self {
+        Self {
+            name: "LPDDR4-3200".into(),
+            clock_mhz: const { Within::literal(1600) },
+            bank_groups: const { PowerOfTwo::literal(1) },
+            banks: const { PowerOfTwo::literal(8) },
+            row_bytes: const { PowerOfTwo::literal(2048) },
+            burst_bytes: const { PowerOfTwo::literal(32) },
+            burst_clocks: const { Within::literal(8) },
+            timing: const {
+                Timing {
+                    cl: Within::literal(28),
+                    cwl: Within::literal(14),
+                    rcd: Within::literal(29),
+                    rp: Within::literal(34),
+                    ras: Within::literal(68),
+                    rc: Within::literal(102),
+                    ccd_s: Within::literal(8),
+                    ccd_l: Within::literal(8),
+                    rrd_s: Within::literal(16),
+                    rrd_l: Within::literal(16),
+                    faw: Within::literal(64),
+                    rtp: Within::literal(12),
+                    wr: Within::literal(29),
+                    wtr_s: Within::literal(16),
+                    wtr_l: Within::literal(16),
+                    turn: Within::literal(4),
+                    refi: Within::literal(6248),
+                    rfc: Within::literal(288),
+                }
+            },
+        }
+    }
+}
+
+impl DramPart {
+    /// The group of bank `bank`: groups are runs of banks.
+    pub fn group(&self, bank: usize) -> usize {
+        bank / (self.banks.size() / self.bank_groups.size())
+    }
+
+    /// Bursts of a line of `line` bytes.
+    pub fn bursts(&self, line: u64) -> u64 {
+        line / self.burst_bytes.get()
+    }
+
+    /// Checks what single fields cannot; `line` is the line size in bytes.
+    pub(super) fn check(&self, line: u64) -> Result<(), String> {
+        let (burst, row, groups) = (self.burst_bytes, self.row_bytes, self.bank_groups.get());
+        if burst.get() > line {
+            return Err(format!("`burst_bytes` is {burst}: up to the line size, {line}, is allowed"));
+        }
+        if row.get() < line {
+            return Err(format!("`row_bytes` is {row}: at least the line size, {line}, is allowed"));
+        }
+        if self.banks.get() < groups {
+            return Err(format!("`banks` is {}: at least one a group, {groups}, is allowed", self.banks));
+        }
+        let Timing { ras, rp, rc, refi, ccd_s, ccd_l, rrd_s, rrd_l, wtr_s, wtr_l, .. } = self.timing;
+        if rc.get() < ras.get() + rp.get() {
+            return Err(format!("`timing.rc` is {rc}: at least ras + rp = {} is allowed", ras.get() + rp.get()));
+        }
+        if ccd_s.get() < self.burst_clocks.get() {
+            let burst = self.burst_clocks;
+            return Err(format!("`timing.ccd_s` is {ccd_s}: at least `burst_clocks`, {burst}, is allowed"));
+        }
+        for (name, short, long) in [("ccd", ccd_s, ccd_l), ("rrd", rrd_s, rrd_l), ("wtr", wtr_s, wtr_l)] {
+            if short > long {
+                return Err(format!("`timing.{name}_s` is {short}: up to {name}_l = {long} is allowed"));
+            }
+            if groups == 1 && short != long {
+                return Err(format!(
+                    "`timing.{name}_s` is {short}: without groups, {name}_l = {long} alone is allowed"
+                ));
+            }
+        }
+        let least = 2 * self.timing.around_refresh(self.burst_clocks.get());
+        if refi.get() <= least {
+            return Err(format!(
+                "`timing.refi` is {refi}: more than {least} is allowed, twice what a refresh and the first access after it can take"
+            ));
+        }
+        Ok(())
+    }
+}
+
+impl Timing {
+    /// Clocks that closing all rows, a refresh and the next column command take at most, with bursts of `burst` clocks.
+    /// Without more time between refreshes nothing would be served.
+    pub fn around_refresh(&self, burst: u64) -> u64 {
+        let close = self.ras.get().max(self.rtp.get()).max(self.cwl.get() + burst + self.wr.get());
+        let refresh = self.rp.get().max(self.rc.get()) + self.rfc.get();
+        let activate = self.rrd_l.get().max(self.faw.get()) + self.rcd.get();
+        let column = self.ccd_l.get() + burst + self.wtr_l.get() + self.turn.get();
+        close + refresh + activate + column
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::ron_file;
+
+    #[test]
+    fn the_shipped_parts_are_valid() {
+        let parts = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/dram");
+        let mut names = Vec::new();
+        for file in std::fs::read_dir(parts).unwrap() {
+            let part: DramPart = ron_file::read(&file.unwrap().path()).unwrap_or_else(|error| panic!("{error}"));
+            // Lines of 32 B fit but for bursts of 64 B.
+            part.check(32.max(part.burst_bytes.get())).unwrap_or_else(|error| panic!("{}: {error}", part.name));
+            names.push(part.name);
+        }
+        names.sort();
+        let expected = ["DDR4-3200", "GDDR3-2000", "GDDR5-8000", "GDDR6-14", "LPDDR4-3200", "LPDDR5-6400"];
+        assert_eq!(names, expected);
+        let default: DramPart = ron_file::read(&Path::new(parts).join("lpddr4_3200.ron")).unwrap();
+        assert_eq!(default, DramPart::default());
+    }
+}

@@ -1,0 +1,127 @@
+//! A DRAM's spec: which part, how many channels, how they are scheduled, and where an address lies.
+
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::mapping::{Field, Mapping, Place};
+use super::part::DramPart;
+use crate::quantity::LineAddr;
+use crate::ranged::{PowerOfTwo, Within};
+use crate::ron_file;
+
+/// What becomes of a row after a request.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Page {
+    /// It stays open until another row or a refresh needs its bank.
+    #[default]
+    Open,
+    /// The request's last column command closes it (auto-precharge).
+    Closed,
+}
+
+/// A DRAM. The default is one channel of the default part.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct DramSpec {
+    /// The part: the name of its file, relative to the file that names it, or its values.
+    #[serde(deserialize_with = "ron_file::values_or_file")]
+    pub part: DramPart,
+    /// Independent channels.
+    pub channels: PowerOfTwo<1, 64>,
+    /// Requests that a channel holds.
+    pub queue: Within<1, 1024>,
+    /// What becomes of a row after a request.
+    pub page: Page,
+    /// Where an address lies.
+    pub mapping: Mapping,
+}
+
+impl Default for DramSpec {
+    fn default() -> Self {
+        Self {
+            part: DramPart::default(),
+            channels: const { PowerOfTwo::literal(1) },
+            queue: const { Within::literal(32) },
+            page: Page::Open,
+            mapping: Mapping(vec![Field::Column(1), Field::Bank(3), Field::Column(4), Field::Row]),
+        }
+    }
+}
+
+/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row`.
+impl fmt::Display for DramSpec {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { part, channels, page, mapping, .. } = self;
+        let plural = if channels.get() > 1 { "s" } else { "" };
+        write!(f, "{channels} channel{plural} of {}, {page:?} pages, line bits from the lowest: {mapping}", part.name)
+    }
+}
+
+impl DramSpec {
+    /// Checks what single fields cannot; `line` is the line size in bytes.
+    pub fn check(&self, line: u64) -> Result<(), String> {
+        self.part.check(line).map_err(|what| format!("the DRAM part {}: {what}", self.part.name))?;
+        self.mapping.check(self.channels.get(), &self.part, line)
+    }
+
+    /// Where `line` lies.
+    pub fn place(&self, line: LineAddr) -> Place {
+        self.mapping.place(&self.part, line)
+    }
+
+    /// How the DRAM's clock runs beside a machine's of `machine_mhz`.
+    pub fn clocks(&self, machine_mhz: u64) -> Clocks {
+        Clocks { dram_mhz: self.part.clock_mhz.get(), machine_mhz }
+    }
+
+    /// Peak bandwidth in bytes a cycle of a machine clocked at `machine_mhz`.
+    pub fn peak_bytes_per_cycle(&self, machine_mhz: u64) -> f64 {
+        let DramPart { burst_bytes, burst_clocks, clock_mhz, .. } = self.part;
+        let per_clock = (self.channels.get() * burst_bytes.get()) as f64 / burst_clocks.get() as f64;
+        per_clock * clock_mhz.get() as f64 / machine_mhz as f64
+    }
+}
+
+/// The clock of the DRAM beside the machine's: clock `k` begins `k` periods of the DRAM after cycle 0 does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clocks {
+    dram_mhz: u64,
+    machine_mhz: u64,
+}
+
+impl Clocks {
+    /// The cycle in which clock `clock` begins.
+    pub fn cycle(&self, clock: u64) -> u64 {
+        clock * self.machine_mhz / self.dram_mhz
+    }
+
+    /// The first cycle that does not begin before clock `clock`.
+    pub fn cycle_after(&self, clock: u64) -> u64 {
+        (clock * self.machine_mhz).div_ceil(self.dram_mhz)
+    }
+
+    /// The first clock that begins in cycle `cycle` or later.
+    pub fn first(&self, cycle: u64) -> u64 {
+        (cycle * self.dram_mhz).div_ceil(self.machine_mhz)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        #[test]
+        fn clocks_and_cycles_fit(dram_mhz in 1..3000u64, machine_mhz in 1..3000u64, cycle in 0..100_000u64) {
+            let clocks = Clocks { dram_mhz, machine_mhz };
+            let first = clocks.first(cycle);
+            prop_assert!(clocks.cycle(first) >= cycle);
+            prop_assert!(first == 0 || clocks.cycle(first - 1) < cycle);
+            let after = clocks.cycle_after(first) - clocks.cycle(first);
+            prop_assert_eq!(after, u64::from(!(first * machine_mhz).is_multiple_of(dram_mhz)));
+        }
+    }
+}
