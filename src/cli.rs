@@ -110,6 +110,15 @@ enum Command {
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
+    /// Chart what policies save against what they get wrong, over the reports of several runs
+    Chart {
+        /// Folders of reports, from `umbrasim run`
+        #[arg(required = true, value_name = "REPORT_DIR")]
+        reports: Vec<PathBuf>,
+        /// Where the chart goes
+        #[arg(long, value_name = "DIR", default_value = "reports/chart")]
+        out: PathBuf,
+    },
     /// Say what the numbers of a report mean: unit and definition, and their values in a report
     Explain {
         /// The end of a statistic's path, such as row_hits or bytes.dram.node [default: all statistics]
@@ -200,6 +209,16 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print("\ndistance: root mean square of the differences of the four shares, in points")?;
             json.finish(&readings)?;
             Ok(u8::from(stop.load(Ordering::Relaxed)))
+        }
+        Command::Chart { reports, out } => {
+            report::check_target(&out)?;
+            let read = |report: PathBuf| report::read_summary(&report.join(report::SUMMARY_FILE));
+            let runs = reports.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+            let chart = report::chart::ChartSummary::new(&runs);
+            report::chart::write_chart(&out, &chart)?;
+            print(report::drawn(&chart.grid()))?;
+            print(out.join(report::PAGE_FILE).display())?;
+            Ok(0)
         }
         Command::Explain { name, report } => {
             let summary = report.map(|report| report::read_summary(&report.join(report::SUMMARY_FILE))).transpose()?;

@@ -2,6 +2,7 @@
 //!
 //! This side sees statistics and pictures as data, never what made them.
 
+pub mod chart;
 pub mod explain;
 mod findings;
 pub mod format;

@@ -4,6 +4,7 @@
 mod bars;
 mod bytes;
 mod canvas;
+pub mod chart;
 mod dram_rows;
 mod hit_rates;
 mod over_frames;
