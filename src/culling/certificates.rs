@@ -12,10 +12,11 @@ use serde::{Deserialize, Serialize};
 
 use super::cells::{Cell, DEEPEST, Inside};
 use super::mode_word::{SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
+use super::ray_counts::RayCounts;
 use super::{Change, Probe, SceneFacts, SurfaceHit};
 use crate::accel::{Relation, Sight, Trail};
 use crate::quantity::{LightId, PrimitiveId};
-use crate::ranged::Within;
+use crate::ranged::{PowerOfTwo, Within};
 use crate::scene::Light;
 use crate::stream::Store;
 
@@ -24,13 +25,15 @@ use crate::stream::Store;
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
     /// Rays from a cell to a light, in one band of the picture and all with the same answer, before a proof is asked for.
-    pub ask: Within<1, 65535>,
+    pub ask: Within<1, 255>,
     /// Rays from a cell to a light, in one band, before a cell without a uniform or provable answer is divided.
-    pub divide: Within<1, 65535>,
+    pub divide: Within<1, 255>,
     /// How often a primitive is divided at most; 0 keeps certificates for whole primitives only.
     pub deepest: Within<0, DEEPEST>,
     /// Room for cells beside the whole primitives; when it is full, no further cell is divided.
     pub cells: Within<0, 16_777_216>,
+    /// Slots of the table that counts the rays of a cell towards a light.
+    pub counts: PowerOfTwo<2, 1_048_576>,
 }
 
 impl Default for CertificateSpec {
@@ -42,6 +45,7 @@ impl Default for CertificateSpec {
             divide: const { Within::literal(8) },
             deepest: const { Within::literal(8) },
             cells: const { Within::literal(131_072) },
+            counts: const { PowerOfTwo::literal(4096) },
         }
     }
 }
@@ -129,7 +133,7 @@ impl Certificates {
             certificates: self,
             sides: FxHashMap::default(),
             modes: FxHashMap::default(),
-            seen: FxHashMap::default(),
+            seen: RayCounts::new(self.spec.counts, self.reference(self.nodes())),
             leaves: vec![None; self.facts.lights as usize],
             read: Vec::new(),
         }
@@ -200,9 +204,10 @@ impl Certificates {
         }
     }
 
-    /// Entries of the store of mode words: the words of all nodes that there can be, then as many references.
+    /// Entries of the store of mode words: the words of all nodes that there can be, then as many references, then the counts
+    /// of rays.
     pub fn entries(&self) -> u32 {
-        self.nodes() * (self.layout.words_per_primitive() + 1)
+        self.reference(self.nodes()) + self.spec.counts.get() as u32
     }
 }
 
@@ -239,21 +244,13 @@ impl Finding {
     }
 }
 
-/// Rays of a cell towards a light.
-#[derive(Clone, Copy, Debug, Default)]
-struct Seen {
-    lit: u32,
-    dark: u32,
-    asked: bool,
-}
-
 /// Uses certificates in a band, and asks for new ones, which count at once within the band. What rays of a cell have
-/// shown is counted within the band only: a small table in the unit, not memory.
+/// shown is counted within the band only.
 pub struct Prover<'a> {
     certificates: &'a Certificates,
     sides: FxHashMap<PrimitiveId, bool>,
     modes: FxHashMap<(Cell, LightId), Shadow>,
-    seen: FxHashMap<(Cell, LightId), Seen>,
+    seen: RayCounts,
     /// The leaf around the hit in work, by light.
     leaves: Vec<Option<Leaf>>,
     /// Words read for the hit in work: all lights share them.
@@ -324,15 +321,10 @@ impl Prover<'_> {
     pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
         let Some(Leaf { cell, mode: Shadow::Init, outside }) = self.leaves[usize::from(light.0)] else { return };
         let all = self.certificates;
-        let seen = self.seen.entry((cell, light)).or_default();
-        match blocker {
-            Some(_) => seen.dark += 1,
-            None => seen.lit += 1,
-        }
-        let rays = seen.lit + seen.dark;
-        let uniform = rays == seen.lit || rays == seen.dark;
+        let seen = self.seen.count(cell, light, blocker.is_some(), probe);
+        let (rays, uniform) = (u64::from(seen.rays), seen.uniform());
         let mut found = None;
-        if uniform && !seen.asked && u64::from(rays) >= all.spec.ask.get() {
+        if uniform && !seen.asked && rays >= all.spec.ask.get() {
             seen.asked = true;
             let position = all.lights[usize::from(light.0)].position;
             let shaft = probe.receiver(cell.primitive).shaft(cell, outside, position);
@@ -345,10 +337,9 @@ impl Prover<'_> {
                 Some(blocker) => (probe.relation(&shaft, blocker) == Relation::Covers).then_some(Shadow::Full),
             };
         }
-        let divided = (seen.asked || !uniform) && u64::from(rays) >= all.spec.divide.get();
+        let divided = (seen.asked || !uniform) && rays >= all.spec.divide.get();
         if let Some(mode) = found.or(divided.then_some(Shadow::Partial)) {
             self.modes.insert((cell, light), mode);
-            self.seen.remove(&(cell, light));
         }
     }
 

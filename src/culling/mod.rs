@@ -17,6 +17,7 @@ pub mod occluder_grid;
 pub mod off;
 pub mod oracle;
 pub mod published;
+pub mod ray_counts;
 pub mod retest;
 pub mod sato;
 pub mod symmetric;

@@ -1,0 +1,90 @@
+//! How many rays of a cell went to a light, lately: what gates a proof. A small table in memory, in which a new pair of cell and
+//! light takes the place of another.
+
+use rustc_hash::FxHashMap;
+
+use super::Probe;
+use super::cells::Cell;
+use crate::quantity::LightId;
+use crate::ranged::PowerOfTwo;
+use crate::stream::Store;
+
+/// Rays of a cell towards a light. In memory 32 bits: a count of 8, a flag for each kind of answer and one for a proof that
+/// was asked for, and a tag of 21 (the model compares the whole pair).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Seen {
+    /// How many, as far as 8 bits count.
+    pub rays: u8,
+    /// Whether some were lit.
+    pub lit: bool,
+    /// Whether some were dark.
+    pub dark: bool,
+    /// Whether a proof was asked for.
+    pub asked: bool,
+}
+
+impl Seen {
+    /// Whether all had the same answer.
+    pub fn uniform(self) -> bool {
+        !(self.lit && self.dark)
+    }
+}
+
+/// The table in a band; it begins empty.
+pub struct RayCounts {
+    bits: u32,
+    /// The entry of the table's first slot in the store of mode words.
+    base: u32,
+    slots: FxHashMap<u32, (Cell, LightId, Seen)>,
+}
+
+impl RayCounts {
+    /// An empty table of `size` slots, which lie from entry `base` on in the store of mode words.
+    pub fn new(size: PowerOfTwo<2, 1_048_576>, base: u32) -> Self {
+        Self { bits: size.get().trailing_zeros(), base, slots: FxHashMap::default() }
+    }
+
+    /// Counts a ray, with one access to memory; what the slot then holds, to be changed.
+    pub fn count(&mut self, cell: Cell, light: LightId, dark: bool, probe: &mut Probe<'_>) -> &mut Seen {
+        let slot = self.slot(cell, light);
+        probe.update(Store::ModeWord, self.base + slot);
+        let entry = self.slots.entry(slot).or_insert((cell, light, Seen::default()));
+        if (entry.0, entry.1) != (cell, light) {
+            *entry = (cell, light, Seen::default());
+        }
+        let seen = &mut entry.2;
+        seen.rays = seen.rays.saturating_add(1);
+        seen.lit |= !dark;
+        seen.dark |= dark;
+        seen
+    }
+
+    /// Fibonacci hashing (Knuth, "The Art of Computer Programming" 3, section 6.4).
+    fn slot(&self, cell: Cell, light: LightId) -> u32 {
+        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        let cell_bits = u64::from(cell.primitive.0) << 32 | u64::from(cell.place);
+        let hash = (cell_bits.wrapping_mul(GOLDEN) ^ u64::from(light.0)).wrapping_mul(GOLDEN);
+        (hash >> (64 - self.bits)) as u32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::PrimitiveId;
+
+    #[test]
+    fn slots_spread_and_stay_in_the_table() {
+        let table = RayCounts::new(const { PowerOfTwo::literal(256) }, 1000);
+        let mut used = std::collections::BTreeSet::new();
+        for primitive in 0..64 {
+            for light in 0..4 {
+                let slot = table.slot(Cell::whole(PrimitiveId(primitive)).child(primitive % 4), LightId(light));
+                assert!(slot < 256);
+                used.insert(slot);
+            }
+        }
+        // 256 pairs thrown at random would fill 1 - 1/e of the slots.
+        assert!(used.len() > 140, "{}", used.len());
+    }
+}
