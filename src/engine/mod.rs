@@ -68,6 +68,13 @@ pub enum Fidelity {
     Cycle,
 }
 
+impl Fidelity {
+    /// Whether its numbers are those of [`Fidelity::Cycle`].
+    pub fn is_exact(self) -> bool {
+        matches!(self, Self::Event | Self::Cycle)
+    }
+}
+
 /// The name in reports, as in files.
 impl fmt::Display for Fidelity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -7,6 +7,7 @@ pub mod replay;
 pub mod run;
 pub mod spec;
 pub mod stress;
+mod stress_models;
 pub mod trace;
 pub mod validation;
 

@@ -6,17 +6,18 @@ use std::path::Path;
 use indicatif::ProgressBar;
 
 use super::progress;
+use super::stress_models::{self, MODELS, Recorded};
 use crate::culling::published::rules::{
     Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
 };
 use crate::culling::symmetric::{Neighbours, SymmetricSpec};
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::quantity::Resolution;
-use crate::report::stress::{CaseSummary, Effect, FrameWrong, Shift, StressPolicy, StressSummary};
+use crate::report::stress::{CaseSummary, Effect, FrameWrong, Shift, StressModel, StressPolicy, StressSummary};
 use crate::ron_file;
 use crate::scene::builtin::cases::{Case, Recipe};
 use crate::scene::{RenderSpec, Scene};
-use crate::stream::Totals;
+use crate::stream::{Item, Totals};
 use crate::tracer::{LaneFrame, Tracer, TracerSpec};
 
 /// Frames for which the last view of a failure case is held.
@@ -25,6 +26,9 @@ const HELD: u32 = 4;
 const SCENES: u32 = 12;
 /// Their pictures' size.
 const SIZE: Resolution = Resolution { width: 48, height: 48 };
+
+/// Policies whose streams the timing models replay: no culling, words, and certificates with hints.
+const REPLAYED: [&str; 3] = ["Off", "Published", "Hybrid"];
 
 /// Other answers to what the text leaves open than the default ones, one at a time, as a config has them. (The order of
 /// pixels is not among them: with latched words no order changes a decision.)
@@ -76,27 +80,40 @@ pub fn policies() -> Vec<(String, PolicySpec)> {
 pub fn run() -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
-    let specs: Vec<_> = policies.iter().map(|(_, spec)| spec.clone()).collect();
+    let models = MODELS.map(|model| StressModel { name: model.to_string(), exact: model.is_exact() });
     let bar = progress::bar(Case::all().count() + SCENES as usize, "cases").with_message("stress");
-    let cases = Case::all().map(|case| run_case(case, &specs)).inspect(|_| bar.inc(1)).collect();
-    let summary = StressSummary::new(named.collect(), cases, effects(&bar), SCENES);
+    let cases = Case::all().map(|case| run_case(case, &policies)).inspect(|_| bar.inc(1)).collect();
+    let summary = StressSummary::new(named.collect(), models.to_vec(), cases, effects(&bar), SCENES);
     bar.finish_and_clear();
     summary
 }
 
-fn run_case(case: Case, specs: &[PolicySpec]) -> CaseSummary {
+fn run_case(case: Case, policies: &[(String, PolicySpec)]) -> CaseSummary {
     let scene = case.scene();
     let frames = scene.frame_count + if case.is_failure() { HELD } else { 0 };
-    let mut policies = vec![Vec::new(); specs.len()];
-    trace(&scene, frames, case.resolution(), case.render(), specs, |lane, done| {
+    let specs: Vec<_> = policies.iter().map(|(_, spec)| spec.clone()).collect();
+    let stage = Stage::new(&scene, case.resolution(), case.render());
+    let mut streams: Vec<_> = policies
+        .iter()
+        .map(|(name, spec)| {
+            let policy = spec.build(SceneFacts::of(&scene));
+            let header = stage.tracer.header(name, policy.as_ref(), (0..frames).collect(), "");
+            REPLAYED.contains(&name.as_str()).then(|| Recorded { header, items: Vec::new() })
+        })
+        .collect();
+    let mut wrongs = vec![Vec::new(); specs.len()];
+    let keep = |lane: usize, item: &Item| streams[lane].iter_mut().for_each(|stream| stream.items.push(item.clone()));
+    stage.trace(frames, &specs, keep, |lane, done| {
         let mut frame = FrameWrong { shadow_rays: done.totals.shadow_rays, ..FrameWrong::default() };
         for wrong in &done.wrong {
             frame.false_dark += wrong.false_dark;
             frame.false_lit += wrong.false_lit;
         }
-        policies[lane].push(frame);
+        wrongs[lane].push(frame);
     });
-    CaseSummary { name: case.name().into(), title: case.title().into(), policies }
+    let streams: Vec<_> = streams.into_iter().flatten().collect();
+    let models = stress_models::verdicts(&streams);
+    CaseSummary { name: case.name().into(), title: case.title().into(), policies: wrongs, models }
 }
 
 /// What each answer changes on random scenes, against the default answers on the same scene.
@@ -112,10 +129,16 @@ fn effects(bar: &ProgressBar) -> Vec<Effect> {
         let scene = Recipe { seed: seed.into(), ..Recipe::default() }.scene("random");
         let render = RenderSpec { depth: 3, ..RenderSpec::default() };
         let mut sums = vec![(Totals::default(), 0); specs.len()];
-        trace(&scene, scene.frame_count, SIZE, render, &specs, |lane, done| {
-            sums[lane].0 += done.totals;
-            sums[lane].1 += done.wrong.iter().map(|wrong| wrong.false_dark + wrong.false_lit).sum::<u64>();
-        });
+        let stage = Stage::new(&scene, SIZE, render);
+        stage.trace(
+            scene.frame_count,
+            &specs,
+            |_, _| {},
+            |lane, done| {
+                sums[lane].0 += done.totals;
+                sums[lane].1 += done.wrong.iter().map(|wrong| wrong.false_dark + wrong.false_lit).sum::<u64>();
+            },
+        );
         let visits = |totals: &Totals| (totals.shadow_node_visits + totals.policy_node_visits) as f64;
         let off = visits(&sums[0].0);
         let figures = |(totals, wrong): &(Totals, u64)| {
@@ -137,22 +160,36 @@ fn effects(bar: &ProgressBar) -> Vec<Effect> {
     ANSWERS.into_iter().zip(changes).map(effect).collect()
 }
 
-/// Traces frames 0 to `frames` for all policies; `done` gets each one's frame.
-fn trace(
-    scene: &Scene,
-    frames: u32,
-    resolution: Resolution,
-    render: RenderSpec,
-    specs: &[PolicySpec],
-    mut done: impl FnMut(usize, LaneFrame),
-) {
-    let tracer =
-        Tracer::new(scene, &scene.animation.frame(0), resolution, TracerSpec { render, ..TracerSpec::default() });
-    let facts = SceneFacts::of(scene);
-    let mut policies: Vec<Box<dyn Policy>> = specs.iter().map(|spec| spec.build(facts)).collect();
-    for number in 0..frames {
-        let Ok(lanes) = tracer.frame(&scene.animation.frame(number), &mut policies, |_, _| Ok::<_, Infallible>(()));
-        lanes.into_iter().enumerate().for_each(|(lane, frame)| done(lane, frame));
+/// A scene, ready to be traced.
+struct Stage<'a> {
+    scene: &'a Scene,
+    tracer: Tracer<'a>,
+}
+
+impl<'a> Stage<'a> {
+    fn new(scene: &'a Scene, resolution: Resolution, render: RenderSpec) -> Self {
+        let spec = TracerSpec { render, ..TracerSpec::default() };
+        Self { scene, tracer: Tracer::new(scene, &scene.animation.frame(0), resolution, spec) }
+    }
+
+    /// Traces frames 0 to `frames` for all policies; `item` gets what each one's stream is made of, `done` its frame.
+    fn trace(
+        &self,
+        frames: u32,
+        specs: &[PolicySpec],
+        mut item: impl FnMut(usize, &Item),
+        mut done: impl FnMut(usize, LaneFrame),
+    ) {
+        let facts = SceneFacts::of(self.scene);
+        let mut policies: Vec<Box<dyn Policy>> = specs.iter().map(|spec| spec.build(facts)).collect();
+        for number in 0..frames {
+            let sink = |lane: usize, made: Item| {
+                item(lane, &made);
+                Ok::<_, Infallible>(())
+            };
+            let Ok(lanes) = self.tracer.frame(&self.scene.animation.frame(number), &mut policies, sink);
+            lanes.into_iter().enumerate().for_each(|(lane, frame)| done(lane, frame));
+        }
     }
 }
 

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::format::{exact, percent};
 use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+use crate::quantity::Cycle;
 
 /// The version of the names in `summary.json`.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 
 /// What all policies did in all cases; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -18,6 +19,8 @@ pub struct StressSummary {
     pub schema: u32,
     /// The policies, in the order of the columns.
     pub policies: Vec<StressPolicy>,
+    /// The timing models that replayed the cases, the one first that the others are held to.
+    pub models: Vec<StressModel>,
     /// The cases.
     pub cases: Vec<CaseSummary>,
     /// What each answer to an open question changes.
@@ -35,8 +38,37 @@ pub struct StressPolicy {
     pub exact: bool,
 }
 
-/// What happened in a case.
+/// A timing model under stress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StressModel {
+    /// Its name.
+    pub name: String,
+    /// Whether it must give the same numbers as the first.
+    pub exact: bool,
+}
+
+/// What a timing model made of a case, all streams together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ModelVerdict {
+    /// Every number is the first model's.
+    Agrees,
+    /// Some number differs; the cycles by this share at most.
+    Differs(f64),
+    /// It could not replay a stream, and why.
+    Failed(String),
+}
+
+impl ModelVerdict {
+    /// A stream that takes `truth` cycles took `found` in the model.
+    pub fn off_by(&mut self, truth: Cycle, found: Cycle) {
+        let share = (found.0 as f64 - truth.0 as f64).abs() / truth.0.max(1) as f64;
+        let before = if let Self::Differs(share) = self { *share } else { 0.0 };
+        *self = Self::Differs(share.max(before));
+    }
+}
+
+/// What happened in a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CaseSummary {
     /// Its name.
     pub name: String,
@@ -44,6 +76,8 @@ pub struct CaseSummary {
     pub title: String,
     /// Of each policy, frame by frame.
     pub policies: Vec<Vec<FrameWrong>>,
+    /// Of each timing model.
+    pub models: Vec<ModelVerdict>,
 }
 
 /// Wrong decisions in a frame.
@@ -136,16 +170,30 @@ impl Shift {
 
 impl StressSummary {
     /// A summary of this version.
-    pub fn new(policies: Vec<StressPolicy>, cases: Vec<CaseSummary>, effects: Vec<Effect>, effect_scenes: u32) -> Self {
-        Self { schema: SCHEMA, policies, cases, effects, effect_scenes }
+    pub fn new(
+        policies: Vec<StressPolicy>,
+        models: Vec<StressModel>,
+        cases: Vec<CaseSummary>,
+        effects: Vec<Effect>,
+        effect_scenes: u32,
+    ) -> Self {
+        Self { schema: SCHEMA, policies, models, cases, effects, effect_scenes }
     }
 
-    /// Wrong decisions of policies that must not make any.
+    /// Wrong decisions of policies that must not make any, and timing models that failed or differ where they must not.
     pub fn broken(&self) -> Vec<String> {
         let of_case = |case: &CaseSummary| -> Vec<String> {
             let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
             let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
-            wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name)).collect()
+            let wrong = wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name));
+            let models = self.models.iter().zip(&case.models).filter_map(|(model, verdict)| match verdict {
+                ModelVerdict::Agrees => None,
+                ModelVerdict::Differs(share) => model
+                    .exact
+                    .then(|| format!("{} in {}: cycles differ by {}", model.name, case.name, percent(*share))),
+                ModelVerdict::Failed(why) => Some(format!("{} in {}: {why}", model.name, case.name)),
+            });
+            wrong.chain(models).collect()
         };
         self.cases.iter().flat_map(of_case).collect()
     }
@@ -193,10 +241,18 @@ fn page(summary: &StressSummary, map: &str, over_frames: &str) -> Result<String,
             percent((dark + lit) as f64 / rays.max(1) as f64),
         ]
     };
+    let verdict = |verdict: &ModelVerdict| match verdict {
+        ModelVerdict::Agrees => "the same".into(),
+        ModelVerdict::Differs(share) => format!("cycles off by {}", percent(*share)),
+        ModelVerdict::Failed(why) => format!("failed: {why}"),
+    };
     let cases: Vec<Value> = summary
         .cases
         .iter()
-        .map(|case| context! { name => case.name.as_str(), title => case.title.as_str() })
+        .map(|case| {
+            let models: Vec<String> = case.models.iter().map(verdict).collect();
+            context! { name => case.name.as_str(), title => case.title.as_str(), models }
+        })
         .collect();
     let mut environment = Environment::new();
     environment.add_template("stress.html", include_str!("stress.html"))?;
@@ -209,6 +265,7 @@ fn page(summary: &StressSummary, map: &str, over_frames: &str) -> Result<String,
         effect_scenes => summary.effect_scenes,
         saving_matters => names(|effect| effect.saving.matters()),
         wrong_matters => names(|effect| effect.wrong_per_million.matters()),
+        models => summary.models.iter().map(|model| model.name.clone()).collect::<Vec<_>>(),
         cases,
     })
 }
@@ -247,10 +304,13 @@ mod tests {
             name: "C8".into(),
             title: "a dynamic blocker leaves".into(),
             policies: vec![frames(&[0, 0, 0]), frames(&[0, 78, 78])],
+            models: vec![ModelVerdict::Agrees, ModelVerdict::Differs(0.5)],
         };
+        let model = |name: &str, exact| StressModel { name: name.into(), exact };
+        let models = vec![model("Cycle", true), model("Bound", false)];
         let shift = Shift { mean: 0.25, error: 0.125 };
         let effect = Effect { option: "partial: Sticky".into(), saving: shift, wrong_per_million: shift };
-        StressSummary::new(vec![policy("Off", true), policy("Published", false)], vec![case], vec![effect], 12)
+        StressSummary::new(vec![policy("Off", true), policy("Published", false)], models, vec![case], vec![effect], 12)
     }
 
     #[test]
@@ -263,7 +323,7 @@ mod tests {
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<StressSummary>(&text).unwrap(), summary());
         let page = std::fs::read_to_string(target.join(PAGE_FILE)).unwrap();
-        for part in ["C8", "a dynamic blocker leaves", "partial: Sticky", "+25.00", "78"] {
+        for part in ["cycles off by 50.0 %", "C8", "a dynamic blocker leaves", "partial: Sticky", "+25.00", "78"] {
             assert!(page.contains(part), "{part}");
         }
         let foreign = folder.path().join("foreign");
@@ -277,6 +337,7 @@ mod tests {
         let mut summary = summary();
         assert_eq!(summary.broken(), Vec::<String>::new());
         summary.policies[1].exact = true;
-        assert_eq!(summary.broken(), ["Published in C8"]);
+        summary.models[1].exact = true;
+        assert_eq!(summary.broken(), ["Published in C8", "Bound in C8: cycles differ by 50.0 %"]);
     }
 }

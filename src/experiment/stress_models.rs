@@ -1,0 +1,40 @@
+//! Timing models under stress: each must replay what the failure cases recorded, and say how far it is from the truth.
+
+use std::convert::Infallible;
+
+use crate::engine::{self, Fidelity};
+use crate::machine::MachineSpec;
+use crate::report::stress::ModelVerdict;
+use crate::stream::{Header, Item};
+
+/// The models, the first of which is what the others are held to.
+pub const MODELS: [Fidelity; 2] = [Fidelity::Cycle, Fidelity::Event];
+
+/// The stream of a policy in a case.
+pub struct Recorded {
+    pub header: Header,
+    pub items: Vec<Item>,
+}
+
+/// What each of [`MODELS`] makes of a case's streams on the default machine.
+pub fn verdicts(streams: &[Recorded]) -> Vec<ModelVerdict> {
+    let machine = MachineSpec::default();
+    let replay = |model, Recorded { header, items }: &Recorded| {
+        engine::run(&machine, model, header, items.iter().cloned().map(Ok::<_, Infallible>))
+    };
+    let truth: Vec<_> = streams.iter().map(|stream| replay(MODELS[0], stream)).collect();
+    let verdict = |model: Fidelity| {
+        let mut worst = ModelVerdict::Agrees;
+        for (stream, truth) in streams.iter().zip(&truth) {
+            let policy = &stream.header.policy;
+            match (truth, replay(model, stream)) {
+                (Ok(truth), Ok(found)) if *truth == found => {}
+                (Ok(truth), Ok(found)) => worst.off_by(truth.cycles, found.cycles),
+                (_, Err(error)) => return ModelVerdict::Failed(format!("{policy}: {error}")),
+                (Err(error), Ok(_)) => return ModelVerdict::Failed(format!("{policy}: {}: {error}", MODELS[0])),
+            }
+        }
+        worst
+    };
+    MODELS.into_iter().map(verdict).collect()
+}
