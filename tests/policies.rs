@@ -98,6 +98,7 @@ impl<'a> Setting<'a> {
                     static_list_entries: 0,
                     stores: policy.stores(),
                     input_hash: 0,
+                    records: tracer.accel().static_records().into(),
                 },
                 items: Vec::new(),
                 wrong: Vec::new(),

@@ -25,7 +25,7 @@ pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 use crate::scene::{Frame, Scene};
-use crate::stream::{FrameInfo, Structure};
+use crate::stream::{FrameInfo, NO_RECORD, Structure};
 
 /// Which structure is built, and how well.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -187,6 +187,11 @@ impl Accel {
         self.slots.len() as u32
     }
 
+    /// The record of each static primitive; [`crate::stream::NO_RECORD`] for an invisible one.
+    pub fn static_records(&self) -> &[TriangleSlot] {
+        &self.slots
+    }
+
     /// Builds the frame's dynamic tree and joins it with the static one.
     pub fn frame<'a>(&'a self, scene: &'a Scene, frame: &'a Frame) -> World<'a> {
         let first = scene.statics.len() as u32;
@@ -277,7 +282,7 @@ where
 /// The slot of each primitive from `first` on; what has no record (an invisible triangle) has a slot that is never
 /// asked for.
 fn slots(records: &[triangle::Record], first: u32, count: usize) -> Vec<TriangleSlot> {
-    let mut slots = vec![TriangleSlot(u32::MAX); count];
+    let mut slots = vec![NO_RECORD; count];
     for (slot, record) in records.iter().enumerate() {
         slots[(record.primitive.0 - first) as usize] = TriangleSlot(slot as u32);
     }

@@ -18,7 +18,7 @@ use crate::accel::{Relation, Sight, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::scene::Light;
-use crate::stream::Store;
+use crate::stream::{Store, StoreEntries};
 
 /// When proofs are asked for, and how many are kept.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -204,10 +204,15 @@ impl Certificates {
         }
     }
 
-    /// Entries of the store of mode words: the words of all nodes that there can be, then as many references, then the counts
-    /// of rays.
-    pub fn entries(&self) -> u32 {
-        self.reference(self.nodes()) + self.spec.counts.get() as u32
+    /// The store of mode words: the words of all nodes that there can be, static primitives first, then as many references, then
+    /// the counts of rays.
+    pub fn stores(&self) -> StoreEntries {
+        StoreEntries {
+            mode_words: self.reference(self.nodes()) + self.spec.counts.get() as u32,
+            word_owners: self.facts.statics,
+            words_per_primitive: self.layout.words_per_primitive(),
+            ..StoreEntries::default()
+        }
     }
 }
 

@@ -35,7 +35,7 @@ impl Policy for Certified {
     }
 
     fn stores(&self) -> StoreEntries {
-        StoreEntries { mode_words: self.certificates.entries(), ..StoreEntries::default() }
+        self.certificates.stores()
     }
 }
 

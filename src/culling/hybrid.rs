@@ -70,11 +70,7 @@ impl Policy for Hybrid {
     }
 
     fn stores(&self) -> StoreEntries {
-        StoreEntries {
-            mode_words: self.certificates.entries(),
-            occluder_ids: self.hints.entries(),
-            ..StoreEntries::default()
-        }
+        StoreEntries { occluder_ids: self.hints.entries(), ..self.certificates.stores() }
     }
 }
 

@@ -1,14 +1,23 @@
 //! The identities that every run must keep.
 
 use super::RunError;
-use super::tally::{Tally, sum_bytes, sum_caches};
+use super::tally::{PerClass, Tally, UnitTally, sum_bytes, sum_caches};
 use crate::machine::MachineSpec;
-use crate::machine::source::FrameCounts;
+use crate::machine::pipeline::Past;
+use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
+use crate::machine::source::{FrameCounts, StoreWork};
 use crate::stats::TrafficClass;
 
-/// Checks that the machine replayed of a frame what the tracer counted.
-pub(super) fn frame<E>(counts: &FrameCounts) -> Result<(), RunError<E>> {
-    let FrameCounts { frame, tracer, machine } = counts;
+/// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec does not
+/// say.
+pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError<E>> {
+    let FrameCounts { frame, tracer, machine, stores } = counts;
+    let StoreWork { merged_reads, merged_writes, raised_reads, added_writes, deferred_writes, covered_writes } =
+        *stores;
+    let lazy = spec.frame_end == FrameEnd::Epoch;
+    let sweeps = spec.frame_end == FrameEnd::Sweep;
+    let only = |allowed: bool, what, count| (what, count, if allowed { count } else { 0 });
+    let performed_otherwise = machine.policy_writes + merged_writes + deferred_writes + covered_writes;
     let pairs = [
         ("primary rays", machine.primary_rays, tracer.primary_rays),
         ("secondary rays", machine.secondary_rays, tracer.secondary_rays),
@@ -22,8 +31,12 @@ pub(super) fn frame<E>(counts: &FrameCounts) -> Result<(), RunError<E>> {
         ("list reads", machine.list_reads, tracer.list_reads),
         ("triangle tests of the policy", machine.policy_triangle_tests, tracer.policy_triangle_tests),
         ("node visits of the policy", machine.policy_node_visits, tracer.policy_node_visits),
-        ("reads of the policy", machine.policy_reads, tracer.policy_reads),
-        ("writes of the policy", machine.policy_writes, tracer.policy_writes),
+        ("reads of the policy", machine.policy_reads + merged_reads + raised_reads, tracer.policy_reads),
+        ("writes of the policy", performed_otherwise, tracer.policy_writes + added_writes + raised_reads),
+        only(spec.register.get() > 0, "merged steps without a register", merged_reads + merged_writes),
+        only(lazy, "first touches without `Epoch`", raised_reads + deferred_writes),
+        only(sweeps, "swept steps without `Sweep`", covered_writes),
+        only(lazy || sweeps, "added steps with `List`", added_writes),
     ];
     match pairs.into_iter().find(|(_, machine, tracer)| machine != tracer) {
         Some((what, machine, tracer)) => Err(RunError::Counts { frame: *frame, what, machine, tracer }),
@@ -61,17 +74,21 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let dram = sum_bytes(tally.channels.iter().map(|channel| &channel.moved));
     for class in TrafficClass::ALL {
         let (index, name) = (class as usize, class.name());
-        let through: u64 = units().map(|unit| unit.written_through[index].writes).sum();
-        let through_bytes: u64 = units().map(|unit| unit.written_through[index].bytes.0).sum();
+        let past = |of: fn(&UnitTally) -> &PerClass<Past>| {
+            let all = units().map(|unit| of(unit)[index]);
+            all.fold((0, 0), |(count, bytes), past| (count + past.count, bytes + past.bytes.0))
+        };
+        let (through, through_bytes) = past(|unit| &unit.written_through);
+        let (straight, straight_bytes) = past(|unit| &unit.read_straight);
         let reads: u64 = tally.banks.iter().map(|bank| bank.reads[index]).sum();
         let (l1, l2) = (&l1[index], &l2[index]);
-        equal(|| format!("{name}: misses of the L1s against reads of the L2"), l1.misses, reads)?;
+        equal(|| format!("{name}: misses of the L1s against reads of the L2"), l1.misses + straight, reads)?;
         equal(
             || format!("{name}: writes of the L1s against writes of the L2"),
             l1.write_backs + through,
             l2.accesses - reads,
         )?;
-        let down = (l1.misses + l1.write_backs) * line + through_bytes;
+        let down = (l1.misses + l1.write_backs) * line + through_bytes + straight_bytes;
         equal(|| format!("{name}: bytes between L1s and L2"), down, moved[index].0)?;
         equal(|| format!("{name}: bytes between L2 and DRAM"), (l2.misses + l2.write_backs) * line, dram[index].0)?;
     }

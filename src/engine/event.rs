@@ -21,7 +21,7 @@ pub(super) struct Event {
     pub(super) dispatcher: Dispatcher,
     pub(super) traversal: Vec<Traversal>,
     pub(super) intersection: Vec<Intersection>,
-    pub(super) shadow_cache: ShadowCache,
+    pub(super) shadow_cache: Vec<ShadowCache>,
     pub(super) links: Links<Wheel>,
     /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
     progress: u64,
@@ -42,9 +42,11 @@ impl Event {
             dispatcher: Dispatcher::new(&spec.dispatcher, parts.traversal as usize, spec.traversal.rays.get()),
             traversal: (0..parts.traversal).map(|index| Traversal::new(&spec.traversal, line, index, &links)).collect(),
             intersection: (0..parts.intersection)
-                .map(|index| Intersection::new(&spec.intersection, line, index, &links))
+                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), line, index, &links))
                 .collect(),
-            shadow_cache: ShadowCache::new(&spec.shadow_cache, line, spec.dispatcher.rays.get(), &links),
+            shadow_cache: (0..parts.shadow_cache)
+                .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.dispatcher.rays.get(), index, &links))
+                .collect(),
             links,
             progress: 0,
             watch_at: patience(spec),
@@ -59,7 +61,7 @@ impl Event {
         [
             self.traversal.iter().map(|unit| &unit.pipeline).collect(),
             self.intersection.iter().map(|unit| &unit.pipeline).collect(),
-            vec![&self.shadow_cache.pipeline],
+            self.shadow_cache.iter().map(|unit| &unit.pipeline).collect(),
         ]
     }
 
@@ -69,7 +71,8 @@ impl Event {
         let (units, tests) = (parts.traversal(0).0, parts.intersection(0).0);
         in_turn(due, units, parts.traversal, now, |index| traversal[index].tick(now, links));
         in_turn(due, tests, parts.intersection, now, |index| intersection[index].tick(now, links));
-        in_turn(due, parts.shadow_cache().0, 1, now, |_| shadow_cache.tick(now, links));
+        let units = parts.shadow_cache(0).0;
+        in_turn(due, units, parts.shadow_cache, now, |index| shadow_cache[index].tick(now, links));
         in_turn(due, parts.bank(0).0, parts.banks, now, |index| links.tick_bank(index, now));
         in_turn(due, parts.channel(0).0, parts.channels, now, |index| links.tick_channel(index, now));
     }
@@ -78,13 +81,13 @@ impl Event {
         let first = self.links.layout.dynamic_part();
         self.traversal.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
         self.intersection.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
-        self.shadow_cache.pipeline.drop_from(first);
+        self.shadow_cache.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
     }
 
     fn is_idle(&self) -> bool {
         self.traversal.iter().all(|unit| unit.pipeline.is_idle())
             && self.intersection.iter().all(|unit| unit.pipeline.is_idle())
-            && self.shadow_cache.pipeline.is_idle()
+            && self.shadow_cache.iter().all(|unit| unit.pipeline.is_idle())
             && self.links.l2.banks.iter().all(|bank| bank.is_idle())
             && self.links.dram.is_idle()
     }
@@ -111,7 +114,7 @@ impl Event {
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
         self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(links)));
-        list("shadow_cache", 0, self.shadow_cache.queues(links));
+        self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(links)));
         links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
         (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
         lines.join("\n")
@@ -157,6 +160,7 @@ impl Engine for Event {
             cache: *unit.cache().counts(),
             requested: *unit.requested(),
             written_through: *unit.written_through(),
+            read_straight: *unit.read_straight(),
         };
         let Links { l2, dram, .. } = &self.links;
         let channel = |index| ChannelTally {
@@ -173,6 +177,7 @@ impl Engine for Event {
             cycles,
             rays: self.dispatcher.rays(),
             dispatcher: self.dispatcher.causes.until(cycles),
+            stores: Default::default(),
             units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
             banks: banks.collect(),
             channels: (0..dram.channels()).map(channel).collect(),

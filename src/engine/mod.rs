@@ -14,7 +14,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use self::tally::Tally;
-use crate::machine::source::{FrameCounts, StreamFault};
+use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
@@ -127,6 +127,7 @@ pub fn run<E>(
     items: impl Iterator<Item = Result<Item, E>>,
 ) -> Result<MachineStats, RunError<E>> {
     machine.check()?;
+    machine.check_stream(header)?;
     let tally = match fidelity {
         Fidelity::Event => replay(&mut event::Event::new(machine, header), machine, items)?,
         Fidelity::Cycle => replay(&mut cycle::Cycle::new(machine, header), machine, items)?,
@@ -140,8 +141,12 @@ fn replay<E>(
     mut items: impl Iterator<Item = Result<Item, E>>,
 ) -> Result<Tally, RunError<E>> {
     let next = || items.next().transpose().map_err(RunError::Source);
-    let cycles = engine.run(next, check::frame)?;
-    let tally = engine.tally(cycles);
+    let mut stores = StoreWork::default();
+    let cycles = engine.run(next, |counts| {
+        stores += counts.stores;
+        check::frame(counts, &machine.shadow_cache)
+    })?;
+    let tally = Tally { stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
     Ok(tally)
 }

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::machine::MachineSpec;
-use crate::machine::pipeline::WrittenThrough;
+use crate::machine::pipeline::Past;
+use crate::machine::source::StoreWork;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, TrafficClass};
 
@@ -22,7 +23,9 @@ pub struct UnitTally {
     /// Bytes that it asked its L1 for.
     pub requested: PerClass<Bytes>,
     /// Writes that went through its L1.
-    pub written_through: PerClass<WrittenThrough>,
+    pub written_through: PerClass<Past>,
+    /// Reads that went past its L1.
+    pub read_straight: PerClass<Past>,
 }
 
 /// What a bank of the L2 counted.
@@ -56,7 +59,9 @@ pub struct Tally {
     pub rays: u64,
     /// The dispatcher's cycles by cause.
     pub dispatcher: PerCause,
-    /// Traversal units, intersection units, the shadow-cache unit.
+    /// What was done with stores otherwise than recorded.
+    pub stores: StoreWork,
+    /// Traversal units, intersection units, shadow-cache units.
     pub units: [Vec<UnitTally>; KINDS.len()],
     /// Banks of the L2.
     pub banks: Vec<BankTally>,

@@ -172,7 +172,8 @@ impl Dispatcher {
         {
             self.phase = Phase::Between;
             let machine = std::mem::take(&mut links.replayed);
-            events.frame_over = Some(FrameCounts { frame: self.frame, tracer: totals, machine });
+            let stores = std::mem::take(&mut links.stores);
+            events.frame_over = Some(FrameCounts { frame: self.frame, tracer: totals, machine, stores });
         }
         events.frame_began = self.pull(next, links)?;
         while let Some(&(at, parent)) = self.shading.front()
@@ -301,10 +302,12 @@ impl Dispatcher {
         }
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
         (ray.chunk, ray.index, ray.undecided) = (which.chunk, which.index, skipped);
+        (ray.evaluating, ray.operand, ray.fetched) = (0, false, false);
+        links.take_free_entries(id);
         match unit {
             None => links.send_to_shadow_cache(id, now),
             Some(unit) => {
-                ray.owner = Owner::Traversal(unit as u32);
+                links.rays[id as usize].owner = Owner::Traversal(unit as u32);
                 self.free_slots[unit] -= 1;
                 self.next_unit = (unit + 1) % self.free_slots.len();
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
@@ -360,12 +363,9 @@ impl Dispatcher {
         if !quiet {
             return;
         }
-        if steps.is_empty() {
+        if !links.begin_end(steps, now) {
             links.frame_over = true;
             links.clock.wake(Parts::DISPATCHER, now + 1);
-        } else {
-            links.frame_end = Some((now + 1, Arc::clone(steps)));
-            links.clock.wake(links.parts.shadow_cache(), now + 1);
         }
         self.phase = Phase::Ending(*totals);
     }

@@ -55,12 +55,12 @@ pub struct Intersection {
 }
 
 impl Intersection {
-    /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &IntersectionSpec, line: u64, index: u32, links: &Links<W>) -> Self {
+    /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
+    pub fn new<W: Wake>(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links<W>) -> Self {
         let part = links.parts.intersection(index);
         Self {
             index: index as usize,
-            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, WritePolicy::Back),
+            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, writes),
             divider: Inbox::new(),
             divide_latency: spec.divide_latency.get(),
             contexts: spec.tests.size(),
@@ -101,6 +101,7 @@ impl Intersection {
         let element = match ray.step() {
             Some(Step::Triangle { slot, .. }) => links.layout.plane(slot),
             Some(Step::List(entry)) => links.layout.list_entry(entry),
+            Some(step) if step.entry().is_some() => links.entry_element(id),
             step => unreachable!("{step:?} is not for an intersection unit"),
         };
         self.pipeline.fetch(id, &element, links);
@@ -125,16 +126,19 @@ impl Intersection {
         self.free += 1;
         let ray = &mut links.rays[id as usize];
         let step = ray.step();
-        ray.next += 1;
-        match (step, ray.owner, ray.kind) {
-            (Some(Step::List(_)), ..) => links.replayed.list_reads += 1,
-            (_, Owner::ShadowCache, _) => links.replayed.policy_triangle_tests += 1,
-            (_, Owner::Traversal(_), RayKind::Shadow) => links.replayed.shadow_triangle_tests += 1,
-            (_, Owner::Traversal(_), _) => links.replayed.triangle_tests += 1,
+        ray.fetched = step.is_some_and(|step| step.entry().is_some());
+        if !ray.fetched {
+            ray.next += 1;
+            match (step, ray.owner, ray.kind) {
+                (Some(Step::List(_)), ..) => links.replayed.list_reads += 1,
+                (_, Owner::ShadowCache(_), _) => links.replayed.policy_triangle_tests += 1,
+                (_, Owner::Traversal(_), RayKind::Shadow) => links.replayed.shadow_triangle_tests += 1,
+                (_, Owner::Traversal(_), _) => links.replayed.triangle_tests += 1,
+            }
         }
         let (inbox, part) = match ray.owner {
             Owner::Traversal(index) => (&mut links.returned[index as usize], links.parts.traversal(index)),
-            Owner::ShadowCache => (&mut links.tested, links.parts.shadow_cache()),
+            Owner::ShadowCache(index) => (&mut links.tested[index as usize], links.parts.shadow_cache(index)),
         };
         inbox.push_back((now + 1, id));
         links.clock.wake(part, now + 1);

@@ -1,17 +1,20 @@
 //! Where everything lies in memory: ids of the stream become addresses.
 //!
 //! From address 0 on, each array begins at a multiple of 4 KiB: static nodes, static primitive lists, static triangle
-//! records, mode words, counters, occluder ids. Then the dynamic part: nodes, lists and triangle records of the frame, at
+//! records, then the policy's stores ([`super::stores`]). Then the dynamic part: nodes, lists and triangle records of the frame, at
 //! a base that is the same in every frame.
 
+use super::MachineSpec;
+use super::shadow_cache::{FrameEnd, Place};
+use super::stores::{StoreLayout, Stores};
 use crate::quantity::{Addr, LineAddr, ListId, NodeId, TriangleSlot};
 use crate::stats::TrafficClass;
-use crate::stream::{FrameInfo, Header, Step, Store};
+use crate::stream::{FrameInfo, Header, Step, Store, StoreEntries};
 
 const ALIGNMENT: u64 = 4096;
 const LIST_ENTRY_BYTES: u64 = 4;
 
-/// Bytes of a triangle record: plane, then edges (Nah et al. 2011, section 4).
+/// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can hold more ([`StoreLayout::Record`]).
 pub const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
 /// Bytes that a triangle test reads first.
 pub const PLANE_BYTES: u64 = 16;
@@ -61,7 +64,8 @@ pub struct Layout {
     nodes: Array,
     lists: Array,
     triangles: Array,
-    stores: [Array; 3],
+    stores: Stores,
+    entries: StoreEntries,
     dynamic_base: u64,
     line_shift: u32,
 }
@@ -76,8 +80,13 @@ pub struct OutOfRange {
 }
 
 impl Layout {
-    /// The layout of a stream, before its first frame, for lines of `line` bytes (a power of two).
-    pub fn new(header: &Header, line: u64) -> Self {
+    /// The layout of a stream on a machine, before the first frame.
+    pub fn new(header: &Header, spec: &MachineSpec) -> Self {
+        let line = spec.line_bytes.get();
+        let unit = &spec.shadow_cache;
+        // Words that cost nothing lie nowhere: triangle records are as without them.
+        let layout = if unit.place == Place::Free { StoreLayout::Dense } else { unit.layout };
+        let mut stores = Stores::new(header, layout, unit.frame_end == FrameEnd::Epoch, line);
         let mut end = 0u64;
         let mut array = |element: u64, count: u64| {
             let static_base = end;
@@ -86,13 +95,11 @@ impl Layout {
         };
         let nodes = array(header.structure.node_bytes(), header.static_nodes.into());
         let lists = array(LIST_ENTRY_BYTES, header.static_list_entries.into());
-        let triangles = array(TRIANGLE_BYTES, header.static_slots.into());
-        let stores = [
-            array(4, header.stores.mode_words.into()),
-            array(8, header.stores.pixel_counters.into()),
-            array(4, header.stores.occluder_ids.into()),
-        ];
-        Self { nodes, lists, triangles, stores, dynamic_base: end, line_shift: line.trailing_zeros() }
+        let triangles = array(stores.record_bytes(TRIANGLE_BYTES), header.static_slots.into());
+        stores.set_records(triangles.static_base, triangles.element, TRIANGLE_BYTES);
+        stores.place(header, |bytes| array(1, bytes).static_base);
+        let line_shift = line.trailing_zeros();
+        Self { nodes, lists, triangles, stores, entries: header.stores, dynamic_base: end, line_shift }
     }
 
     /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
@@ -123,20 +130,20 @@ impl Layout {
 
     /// Checks that what `step` names exists.
     pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
-        let (what, index, array) = match step {
-            Step::Node(NodeId(index)) => ("node", index, &self.nodes),
-            Step::List(ListId(index)) => ("list entry", index, &self.lists),
-            Step::Triangle { slot, .. } => ("triangle slot", slot.0, &self.triangles),
+        let (what, index, len) = match step {
+            Step::Node(NodeId(index)) => ("node", index, self.nodes.len()),
+            Step::List(ListId(index)) => ("list entry", index, self.lists.len()),
+            Step::Triangle { slot, .. } => ("triangle slot", slot.0, self.triangles.len()),
             Step::Read { store, index } | Step::Write { store, index } | Step::Update { store, index } => {
                 let what = match store {
                     Store::ModeWord => "mode word",
                     Store::PixelCounter => "pixel counter",
                     Store::OccluderId => "occluder id",
                 };
-                (what, index, &self.stores[store as usize])
+                (what, index, self.entries.of(store).into())
             }
         };
-        if u64::from(index) < array.len() { Ok(()) } else { Err(OutOfRange { what, index, len: array.len() }) }
+        if u64::from(index) < len { Ok(()) } else { Err(OutOfRange { what, index, len }) }
     }
 
     /// The node.
@@ -167,7 +174,18 @@ impl Layout {
             Store::PixelCounter => TrafficClass::PixelCounter,
             Store::OccluderId => TrafficClass::OccluderId,
         };
-        self.element(&self.stores[store as usize], index, class, write)
+        let (addr, bytes) = self.stores.entry(store, index);
+        Element { addr: Addr(addr), bytes, class, write }
+    }
+
+    /// The line that an entry of a store lies in.
+    pub fn line_of(&self, store: Store, index: u32) -> LineAddr {
+        LineAddr(self.stores.entry(store, index).0 >> self.line_shift)
+    }
+
+    /// The policy's stores.
+    pub fn stores(&self) -> &Stores {
+        &self.stores
     }
 
     fn element(&self, array: &Array, index: u32, class: TrafficClass, write: bool) -> Element {

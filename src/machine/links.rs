@@ -3,15 +3,19 @@
 
 use std::collections::VecDeque;
 
-use super::layout::Layout;
+use rustc_hash::FxHashSet;
+
+use super::layout::{Element, Layout};
 use super::ray::{Ray, RayId};
+use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use super::source::StoreWork;
 use super::spec::MachineSpec;
 use crate::memory::bank::L2;
 use crate::memory::dram::Dram;
 use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{Header, Totals};
+use crate::stream::{Header, Step, Store, Totals};
 
 /// The numbers of the parts, in the order in which they act in a cycle.
 #[derive(Clone, Copy, Debug)]
@@ -20,6 +24,8 @@ pub struct Parts {
     pub traversal: u32,
     /// Intersection units.
     pub intersection: u32,
+    /// Shadow-cache units.
+    pub shadow_cache: u32,
     /// Banks of the L2.
     pub banks: u32,
     /// Channels of the DRAM.
@@ -32,6 +38,7 @@ impl Parts {
         Self {
             traversal: spec.traversal.count.get() as u32,
             intersection: spec.intersection.count.get() as u32,
+            shadow_cache: spec.shadow_cache.count.get() as u32,
             banks: spec.l2.banks.get() as u32,
             channels: spec.dram.channels.get() as u32,
         }
@@ -50,14 +57,14 @@ impl Parts {
         PartId(1 + self.traversal + index)
     }
 
-    /// The shadow-cache unit.
-    pub fn shadow_cache(&self) -> PartId {
-        self.intersection(self.intersection)
+    /// Shadow-cache unit `index`.
+    pub fn shadow_cache(&self, index: u32) -> PartId {
+        PartId(self.intersection(self.intersection).0 + index)
     }
 
     /// Bank `index` of the L2.
     pub fn bank(&self, index: u32) -> PartId {
-        PartId(self.shadow_cache().0 + 1 + index)
+        PartId(self.shadow_cache(self.shadow_cache).0 + index)
     }
 
     /// Channel `index` of the DRAM.
@@ -96,18 +103,26 @@ pub struct Links<W> {
     pub returned: Vec<Inbox<RayId>>,
     /// Rays to each intersection unit.
     pub tests: Vec<Queue<RayId>>,
-    /// Rays back from intersection units to the shadow-cache unit.
-    pub tested: Inbox<RayId>,
-    /// Retired and skipped rays to the shadow-cache unit.
-    pub retired: Inbox<RayId>,
+    /// Rays back from intersection units to each shadow-cache unit.
+    pub tested: Vec<Inbox<RayId>>,
+    /// Retired and skipped rays, and those of other units, to each shadow-cache unit.
+    pub retired: Vec<Inbox<RayId>>,
     /// Rays that are done, to the dispatcher.
     pub done: Vec<RayId>,
     /// Traversal units in which a slot was freed, to the dispatcher.
     pub freed: Vec<u32>,
-    /// The steps of the frame's end, to the shadow-cache unit.
-    pub frame_end: Option<(u64, std::sync::Arc<Vec<u32>>)>,
-    /// Whether the steps of the frame's end are done, to the dispatcher.
+    /// The frame's end, to each shadow-cache unit: from when on, and its steps.
+    pub frame_end: Vec<Option<(u64, Vec<Step>)>>,
+    /// Units whose part of the frame's end is not done.
+    pub units_at_the_end: u32,
+    /// Whether the frame's end is done, to the dispatcher.
     pub frame_over: bool,
+    /// Static primitives of which a ray has touched word or counters in this frame, where that matters.
+    touched: FxHashSet<u32>,
+    /// What was done with stores otherwise than recorded.
+    pub stores: StoreWork,
+    shadow_cache: ShadowCacheSpec,
+    header: Header,
     /// Lines from the L2, to the L1 of each part.
     pub lines: Vec<Inbox<LineAddr>>,
     /// The L2.
@@ -125,20 +140,25 @@ impl<W: Wake> Links<W> {
     pub fn new(spec: &MachineSpec, header: &Header, clock: W) -> Self {
         let parts = Parts::new(spec);
         let line = spec.line_bytes.get();
-        let entries = spec.dispatcher.rays.size() + spec.shadow_cache.contexts.size();
+        let entries = spec.dispatcher.rays.size() + spec.shadow_cache.count.size() * spec.shadow_cache.contexts.size();
         Self {
             parts,
             rays: vec![Ray::default(); entries],
-            layout: Layout::new(header, line),
+            layout: Layout::new(header, spec),
             dispatched: vec![Inbox::new(); parts.traversal as usize],
             returned: vec![Inbox::new(); parts.traversal as usize],
             tests: vec![Queue::new(spec.intersection.queue.size()); parts.intersection as usize],
-            tested: Inbox::new(),
-            retired: Inbox::new(),
+            tested: vec![Inbox::new(); parts.shadow_cache as usize],
+            retired: vec![Inbox::new(); parts.shadow_cache as usize],
             done: Vec::new(),
             freed: Vec::new(),
-            frame_end: None,
+            frame_end: vec![None; parts.shadow_cache as usize],
+            units_at_the_end: 0,
             frame_over: false,
+            touched: FxHashSet::default(),
+            stores: StoreWork::default(),
+            shadow_cache: spec.shadow_cache,
+            header: header.clone(),
             lines: vec![Inbox::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
@@ -148,8 +168,8 @@ impl<W: Wake> Links<W> {
     }
 
     /// Sends a ray to its intersection unit, if that has a place; else `from` is woken when it has.
-    pub fn send_to_test(&mut self, ray: RayId, home: u32, from: PartId, now: u64) -> bool {
-        let unit = home % self.parts.intersection;
+    pub fn send_to_test(&mut self, ray: RayId, home: u64, from: PartId, now: u64) -> bool {
+        let unit = (home % u64::from(self.parts.intersection)) as u32;
         let queue = &mut self.tests[unit as usize];
         if !queue.has_room(now) {
             queue.wait_for_room(from, now, &mut self.clock);
@@ -166,10 +186,136 @@ impl<W: Wake> Links<W> {
         self.clock.wake(Parts::DISPATCHER, now + 1);
     }
 
-    /// Sends a ray to the shadow-cache unit.
-    pub fn send_to_shadow_cache(&mut self, ray: RayId, now: u64) {
-        self.retired.push_back((now + 1, ray));
-        self.clock.wake(self.parts.shadow_cache(), now + 1);
+    /// Sends a ray to the shadow-cache unit where it begins.
+    pub fn send_to_shadow_cache(&mut self, id: RayId, now: u64) {
+        let ray = &self.rays[id as usize];
+        let entry = ray.step().filter(|_| !ray.undecided).and_then(Step::entry);
+        let unit = match entry {
+            Some((store, index)) => self.home(store, index),
+            None => id % self.parts.shadow_cache,
+        };
+        self.pass_on(id, unit, now);
+    }
+
+    /// Takes entries that cost nothing out of the policy's steps of a ray that is handed over.
+    pub fn take_free_entries(&mut self, ray: RayId) {
+        if self.shadow_cache.place != Place::Free {
+            return;
+        }
+        let ray = &mut self.rays[ray as usize];
+        let policy = ray.steps.split_off(ray.path_end);
+        for (step, word) in Step::unpack_all(&policy).zip(&policy) {
+            if step.entry().is_some() {
+                self.replayed.count_policy(std::iter::once(step));
+            } else {
+                ray.steps.push(*word);
+            }
+        }
+    }
+
+    /// Sends a ray to a shadow-cache unit.
+    pub fn pass_on(&mut self, ray: RayId, unit: u32, now: u64) {
+        self.retired[unit as usize].push_back((now + 1, ray));
+        self.clock.wake(self.parts.shadow_cache(unit), now + 1);
+    }
+
+    /// The shadow-cache unit of an entry.
+    pub fn home(&self, store: Store, index: u32) -> u32 {
+        (self.layout.line_of(store, index).0 % u64::from(self.parts.shadow_cache)) as u32
+    }
+
+    /// The entry of a ray's next step.
+    pub fn entry_element(&self, ray: RayId) -> Element {
+        let step = self.rays[ray as usize].step().expect("the ray has a step of an entry");
+        let (store, index) = step.entry().expect("the step is of an entry");
+        self.layout.entry(store, index, step.writes())
+    }
+
+    /// The static primitive whose counters or first word an entry is; `None` for another word.
+    fn set_at_the_end(&self, store: Store, index: u32) -> Option<u32> {
+        let owner = self.layout.stores().owner(store, index)?;
+        let first = store == Store::PixelCounter || index == owner * self.header.stores.words_per_primitive;
+        (first && owner < self.header.static_primitives).then_some(owner)
+    }
+
+    /// The updates that set a primitive's modes.
+    fn mode_setting(&self, primitive: u32) -> impl Iterator<Item = Step> + use<W> {
+        let stores = &self.header.stores;
+        let word = Step::Update { store: Store::ModeWord, index: primitive * stores.words_per_primitive };
+        let counters = Step::Update { store: Store::PixelCounter, index: primitive };
+        let has_word = primitive < stores.word_owners;
+        let apart = primitive < stores.pixel_counters && !(has_word && self.layout.stores().counters_are_in_words());
+        apart.then_some(counters).into_iter().chain(has_word.then_some(word))
+    }
+
+    /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those that do.
+    pub fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
+        let lazy = self.shadow_cache.frame_end == FrameEnd::Epoch && self.header.stores.pixel_counters > 0;
+        let owner = self.layout.stores().owner(store, index).filter(|&owner| owner < self.header.static_primitives);
+        let Some(primitive) = owner.filter(|_| lazy) else { return false };
+        if !self.touched.insert(primitive) {
+            return false;
+        }
+        let addr = self.layout.entry(store, index, false).addr;
+        let setting: Vec<Step> = self.mode_setting(primitive).collect();
+        let entry_addr = |step: &Step| step.entry().map(|(store, index)| self.layout.entry(store, index, false).addr);
+        let own = setting.iter().any(|step| entry_addr(step) == Some(addr));
+        let ray = &mut self.rays[ray as usize];
+        let raised = own && matches!(ray.step(), Some(Step::Read { .. }));
+        let replaced = ray.next..ray.next + usize::from(own);
+        ray.evaluating = setting.len() as u8;
+        self.stores.added_writes += (setting.len() - usize::from(own)) as u64;
+        self.stores.raised_reads += u64::from(raised);
+        ray.steps.splice(replaced, setting.iter().map(|step| step.pack()));
+        true
+    }
+
+    /// A frame's end with these recorded steps begins; whether there is anything to do.
+    pub fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
+        let spec = self.shadow_cache;
+        self.touched.clear();
+        let counted = self.header.stores.pixel_counters > 0;
+        let mut steps = Vec::new();
+        if spec.frame_end == FrameEnd::Sweep && counted && spec.place != Place::Free {
+            (0..self.header.static_primitives).for_each(|primitive| steps.extend(self.mode_setting(primitive)));
+            self.stores.added_writes += steps.len() as u64;
+        }
+        for step in Step::unpack_all(recorded) {
+            let entry = step.entry();
+            let set = entry.filter(|_| counted && matches!(step, Step::Update { .. }));
+            if entry.is_some() && spec.place == Place::Free {
+                self.replayed.count_policy(std::iter::once(step));
+            } else if spec.frame_end == FrameEnd::List
+                || set.is_none_or(|(store, index)| self.set_at_the_end(store, index).is_none())
+            {
+                steps.push(step);
+            } else if spec.frame_end == FrameEnd::Sweep {
+                self.stores.covered_writes += 1;
+            } else {
+                self.stores.deferred_writes += 1;
+            }
+        }
+        let register = spec.register.get() > 0 && spec.place != Place::Free;
+        if steps.is_empty() && !register {
+            return false;
+        }
+        let mut parts = vec![Vec::new(); self.parts.shadow_cache as usize];
+        for step in steps {
+            let unit = step.entry().map_or(0, |(store, index)| self.home(store, index));
+            parts[unit as usize].push(step);
+        }
+        for (unit, steps) in parts.into_iter().enumerate() {
+            self.frame_end[unit] = Some((now + 1, steps));
+            self.clock.wake(self.parts.shadow_cache(unit as u32), now + 1);
+        }
+        self.units_at_the_end = self.parts.shadow_cache;
+        true
+    }
+
+    /// A shadow-cache unit's steps of a frame's end that has begun.
+    pub fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
+        let part = &mut self.frame_end[unit as usize];
+        part.take_if(|(at, _)| *at <= now).map(|(_, steps)| steps)
     }
 
     /// A frame begins: lines of the dynamic part go from the L2.

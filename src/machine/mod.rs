@@ -7,9 +7,11 @@ pub mod layout;
 pub mod links;
 pub mod pipeline;
 pub mod ray;
+pub mod register;
 pub mod shadow_cache;
 pub mod source;
 pub mod spec;
+pub mod stores;
 pub mod traversal;
 
 pub use spec::{MachineSpec, SpecError};

@@ -21,11 +21,11 @@ pub enum WritePolicy {
     Through,
 }
 
-/// Writes that went through an L1.
+/// What went past an L1, or through it: reads or writes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct WrittenThrough {
+pub struct Past {
     /// How many.
-    pub writes: u64,
+    pub count: u64,
     /// Their data.
     pub bytes: Bytes,
 }
@@ -50,10 +50,14 @@ pub struct Pipeline {
     ready: VecDeque<RayId>,
     stages: VecDeque<(u64, RayId)>,
     requested: [Bytes; TrafficClass::ALL.len()],
-    written_through: [WrittenThrough; TrafficClass::ALL.len()],
+    written_through: [Past; TrafficClass::ALL.len()],
     causes: Causes,
     filled: bool,
     filled_for: Vec<RayId>,
+    /// Requests under way past the L1, the oldest first, and how many there can be.
+    straight: VecDeque<(LineAddr, RayId)>,
+    most_straight: usize,
+    read_straight: [Past; TrafficClass::ALL.len()],
 }
 
 impl Pipeline {
@@ -75,10 +79,13 @@ impl Pipeline {
             ready: VecDeque::new(),
             stages: VecDeque::new(),
             requested: [Bytes(0); TrafficClass::ALL.len()],
-            written_through: [WrittenThrough::default(); TrafficClass::ALL.len()],
+            written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
             filled: false,
             filled_for: Vec::new(),
+            straight: VecDeque::new(),
+            most_straight: cache.mshrs.size(),
+            read_straight: [Past::default(); TrafficClass::ALL.len()],
         }
     }
 
@@ -89,25 +96,31 @@ impl Pipeline {
 
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
     pub fn arrive<W>(&mut self, now: u64, links: &mut Links<W>) {
-        let lines = &mut links.lines[self.part.0 as usize];
-        self.filled = false;
-        if let Some(&(_, line)) = lines.front().filter(|(at, _)| *at <= now) {
-            self.filled_for.clear();
-            let room = self.out.len() < self.out_places;
-            if let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) {
-                lines.pop_front();
-                self.filled = true;
-                if let Some(victim) = victim {
-                    self.push_out(victim.line, victim.class, true, self.line);
-                }
-                for index in 0..self.filled_for.len() {
-                    self.line_came(self.filled_for[index], &mut links.rays);
-                }
-            }
-        }
+        self.filled = self.fill(now, links);
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
+    }
+
+    /// Step 1; whether a line was taken.
+    fn fill<W>(&mut self, now: u64, links: &mut Links<W>) -> bool {
+        let lines = &mut links.lines[self.part.0 as usize];
+        let Some(&(_, line)) = lines.front().filter(|(at, _)| *at <= now) else { return false };
+        self.filled_for.clear();
+        if let Some(at) = self.straight.iter().position(|(asked, _)| *asked == line) {
+            self.filled_for.extend(self.straight.remove(at).map(|(_, ray)| ray));
+        } else {
+            let room = self.out.len() < self.out_places;
+            let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
+            if let Some(victim) = victim {
+                self.push_out(victim.line, victim.class, true, self.line);
+            }
+        }
+        lines.pop_front();
+        for index in 0..self.filled_for.len() {
+            self.line_came(self.filled_for[index], &mut links.rays);
+        }
+        true
     }
 
     fn line_came(&mut self, ray: RayId, rays: &mut [Ray]) {
@@ -130,6 +143,18 @@ impl Pipeline {
         self.fetching.push_back(ray);
     }
 
+    /// A ray begins to fetch `element` from the L2.
+    pub fn fetch_straight<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+        self.fetch(ray, element, links);
+        links.rays[ray as usize].fetch.straight = true;
+    }
+
+    /// A ray is to take an operation that writes `element`, without a fetch.
+    pub fn ready_to_write<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+        links.rays[ray as usize].begin_fetch(element, &links.layout);
+        self.ready.push_back(ray);
+    }
+
     /// A ray is to take an operation without a fetch.
     pub fn ready(&mut self, ray: RayId, links: &mut Links<impl Wake>) {
         links.rays[ray as usize].fetch.write = false;
@@ -144,11 +169,11 @@ impl Pipeline {
             if self.out.len() == self.out_places {
                 return false;
             }
-            // The fetch has moved on past the one line that an entry of a store lies in.
-            let (line, bytes) = (LineAddr(fetch.line.0 - 1), Bytes(fetch.bytes.into()));
-            self.push_out(line, fetch.class, true, bytes);
+            // An entry of a store lies in one line.
+            let bytes = Bytes(fetch.bytes.into());
+            self.push_out(fetch.first, fetch.class, true, bytes);
             let through = &mut self.written_through[fetch.class as usize];
-            through.writes += 1;
+            through.count += 1;
             through.bytes += bytes;
         }
         self.ready.pop_front();
@@ -191,6 +216,20 @@ impl Pipeline {
             let fetch = &mut rays[ray as usize].fetch;
             let dirty = fetch.write && self.writes == WritePolicy::Back;
             let room = self.out.len() < self.out_places;
+            if fetch.straight {
+                if !room || self.straight.len() == self.most_straight {
+                    return true;
+                }
+                let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
+                (fetch.left, fetch.missing) = (0, 1);
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.part });
+                self.straight.push_back((line, ray));
+                self.read_straight[class as usize].count += 1;
+                self.read_straight[class as usize].bytes += bytes;
+                self.waiting += 1;
+                self.fetching.pop_front();
+                continue;
+            }
             let lookup = self.cache.access(fetch.line, fetch.class, dirty, Some(ray), room);
             match lookup {
                 Lookup::Stalled => return true,
@@ -238,7 +277,7 @@ impl Pipeline {
 
     /// Whether nothing is on its way to the L2.
     pub fn is_idle(&self) -> bool {
-        self.out.is_empty() && self.cache.misses_under_way() == 0
+        self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()
     }
 
     /// The L1.
@@ -252,8 +291,13 @@ impl Pipeline {
     }
 
     /// Writes that went through, by class.
-    pub fn written_through(&self) -> &[WrittenThrough; TrafficClass::ALL.len()] {
+    pub fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.written_through
+    }
+
+    /// Reads that went past the L1, by class.
+    pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
+        &self.read_straight
     }
 
     /// The unit's cycles.

@@ -13,13 +13,15 @@ pub type RayId = u32;
 pub enum Owner {
     /// Traversal unit so-and-so.
     Traversal(u32),
-    /// The shadow-cache unit.
-    ShadowCache,
+    /// Shadow-cache unit so-and-so.
+    ShadowCache(u32),
 }
 
 /// A fetch under way.
 #[derive(Clone, Copy, Debug)]
 pub struct Fetch {
+    /// The first line of the element.
+    pub first: LineAddr,
     /// The next line to access.
     pub line: LineAddr,
     /// Lines to access from there on.
@@ -28,6 +30,8 @@ pub struct Fetch {
     pub missing: u8,
     /// Whether the element is written.
     pub write: bool,
+    /// Whether it is fetched from the L2, past the L1.
+    pub straight: bool,
     /// What it is for.
     pub class: TrafficClass,
     /// Its size.
@@ -57,6 +61,12 @@ pub struct Ray {
     pub undecided: bool,
     /// Whether its triangle test is at the edges.
     pub at_edges: bool,
+    /// How many of its next steps are those of a first touch.
+    pub evaluating: u8,
+    /// Whether an update goes down as an operand, so that no data is needed for it.
+    pub operand: bool,
+    /// Whether its entry has been accessed by an intersection unit, so that only the operation is left.
+    pub fetched: bool,
     /// The fetch under way.
     pub fetch: Fetch,
 }
@@ -71,10 +81,22 @@ impl Default for Ray {
             decision: Decision::Trace,
             chunk: 0,
             index: 0,
-            owner: Owner::ShadowCache,
+            owner: Owner::ShadowCache(0),
+            evaluating: 0,
+            operand: false,
+            fetched: false,
             undecided: false,
             at_edges: false,
-            fetch: Fetch { line: LineAddr(0), left: 0, missing: 0, write: false, class: TrafficClass::Node, bytes: 0 },
+            fetch: Fetch {
+                first: LineAddr(0),
+                line: LineAddr(0),
+                left: 0,
+                missing: 0,
+                write: false,
+                straight: false,
+                class: TrafficClass::Node,
+                bytes: 0,
+            },
         }
     }
 }
@@ -99,10 +121,12 @@ impl Ray {
     pub fn begin_fetch(&mut self, element: &Element, layout: &Layout) {
         let (line, lines) = layout.lines(element);
         self.fetch = Fetch {
+            first: line,
             line,
             left: lines as u8,
             missing: 0,
             write: element.write,
+            straight: false,
             class: element.class,
             bytes: element.bytes as u32,
         };

@@ -1,58 +1,103 @@
-//! The shadow-cache unit: does what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
+//! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
 //! decisions for skipped rays.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::links::{Links, Parts, take};
 use super::pipeline::{Pipeline, WritePolicy};
 use super::ray::{Owner, RayId};
+use super::register::{Kept, Register};
+use super::stores::StoreLayout;
 use crate::memory::Wake;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
-use crate::stream::Step;
+use crate::stream::{Step, Store};
 
-/// The shadow-cache unit. No such hardware is published: all defaults are assumed, sized like the T&I engine's list unit (4 KB
+/// Which way accesses to a policy's stores go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Place {
+    /// Through an L1 of the unit.
+    #[default]
+    Own,
+    /// Through the L1s of the intersection units, where they compete with triangles.
+    Triangle,
+    /// Straight to the L2.
+    L2,
+    /// Nowhere: they cost nothing. The limit that costs are measured against.
+    Free,
+}
+
+/// What happens to words and counters at a frame's end, of a policy that keeps counters.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum FrameEnd {
+    /// Those that the frame touched are set: the recorded steps.
+    #[default]
+    List,
+    /// All are set.
+    Sweep,
+    /// None: the first touch in a frame sets them.
+    Epoch,
+}
+
+/// Shadow-cache units. No such hardware is published: all defaults are assumed, sized like the T&I engine's list unit (4 KB
 /// of 2 ways).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShadowCacheSpec {
+    /// Units.
+    pub count: Within<1, 64>,
     /// Stages of the pipeline.
     pub latency: Within<1, 1000>,
-    /// Rays that the unit works on at once.
+    /// Rays that a unit works on at once.
     pub contexts: Within<1, 4096>,
+    /// Which way accesses to stores go.
+    pub place: Place,
+    /// How stores lie in memory.
+    pub layout: StoreLayout,
     /// What becomes of writes.
     pub writes: WritePolicy,
-    /// The unit's L1.
+    /// Entries of the coalescing register in front of a unit; 0 for none.
+    pub register: Within<0, 64>,
+    /// What happens at a frame's end.
+    pub frame_end: FrameEnd,
+    /// The L1 of each unit.
     pub cache: CacheSpec,
 }
 
 impl Default for ShadowCacheSpec {
     fn default() -> Self {
         Self {
+            count: const { Within::literal(1) },
             latency: const { Within::literal(2) },
             contexts: const { Within::literal(8) },
+            place: Place::Own,
+            layout: StoreLayout::Dense,
             writes: WritePolicy::Back,
+            register: const { Within::literal(0) },
+            frame_end: FrameEnd::List,
             cache: const { CacheSpec { bytes: Within::literal(4 << 10), ..CacheSpec::DEFAULT } },
         }
     }
 }
 
-/// The steps of a frame's end under way.
+/// A unit's part of a frame's end under way.
 #[derive(Clone, Debug)]
-struct FrameEnd {
-    steps: Arc<Vec<u32>>,
-    begun: usize,
-    done: usize,
+struct Ending {
+    /// Steps to begin, and whether they go down as operands.
+    steps: VecDeque<(Step, bool)>,
+    left: usize,
 }
 
-/// The shadow-cache unit.
+/// A shadow-cache unit.
 #[derive(Clone, Debug)]
 pub struct ShadowCache {
+    index: u32,
+    place: Place,
     /// The common part.
     pub pipeline: Pipeline,
+    register: Register,
     /// Rays that wait to go to an intersection unit.
     leaving: VecDeque<RayId>,
     contexts: usize,
@@ -60,22 +105,28 @@ pub struct ShadowCache {
     /// The first entry after the pool's: steps of a frame's end use the entries from here on.
     first_entry: RayId,
     free_entries: VecDeque<RayId>,
-    frame_end: Option<FrameEnd>,
+    ending: Option<Ending>,
 }
 
 impl ShadowCache {
-    /// The unit, empty, of a machine whose pool has `pool` entries.
-    pub fn new<W: Wake>(spec: &ShadowCacheSpec, line: u64, pool: u64, links: &Links<W>) -> Self {
-        let part = links.parts.shadow_cache();
+    /// Unit `index`, empty, of a machine whose pool has `pool` entries.
+    pub fn new<W: Wake>(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links<W>) -> Self {
+        let part = links.parts.shadow_cache(index);
+        let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first_entry = pool as RayId;
+        let contexts = spec.contexts.get() as RayId;
+        let own_entries = first_entry + index * contexts;
         Self {
-            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, spec.writes),
+            index,
+            place: spec.place,
+            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, writes),
+            register: Register::new(spec.register.size()),
             leaving: VecDeque::new(),
             contexts: spec.contexts.size(),
             free: spec.contexts.size(),
             first_entry,
-            free_entries: (first_entry..first_entry + spec.contexts.get() as RayId).collect(),
-            frame_end: None,
+            free_entries: (own_entries..own_entries + contexts).collect(),
+            ending: None,
         }
     }
 
@@ -86,50 +137,79 @@ impl ShadowCache {
         if let Some(id) = self.pipeline.leave(now) {
             self.passed(id, now, links);
         }
-        while let Some(id) = take(&mut links.tested, now) {
-            self.route(id, now, links);
+        while let Some(id) = take(&mut links.tested[self.index as usize], now) {
+            if std::mem::take(&mut links.rays[id as usize].fetched) {
+                self.pipeline.ready(id, links);
+            } else {
+                self.route(id, now, links);
+            }
         }
+        self.hear_of_the_end(now, links);
         if free_at_start {
             self.take_on(now, links);
         }
         let began = self.pipeline.begin(now, &links.rays);
         let part = self.pipeline.part();
         let sent = match self.leaving.front() {
-            Some(&id) => links.send_to_test(id, id.checked_sub(self.first_entry).unwrap_or(id), part, now),
+            Some(&id) => links.send_to_test(id, self.test_home(id, links), part, now),
             None => false,
         };
         if sent {
             self.leaving.pop_front();
         }
         self.pipeline.end(now, links, began, !self.leaving.is_empty(), false);
-        let more = self.free > 0 && (!links.retired.is_empty() || self.next_of_end().is_some());
-        if sent && !self.leaving.is_empty() || more {
+        let to_come = !links.retired[self.index as usize].is_empty()
+            || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
+        if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
             links.clock.wake(part, now + 1);
         }
     }
 
-    fn next_of_end(&self) -> Option<u32> {
-        self.frame_end.as_ref().and_then(|end| end.steps.get(end.begun)).copied()
+    /// The number that chooses the intersection unit of a ray that waits for one: its entry's, or its line's.
+    fn test_home<W>(&self, id: RayId, links: &Links<W>) -> u64 {
+        match links.rays[id as usize].step().and_then(Step::entry) {
+            Some((store, index)) => links.layout.line_of(store, index).0,
+            None => u64::from(id.checked_sub(self.first_entry).unwrap_or(id)),
+        }
+    }
+
+    fn hear_of_the_end(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        let Some(planned) = links.hear_of_the_end(self.index, now) else { return };
+        let waiting = self.register.drain().map(|step| (step, true));
+        let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
+        let left = steps.len();
+        self.ending = Some(Ending { steps, left });
+        self.end_if_done(now, links);
+    }
+
+    fn end_if_done(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        if self.ending.as_ref().is_some_and(|ending| ending.left == 0) {
+            self.ending = None;
+            links.units_at_the_end -= 1;
+            if links.units_at_the_end == 0 {
+                links.frame_over = true;
+                links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+        }
     }
 
     fn take_on(&mut self, now: u64, links: &mut Links<impl Wake>) {
-        if links.frame_end.as_ref().is_some_and(|(at, _)| *at <= now) {
-            self.frame_end = links.frame_end.take().map(|(_, steps)| FrameEnd { steps, begun: 0, done: 0 });
-        }
-        if let Some(id) = take(&mut links.retired, now) {
+        if let Some(id) = take(&mut links.retired[self.index as usize], now) {
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
-            ray.owner = Owner::ShadowCache;
+            ray.owner = Owner::ShadowCache(self.index);
             if ray.undecided { self.pipeline.ready(id, links) } else { self.route(id, now, links) }
-        } else if let Some(step) = self.next_of_end()
-            && let Some(id) = self.free_entries.pop_front()
+        } else if let Some(ending) = &mut self.ending
+            && let Some(&id) = self.free_entries.front()
+            && let Some((step, operand)) = ending.steps.pop_front()
         {
+            self.free_entries.pop_front();
             self.free -= 1;
-            self.frame_end.iter_mut().for_each(|end| end.begun += 1);
             let ray = &mut links.rays[id as usize];
-            (ray.path_end, ray.next, ray.undecided, ray.owner) = (0, 0, false, Owner::ShadowCache);
+            (ray.path_end, ray.next, ray.undecided, ray.owner) = (0, 0, false, Owner::ShadowCache(self.index));
+            ray.operand = operand;
             ray.steps.clear();
-            ray.steps.push(step);
+            ray.steps.push(step.pack());
             self.route(id, now, links);
         }
     }
@@ -140,24 +220,80 @@ impl ShadowCache {
         if ray.undecided {
             ray.undecided = false;
         } else {
-            links.replayed.count_policy(ray.step().into_iter());
+            let step = ray.step();
             ray.next += 1;
+            ray.evaluating = ray.evaluating.saturating_sub(1);
+            links.replayed.count_policy(step.into_iter());
+            if let Some(Step::Read { store, index }) = step
+                && store != Store::OccluderId
+                && id < self.first_entry
+            {
+                self.register.was_read(links.layout.entry(store, index, false).addr);
+            }
         }
         self.route(id, now, links);
     }
 
+    /// Performs what the ray does next.
     fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
-        let element = match links.rays[id as usize].step() {
-            Some(Step::Triangle { .. }) => return self.leaving.push_back(id),
-            Some(Step::Node(node)) => links.layout.node(node),
-            Some(Step::List(entry)) => links.layout.list_entry(entry),
-            Some(Step::Read { store, index }) => links.layout.entry(store, index, false),
-            Some(Step::Write { store, index } | Step::Update { store, index }) => {
-                links.layout.entry(store, index, true)
+        loop {
+            let Some(step) = links.rays[id as usize].step() else { return self.finish(id, now, links) };
+            let Some((store, index)) = step.entry() else {
+                let element = match step {
+                    Step::Node(node) => links.layout.node(node),
+                    Step::List(entry) => links.layout.list_entry(entry),
+                    _ => return self.leaving.push_back(id),
+                };
+                return self.pipeline.fetch(id, &element, links);
+            };
+            let home = links.home(store, index);
+            if home != self.index {
+                self.free += 1;
+                return links.pass_on(id, home, now);
             }
-            None => return self.finish(id, now, links),
-        };
-        self.pipeline.fetch(id, &element, links);
+            let of_a_ray = id < self.first_entry;
+            if of_a_ray && links.first_touch(id, store, index) {
+                continue;
+            }
+            let ray = &mut links.rays[id as usize];
+            let sets_modes = ray.evaluating > 0 || !of_a_ray && !ray.operand;
+            if of_a_ray && !sets_modes && self.register.is_there() && store != Store::OccluderId {
+                let addr = links.layout.entry(store, index, false).addr;
+                let done = if matches!(step, Step::Read { .. }) {
+                    let answered = self.register.answers(addr);
+                    links.stores.merged_reads += u64::from(answered);
+                    answered
+                } else {
+                    match self.register.keep(addr, step) {
+                        Kept::Merged => {
+                            links.stores.merged_writes += 1;
+                            true
+                        }
+                        Kept::Waits => true,
+                        Kept::InPlaceOf(other) => {
+                            ray.steps[ray.next] = other.pack();
+                            false
+                        }
+                    }
+                };
+                if done {
+                    ray.next += 1;
+                    continue;
+                }
+            }
+            return self.access(id, sets_modes, links);
+        }
+    }
+
+    /// Accesses the entry of the ray's next step.
+    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links<impl Wake>) {
+        let element = links.entry_element(id);
+        match self.place {
+            Place::Triangle => self.leaving.push_back(id),
+            Place::L2 if element.write && !sets_modes => self.pipeline.ready_to_write(id, &element, links),
+            Place::L2 => self.pipeline.fetch_straight(id, &element, links),
+            Place::Own | Place::Free => self.pipeline.fetch(id, &element, links),
+        }
     }
 
     fn finish(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
@@ -166,15 +302,10 @@ impl ShadowCache {
             return links.done(id, now);
         }
         self.free_entries.push_back(id);
-        let Some(end) = &mut self.frame_end else {
-            unreachable!("only a frame's end uses the entries after the pool's")
-        };
-        end.done += 1;
-        if end.done == end.steps.len() {
-            self.frame_end = None;
-            links.frame_over = true;
-            links.clock.wake(Parts::DISPATCHER, now + 1);
+        if let Some(ending) = &mut self.ending {
+            ending.left -= 1;
         }
+        self.end_if_done(now, links);
     }
 
     /// The state of the queues, for the report of a deadlock.
@@ -182,7 +313,7 @@ impl ShadowCache {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}",
             self.pipeline.queues(),
-            links.retired.len(),
+            links.retired[self.index as usize].len(),
             self.contexts - self.free,
             self.contexts,
             self.leaving.len()

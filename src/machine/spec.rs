@@ -4,11 +4,14 @@ use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
 use super::intersection::IntersectionSpec;
-use super::shadow_cache::ShadowCacheSpec;
+use super::pipeline::WritePolicy;
+use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use super::stores::check_tag;
 use super::traversal::TraversalSpec;
 use crate::memory::bank::L2Spec;
 use crate::memory::dram::spec::DramSpec;
 use crate::ranged::{PowerOfTwo, Within};
+use crate::stream::Header;
 
 /// A machine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -26,7 +29,7 @@ pub struct MachineSpec {
     pub traversal: TraversalSpec,
     /// The intersection units.
     pub intersection: IntersectionSpec,
-    /// The shadow-cache unit.
+    /// The shadow-cache units.
     pub shadow_cache: ShadowCacheSpec,
     /// The L2.
     pub l2: L2Spec,
@@ -56,6 +59,14 @@ impl Default for MachineSpec {
 pub struct SpecError(String);
 
 impl MachineSpec {
+    /// The policy of writes to entries of stores in the L1s of intersection units.
+    pub fn triangle_writes(&self) -> WritePolicy {
+        match self.shadow_cache.place {
+            Place::Triangle => self.shadow_cache.writes,
+            Place::Own | Place::L2 | Place::Free => WritePolicy::Back,
+        }
+    }
+
     /// Checks what single fields cannot.
     pub fn check(&self) -> Result<(), SpecError> {
         let line = self.line_bytes.get();
@@ -67,6 +78,15 @@ impl MachineSpec {
             .and_then(|()| self.l2.check(line))
             .and_then(|()| self.dram.check(line))
             .map_err(SpecError)
+    }
+
+    /// Checks what a stream and the machine need of each other.
+    pub fn check_stream(&self, header: &Header) -> Result<(), SpecError> {
+        let unit = &self.shadow_cache;
+        match unit.frame_end {
+            FrameEnd::Epoch if unit.place != Place::Free => check_tag(header, unit.layout).map_err(SpecError),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -76,7 +76,7 @@ impl Traversal {
         }
         let began = self.pipeline.begin(now, &links.rays);
         let sent = match self.leaving.front() {
-            Some(&ray) => links.send_to_test(ray, ray, self.pipeline.part(), now),
+            Some(&ray) => links.send_to_test(ray, ray.into(), self.pipeline.part(), now),
             None => false,
         };
         if sent {

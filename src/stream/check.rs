@@ -1,8 +1,10 @@
 //! The rules of a ray stream. The writer and the reader hold every item against them, and so can whoever passes items
 //! on in memory.
 
+use rustc_hash::FxHashSet;
+
 use super::format::{TOTALS_NAMES, totals_values};
-use super::{Chunk, Decision, FrameInfo, Header, Item, Outcome, Ray, RayKind, Step, Totals};
+use super::{Chunk, Decision, FrameInfo, Header, Item, NO_RECORD, Outcome, Ray, RayKind, Step, Totals};
 use crate::quantity::PixelId;
 
 /// A rule that a stream breaks.
@@ -17,6 +19,22 @@ pub enum Violation {
         found: u64,
         /// The largest possible.
         limit: u64,
+    },
+    /// The table of triangle records has another length than there are static primitives.
+    #[error("records of {found} static primitives, and there are {primitives}")]
+    Records {
+        /// Entries of the table.
+        found: usize,
+        /// Static primitives.
+        primitives: u32,
+    },
+    /// A static primitive's record does not exist, or is another's.
+    #[error("the triangle record of primitive {primitive} is {found}, which does not exist or is another's")]
+    Record {
+        /// The primitive.
+        primitive: usize,
+        /// The record.
+        found: u32,
     },
     /// An item stands where another belongs: every frame is a beginning, any number of rays, and an end.
     #[error("{found} where {expected} belongs")]
@@ -202,6 +220,37 @@ impl Limits {
     }
 }
 
+fn at_most(what: &'static str, found: u64, limit: u64) -> Result<(), Violation> {
+    if found <= limit { Ok(()) } else { Err(Violation::Header { what, found, limit }) }
+}
+
+/// Checks a header's numbers, its records apart.
+pub(super) fn counts(header: &Header) -> Result<(), Violation> {
+    let stores = &header.stores;
+    at_most("lights", header.lights.into(), u64::from(u8::MAX) + 1)?;
+    at_most("static primitives", header.static_primitives.into(), header.primitives.into())?;
+    at_most("pixels", pixels(header), u64::from(u32::MAX) + 1)?;
+    at_most("primitives with mode words", stores.word_owners.into(), header.primitives.into())?;
+    let words = u64::from(stores.word_owners) * u64::from(stores.words_per_primitive);
+    at_most("mode words of primitives", words, stores.mode_words.into())?;
+    at_most("pixel counters", stores.pixel_counters.into(), header.primitives.into())
+}
+
+/// Checks that every static primitive has a record of its own, or none.
+fn records(header: &Header) -> Result<(), Violation> {
+    let (records, primitives) = (&header.records, header.static_primitives);
+    if records.len() != primitives as usize {
+        return Err(Violation::Records { found: records.len(), primitives });
+    }
+    let mut taken = FxHashSet::default();
+    for (primitive, &record) in records.iter().enumerate().filter(|(_, record)| **record != NO_RECORD) {
+        if record.0 >= header.static_slots || !taken.insert(record) {
+            return Err(Violation::Record { primitive, found: record.0 });
+        }
+    }
+    Ok(())
+}
+
 /// Holds the items of a stream against its header, one after another.
 #[derive(Clone, Debug)]
 pub struct Checker {
@@ -218,12 +267,8 @@ pub struct Checker {
 impl Checker {
     /// A checker at the start of a stream.
     pub fn new(header: &Header) -> Result<Self, Violation> {
-        let at_most = |what, found: u64, limit: u64| {
-            if found <= limit { Ok(()) } else { Err(Violation::Header { what, found, limit }) }
-        };
-        at_most("lights", header.lights.into(), u64::from(u8::MAX) + 1)?;
-        at_most("static primitives", header.static_primitives.into(), header.primitives.into())?;
-        at_most("pixels", pixels(header), u64::from(u32::MAX) + 1)?;
+        counts(header)?;
+        records(header)?;
         Ok(Self {
             header: header.clone(),
             begun: 0,

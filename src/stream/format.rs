@@ -21,7 +21,7 @@
 //! RAYS               see the module `columns`
 //! FEND        0 112  totals: 14 integers of 8 bytes in the order of stream::Totals
 //!           112  .  the policy's steps at the frame's end, 4 bytes each
-//! INDX               for each frame 156 bytes:
+//! INDX               for each frame 156 bytes, then for each static primitive 4 bytes, its triangle record (ffffffff: none). A frame's:
 //!             0  4  the frame's number
 //!             4  8  offset of its FRAM block in the file
 //!            12  8  bytes of its blocks in the file
@@ -40,14 +40,14 @@
 
 use super::error::Fault;
 use super::{FrameInfo, Totals};
-use crate::quantity::Bytes;
+use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
 pub const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
 pub const END_MAGIC: [u8; 8] = *b"RAYS-END";
 /// The version of the layout that this program writes and reads.
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 /// Bytes before the header's text.
 pub const PREAMBLE_BYTES: usize = 20;
 /// Bytes of a block before its payload.
@@ -237,25 +237,28 @@ pub struct FrameEntry {
 }
 
 /// Appends an INDX payload.
-pub fn put_index(entries: &[FrameEntry], out: &mut Vec<u8>) {
+pub fn put_index(entries: &[FrameEntry], records: &[TriangleSlot], out: &mut Vec<u8>) {
     for entry in entries {
         let FrameEntry { number, offset, bytes, raw_bytes, rays, blocks, totals } = *entry;
         out.extend(number.to_le_bytes());
         out.extend([offset, bytes.0, raw_bytes.0, rays, blocks].into_iter().flat_map(u64::to_le_bytes));
         put_totals(&totals, out);
     }
+    out.extend(records.iter().flat_map(|record| record.0.to_le_bytes()));
 }
 
 /// Length of an INDX payload.
-pub fn index_len(frames: usize) -> usize {
-    frames.saturating_mul(ENTRY_BYTES)
+pub fn index_len(frames: usize, primitives: usize) -> usize {
+    frames.saturating_mul(ENTRY_BYTES).saturating_add(primitives.saturating_mul(4))
 }
 
-/// Reads an INDX payload of `frames` frames.
-pub fn index(payload: &[u8], frames: usize) -> Result<Vec<FrameEntry>, Fault> {
-    if payload.len() != index_len(frames) {
-        return Err(Fault::Length { found: payload.len(), expected: index_len(frames) });
+/// Reads an INDX payload of `frames` frames and `primitives` static primitives: the frames, and the primitives' records.
+pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<FrameEntry>, Vec<TriangleSlot>), Fault> {
+    let expected = index_len(frames, primitives);
+    if payload.len() != expected {
+        return Err(Fault::Length { found: payload.len(), expected });
     }
+    let (payload, records) = payload.split_at(index_len(frames, 0));
     let entry = |bytes: &[u8]| {
         let [offset, size, raw_bytes, rays, blocks] =
             [4, 12, 20, 28, 36].map(|at| u64::from_le_bytes(field(bytes, at)));
@@ -269,7 +272,7 @@ pub fn index(payload: &[u8], frames: usize) -> Result<Vec<FrameEntry>, Fault> {
             totals: totals(&bytes[44..]),
         }
     };
-    Ok(payload.chunks_exact(ENTRY_BYTES).map(entry).collect())
+    Ok((payload.chunks_exact(ENTRY_BYTES).map(entry).collect(), words(records).into_iter().map(TriangleSlot).collect()))
 }
 
 /// Names of the totals, in the order of [`totals_values`].

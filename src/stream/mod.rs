@@ -18,6 +18,8 @@ pub mod writer;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 pub use check::{Checker, Violation};
@@ -28,7 +30,7 @@ pub use reader::StreamReader;
 pub use step::{Step, Stop, Store};
 pub use writer::StreamWriter;
 
-use crate::quantity::Resolution;
+use crate::quantity::{Resolution, TriangleSlot};
 
 /// What a stream is of; written as text at the start of its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -60,15 +62,27 @@ pub struct Header {
     pub stores: StoreEntries,
     /// Hash of the scene and the settings that the stream was traced with.
     pub input_hash: u64,
+    /// The triangle record of each static primitive, [`NO_RECORD`] for one that has none: it cannot be seen. (In a file it stands
+    /// in the index, not in the header's text.)
+    #[serde(skip)]
+    pub records: Arc<[TriangleSlot]>,
 }
+
+/// Stands for the record of a primitive that has none.
+pub const NO_RECORD: TriangleSlot = TriangleSlot(u32::MAX);
 
 /// Entries of each store that a policy keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoreEntries {
-    /// 32-bit mode words.
+    /// Entries of the store of mode words: first `words_per_primitive` for each of the first `word_owners` primitives, then whatever
+    /// else the policy keeps there. An entry has 32 bits.
     pub mode_words: u32,
-    /// Pairs of pixel counters.
+    /// Primitives that have mode words.
+    pub word_owners: u32,
+    /// Mode words of each of them: one up to 15 lights, another for each further 16.
+    pub words_per_primitive: u32,
+    /// Pairs of pixel counters, one for each of the first primitives.
     pub pixel_counters: u32,
     /// Ids of occluders.
     pub occluder_ids: u32,

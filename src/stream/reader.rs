@@ -9,7 +9,7 @@ use super::format::{
     self, BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES,
     TOTALS_NAMES, Tag, VERSION, checksum, field, totals_values,
 };
-use super::{Checker, Fault, Header, Item, Place, StreamError, columns};
+use super::{Checker, Fault, Header, Item, Place, StreamError, check, columns};
 use crate::quantity::Bytes;
 
 /// Reads a stream item by item: it is an iterator from the stream's start, or from the frame of
@@ -58,13 +58,11 @@ impl<R: Read + Seek> StreamReader<R> {
             raw: Vec::new(),
         };
         let length = blocks.input.seek(SeekFrom::End(0)).map_err(|source| blocks.io(source))?;
-        let header = blocks.preamble(length)?;
-        let checker = Checker::new(&header).map_err(|violation| StreamError::Invalid {
-            path: path.to_owned(),
-            place: Place::Header,
-            violation,
-        })?;
-        let (entries, end) = blocks.index(&header, length)?;
+        let mut header = blocks.preamble(length)?;
+        let invalid = |place, violation| StreamError::Invalid { path: path.to_owned(), place, violation };
+        check::counts(&header).map_err(|violation| invalid(Place::Header, violation))?;
+        let (entries, end) = blocks.index(&mut header, length)?;
+        let checker = Checker::new(&header).map_err(|violation| invalid(Place::Index, violation))?;
         let seen = FrameEntry::default();
         let mut reader = Self { blocks, checker, entries, length, end, frame: 0, seen, failed: false };
         reader.seek_frame(0)?;
@@ -239,8 +237,8 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Reads the index of a file of `length` bytes, of which the preamble has just been read: the entries, and where
-    /// the blocks of frames end.
-    fn index(&mut self, header: &Header, length: u64) -> Result<(Vec<FrameEntry>, u64), StreamError> {
+    /// the blocks of frames end. The header gets its records.
+    fn index(&mut self, header: &mut Header, length: u64) -> Result<(Vec<FrameEntry>, u64), StreamError> {
         let begin = self.position;
         let missing = "its end is missing, so that it was not completed or a part was lost";
         if length < begin + (BLOCK_BYTES + FOOTER_BYTES) as u64 {
@@ -274,8 +272,9 @@ impl<R: Read + Seek> Blocks<R> {
         if self.read(Place::Index, footer_at)? != Tag::Index || self.position != footer_at {
             return Err(self.corrupt(Place::Index, Fault::Kind));
         }
-        let entries = format::index(&self.raw, header.frames.len());
-        let entries = entries.map_err(|fault| self.corrupt(Place::Index, fault))?;
+        let index = format::index(&self.raw, header.frames.len(), header.static_primitives as usize);
+        let (entries, records) = index.map_err(|fault| self.corrupt(Place::Index, fault))?;
+        header.records = records.into();
         // Frames follow each other without a gap from the preamble to the index, each as large as its entry says.
         let mut next = FrameEntry { offset: begin, ..FrameEntry::default() };
         for (entry, &number) in entries.iter().zip(&header.frames) {

@@ -107,6 +107,21 @@ impl Step {
         words.iter().map(|&word| Self::unpack(word).expect("packed steps are valid"))
     }
 
+    /// The entry of a store that the step is of.
+    pub fn entry(self) -> Option<(Store, u32)> {
+        match self {
+            Self::Read { store, index } | Self::Write { store, index } | Self::Update { store, index } => {
+                Some((store, index))
+            }
+            Self::Node(_) | Self::List(_) | Self::Triangle { .. } => None,
+        }
+    }
+
+    /// Whether the step writes an entry.
+    pub fn writes(self) -> bool {
+        matches!(self, Self::Write { .. } | Self::Update { .. })
+    }
+
     /// Whether a ray's path can hold the step.
     pub fn is_traversal(self) -> bool {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })

@@ -66,8 +66,10 @@ impl<W: Write> StreamWriter<W> {
             doing: "write the header of",
             source: error.into(),
         })?;
-        let limits =
-            [("a header", text.len(), HEADER_LIMIT), ("an index of frames", index_len(header.frames.len()), RAW_LIMIT)];
+        let limits = [
+            ("a header", text.len(), HEADER_LIMIT),
+            ("an index", index_len(header.frames.len(), header.records.len()), RAW_LIMIT),
+        ];
         for (what, found, limit) in limits {
             if found > limit {
                 return Err(invalid(Violation::TooLarge { what, found: found as u64, limit: limit as u64 }));
@@ -114,7 +116,7 @@ impl<W: Write> StreamWriter<W> {
         self.checker.finish().map_err(|violation| self.invalid(violation))?;
         let offset = self.position.to_le_bytes();
         self.raw.clear();
-        put_index(&self.entries, &mut self.raw);
+        put_index(&self.entries, &self.checker.header().records, &mut self.raw);
         self.put_block(Tag::Index)?;
         let mut footer = Vec::with_capacity(FOOTER_BYTES);
         footer.extend(offset);

@@ -100,6 +100,7 @@ impl<'a> Tracer<'a> {
             static_list_entries: self.accel.static_list_entries(),
             stores: policy.stores(),
             input_hash: hash.digest(),
+            records: self.accel.static_records().into(),
         }
     }
 

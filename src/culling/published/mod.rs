@@ -176,6 +176,8 @@ impl Policy for Published {
     fn stores(&self) -> StoreEntries {
         StoreEntries {
             mode_words: self.words.len() as u32,
+            word_owners: self.facts.primitives,
+            words_per_primitive: self.layout.words_per_primitive(),
             pixel_counters: self.highest.len() as u32,
             ..StoreEntries::default()
         }

@@ -92,7 +92,8 @@ impl Host {
             && let Phase::AtTheEnd { totals: tracer } = self.phase
         {
             let machine = std::mem::take(&mut wires.replayed);
-            cycle.frame_over = Some(FrameCounts { frame: self.frame, tracer, machine });
+            let stores = std::mem::take(&mut wires.words.work);
+            cycle.frame_over = Some(FrameCounts { frame: self.frame, tracer, machine, stores });
             self.phase = Phase::Between;
         }
         cycle.frame_began = self.read_on(next, wires)?;
@@ -180,7 +181,8 @@ impl Host {
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
         let ray = read_ray(origin, wires)?;
         if ray.decision == Decision::Skip {
-            wires.retired.put(now, id);
+            let_in(id, ray, wires);
+            wires.send_to_policy(now, id);
         } else {
             let units = self.free_slots.len();
             let after_the_last = (1..=units).map(|step| (self.last_unit + step) % units);
@@ -190,8 +192,8 @@ impl Host {
             self.free_slots[unit] -= 1;
             self.last_unit = unit;
             wires.dispatched[unit].put(now, id);
+            let_in(id, ray, wires);
         }
-        wires.rays[id] = Some(ray);
         self.free_entries.pop_front();
         if self.ready.pop_front().is_none() {
             self.primaries.pop_front();
@@ -230,11 +232,8 @@ impl Host {
         if rays_to_come || self.in_flight() > 0 {
             return;
         }
-        if end.is_empty() {
-            wires.frame_over.put(now, ());
-        } else {
-            wires.frame_end.put(now, Arc::clone(end));
-        }
+        let steps = wires.words.end(end, &wires.layout);
+        wires.begin_end(now, steps);
         self.phase = Phase::AtTheEnd { totals: *totals };
     }
 
@@ -258,6 +257,14 @@ impl Host {
     }
 }
 
+/// Puts a ray into its entry, without the policy's steps that cost nothing.
+fn let_in(id: Id, mut ray: Ray, wires: &mut Wires) {
+    let (policy, free) = wires.words.without_free(std::mem::take(&mut ray.policy));
+    ray.policy = policy;
+    wires.replayed.count_policy(free.into_iter());
+    wires.rays[id] = Some(ray);
+}
+
 /// The ray as the stream has it.
 fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
     let source = origin.group.chunk.ray(origin.index);
@@ -275,7 +282,9 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
         policy: steps(source.packed_policy())?,
         undecided: source.head.decision == Decision::Skip,
         at_edges: false,
-        sender: Sender::ShadowCache,
+        setting: 0,
+        accessed: false,
+        sender: Sender::ShadowCache(0),
         origin: Some(origin),
     })
 }

@@ -19,10 +19,10 @@ pub struct Intersection {
 }
 
 impl Intersection {
-    pub fn new(spec: &IntersectionSpec, index: usize, l1: usize, line: u64) -> Self {
+    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, index: usize, l1: usize, line: u64) -> Self {
         Self {
             index,
-            unit: Unit::new(l1, &spec.cache, spec.latency.get(), line, WritePolicy::Back),
+            unit: Unit::new(l1, &spec.cache, spec.latency.get(), line, writes),
             divide_latency: spec.divide_latency.get(),
             divider: VecDeque::new(),
             contexts: spec.tests.size(),
@@ -49,6 +49,10 @@ impl Intersection {
             let element = match ray.tested_step().front() {
                 Some(&Step::Triangle { slot, .. }) => wires.layout.plane(slot),
                 Some(&Step::List(entry)) => wires.layout.list_entry(entry),
+                Some(&Step::Read { store, index }) => wires.layout.entry(store, index, false),
+                Some(&Step::Write { store, index } | &Step::Update { store, index }) => {
+                    wires.layout.entry(store, index, true)
+                }
                 other => unreachable!("{other:?} is not for an intersection unit"),
             };
             self.unit.fetch(id, element, &wires.layout);
@@ -78,17 +82,25 @@ impl Intersection {
         self.in_work -= 1;
         let ray = wires.ray(id);
         let (sender, kind) = (ray.sender, ray.kind);
+        if let (Sender::ShadowCache(index), Some(Step::Read { .. } | Step::Write { .. } | Step::Update { .. })) =
+            (sender, ray.tested_step().front())
+        {
+            // Only the access was made here.
+            ray.accessed = true;
+            wires.tested_for_policy[index].put(now, id);
+            return;
+        }
         let step = ray.tested_step().pop_front();
         let counted = match (step, sender, kind) {
             (Some(Step::List(_)), ..) => &mut wires.replayed.list_reads,
-            (_, Sender::ShadowCache, _) => &mut wires.replayed.policy_triangle_tests,
+            (_, Sender::ShadowCache(_), _) => &mut wires.replayed.policy_triangle_tests,
             (_, Sender::Traversal(_), RayKind::Shadow) => &mut wires.replayed.shadow_triangle_tests,
             (_, Sender::Traversal(_), _) => &mut wires.replayed.triangle_tests,
         };
         *counted += 1;
         match sender {
             Sender::Traversal(index) => wires.tested[index].put(now, id),
-            Sender::ShadowCache => wires.tested_for_policy.put(now, id),
+            Sender::ShadowCache(index) => wires.tested_for_policy[index].put(now, id),
         }
     }
 

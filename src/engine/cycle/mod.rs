@@ -14,6 +14,7 @@ mod shadow_cache;
 mod traversal;
 mod unit;
 mod wires;
+mod words;
 
 use self::dram::Channel;
 use self::host::Host;
@@ -36,7 +37,7 @@ pub(super) struct Cycle {
     host: Host,
     traversal: Vec<Traversal>,
     intersection: Vec<Intersection>,
-    shadow_cache: ShadowCache,
+    shadow_cache: Vec<ShadowCache>,
     banks: Vec<Bank>,
     channels: Vec<Channel>,
     wires: Wires,
@@ -58,9 +59,11 @@ impl Cycle {
             host: Host::new(&spec.dispatcher, units, spec.traversal.rays.get()),
             traversal: (0..units).map(|index| Traversal::new(&spec.traversal, index, line)).collect(),
             intersection: (0..tests)
-                .map(|index| Intersection::new(&spec.intersection, index, units + index, line))
+                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), index, units + index, line))
                 .collect(),
-            shadow_cache: ShadowCache::new(&spec.shadow_cache, pool, units + tests, line),
+            shadow_cache: (0..spec.shadow_cache.count.size())
+                .map(|index| ShadowCache::new(&spec.shadow_cache, index, pool, units + tests + index, line))
+                .collect(),
             banks: (0..spec.l2.banks.size()).map(|index| Bank::new(&spec.l2, &spec.dram, index, line)).collect(),
             channels: (0..spec.dram.channels.size()).map(channel).collect(),
             wires: Wires::new(spec, header),
@@ -72,7 +75,7 @@ impl Cycle {
         let wires = &mut self.wires;
         in_turn(self.traversal.len(), now).for_each(|index| self.traversal[index].tick(now, wires));
         in_turn(self.intersection.len(), now).for_each(|index| self.intersection[index].tick(now, wires));
-        self.shadow_cache.tick(now, wires);
+        in_turn(self.shadow_cache.len(), now).for_each(|index| self.shadow_cache[index].tick(now, wires));
         in_turn(self.banks.len(), now).for_each(|index| self.banks[index].tick(now, wires));
         in_turn(self.channels.len(), now).for_each(|index| self.channels[index].tick(now, wires));
         wires.settle();
@@ -82,7 +85,7 @@ impl Cycle {
         let first = self.wires.layout.dynamic_part();
         self.traversal.iter_mut().for_each(|unit| unit.unit.drop_from(first));
         self.intersection.iter_mut().for_each(|unit| unit.unit.drop_from(first));
-        self.shadow_cache.unit.drop_from(first);
+        self.shadow_cache.iter_mut().for_each(|unit| unit.unit.drop_from(first));
         self.banks.iter_mut().for_each(|bank| bank.drop_from(first));
     }
 
@@ -90,7 +93,7 @@ impl Cycle {
         [
             self.traversal.iter().map(|unit| &unit.unit).collect(),
             self.intersection.iter().map(|unit| &unit.unit).collect(),
-            vec![&self.shadow_cache.unit],
+            self.shadow_cache.iter().map(|unit| &unit.unit).collect(),
         ]
     }
 
@@ -107,7 +110,7 @@ impl Cycle {
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
         self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(wires)));
-        list("shadow_cache", 0, self.shadow_cache.queues(wires));
+        self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(wires)));
         self.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues(wires)));
         self.channels.iter().enumerate().for_each(|(i, channel)| list("dram channel", i, channel.queues(wires)));
         lines.join("\n")
@@ -155,6 +158,7 @@ impl Engine for Cycle {
             cycles,
             rays: self.host.rays,
             dispatcher: self.host.causes,
+            stores: Default::default(),
             units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
             banks: self.banks.iter().map(bank).collect(),
             channels: self.channels.iter().map(channel).collect(),

@@ -13,7 +13,7 @@ pub type Id = usize;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sender {
     Traversal(usize),
-    ShadowCache,
+    ShadowCache(usize),
 }
 
 /// Where a ray is in the stream.
@@ -36,6 +36,10 @@ pub struct Ray {
     pub undecided: bool,
     /// Whether the triangle test under way is at the edges.
     pub at_edges: bool,
+    /// How many of the next steps set modes: at a first touch, or a frame's end.
+    pub setting: usize,
+    /// Whether an intersection unit has accessed the entry of the next step.
+    pub accessed: bool,
     pub sender: Sender,
     /// `None` for a step of a frame's end.
     pub origin: Option<Origin>,
@@ -46,7 +50,7 @@ impl Ray {
     pub fn tested_step(&mut self) -> &mut VecDeque<Step> {
         match self.sender {
             Sender::Traversal(_) => &mut self.path,
-            Sender::ShadowCache => &mut self.policy,
+            Sender::ShadowCache(_) => &mut self.policy,
         }
     }
 }

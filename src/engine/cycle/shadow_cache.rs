@@ -5,81 +5,128 @@ use std::collections::VecDeque;
 use super::ray::{Id, Ray, Sender};
 use super::unit::Unit;
 use super::wires::Wires;
-use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, RayKind, Step};
+use super::words::address;
+use crate::machine::pipeline::WritePolicy;
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::stream::{Decision, RayKind, Step, Store};
 
 pub struct ShadowCache {
+    index: usize,
+    spec: ShadowCacheSpec,
     pub unit: Unit,
     leaving: VecDeque<Id>,
-    contexts: usize,
     in_work: usize,
     /// Entries of the dispatcher's pool; those for a frame's end follow.
     pool: usize,
     free_entries: VecDeque<Id>,
-    /// Steps of the frame's end that are not taken on yet, and how many are not done.
-    end_steps: VecDeque<Step>,
-    end_left: usize,
+    /// The register: addresses of entries read, and updates that wait, both the oldest first.
+    read: Vec<u64>,
+    waiting: Vec<Step>,
+    /// Steps of the frame's end that are not taken on yet, each with whether it sets modes, and how many are not done, while there
+    /// is a frame's end.
+    end_steps: VecDeque<(Step, bool)>,
+    end_left: Option<usize>,
+}
+
+/// What the register makes of a step.
+enum Registered {
+    /// It is done for now.
+    Done,
+    /// This is to be performed.
+    Perform(Step),
 }
 
 impl ShadowCache {
-    pub fn new(spec: &ShadowCacheSpec, pool: usize, l1: usize, line: u64) -> Self {
+    pub fn new(spec: &ShadowCacheSpec, index: usize, pool: usize, l1: usize, line: u64) -> Self {
         let contexts = spec.contexts.size();
+        let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
+        let first = pool + index * contexts;
         Self {
-            unit: Unit::new(l1, &spec.cache, spec.latency.get(), line, spec.writes),
+            index,
+            spec: *spec,
+            unit: Unit::new(l1, &spec.cache, spec.latency.get(), line, writes),
             leaving: VecDeque::new(),
-            contexts,
             in_work: 0,
             pool,
-            free_entries: (pool..pool + contexts).collect(),
+            free_entries: (first..first + contexts).collect(),
+            read: Vec::new(),
+            waiting: Vec::new(),
             end_steps: VecDeque::new(),
-            end_left: 0,
+            end_left: None,
         }
     }
 
     pub fn tick(&mut self, now: u64, wires: &mut Wires) {
-        let a_context_was_free = self.in_work < self.contexts;
+        let a_context_was_free = self.in_work < self.spec.contexts.size();
         self.unit.fill_and_hit(now, wires);
         if let Some(id) = self.unit.leave(now) {
-            let ray = wires.ray(id);
-            if ray.undecided {
-                ray.undecided = false;
+            self.operation_ended(id, now, wires);
+        }
+        while let Some(id) = wires.tested_for_policy[self.index].take(now) {
+            if std::mem::replace(&mut wires.ray(id).accessed, false) {
+                self.unit.ready_without_fetch(id);
             } else {
-                let step = ray.policy.pop_front();
-                wires.replayed.count_policy(step.into_iter());
+                self.go_on(id, now, wires);
             }
-            self.next_step(id, now, wires);
         }
-        while let Some(id) = wires.tested_for_policy.take(now) {
-            self.next_step(id, now, wires);
-        }
-        while let Some(steps) = wires.frame_end.take(now) {
-            self.end_left = steps.len();
-            self.end_steps = Step::unpack_all(&steps).collect();
+        if let Some(steps) = wires.frame_end[self.index].take(now) {
+            self.read.clear();
+            self.end_steps.extend(self.waiting.drain(..).map(|step| (step, false)));
+            self.end_steps.extend(steps.into_iter().map(|step| (step, true)));
+            self.end_left = Some(self.end_steps.len());
+            self.look_at_the_end(now, wires);
         }
         if a_context_was_free {
             self.take_on(now, wires);
         }
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
-        if let Some(&id) = self.leaving.front()
-            && wires.send_to_test(now, id, id.checked_sub(self.pool).unwrap_or(id))
-        {
-            self.leaving.pop_front();
+        if let Some(&id) = self.leaving.front() {
+            let own_number = id.checked_sub(self.pool).unwrap_or(id) as u64;
+            let number = match wires.ray(id).policy.front().and_then(|step| step.entry()) {
+                Some((store, index)) => wires.layout.line_of(store, index).0,
+                None => own_number,
+            };
+            if wires.send_to_test(now, id, number) {
+                self.leaving.pop_front();
+            }
         }
         self.unit.send(now, wires);
         self.unit.account(began, !self.leaving.is_empty(), false);
     }
 
+    fn operation_ended(&mut self, id: Id, now: u64, wires: &mut Wires) {
+        let ray = wires.ray(id);
+        if ray.undecided {
+            ray.undecided = false;
+        } else if let Some(step) = ray.policy.pop_front() {
+            ray.setting = ray.setting.saturating_sub(1);
+            wires.replayed.count_policy(std::iter::once(step));
+            if let Step::Read { store: Store::ModeWord | Store::PixelCounter, .. } = step
+                && id < self.pool
+                && let Some(addr) = address(step, &wires.layout)
+                && !self.read.contains(&addr)
+            {
+                self.read.push(addr);
+                if self.read.len() > self.spec.register.size() {
+                    self.read.remove(0);
+                }
+            }
+        }
+        self.go_on(id, now, wires);
+    }
+
     /// Takes on one new ray, or step of a frame's end.
     fn take_on(&mut self, now: u64, wires: &mut Wires) {
-        if let Some(id) = wires.retired.take(now) {
+        if let Some(id) = wires.retired[self.index].take(now) {
             self.in_work += 1;
+            wires.ray(id).sender = Sender::ShadowCache(self.index);
             if wires.ray(id).undecided {
                 self.unit.ready_without_fetch(id);
             } else {
-                self.next_step(id, now, wires);
+                self.go_on(id, now, wires);
             }
-        } else if let Some(step) = self.end_steps.pop_front() {
+        } else if let Some((step, sets_modes)) = self.end_steps.pop_front() {
             self.in_work += 1;
             let id = self.free_entries.pop_front().expect("there are as many entries as contexts");
             wires.rays[id] = Some(Ray {
@@ -89,30 +136,92 @@ impl ShadowCache {
                 policy: VecDeque::from([step]),
                 undecided: false,
                 at_edges: false,
-                sender: Sender::ShadowCache,
+                setting: usize::from(sets_modes),
+                accessed: false,
+                sender: Sender::ShadowCache(self.index),
                 origin: None,
             });
-            self.next_step(id, now, wires);
+            self.go_on(id, now, wires);
         }
     }
 
-    fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {
-        let ray = wires.ray(id);
-        let element = match ray.policy.front().copied() {
-            Some(Step::Triangle { .. }) => {
-                ray.sender = Sender::ShadowCache;
-                self.leaving.push_back(id);
+    /// The ray does what comes next.
+    fn go_on(&mut self, id: Id, now: u64, wires: &mut Wires) {
+        while let Some(&step) = wires.ray(id).policy.front() {
+            match step {
+                Step::Triangle { .. } => return self.leaving.push_back(id),
+                Step::Node(node) => return self.unit.fetch(id, wires.layout.node(node), &wires.layout),
+                Step::List(entry) => return self.unit.fetch(id, wires.layout.list_entry(entry), &wires.layout),
+                Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {}
+            }
+            if let Some(home) = wires.words.home(step, &wires.layout).filter(|&home| home != self.index) {
+                self.in_work -= 1;
+                wires.retired[home].put(now, id);
                 return;
             }
-            Some(Step::Node(node)) => wires.layout.node(node),
-            Some(Step::List(entry)) => wires.layout.list_entry(entry),
-            Some(Step::Read { store, index }) => wires.layout.entry(store, index, false),
-            Some(Step::Write { store, index } | Step::Update { store, index }) => {
-                wires.layout.entry(store, index, true)
+            if id >= self.pool {
+                return self.access(id, step, wires);
             }
-            None => return self.ray_done(id, now, wires),
+            if let Some(touch) = wires.words.first_touch(step, &wires.layout) {
+                let ray = wires.ray(id);
+                ray.policy.pop_front();
+                touch.own.into_iter().for_each(|own| ray.policy.push_front(own));
+                ray.setting = touch.setting.len();
+                touch.setting.into_iter().rev().for_each(|update| ray.policy.push_front(update));
+                continue;
+            }
+            if wires.ray(id).setting > 0 || self.spec.register.get() == 0 {
+                return self.access(id, step, wires);
+            }
+            match self.register(step, wires) {
+                Registered::Done => {
+                    wires.ray(id).policy.pop_front();
+                }
+                Registered::Perform(step) => {
+                    wires.ray(id).policy[0] = step;
+                    return self.access(id, step, wires);
+                }
+            }
+        }
+        self.ray_done(id, now, wires);
+    }
+
+    fn register(&mut self, step: Step, wires: &mut Wires) -> Registered {
+        let (Step::Read { store, .. } | Step::Write { store, .. } | Step::Update { store, .. }) = step else {
+            return Registered::Perform(step);
         };
-        self.unit.fetch(id, element, &wires.layout);
+        let addr = address(step, &wires.layout);
+        if store == Store::OccluderId {
+            return Registered::Perform(step);
+        }
+        if !step.writes() {
+            if self.read.iter().any(|&read| Some(read) == addr) {
+                wires.words.work.merged_reads += 1;
+                return Registered::Done;
+            }
+            return Registered::Perform(step);
+        }
+        if self.waiting.iter().any(|&other| address(other, &wires.layout) == addr) {
+            wires.words.work.merged_writes += 1;
+            return Registered::Done;
+        }
+        self.waiting.push(step);
+        if self.waiting.len() <= self.spec.register.size() {
+            return Registered::Done;
+        }
+        Registered::Perform(self.waiting.remove(0))
+    }
+
+    /// Accesses the entry of the ray's next step.
+    fn access(&mut self, id: Id, step: Step, wires: &mut Wires) {
+        let Some((store, index)) = step.entry() else { unreachable!("{step:?} is of no entry") };
+        let element = wires.layout.entry(store, index, step.writes());
+        match self.spec.place {
+            Place::Own | Place::Free => self.unit.fetch(id, element, &wires.layout),
+            Place::Triangle => self.leaving.push_back(id),
+            Place::L2 if step.writes() && wires.ray(id).setting == 0 => self.unit.ready_with(id, element),
+            Place::L2 => self.unit.fetch_past_l1(id, element, &wires.layout),
+        }
     }
 
     fn ray_done(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -123,9 +232,18 @@ impl ShadowCache {
         }
         wires.rays[id] = None;
         self.free_entries.push_back(id);
-        self.end_left -= 1;
-        if self.end_left == 0 {
-            wires.frame_over.put(now, ());
+        self.end_left = self.end_left.map(|left| left - 1);
+        self.look_at_the_end(now, wires);
+    }
+
+    /// Reports when this unit's part of the frame's end is done.
+    fn look_at_the_end(&mut self, now: u64, wires: &mut Wires) {
+        if self.end_left == Some(0) {
+            self.end_left = None;
+            wires.words.ending -= 1;
+            if wires.words.ending == 0 {
+                wires.frame_over.put(now, ());
+            }
         }
     }
 
@@ -133,11 +251,11 @@ impl ShadowCache {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}, steps of the frame's end {}",
             self.unit.queues(),
-            wires.retired.len(),
+            wires.retired[self.index].len(),
             self.in_work,
-            self.contexts,
+            self.spec.contexts,
             self.leaving.len(),
-            self.end_left
+            self.end_left.unwrap_or(0)
         )
     }
 }

@@ -42,7 +42,7 @@ impl Traversal {
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
         if let Some(&id) = self.leaving.front()
-            && wires.send_to_test(now, id, id)
+            && wires.send_to_test(now, id, id as u64)
         {
             self.leaving.pop_front();
         }
@@ -59,8 +59,11 @@ impl Traversal {
                 self.leaving.push_back(id);
             }
             None => {
-                let to = if ray.policy.is_empty() { &mut wires.done } else { &mut wires.retired };
-                to.put(now, id);
+                if ray.policy.is_empty() {
+                    wires.done.put(now, id);
+                } else {
+                    wires.send_to_policy(now, id);
+                }
                 wires.freed_slots.put(now, self.index);
             }
         }

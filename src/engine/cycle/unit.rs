@@ -21,6 +21,8 @@ struct Fetch {
     to_access: VecDeque<LineAddr>,
     /// Lines that were accessed and have not come.
     to_come: usize,
+    /// Whether it goes to the L2, past the L1.
+    past_l1: bool,
 }
 
 /// The unit.
@@ -41,6 +43,8 @@ pub struct Unit {
     /// Rays with all their data, and what that is.
     ready: VecDeque<(Id, Option<Element>)>,
     stages: VecDeque<(u64, Id)>,
+    /// Lines asked for past the L1, the oldest first.
+    asked: Vec<(LineAddr, Id)>,
     pub tally: UnitTally,
 }
 
@@ -61,6 +65,7 @@ impl Unit {
             hits: VecDeque::new(),
             ready: VecDeque::new(),
             stages: VecDeque::new(),
+            asked: Vec::new(),
             tally: UnitTally::default(),
         }
     }
@@ -73,8 +78,19 @@ impl Unit {
     pub fn fetch(&mut self, id: Id, element: Element, layout: &Layout) {
         let (first, count) = layout.lines(&element);
         let to_access = (0..count).map(|line| LineAddr(first.0 + line)).collect();
-        self.fetches.insert(id, Fetch { element, to_access, to_come: 0 });
+        self.fetches.insert(id, Fetch { element, to_access, to_come: 0, past_l1: false });
         self.fetch_queue.push_back(id);
+    }
+
+    /// A ray begins to fetch `element` from the L2.
+    pub fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
+        self.fetch(id, element, layout);
+        self.fetches.entry(id).and_modify(|fetch| fetch.past_l1 = true);
+    }
+
+    /// A ray is to have an operation on `element` without a fetch.
+    pub fn ready_with(&mut self, id: Id, element: Element) {
+        self.ready.push_back((id, Some(element)));
     }
 
     /// A ray is to have an operation without a fetch.
@@ -86,6 +102,12 @@ impl Unit {
     pub fn fill_and_hit(&mut self, now: u64, wires: &mut Wires) {
         let lines = &mut wires.to_l1[self.l1];
         if let Some(&line) = lines.first(now)
+            && let Some(oldest) = self.asked.iter().position(|&(asked, _)| asked == line)
+        {
+            lines.take(now);
+            let (_, id) = self.asked.remove(oldest);
+            self.line_came(id);
+        } else if let Some(&line) = lines.first(now)
             && let Some(filled) = self.cache.fill(line, self.out_has_room())
         {
             lines.take(now);
@@ -137,7 +159,7 @@ impl Unit {
             let (line, _) = layout.lines(&element);
             let bytes = Bytes(element.bytes);
             self.out.push_back(Request { line, class: element.class, write: true, bytes, from: self.l1 });
-            self.tally.written_through[element.class as usize].writes += 1;
+            self.tally.written_through[element.class as usize].count += 1;
             self.tally.written_through[element.class as usize].bytes += bytes;
         }
         self.ready.pop_front();
@@ -150,10 +172,24 @@ impl Unit {
         for _ in 0..self.spec.ports.get() {
             let Some(&id) = self.fetch_queue.front() else { return };
             let room = self.out_has_room();
-            let Some(Fetch { element, to_access, to_come }) = self.fetches.get_mut(&id) else {
+            let Some(Fetch { element, to_access, to_come, past_l1 }) = self.fetches.get_mut(&id) else {
                 unreachable!("a ray of the fetch queue has a fetch under way")
             };
             let line = to_access[0];
+            if *past_l1 {
+                if !room || self.asked.len() == self.spec.mshrs.size() {
+                    return;
+                }
+                let (class, bytes) = (element.class, Bytes(element.bytes));
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.l1 });
+                self.asked.push((line, id));
+                self.tally.read_straight[class as usize].count += 1;
+                self.tally.read_straight[class as usize].bytes += bytes;
+                to_access.clear();
+                *to_come = 1;
+                self.fetch_queue.pop_front();
+                continue;
+            }
             let dirties = element.write && self.writes == WritePolicy::Back;
             match self.cache.access(line, element.class, dirties, room, id) {
                 Met::Stop => return,
@@ -211,7 +247,7 @@ impl Unit {
 
     /// Whether nothing is on its way to or from memory.
     pub fn memory_is_empty(&self) -> bool {
-        self.out.is_empty() && self.cache.on_their_way() == 0
+        self.out.is_empty() && self.cache.on_their_way() == 0 && self.asked.is_empty()
     }
 
     /// What was counted.

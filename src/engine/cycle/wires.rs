@@ -1,15 +1,14 @@
 //! All links between the parts, and what all parts can see.
 
-use std::sync::Arc;
-
 use super::link::Link;
 use super::ray::{Id, Ray};
+use super::words::Words;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
 use crate::memory::dram::mapping::Place;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
-use crate::stream::{Header, Totals};
+use crate::stream::{Header, Step, Totals};
 
 /// What a cache asks of the level below.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +36,7 @@ pub struct Wires {
     /// The rays in the machine, by their entries.
     pub rays: Vec<Option<Ray>>,
     pub layout: Layout,
+    pub words: Words,
     /// What was replayed of the frame so far.
     pub replayed: Totals,
     /// From the dispatcher to each traversal unit.
@@ -45,12 +45,12 @@ pub struct Wires {
     pub tests: Vec<Link<Id>>,
     /// From intersection units to each traversal unit.
     pub tested: Vec<Link<Id>>,
-    /// From intersection units to the shadow-cache unit.
-    pub tested_for_policy: Link<Id>,
-    /// Retired and skipped rays to the shadow-cache unit.
-    pub retired: Link<Id>,
-    /// The steps of a frame's end to the shadow-cache unit.
-    pub frame_end: Link<Arc<Vec<u32>>>,
+    /// From intersection units to each shadow-cache unit.
+    pub tested_for_policy: Vec<Link<Id>>,
+    /// Retired and skipped rays, and those of other such units, to each shadow-cache unit.
+    pub retired: Vec<Link<Id>>,
+    /// A frame's end and its steps to each shadow-cache unit.
+    pub frame_end: Vec<Link<Vec<Step>>>,
     /// To the dispatcher: rays that are done.
     pub done: Link<Id>,
     /// To the dispatcher: units in which a slot was freed.
@@ -59,7 +59,7 @@ pub struct Wires {
     pub frame_over: Link<()>,
     /// From L1s to each bank of the L2.
     pub to_bank: Vec<Link<Request>>,
-    /// From the L2 to each L1: traversal units', intersection units', the shadow-cache unit's.
+    /// From the L2 to each L1: traversal units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
     /// From banks to each channel of the DRAM.
     pub to_channel: Vec<Link<DramRequest>>,
@@ -74,22 +74,24 @@ impl Wires {
         }
         let units = spec.traversal.count.size();
         let tests = spec.intersection.count.size();
-        let entries = spec.dispatcher.rays.size() + spec.shadow_cache.contexts.size();
+        let policies = spec.shadow_cache.count.size();
+        let entries = spec.dispatcher.rays.size() + policies * spec.shadow_cache.contexts.size();
         Self {
             rays: (0..entries).map(|_| None).collect(),
-            layout: Layout::new(header, spec.line_bytes.get()),
+            layout: Layout::new(header, spec),
+            words: Words::new(&spec.shadow_cache, header),
             replayed: Totals::default(),
             dispatched: links(units, || Link::new(usize::MAX, spec.dispatcher.latency.get())),
             tests: links(tests, || Link::new(spec.intersection.queue.size(), 1)),
             tested: links(units, Link::unbounded),
-            tested_for_policy: Link::unbounded(),
-            retired: Link::new(spec.dispatcher.rays.size(), 1),
-            frame_end: Link::unbounded(),
+            tested_for_policy: links(policies, Link::unbounded),
+            retired: links(policies, || Link::new(spec.dispatcher.rays.size(), 1)),
+            frame_end: links(policies, Link::unbounded),
             done: Link::unbounded(),
             freed_slots: Link::unbounded(),
             frame_over: Link::unbounded(),
             to_bank: links(spec.l2.banks.size(), || Link::new(spec.l2.queue.size(), 1)),
-            to_l1: links(units + tests + 1, Link::unbounded),
+            to_l1: links(units + tests + policies, Link::unbounded),
             to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
             from_dram: links(spec.l2.banks.size(), Link::unbounded),
         }
@@ -107,9 +109,9 @@ impl Wires {
         all(&mut self.to_l1);
         all(&mut self.to_channel);
         all(&mut self.from_dram);
-        self.tested_for_policy.settle();
-        self.retired.settle();
-        self.frame_end.settle();
+        all(&mut self.tested_for_policy);
+        all(&mut self.retired);
+        all(&mut self.frame_end);
         self.done.settle();
         self.freed_slots.settle();
         self.frame_over.settle();
@@ -121,13 +123,37 @@ impl Wires {
     }
 
     /// Sends a ray to the intersection unit that `number` chooses, if that has a place in its queue.
-    pub fn send_to_test(&mut self, now: u64, id: Id, number: usize) -> bool {
-        let unit = number % self.tests.len();
+    pub fn send_to_test(&mut self, now: u64, id: Id, number: u64) -> bool {
+        let unit = (number % self.tests.len() as u64) as usize;
         let room = self.tests[unit].has_room();
         if room {
             self.tests[unit].put(now, id);
         }
         room
+    }
+
+    /// Sends a ray to the shadow-cache unit where it begins.
+    pub fn send_to_policy(&mut self, now: u64, id: Id) {
+        let ray = self.rays[id].as_ref().expect("an entry that is under way holds a ray");
+        let first = if ray.undecided { None } else { ray.policy.front() };
+        let home = first.and_then(|&step| self.words.home(step, &self.layout));
+        let unit = home.unwrap_or(id % self.retired.len());
+        self.retired[unit].put(now, id);
+    }
+
+    /// A frame's end of these steps begins.
+    pub fn begin_end(&mut self, now: u64, steps: Vec<Step>) {
+        let (steps, free) = self.words.without_free(steps);
+        self.replayed.count_policy(free.into_iter());
+        if steps.is_empty() && !self.words.registers_are_there() {
+            self.frame_over.put(now, ());
+            return;
+        }
+        self.words.ending = self.frame_end.len();
+        let home = |step| self.words.home(step, &self.layout).unwrap_or(0);
+        for (unit, link) in self.frame_end.iter_mut().enumerate() {
+            link.put(now, steps.iter().copied().filter(|&step| home(step) == unit).collect());
+        }
     }
 
     /// Whether nothing is between L1s, L2 and DRAM.

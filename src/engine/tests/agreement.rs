@@ -6,9 +6,10 @@ use std::path::Path;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
-use super::random::{machines, streams, sweeps};
-use super::synthetic::header;
+use super::random::{lights, machines, streams, sweeps};
+use super::synthetic::{header, header_of};
 use super::*;
+use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::memory::dram::command::CommandLog;
 use crate::memory::dram::legality::violations;
 use crate::ron_file;
@@ -69,8 +70,8 @@ fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> R
 #[test]
 fn engines_agree_on_any_machine_and_stream() {
     let all = RefCell::new(Vec::new());
-    check_many(200, (machines(), streams()), |(machine, stream)| {
-        let (tally, _) = agree(&machine, &header(), &stream)?;
+    check_many(200, (machines(), lights(), streams()), |(machine, lights, stream)| {
+        let (tally, _) = agree(&machine, &header_of(lights), &stream)?;
         all.borrow_mut().push(tally);
         Ok(())
     });
@@ -96,6 +97,17 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("half misses of the L2", |tally| {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.half_misses).sum()
     });
+    reached("merged reads", |tally| tally.stores.merged_reads);
+    reached("merged writes", |tally| tally.stores.merged_writes);
+    reached("reads that a first touch raises", |tally| tally.stores.raised_reads);
+    reached("writes left to first touches", |tally| tally.stores.deferred_writes);
+    reached("writes that a sweep covers", |tally| tally.stores.covered_writes);
+    reached("reads past the L1", |tally| {
+        tally.units[2].iter().flat_map(|unit| unit.read_straight).map(|past| past.count).sum()
+    });
+    reached("words by way of intersection units", |tally| {
+        tally.units[1].iter().map(|unit| unit.cache[TrafficClass::ModeWord as usize].accesses).sum()
+    });
     for class in [TrafficClass::ModeWord, TrafficClass::PixelCounter, TrafficClass::OccluderId] {
         let l1 = |tally: &&Tally| tally.units[2].iter().any(|unit| unit.cache[class as usize].write_backs > 0);
         let l2 = |tally: &&Tally| tally.banks.iter().any(|bank| bank.cache[class as usize].write_backs > 0);
@@ -111,7 +123,7 @@ fn engines_agree_where_fills_wait() {
         let cache = &mut machine.shadow_cache.cache;
         (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (num(2 * line), num(2), num(1), num(4));
         (cache.latency, cache.targets) = (num(20), num(4));
-        machine.shadow_cache.writes = WritePolicy::Back;
+        machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
         machine.shadow_cache.contexts = num(6);
         machine.l2.banks = pow(1);
         (machine.l2.bytes, machine.l2.ways, machine.l2.queue) = (num(2 * line), num(2), num(1));

@@ -1,6 +1,7 @@
 mod agreement;
 mod random;
 mod synthetic;
+mod words;
 
 use std::convert::Infallible;
 

@@ -6,6 +6,8 @@ use super::synthetic::{STATIC, SyntheticRay, frame, triangle};
 use super::{num, pow};
 use crate::machine::MachineSpec;
 use crate::machine::pipeline::WritePolicy;
+use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use crate::machine::stores::StoreLayout;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::part::DramPart;
@@ -92,14 +94,46 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
     })
 }
 
+/// What shadow-cache units do with words, their cache apart.
+fn words() -> impl Strategy<Value = ShadowCacheSpec> {
+    let place =
+        prop_oneof![3 => Just(Place::Own), 2 => Just(Place::Triangle), 2 => Just(Place::L2), 1 => Just(Place::Free)];
+    let layout = prop_oneof![
+        Just(StoreLayout::Dense),
+        Just(StoreLayout::Packed),
+        Just(StoreLayout::Beside),
+        Just(StoreLayout::Record),
+        Just(StoreLayout::Tagged)
+    ];
+    let frame_end = prop_oneof![2 => Just(FrameEnd::List), 1 => Just(FrameEnd::Sweep), 2 => Just(FrameEnd::Epoch)];
+    let register = prop_oneof![2 => Just(0), 2 => 1..4u64, 1 => Just(64)];
+    (1..4u64, 1..5u64, place, layout, any::<bool>(), register, frame_end).prop_map(
+        |(count, contexts, place, layout, back, register, frame_end)| ShadowCacheSpec {
+            count: num(count),
+            contexts: num(contexts),
+            place,
+            layout,
+            writes: if back { WritePolicy::Back } else { WritePolicy::Through },
+            register: num(register),
+            frame_end,
+            ..ShadowCacheSpec::default()
+        },
+    )
+}
+
+/// Lights of a scene: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
+pub fn lights() -> impl Strategy<Value = u32> {
+    prop_oneof![Just(1), Just(2), Just(6), Just(8), Just(9), Just(14), Just(20), Just(40)]
+}
+
 /// A machine for lines of `line` bytes.
 fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
-    let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64, 1..5u64);
+    let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64);
     let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000), latency(300));
     let caches = (cache(line), cache(line), cache(line), cache(line), 0..3u32);
-    let rest = (50..4000u64, any::<bool>(), 1..4000u64);
+    let rest = (50..4000u64, words(), 1..4000u64);
     (counts, latencies, caches, dram(line), rest).prop_map(
-        move |(counts, latencies, caches, dram, (clock, back, refi))| {
+        move |(counts, latencies, caches, dram, (clock, words, refi))| {
             let mut machine =
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
@@ -117,8 +151,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.intersection.queue = num(counts.4);
             machine.dispatcher.rays = num(counts.5);
             machine.dispatcher.per_cycle = num(counts.6);
-            machine.shadow_cache.contexts = num(counts.7);
-            machine.shadow_cache.writes = if back { WritePolicy::Back } else { WritePolicy::Through };
+            machine.shadow_cache = words;
             machine.dispatcher.latency = num(latencies.0);
             machine.traversal.latency = num(latencies.1);
             machine.intersection.latency = num(latencies.2);
@@ -147,12 +180,13 @@ pub fn machines() -> impl Strategy<Value = MachineSpec> {
 /// Any stream of a scene of [`super::synthetic::header`].
 pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
-    let store =
-        (0..3usize, prop_oneof![0..STATIC, 0..64u32], 0..3u8).prop_map(move |(store, index, kind)| match kind {
+    let store = (0..3usize, prop_oneof![2 => 0..STATIC, 2 => 0..64u32, 3 => 0..3u32], 0..3u8).prop_map(
+        move |(store, index, kind)| match kind {
             0 => Step::Read { store: stores[store], index },
             1 => Step::Write { store: stores[store], index },
             _ => Step::Update { store: stores[store], index },
-        });
+        },
+    );
     let traversal = (0..8u8, 0..40u32, 0..3usize).prop_map(|(kind, index, stop)| match kind {
         0..4 => Step::Node(NodeId(index * index)),
         4 => Step::Node(NodeId(STATIC + index)),

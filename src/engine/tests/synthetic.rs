@@ -10,8 +10,10 @@ use crate::stream::{
 
 /// Static nodes, slots and primitives of [`header`].
 pub const STATIC: u32 = 4096;
+/// Static primitives of [`header`].
+const STATIC_PRIMITIVES: u32 = 48;
 
-/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each.
+/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them static.
 pub fn header() -> Header {
     Header {
         scene: "synthetic".into(),
@@ -20,14 +22,29 @@ pub fn header() -> Header {
         policy: "none".into(),
         structure: Structure::Bvh2,
         lights: 1,
-        static_primitives: STATIC,
+        static_primitives: STATIC_PRIMITIVES,
         primitives: STATIC,
         static_nodes: STATIC,
         static_slots: STATIC,
         static_list_entries: STATIC,
-        stores: StoreEntries { mode_words: STATIC, pixel_counters: STATIC, occluder_ids: STATIC },
+        stores: StoreEntries {
+            mode_words: STATIC,
+            word_owners: STATIC,
+            words_per_primitive: 1,
+            pixel_counters: STATIC,
+            occluder_ids: STATIC,
+        },
         input_hash: 0,
+        records: (0..STATIC_PRIMITIVES).rev().map(TriangleSlot).collect(),
     }
+}
+
+/// The same with more lights, whose modes take more words.
+pub fn header_of(lights: u32) -> Header {
+    let header = header();
+    let words_per_primitive = 1 + lights.saturating_sub(15).div_ceil(16);
+    let stores = StoreEntries { word_owners: STATIC / words_per_primitive, words_per_primitive, ..header.stores };
+    Header { lights, stores, ..header }
 }
 
 /// A ray that is not in a stream yet.

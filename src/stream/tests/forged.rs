@@ -25,7 +25,7 @@ fn forged(blocks: &[(Tag, u64, usize, Vec<u8>)], entry: impl FnOnce(&mut FrameEn
     only.raw_bytes.0 = blocks.iter().map(|block| block.2 as u64).sum();
     entry(&mut only);
     let mut index = Vec::new();
-    format::put_index(&[only], &mut index);
+    format::put_index(&[only], &header.records, &mut index);
     put(&mut bytes, Tag::Index, blocks.len() as u64, index.len(), &lz4_flex::block::compress(&index));
     bytes.extend(end.to_le_bytes());
     bytes.extend(checksum(seed, &[&end.to_le_bytes()]).to_le_bytes());

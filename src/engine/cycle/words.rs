@@ -1,0 +1,127 @@
+//! What shadow-cache units must know of mode words and counters together: homes, first touches, the frame's end.
+
+use std::collections::BTreeSet;
+
+use crate::machine::layout::Layout;
+use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use crate::machine::source::StoreWork;
+use crate::stream::{Header, Step, Store};
+
+pub struct Words {
+    spec: ShadowCacheSpec,
+    header: Header,
+    /// Static primitives that rays have touched in this frame.
+    touched: BTreeSet<u32>,
+    pub work: StoreWork,
+    /// Units whose part of the frame's end is not done.
+    pub ending: usize,
+}
+
+/// The address of a step's entry.
+pub fn address(step: Step, layout: &Layout) -> Option<u64> {
+    let (store, index) = step.entry()?;
+    Some(layout.entry(store, index, false).addr.0)
+}
+
+impl Words {
+    pub fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
+        Self { spec: *spec, header: header.clone(), touched: BTreeSet::new(), work: StoreWork::default(), ending: 0 }
+    }
+
+    /// The unit that a step must be performed in; `None` if any will do.
+    pub fn home(&self, step: Step, layout: &Layout) -> Option<usize> {
+        let (store, index) = step.entry()?;
+        let (line, _) = layout.lines(&layout.entry(store, index, false));
+        Some((line.0 % self.spec.count.get()) as usize)
+    }
+
+    /// The static primitive that a word or a pair of counters belongs to, and whether it is the first word or the counters.
+    fn of_static(&self, step: Step) -> Option<(u32, bool)> {
+        let stores = &self.header.stores;
+        let (primitive, part) = match step.entry()? {
+            (Store::PixelCounter, index) => (index, 0),
+            (Store::ModeWord, index) if index < stores.word_owners * stores.words_per_primitive => {
+                (index / stores.words_per_primitive, index % stores.words_per_primitive)
+            }
+            _ => return None,
+        };
+        (primitive < self.header.static_primitives).then_some((primitive, part == 0))
+    }
+
+    /// The updates that set the modes of a primitive.
+    fn setting(&self, primitive: u32, layout: &Layout) -> Vec<Step> {
+        let stores = &self.header.stores;
+        let mut updates = Vec::new();
+        if primitive < stores.pixel_counters {
+            updates.push(Step::Update { store: Store::PixelCounter, index: primitive });
+        }
+        if primitive < stores.word_owners {
+            let word = Step::Update { store: Store::ModeWord, index: primitive * stores.words_per_primitive };
+            updates.retain(|&counters| address(counters, layout) != address(word, layout));
+            updates.push(word);
+        }
+        updates
+    }
+
+    /// If a ray's step is a first touch: the steps that stand in its place, of which all but `own` set modes.
+    pub fn first_touch(&mut self, step: Step, layout: &Layout) -> Option<FirstTouch> {
+        if self.spec.frame_end != FrameEnd::Epoch || self.header.stores.pixel_counters == 0 {
+            return None;
+        }
+        let (primitive, _) = self.of_static(step)?;
+        if !self.touched.insert(primitive) {
+            return None;
+        }
+        let setting = self.setting(primitive, layout);
+        let one_of_them = setting.iter().any(|&update| address(update, layout) == address(step, layout));
+        if one_of_them {
+            self.work.added_writes += setting.len() as u64 - 1;
+            self.work.raised_reads += u64::from(!step.writes());
+        } else {
+            self.work.added_writes += setting.len() as u64;
+        }
+        Some(FirstTouch { setting, own: (!one_of_them).then_some(step) })
+    }
+
+    /// The policy's steps without those that cost nothing, and these.
+    pub fn without_free<S: Default + Extend<Step> + IntoIterator<Item = Step>>(&self, steps: S) -> (S, S) {
+        let free = self.spec.place == Place::Free;
+        steps.into_iter().partition(|step| !free || step.entry().is_none())
+    }
+
+    /// Whether updates can wait in registers.
+    pub fn registers_are_there(&self) -> bool {
+        self.spec.register.get() > 0 && self.spec.place != Place::Free
+    }
+
+    /// The steps of a frame's end, from the recorded ones.
+    pub fn end(&mut self, recorded: &[u32], layout: &Layout) -> Vec<Step> {
+        self.touched.clear();
+        let free = self.spec.place == Place::Free;
+        let mut all = Vec::new();
+        let lists = self.spec.frame_end == FrameEnd::List || self.header.stores.pixel_counters == 0;
+        if self.spec.frame_end == FrameEnd::Sweep && !lists && !free {
+            for primitive in 0..self.header.static_primitives {
+                all.extend(self.setting(primitive, layout));
+            }
+            self.work.added_writes += all.len() as u64;
+        }
+        for step in Step::unpack_all(recorded) {
+            let sets = matches!(step, Step::Update { .. }) && self.of_static(step).is_some_and(|(_, first)| first);
+            match self.spec.frame_end {
+                FrameEnd::Sweep if sets && !lists && !free => self.work.covered_writes += 1,
+                FrameEnd::Epoch if sets && !lists && !free => self.work.deferred_writes += 1,
+                _ => all.push(step),
+            }
+        }
+        all
+    }
+}
+
+/// A first touch.
+pub struct FirstTouch {
+    /// The updates that set modes.
+    pub setting: Vec<Step>,
+    /// The ray's own step, if it is none of them.
+    pub own: Option<Step>,
+}

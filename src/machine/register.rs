@@ -1,0 +1,68 @@
+//! The coalescing register in front of a shadow-cache unit: entries read last, and updates that wait to be merged.
+
+use std::collections::VecDeque;
+
+use crate::quantity::Addr;
+use crate::stream::Step;
+
+/// What became of an update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kept {
+    /// It was merged with one that waited.
+    Merged,
+    /// It waits.
+    Waits,
+    /// It waits in the place of this one, which must be performed.
+    InPlaceOf(Step),
+}
+
+/// The register. An entry is known by its address.
+#[derive(Clone, Debug)]
+pub struct Register {
+    entries: usize,
+    read: VecDeque<Addr>,
+    waiting: VecDeque<(Addr, Step)>,
+}
+
+impl Register {
+    /// An empty register.
+    pub fn new(entries: usize) -> Self {
+        Self { entries, read: VecDeque::new(), waiting: VecDeque::new() }
+    }
+
+    /// Whether there is one.
+    pub fn is_there(&self) -> bool {
+        self.entries > 0
+    }
+
+    /// Whether a read of the entry at `addr` can be answered.
+    pub fn answers(&self, addr: Addr) -> bool {
+        self.read.contains(&addr)
+    }
+
+    /// The entry at `addr` has been read.
+    pub fn was_read(&mut self, addr: Addr) {
+        if self.is_there() && !self.answers(addr) {
+            if self.read.len() == self.entries {
+                self.read.pop_front();
+            }
+            self.read.push_back(addr);
+        }
+    }
+
+    /// Takes the update `step` of the entry at `addr`.
+    pub fn keep(&mut self, addr: Addr, step: Step) -> Kept {
+        if self.waiting.iter().any(|&(other, _)| other == addr) {
+            return Kept::Merged;
+        }
+        let oldest = if self.waiting.len() < self.entries { None } else { self.waiting.pop_front() };
+        self.waiting.push_back((addr, step));
+        oldest.map_or(Kept::Waits, |(_, step)| Kept::InPlaceOf(step))
+    }
+
+    /// A frame ends: forgets what was read; gives what waits, the oldest first.
+    pub fn drain(&mut self) -> impl Iterator<Item = Step> + '_ {
+        self.read.clear();
+        self.waiting.drain(..).map(|(_, step)| step)
+    }
+}

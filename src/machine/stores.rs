@@ -1,0 +1,377 @@
+//! Where a policy's stores lie in memory: layouts of mode words and counters, and what an access to an entry touches.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::TriangleSlot;
+use crate::stream::{Header, NO_RECORD, Store};
+
+/// Bytes of an entry of a store that is an array of its own.
+const WORD_BYTES: u64 = 4;
+/// Bytes of a primitive's two counters (GI09: current and highest number of rendered pixels).
+const COUNTER_BYTES: u64 = 8;
+/// Bits of the frame's number in a word, for [`FrameEnd::Epoch`](super::shadow_cache::FrameEnd::Epoch).
+pub const TAG_BITS: u64 = 2;
+/// Bits of two counters on a logarithmic scale with one fractional bit each: 6 bits reach 2^31 pixels.
+const LOG_COUNTER_BITS: u64 = 2 * 6;
+/// A triangle record is a multiple of this: the plane's 16 bytes.
+const RECORD_STEP: u64 = 16;
+
+/// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream says: one up
+/// to 15 lights, another for each further 16.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StoreLayout {
+    /// An array of 32-bit words, and one of counters, 8 bytes a primitive.
+    #[default]
+    Dense,
+    /// Of each word only the bits that the lights need, rounded up to 4, 8, 16 or 32; counters as in `Dense`.
+    Packed,
+    /// Words and counters of a primitive side by side, as many primitives to a line as fit whole.
+    Beside,
+    /// Behind the triangle, in its record: counters, then words; the record grows from 48 bytes to the next multiple of 16.
+    Record,
+    /// One word a primitive for modes, counters on a logarithmic scale and the frame's tag; more than 8 lights take another word.
+    Tagged,
+}
+
+/// Where a primitive's part of an array begins, and how far the next one's is.
+#[derive(Clone, Copy, Debug, Default)]
+struct Rows {
+    base: u64,
+    /// Bytes a primitive.
+    bytes: u64,
+    /// Primitives a line; 0 where they follow one another without regard to lines.
+    per_line: u64,
+    line: u64,
+}
+
+impl Rows {
+    fn packed(bytes: u64) -> Self {
+        Self { bytes, ..Self::default() }
+    }
+
+    /// Primitives that lie in no more lines than they must.
+    fn in_lines(bytes: u64, line: u64) -> Self {
+        match line / bytes {
+            0 => Self::packed(bytes.next_multiple_of(line)),
+            per_line => Self { base: 0, bytes, per_line, line },
+        }
+    }
+
+    fn addr(&self, row: u64) -> u64 {
+        let offset = match self.per_line {
+            0 => row * self.bytes,
+            rows => row / rows * self.line + row % rows * self.bytes,
+        };
+        self.base + offset
+    }
+
+    fn size(&self, rows: u64) -> u64 {
+        match self.per_line {
+            0 => rows * self.bytes,
+            per_line => rows.div_ceil(per_line) * self.line,
+        }
+    }
+}
+
+/// The stores of a stream, laid out.
+#[derive(Clone, Debug)]
+pub struct Stores {
+    layout: StoreLayout,
+    owners: u64,
+    words: u64,
+    /// Bits of a primitive's modes, for `Packed`.
+    bits: u64,
+    /// Bytes of a primitive's counters; 0 if the policy keeps none.
+    counter_bytes: u64,
+    /// Whether counters and tag need a word of their own, for `Tagged`.
+    further_word: bool,
+    word_rows: Rows,
+    counter_rows: Rows,
+    /// Entries of the store of mode words that are not of a primitive.
+    rest: u64,
+    occluders: u64,
+    records: Arc<[TriangleSlot]>,
+    /// Where static triangle records begin, their size, and how much of it is the triangle.
+    triangle_records: (u64, u64, u64),
+}
+
+/// Checks that words have room for the frame's number, if they are to hold it, beside the modes of the stream's lights.
+pub fn check_tag(header: &Header, layout: StoreLayout) -> Result<(), String> {
+    let (lights, words) = (header.lights, header.stores.words_per_primitive);
+    if header.stores.word_owners == 0
+        || layout == StoreLayout::Tagged
+        || mode_bits(header) + TAG_BITS <= 32 * u64::from(words)
+    {
+        return Ok(());
+    }
+    Err(format!(
+        "`shadow_cache.frame_end` is Epoch, which needs {TAG_BITS} bits beside the modes of the stream's {lights} lights, and these fill \
+         {words} word(s) of 32 bits: `List`, `Sweep`, or `layout: Tagged` is allowed"
+    ))
+}
+
+fn mode_bits(header: &Header) -> u64 {
+    2 + 2 * u64::from(header.lights)
+}
+
+impl Stores {
+    /// The stores of a stream, not placed yet. `tagged` says whether words hold the frame's number.
+    pub fn new(header: &Header, layout: StoreLayout, tagged: bool, line: u64) -> Self {
+        let entries = &header.stores;
+        let (owners, words) = (u64::from(entries.word_owners), u64::from(entries.words_per_primitive));
+        let modes = mode_bits(header);
+        let bits = match modes + if tagged { TAG_BITS } else { 0 } {
+            bits @ ..=16 => bits.next_power_of_two(),
+            _ => 32 * words,
+        };
+        let counter_bytes = if entries.pixel_counters > 0 { COUNTER_BYTES } else { 0 };
+        let further_word = modes + LOG_COUNTER_BITS + TAG_BITS > 32;
+        let (word_rows, counter_rows) = match layout {
+            StoreLayout::Dense | StoreLayout::Packed | StoreLayout::Record => {
+                (Rows::packed(words * WORD_BYTES), Rows::packed(COUNTER_BYTES))
+            }
+            StoreLayout::Beside => {
+                let rows = Rows::in_lines((counter_bytes + words * WORD_BYTES).max(1), line);
+                (rows, rows)
+            }
+            StoreLayout::Tagged => {
+                let extra = if further_word { WORD_BYTES } else { 0 };
+                let rows = Rows::in_lines((words * WORD_BYTES + extra).max(1), line);
+                (rows, rows)
+            }
+        };
+        Self {
+            layout,
+            owners,
+            words,
+            bits,
+            counter_bytes,
+            further_word,
+            word_rows,
+            counter_rows,
+            rest: 0,
+            occluders: 0,
+            records: Arc::clone(&header.records),
+            triangle_records: (0, 0, 0),
+        }
+    }
+
+    /// Bytes that each triangle record holds for the stores, rounded so that records stay aligned.
+    pub fn record_bytes(&self, triangle: u64) -> u64 {
+        match self.layout {
+            StoreLayout::Record if self.owners > 0 => {
+                (triangle + self.counter_bytes + self.words * WORD_BYTES).next_multiple_of(RECORD_STEP)
+            }
+            _ => triangle,
+        }
+    }
+
+    /// Static triangle records of `record` bytes begin at `base`; the triangle takes the first `triangle` bytes of each.
+    pub fn set_records(&mut self, base: u64, record: u64, triangle: u64) {
+        self.triangle_records = (base, record, triangle);
+    }
+
+    /// Places the stores: `array` gives room for so many bytes and says where.
+    pub fn place(&mut self, header: &Header, mut array: impl FnMut(u64) -> u64) {
+        let entries = &header.stores;
+        let rest = u64::from(entries.mode_words) - self.owners * self.words;
+        let counters = u64::from(entries.pixel_counters);
+        match self.layout {
+            StoreLayout::Dense | StoreLayout::Record => {
+                self.word_rows.base = array(self.word_rows.size(self.owners));
+                self.rest = array(rest * WORD_BYTES);
+                self.counter_rows.base = array(self.counter_rows.size(counters));
+            }
+            StoreLayout::Packed => {
+                self.word_rows.base = array((self.owners * self.bits).div_ceil(8));
+                self.rest = array(rest * WORD_BYTES);
+                self.counter_rows.base = array(self.counter_rows.size(counters));
+            }
+            StoreLayout::Beside | StoreLayout::Tagged => {
+                self.word_rows.base = array(self.word_rows.size(self.owners.max(counters)));
+                self.counter_rows.base = self.word_rows.base;
+                self.rest = array(rest * WORD_BYTES);
+            }
+        }
+        self.occluders = array(u64::from(entries.occluder_ids) * WORD_BYTES);
+    }
+
+    /// Where an entry begins, and how many bytes an access to it touches. No entry lies in two lines.
+    pub fn entry(&self, store: Store, index: u32) -> (u64, u64) {
+        let index = u64::from(index);
+        match store {
+            Store::OccluderId => (self.occluders + index * WORD_BYTES, WORD_BYTES),
+            Store::PixelCounter => self.counters(index),
+            Store::ModeWord => match index.checked_sub(self.owners * self.words) {
+                Some(rest) => (self.rest + rest * WORD_BYTES, WORD_BYTES),
+                None => self.word(index / self.words, index % self.words),
+            },
+        }
+    }
+
+    /// What follows the triangle in the record of a primitive, if that is static and has one.
+    fn in_record(&self, primitive: u64) -> Option<u64> {
+        let slot = self.records.get(primitive as usize).filter(|&&slot| slot != NO_RECORD)?;
+        let (base, record, triangle) = self.triangle_records;
+        Some(base + u64::from(slot.0) * record + triangle)
+    }
+
+    fn word(&self, primitive: u64, word: u64) -> (u64, u64) {
+        let row = self.word_rows.addr(primitive);
+        match self.layout {
+            StoreLayout::Packed if self.bits < 32 => {
+                (self.word_rows.base + primitive * self.bits / 8, (self.bits / 8).max(1))
+            }
+            StoreLayout::Record => {
+                let words = self.in_record(primitive).map_or(row, |counters| counters + self.counter_bytes);
+                (words + word * WORD_BYTES, WORD_BYTES)
+            }
+            // With a further word, the first mode word is read together with it: that has the tag.
+            StoreLayout::Tagged if self.further_word => match word {
+                0 => (row, 2 * WORD_BYTES),
+                _ => (row + (word + 1) * WORD_BYTES, WORD_BYTES),
+            },
+            StoreLayout::Beside => (row + self.counter_bytes + word * WORD_BYTES, WORD_BYTES),
+            _ => (row + word * WORD_BYTES, WORD_BYTES),
+        }
+    }
+
+    fn counters(&self, primitive: u64) -> (u64, u64) {
+        let row = self.counter_rows.addr(primitive);
+        match self.layout {
+            StoreLayout::Dense | StoreLayout::Packed | StoreLayout::Beside => (row, COUNTER_BYTES),
+            StoreLayout::Record => (self.in_record(primitive).unwrap_or(row), COUNTER_BYTES),
+            StoreLayout::Tagged => (row, WORD_BYTES),
+        }
+    }
+
+    /// Whether counters and first mode word of a primitive are one entry.
+    pub fn counters_are_in_words(&self) -> bool {
+        self.layout == StoreLayout::Tagged
+    }
+
+    /// The primitive whose word or counters an entry is; `None` for one of no primitive.
+    pub fn owner(&self, store: Store, index: u32) -> Option<u32> {
+        match store {
+            Store::PixelCounter => Some(index),
+            Store::ModeWord if u64::from(index) < self.owners * self.words => Some(index / self.words as u32),
+            Store::ModeWord | Store::OccluderId => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::MachineSpec;
+    use crate::machine::layout::{Layout, TRIANGLE_BYTES};
+    use crate::quantity::{Resolution, TriangleSlot};
+    use crate::ranged::PowerOfTwo;
+    use crate::stream::{StoreEntries, Structure};
+
+    const LAYOUTS: [StoreLayout; 5] =
+        [StoreLayout::Dense, StoreLayout::Packed, StoreLayout::Beside, StoreLayout::Record, StoreLayout::Tagged];
+
+    fn header(lights: u32) -> Header {
+        let words_per_primitive = 1 + lights.saturating_sub(15).div_ceil(16);
+        Header {
+            scene: String::new(),
+            frames: Vec::new(),
+            resolution: Resolution { width: 1, height: 1 },
+            policy: String::new(),
+            structure: Structure::Bvh2,
+            lights,
+            static_primitives: 40,
+            primitives: 50,
+            static_nodes: 3,
+            static_slots: 40,
+            static_list_entries: 0,
+            stores: StoreEntries {
+                mode_words: 50 * words_per_primitive + 7,
+                word_owners: 50,
+                words_per_primitive,
+                pixel_counters: 50,
+                occluder_ids: 9,
+            },
+            input_hash: 0,
+            records: (0..40).map(|primitive| TriangleSlot(primitive * 7 % 40)).collect(),
+        }
+    }
+
+    fn layout(header: &Header, stores: StoreLayout, line: u64) -> Layout {
+        let mut machine = MachineSpec { line_bytes: PowerOfTwo::new(line).unwrap(), ..MachineSpec::default() };
+        machine.shadow_cache.layout = stores;
+        Layout::new(header, &machine)
+    }
+
+    /// All entries of a store, as ranges of bytes.
+    fn ranges(layout: &Layout, header: &Header, store: Store) -> Vec<(u64, u64)> {
+        let range = |index| {
+            let element = layout.entry(store, index, false);
+            (element.addr.0, element.addr.0 + element.bytes)
+        };
+        (0..header.stores.of(store)).map(range).collect()
+    }
+
+    #[test]
+    fn entries_lie_in_one_line_and_apart() {
+        for stores in LAYOUTS {
+            for lights in [0, 1, 3, 7, 8, 9, 15, 16, 40, 64, 256] {
+                for line in [32, 64, 128] {
+                    let header = header(lights);
+                    let layout = layout(&header, stores, line);
+                    let all = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
+                    let mut all: Vec<_> = all.iter().flat_map(|&store| ranges(&layout, &header, store)).collect();
+                    for slot in (0..40).map(TriangleSlot) {
+                        let plane = layout.plane(slot).addr.0;
+                        all.push((plane, plane + TRIANGLE_BYTES));
+                    }
+                    all.sort_unstable();
+                    // Words of less than a byte share one, and tagged words are counters too.
+                    all.dedup();
+                    let what = || format!("{stores:?}, {lights} lights, lines of {line} B");
+                    for pair in all.windows(2) {
+                        let within = stores == StoreLayout::Tagged && pair[0].0 == pair[1].0;
+                        assert!(pair[0].1 <= pair[1].0 || within, "{}: {pair:?}", what());
+                    }
+                    for &(begin, end) in all.iter().filter(|(begin, end)| end - begin < TRIANGLE_BYTES) {
+                        assert_eq!(begin / line, (end - 1) / line, "{}", what());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn layouts_take_the_memory_that_they_should() {
+        let stride = |stores, lights, store| {
+            let header = header(lights);
+            let layout = layout(&header, stores, 64);
+            let at = ranges(&layout, &header, store);
+            let words = header.stores.words_per_primitive as usize;
+            let step = if store == Store::ModeWord { words } else { 1 };
+            // From the first primitive to the fifth, which no line of 64 bytes comes between.
+            (at[4 * step].0 - at[0].0) as f64 / 4.0
+        };
+        use StoreLayout::{Beside, Dense, Packed, Tagged};
+        assert_eq!(stride(Dense, 6, Store::ModeWord), 4.0);
+        assert_eq!([1, 3, 6, 15].map(|lights| stride(Packed, lights, Store::ModeWord)), [0.5, 1.0, 2.0, 4.0]);
+        assert_eq!(stride(Beside, 6, Store::ModeWord), 12.0);
+        assert_eq!([8, 9].map(|lights| stride(Tagged, lights, Store::ModeWord)), [4.0, 8.0]);
+        for (lights, record) in [(6, 64), (16, 64), (40, 80)] {
+            let layout = layout(&header(lights), StoreLayout::Record, 64);
+            assert_eq!(layout.plane(TriangleSlot(1)).addr.0 - layout.plane(TriangleSlot(0)).addr.0, record);
+        }
+    }
+
+    #[test]
+    fn a_record_holds_the_word_of_its_triangle() {
+        let header = header(6);
+        let layout = layout(&header, StoreLayout::Record, 64);
+        let record = layout.plane(TriangleSlot(3 * 7)).addr.0;
+        assert_eq!(layout.entry(Store::PixelCounter, 3, false).addr.0, record + 48);
+        assert_eq!(layout.entry(Store::ModeWord, 3, false).addr.0, record + 56);
+    }
+}
