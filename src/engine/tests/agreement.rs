@@ -70,7 +70,7 @@ fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> R
 #[test]
 fn engines_agree_on_any_machine_and_stream() {
     let all = RefCell::new(Vec::new());
-    check_many(200, (machines(), lights(), streams()), |(machine, lights, stream)| {
+    check_many(300, (machines(), lights(), streams()), |(machine, lights, stream)| {
         let (tally, _) = agree(&machine, &header_of(lights), &stream)?;
         all.borrow_mut().push(tally);
         Ok(())

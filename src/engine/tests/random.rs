@@ -105,7 +105,7 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
         Just(StoreLayout::Record),
         Just(StoreLayout::Tagged)
     ];
-    let frame_end = prop_oneof![2 => Just(FrameEnd::List), 1 => Just(FrameEnd::Sweep), 2 => Just(FrameEnd::Epoch)];
+    let frame_end = prop_oneof![1 => Just(FrameEnd::List), 2 => Just(FrameEnd::Sweep), 2 => Just(FrameEnd::Epoch)];
     let register = prop_oneof![2 => Just(0), 2 => 1..4u64, 1 => Just(64)];
     (1..4u64, 1..5u64, place, layout, any::<bool>(), register, frame_end).prop_map(
         |(count, contexts, place, layout, back, register, frame_end)| ShadowCacheSpec {
