@@ -20,7 +20,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
-    ("memory", &["quantity", "ranged", "ron_file", "stats"]),
+    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
     ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.

@@ -153,13 +153,15 @@ fn replay<E>(
 
 /// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
 fn patience(spec: &MachineSpec) -> u64 {
+    let caches = spec.l2.caches();
+    let l2 = caches.iter().map(|(_, cache)| cache.latency.get());
     let units = [
         spec.dispatcher.latency.get(),
         spec.dispatcher.shading_cycles.get(),
         spec.traversal.latency.get(),
         spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
         spec.shadow_cache.latency.get(),
-        spec.l2.latency.get(),
+        l2.max().unwrap_or(0),
     ];
     let part = &spec.dram.part;
     let clocks = part.timing.around_refresh(part.burst_clocks.get()) + part.timing.cl.get();

@@ -117,8 +117,13 @@ impl Tally {
         }
         stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));
         stats.unit_counts.insert("dispatcher".into(), 1);
-        stats.caches.insert("l2".into(), present(&sum_caches(self.banks.iter().map(|bank| &bank.cache))));
-        stats.bytes.insert("l2".into(), present(&sum_bytes(self.banks.iter().map(|bank| &bank.moved))));
+        let mut rest = self.banks.as_slice();
+        for (name, cache) in machine.l2.caches() {
+            let (banks, others) = rest.split_at(cache.banks.size());
+            stats.caches.insert(name.clone(), present(&sum_caches(banks.iter().map(|bank| &bank.cache))));
+            stats.bytes.insert(name, present(&sum_bytes(banks.iter().map(|bank| &bank.moved))));
+            rest = others;
+        }
         stats.bytes.insert("dram".into(), present(&sum_bytes(self.channels.iter().map(|channel| &channel.moved))));
         stats
     }

@@ -10,8 +10,8 @@ use super::ray::{Ray, RayId};
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::source::StoreWork;
 use super::spec::MachineSpec;
-use crate::memory::bank::L2;
 use crate::memory::dram::Dram;
+use crate::memory::l2::L2;
 use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
@@ -39,7 +39,7 @@ impl Parts {
             traversal: spec.traversal.count.get() as u32,
             intersection: spec.intersection.count.get() as u32,
             shadow_cache: spec.shadow_cache.count.get() as u32,
-            banks: spec.l2.banks.get() as u32,
+            banks: spec.l2.banks() as u32,
             channels: spec.dram.channels.get() as u32,
         }
     }

@@ -6,11 +6,12 @@ use super::dispatcher::DispatcherSpec;
 use super::intersection::IntersectionSpec;
 use super::pipeline::WritePolicy;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
-use super::stores::check_tag;
+use super::stores::{StoreLayout, check_tag};
 use super::traversal::TraversalSpec;
-use crate::memory::bank::L2Spec;
 use crate::memory::dram::spec::DramSpec;
+use crate::memory::l2::L2Spec;
 use crate::ranged::{PowerOfTwo, Within};
+use crate::stats::TrafficClass;
 use crate::stream::Header;
 
 /// A machine.
@@ -47,7 +48,7 @@ impl Default for MachineSpec {
             traversal: TraversalSpec::default(),
             intersection: IntersectionSpec::default(),
             shadow_cache: ShadowCacheSpec::default(),
-            l2: L2Spec::DEFAULT,
+            l2: L2Spec::default(),
             dram: DramSpec::default(),
         }
     }
@@ -76,8 +77,27 @@ impl MachineSpec {
             .and_then(|()| self.intersection.cache.check("intersection.cache", line))
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
+            .and_then(|()| self.check_homes())
             .and_then(|()| self.dram.check(line))
             .map_err(SpecError)
+    }
+
+    /// Classes that share lines must share a home in the L2: there would be two copies of such a line.
+    fn check_homes(&self) -> Result<(), String> {
+        use TrafficClass::{ModeWord, PixelCounter, Triangle};
+        let layout = self.shadow_cache.layout;
+        let shared: &[_] = match layout {
+            StoreLayout::Record => &[Triangle, ModeWord, PixelCounter],
+            StoreLayout::Beside | StoreLayout::Tagged => &[ModeWord, PixelCounter],
+            StoreLayout::Dense | StoreLayout::Packed => &[],
+        };
+        let apart = shared.windows(2).find(|pair| self.l2.home(pair[0]) != self.l2.home(pair[1]));
+        apart.map_or(Ok(()), |pair| {
+            let [one, other] = [pair[0], pair[1]].map(TrafficClass::name);
+            Err(format!(
+                "`l2` has different homes for `{one}` and `{other}`, which share lines with `shadow_cache.layout` {layout:?}: one home is allowed"
+            ))
+        })
     }
 
     /// Checks what a stream and the machine need of each other.
@@ -110,7 +130,8 @@ mod tests {
         for file in std::fs::read_dir(machines).unwrap() {
             let machine: MachineSpec = ron_file::read(&file.unwrap().path()).unwrap_or_else(|error| panic!("{error}"));
             machine.check().unwrap_or_else(|error| panic!("{error}"));
-            assert_eq!(read(&ron::to_string(&machine).unwrap()), Ok(machine));
+            let style = ron::ser::PrettyConfig::new().extensions(ron_file::extensions());
+            assert_eq!(read(&ron::ser::to_string_pretty(&machine, style).unwrap()), Ok(machine));
             count += 1;
         }
         assert!(count >= 2, "there are {count} machines");
@@ -124,7 +145,17 @@ mod tests {
             ("(traversal: (count: 0))", "0 is not allowed here: a whole number from 1 to 1024 is"),
             ("(line_bytes: 48)", "48 is not allowed here: a power of two from 32 to 128 is"),
             ("(traversal: (cache: (bytes: 8000)))", "`traversal.cache.bytes` is 8000"),
-            ("(l2: (bytes: 393216))", "1024 times a power of two is allowed"),
+            ("(l2: Unified(bytes: 393216))", "1024 times a power of two is allowed"),
+            ("(l2: Split({\"node\": (classes: [node, list, triangle], cache: ())}))", "no home for `mode_word`"),
+            (
+                "(l2: Split({\"a\": (classes: [node], cache: ()), \"b\": (classes: [node], cache: ())}))",
+                "more than one home for `node` (a, b)",
+            ),
+            ("(l2: Split({\"L2\": (classes: [node], cache: ())}))", "a cache `L2`: small letters"),
+            (
+                "(shadow_cache: (layout: Beside), l2: Split({\"a\": (classes: [mode_word], cache: ()), \"b\": (classes: [node, list, triangle, pixel_counter, occluder_id, ray], cache: ())}))",
+                "different homes for `mode_word` and `pixel_counter`",
+            ),
             ("(shadow_cache: (cache: (bytes: 12288, ways: 3, replacement: TreePlru)))", "a power of two is allowed"),
             ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),
             ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),

@@ -1,4 +1,4 @@
-//! A bank of the L2, shared by all L1s.
+//! A cache of the L2, shared by all L1s, by its banks.
 
 use std::collections::VecDeque;
 
@@ -15,11 +15,11 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::TrafficClass;
 
-/// The L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20
+/// A cache of the L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20
 /// cycles); registers and queues are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
-pub struct L2Spec {
+pub struct BankedSpec {
     /// Size in bytes, all banks together.
     pub bytes: Within<32, 0x1_0000_0000>,
     /// Lines a set.
@@ -38,7 +38,7 @@ pub struct L2Spec {
     pub queue: Within<1, 1024>,
 }
 
-impl L2Spec {
+impl BankedSpec {
     /// The defaults.
     pub const DEFAULT: Self = Self {
         bytes: Within::literal(128 << 10),
@@ -51,18 +51,13 @@ impl L2Spec {
         queue: Within::literal(8),
     };
 
-    /// Checks what single fields cannot; `line` is the line size in bytes.
-    pub fn check(&self, line: u64) -> Result<(), String> {
-        check_geometry("l2", self.bytes.get(), self.ways.get(), self.banks.get(), line, self.replacement)
+    /// Checks what single fields cannot: `field` names the spec in errors, `line` is the line size in bytes.
+    pub fn check(&self, field: &str, line: u64) -> Result<(), String> {
+        check_geometry(field, self.bytes.get(), self.ways.get(), self.banks.get(), line, self.replacement)
     }
 
-    /// The L2, empty; its banks' numbers in the machine begin with `first`.
-    pub fn build(&self, first: PartId, line: u64) -> L2 {
-        let bank = |index: u64| self.bank(PartId(first.0 + index as u32), line);
-        L2 { banks: (0..self.banks.get()).map(bank).collect() }
-    }
-
-    fn bank(&self, part: PartId, line: u64) -> Bank {
+    /// A bank, empty, with the number `part` in the machine.
+    pub(super) fn bank(&self, part: PartId, line: u64) -> Bank {
         let sets = self.bytes.get() / (line * self.ways.get() * self.banks.get());
         let tags = TagArray::new(sets as usize, self.ways.size(), self.banks.get().trailing_zeros(), self.replacement);
         Bank {
@@ -82,31 +77,9 @@ impl L2Spec {
     }
 }
 
-impl Default for L2Spec {
+impl Default for BankedSpec {
     fn default() -> Self {
         Self::DEFAULT
-    }
-}
-
-/// All banks.
-#[derive(Clone, Debug)]
-pub struct L2 {
-    /// The banks, by number.
-    pub banks: Vec<Bank>,
-}
-
-impl L2 {
-    /// Puts a request into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
-    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
-        let index = request.line.0 as usize & (self.banks.len() - 1);
-        let bank = &mut self.banks[index];
-        if !bank.requests.has_room(now) {
-            bank.requests.wait_for_room(request.from, now, wake);
-            return false;
-        }
-        bank.requests.put(request, now + 1);
-        wake.wake(bank.part, now + 1);
-        true
     }
 }
 
@@ -130,6 +103,17 @@ pub struct Bank {
 }
 
 impl Bank {
+    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        if !self.requests.has_room(now) {
+            self.requests.wait_for_room(request.from, now, wake);
+            return false;
+        }
+        self.requests.put(request, now + 1);
+        wake.wake(self.part, now + 1);
+        true
+    }
+
     /// A line comes from the DRAM, to be there from cycle `at` on.
     pub fn deliver(&mut self, line: LineAddr, at: u64) {
         self.fills.push_back((at, line));

@@ -3,6 +3,7 @@
 pub mod bank;
 pub mod cache;
 pub mod dram;
+pub mod l2;
 pub mod mshr;
 pub mod queue;
 pub mod replacement;

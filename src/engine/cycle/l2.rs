@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::cache::{Cache, Met};
 use super::wires::{DramRequest, Request, Wires};
-use crate::memory::bank::L2Spec;
+use crate::memory::bank::BankedSpec;
 use crate::memory::dram::spec::DramSpec;
 use crate::memory::tags::TagArray;
 use crate::quantity::{Bytes, LineAddr};
@@ -12,7 +12,7 @@ use crate::stats::{CacheCounts, TrafficClass};
 
 pub struct Bank {
     index: usize,
-    spec: L2Spec,
+    spec: BankedSpec,
     dram: DramSpec,
     line: u64,
     /// Of an access that waits: the L1 that gets the line, `None` for a write.
@@ -24,7 +24,7 @@ pub struct Bank {
 }
 
 impl Bank {
-    pub fn new(spec: &L2Spec, dram: &DramSpec, index: usize, line: u64) -> Self {
+    pub fn new(spec: &BankedSpec, dram: &DramSpec, index: usize, line: u64) -> Self {
         let banks = spec.banks.get();
         let sets = spec.bytes.get() / (line * spec.ways.get() * banks);
         let tags = TagArray::new(sets as usize, spec.ways.size(), banks.ilog2(), spec.replacement);

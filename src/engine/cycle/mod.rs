@@ -55,6 +55,12 @@ impl Cycle {
         let (units, tests) = (spec.traversal.count.size(), spec.intersection.count.size());
         let (pool, line) = (spec.dispatcher.rays.size(), spec.line_bytes.get());
         let channel = |index| Channel::new(&spec.dram, index, spec.clock_mhz.get(), line);
+        let mut banks = Vec::new();
+        for (_, cache) in spec.l2.caches() {
+            for _ in 0..cache.banks.get() {
+                banks.push(Bank::new(cache, &spec.dram, banks.len(), line));
+            }
+        }
         Self {
             host: Host::new(&spec.dispatcher, units, spec.traversal.rays.get()),
             traversal: (0..units).map(|index| Traversal::new(&spec.traversal, index, line)).collect(),
@@ -64,7 +70,7 @@ impl Cycle {
             shadow_cache: (0..spec.shadow_cache.count.size())
                 .map(|index| ShadowCache::new(&spec.shadow_cache, index, pool, units + tests + index, line))
                 .collect(),
-            banks: (0..spec.l2.banks.size()).map(|index| Bank::new(&spec.l2, &spec.dram, index, line)).collect(),
+            banks,
             channels: (0..spec.dram.channels.size()).map(channel).collect(),
             wires: Wires::new(spec, header),
             patience: patience(spec),

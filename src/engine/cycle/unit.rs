@@ -212,8 +212,7 @@ impl Unit {
     /// Step 7.
     pub fn send(&mut self, now: u64, wires: &mut Wires) {
         let Some(&request) = self.out.front() else { return };
-        let banks = wires.to_bank.len() as u64;
-        let bank = &mut wires.to_bank[(request.line.0 % banks) as usize];
+        let bank = wires.bank_of(&request);
         if bank.has_room() {
             bank.put(now, request);
             self.out.pop_front();

@@ -59,6 +59,8 @@ pub struct Wires {
     pub frame_over: Link<()>,
     /// From L1s to each bank of the L2.
     pub to_bank: Vec<Link<Request>>,
+    /// The banks that are the home of each class: the first, and how many.
+    homes: [(usize, u64); TrafficClass::ALL.len()],
     /// From the L2 to each L1: traversal units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
     /// From banks to each channel of the DRAM.
@@ -76,6 +78,9 @@ impl Wires {
         let tests = spec.intersection.count.size();
         let policies = spec.shadow_cache.count.size();
         let entries = spec.dispatcher.rays.size() + policies * spec.shadow_cache.contexts.size();
+        let caches = spec.l2.caches();
+        let queues = caches.iter().map(|(_, cache)| (cache.banks.size(), cache.queue.size()));
+        let to_bank = queues.flat_map(|(banks, places)| links(banks, || Link::new(places, 1))).collect();
         Self {
             rays: (0..entries).map(|_| None).collect(),
             layout: Layout::new(header, spec),
@@ -90,10 +95,15 @@ impl Wires {
             done: Link::unbounded(),
             freed_slots: Link::unbounded(),
             frame_over: Link::unbounded(),
-            to_bank: links(spec.l2.banks.size(), || Link::new(spec.l2.queue.size(), 1)),
+            to_bank,
+            homes: TrafficClass::ALL.map(|class| {
+                let before = &caches[..spec.l2.home(class)];
+                let first = before.iter().map(|(_, cache)| cache.banks.size()).sum();
+                (first, caches[spec.l2.home(class)].1.banks.get())
+            }),
             to_l1: links(units + tests + policies, Link::unbounded),
             to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
-            from_dram: links(spec.l2.banks.size(), Link::unbounded),
+            from_dram: links(spec.l2.banks() as usize, Link::unbounded),
         }
     }
 
@@ -154,6 +164,12 @@ impl Wires {
         for (unit, link) in self.frame_end.iter_mut().enumerate() {
             link.put(now, steps.iter().copied().filter(|&step| home(step) == unit).collect());
         }
+    }
+
+    /// The queue of the bank that `request` of an L1 goes to.
+    pub fn bank_of(&mut self, request: &Request) -> &mut Link<Request> {
+        let (first, banks) = self.homes[request.class as usize];
+        &mut self.to_bank[first + (request.line.0 % banks) as usize]
     }
 
     /// Whether nothing is between L1s, L2 and DRAM.

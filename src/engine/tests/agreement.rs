@@ -115,6 +115,10 @@ fn engines_agree_on_any_machine_and_stream() {
     }
 }
 
+fn first_l2(machine: &MachineSpec) -> BankedSpec {
+    *machine.l2.caches()[0].1
+}
+
 /// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to go.
 #[test]
 fn engines_agree_where_fills_wait() {
@@ -125,8 +129,9 @@ fn engines_agree_where_fills_wait() {
         (cache.latency, cache.targets) = (num(20), num(4));
         machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
         machine.shadow_cache.contexts = num(6);
-        machine.l2.banks = pow(1);
-        (machine.l2.bytes, machine.l2.ways, machine.l2.queue) = (num(2 * line), num(2), num(1));
+        let small =
+            BankedSpec { bytes: num(2 * line), ways: num(2), queue: num(1), banks: pow(1), ..first_l2(&machine) };
+        machine.l2 = L2Spec::Unified(small);
         machine.dram.queue = num(1);
         agree(&machine, &header(), &stream).map(drop)
     });

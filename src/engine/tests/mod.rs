@@ -9,6 +9,8 @@ use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, tria
 use super::*;
 use crate::machine::dispatcher::Dispatcher;
 use crate::machine::pipeline::WritePolicy;
+use crate::memory::bank::BankedSpec;
+use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::{Cause, TrafficClass};
 use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
@@ -55,7 +57,7 @@ fn miss_latency(machine: &MachineSpec) -> u64 {
     let line = (bursts - 1) * part.timing.ccd_l.get() + part.burst_clocks.get();
     let dram = part.timing.rcd.get() + part.timing.cl.get() + line;
     // To the L2, to the DRAM, back to the L2, back to the L1: a cycle each.
-    4 + dram + machine.l2.latency.get()
+    4 + dram + machine.l2.caches()[0].1.latency.get()
 }
 
 /// Cycles before the first ray is at its unit, and from its retirement to the end of the run: to the dispatcher, to
@@ -150,6 +152,23 @@ fn a_node_over_two_lines_needs_both() {
     assert_eq!(stats.bytes["l1_traversal"][&TrafficClass::Node].0, 64);
 }
 
+/// A split L2 counts each class in its home, and answers each class as a unified one does.
+#[test]
+fn classes_go_to_their_homes() {
+    let mut machine = in_step();
+    let home = |classes: &[TrafficClass]| HomeSpec { classes: classes.to_vec(), cache: BankedSpec::DEFAULT };
+    let (nodes_alone, others) = TrafficClass::ALL.split_at(1);
+    machine.l2 = L2Spec::Split([("node", home(nodes_alone)), ("rest", home(others))].into_iter().collect());
+    let mut path = nodes([0]);
+    path.push(triangle(0, Stop::Plane));
+    let stream = one_frame(&[SyntheticRay::primary(path)]);
+    let split = replayed(&machine, stream.clone());
+    assert_eq!(split.caches["l2_node"].keys().collect::<Vec<_>>(), [&TrafficClass::Node]);
+    assert_eq!(split.caches["l2_rest"].keys().collect::<Vec<_>>(), [&TrafficClass::Triangle]);
+    machine.l2 = L2Spec::Unified(BankedSpec::DEFAULT);
+    assert_eq!(replayed(&machine, stream).cycles, split.cycles);
+}
+
 #[test]
 fn dynamic_lines_do_not_outlive_their_frame() {
     let machine = MachineSpec::default();
@@ -235,9 +254,15 @@ fn tiny() -> MachineSpec {
         (cache.bytes, cache.ways) = (num(64), num(1));
         (cache.mshrs, cache.targets, cache.queue) = (num(1), num(1), num(1));
     }
-    machine.l2.banks = pow(1);
-    (machine.l2.bytes, machine.l2.ways) = (num(64), num(1));
-    (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (num(1), num(1), num(1));
+    machine.l2 = L2Spec::Unified(BankedSpec {
+        banks: pow(1),
+        bytes: num(64),
+        ways: num(1),
+        mshrs: num(1),
+        targets: num(1),
+        queue: num(1),
+        ..BankedSpec::DEFAULT
+    });
     machine.dram.queue = num(1);
     machine
 }

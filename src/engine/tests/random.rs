@@ -8,12 +8,15 @@ use crate::machine::MachineSpec;
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
+use crate::memory::bank::BankedSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::part::DramPart;
 use crate::memory::dram::spec::{DramSpec, Page};
+use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::memory::replacement::Policy;
 use crate::quantity::{ListId, NodeId};
+use crate::stats::TrafficClass;
 use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
 
 /// A latency: mostly small, one now and then, or as long as `most`.
@@ -44,6 +47,37 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
             queue: num(queue),
         },
     )
+}
+
+fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
+    (cache(line), 0..3u32, latency(300)).prop_map(|(cache, banks, latency)| BankedSpec {
+        bytes: num(cache.bytes.get() << banks),
+        ways: cache.ways,
+        banks: pow(1 << banks),
+        replacement: cache.replacement,
+        latency: num(latency),
+        mshrs: cache.mshrs,
+        targets: cache.targets,
+        queue: cache.queue,
+    })
+}
+
+/// One cache for all classes, or up to three that share them in any way that every layout of words allows.
+fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
+    let shares = prop::collection::vec(0..3usize, TrafficClass::ALL.len());
+    let split = (banked(line), banked(line), banked(line), shares).prop_map(|(a, b, c, shares)| {
+        let home = |(index, cache): (usize, BankedSpec)| {
+            // Classes that may share lines share a home.
+            let share = |class| match class {
+                TrafficClass::ModeWord | TrafficClass::PixelCounter => shares[TrafficClass::Triangle as usize],
+                other => shares[other as usize],
+            };
+            let classes = TrafficClass::ALL.into_iter().filter(|&class| share(class) == index);
+            (format!("c{index}"), HomeSpec { classes: classes.collect(), cache })
+        };
+        L2Spec::Split([a, b, c].into_iter().enumerate().map(home).collect())
+    });
+    prop_oneof![2 => banked(line).prop_map(L2Spec::Unified), 1 => split]
 }
 
 fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
@@ -129,8 +163,8 @@ pub fn lights() -> impl Strategy<Value = u32> {
 /// A machine for lines of `line` bytes.
 fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64);
-    let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000), latency(300));
-    let caches = (cache(line), cache(line), cache(line), cache(line), 0..3u32);
+    let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000));
+    let caches = (cache(line), cache(line), cache(line), l2(line));
     let rest = (50..4000u64, words(), 1..4000u64);
     (counts, latencies, caches, dram(line), rest).prop_map(
         move |(counts, latencies, caches, dram, (clock, words, refi))| {
@@ -158,15 +192,10 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.intersection.divide_latency = num(latencies.3);
             machine.shadow_cache.latency = num(latencies.4);
             machine.dispatcher.shading_cycles = num(latencies.5);
-            machine.l2.latency = num(latencies.6);
             machine.traversal.cache = caches.0;
             machine.intersection.cache = caches.1;
             machine.shadow_cache.cache = caches.2;
-            let (l2, banks) = (caches.3, caches.4);
-            (machine.l2.ways, machine.l2.bytes, machine.l2.banks) =
-                (l2.ways, num(l2.bytes.get() << banks), pow(1 << banks));
-            (machine.l2.mshrs, machine.l2.targets, machine.l2.queue) = (l2.mshrs, l2.targets, l2.queue);
-            machine.l2.replacement = l2.replacement;
+            machine.l2 = caches.3;
             machine
         },
     )

@@ -1,0 +1,124 @@
+//! The L2: one cache for all classes of traffic, or several, each the home of some.
+
+use serde::{Deserialize, Serialize};
+
+use super::bank::{Bank, BankedSpec};
+use super::{PartId, Request, Wake};
+use crate::named::Named;
+use crate::stats::TrafficClass;
+
+/// The L2.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum L2Spec {
+    /// One cache for all classes.
+    Unified(BankedSpec),
+    /// Several by name; each class of traffic has its home in one.
+    Split(Named<HomeSpec>),
+}
+
+/// A cache of a split L2.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HomeSpec {
+    /// The classes of traffic that go there.
+    pub classes: Vec<TrafficClass>,
+    /// The cache.
+    pub cache: BankedSpec,
+}
+
+impl Default for L2Spec {
+    fn default() -> Self {
+        Self::Unified(BankedSpec::DEFAULT)
+    }
+}
+
+impl L2Spec {
+    /// The caches with their names in reports.
+    pub fn caches(&self) -> Vec<(String, &BankedSpec)> {
+        match self {
+            Self::Unified(cache) => vec![("l2".into(), cache)],
+            Self::Split(homes) => homes.iter().map(|(name, home)| (format!("l2_{name}"), &home.cache)).collect(),
+        }
+    }
+
+    /// The place in [`L2Spec::caches`] of the class's home.
+    pub fn home(&self, class: TrafficClass) -> usize {
+        match self {
+            Self::Unified(_) => 0,
+            Self::Split(homes) => {
+                let home = homes.iter().position(|(_, home)| home.classes.contains(&class));
+                home.expect("a spec that leaves a class without a home is refused when it is checked")
+            }
+        }
+    }
+
+    /// Banks of all caches together.
+    pub fn banks(&self) -> u64 {
+        self.caches().iter().map(|(_, cache)| cache.banks.get()).sum()
+    }
+
+    /// Checks what single fields cannot; `line` is the line size in bytes.
+    pub fn check(&self, line: u64) -> Result<(), String> {
+        if let Self::Split(homes) = self {
+            for (name, _) in homes.iter() {
+                let allowed = |letter: char| letter.is_ascii_lowercase() || letter.is_ascii_digit() || letter == '_';
+                if name.is_empty() || !name.chars().all(allowed) {
+                    return Err(format!("`l2` has a cache `{name}`: small letters, digits and `_` are allowed"));
+                }
+            }
+            for class in TrafficClass::ALL {
+                let home = |(name, home): (&str, &HomeSpec)| {
+                    let times = home.classes.iter().filter(|&&other| other == class).count();
+                    std::iter::repeat_n(name.to_owned(), times)
+                };
+                let homes: Vec<_> = homes.iter().flat_map(home).collect();
+                let class = class.name();
+                match homes.as_slice() {
+                    [_] => {}
+                    [] => return Err(format!("`l2` has no home for `{class}`: one cache must list it in `classes`")),
+                    more => {
+                        let more = more.join(", ");
+                        return Err(format!("`l2` has more than one home for `{class}` ({more}): one is allowed"));
+                    }
+                }
+            }
+        }
+        self.caches().iter().try_for_each(|(name, cache)| cache.check(name, line))
+    }
+
+    /// The L2, empty; its banks' numbers in the machine begin with `first`.
+    pub fn build(&self, first: PartId, line: u64) -> L2 {
+        let mut banks = Vec::new();
+        let mut ranges = Vec::new();
+        for (_, cache) in self.caches() {
+            ranges.push(Home { first: banks.len(), mask: cache.banks.get() - 1 });
+            let bank = |index| cache.bank(PartId(first.0 + index as u32), line);
+            banks.extend((banks.len()..banks.len() + cache.banks.size()).map(bank));
+        }
+        L2 { banks, homes: TrafficClass::ALL.map(|class| ranges[self.home(class)]) }
+    }
+}
+
+/// The banks of a class's home.
+#[derive(Clone, Copy, Debug)]
+struct Home {
+    first: usize,
+    /// The number of banks, less one.
+    mask: u64,
+}
+
+/// All banks.
+#[derive(Clone, Debug)]
+pub struct L2 {
+    /// The banks of the first cache, then those of the next.
+    pub banks: Vec<Bank>,
+    homes: [Home; TrafficClass::ALL.len()],
+}
+
+impl L2 {
+    /// Puts a request into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        let Home { first, mask } = self.homes[request.class as usize];
+        self.banks[first + (request.line.0 & mask) as usize].put(request, now, wake)
+    }
+}
