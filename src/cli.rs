@@ -66,8 +66,8 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
-        /// The engine: Event, or Cycle, which is plain and slow and gives the same numbers
-        #[arg(long, value_name = "ENGINE", default_value_t)]
+        /// The rung: Bound, Functional, Event, Cycle (plain, slow, the same numbers), or Sampled(engine: Event, rate: 0.05)
+        #[arg(long, value_name = "RUNG", default_value_t)]
         fidelity: Fidelity,
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]

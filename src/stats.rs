@@ -116,6 +116,56 @@ pub struct DramCounts {
     pub refreshes: u64,
 }
 
+/// From the least to the most, both included.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Range<T> {
+    /// It cannot be less.
+    pub least: T,
+    /// It cannot be more.
+    pub most: T,
+}
+
+/// What no machine of the spec can leave on the stream, whatever it does.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Bounds {
+    /// Cycles: the least is the largest of what its parts must do over what they can do a cycle, the most is everything missed
+    /// and one thing after another.
+    pub cycles: Range<Cycle>,
+    /// Bytes between the L1s and the L2: the least is every line once a kind of units.
+    pub l2_bytes: Range<Bytes>,
+    /// Bytes between the L2 and the DRAM: the least is every line once.
+    pub dram_bytes: Range<Bytes>,
+}
+
+/// What could not be beaten if the answers of all shadow rays were known for nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limit {
+    /// Cycles.
+    pub cycles: Cycle,
+    /// Bytes of the DRAM.
+    pub dram_bytes: Bytes,
+}
+
+/// How far a run's numbers may be from those of `Event` and `Cycle`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Accuracy {
+    /// They are those.
+    #[default]
+    Exact,
+    /// The truth lies within an interval with a probability of 95 %; the shares are half its width over the estimate.
+    Estimated {
+        /// Of the cycles.
+        cycles: f64,
+        /// Of the bytes of the DRAM.
+        dram_bytes: f64,
+    },
+    /// Nothing is known but that the truth lies within [`MachineStats::bounds`].
+    Bounded,
+    /// Nothing is known.
+    Unknown,
+}
+
 /// What one machine measured on one stream.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineStats {
@@ -140,9 +190,26 @@ pub struct MachineStats {
     pub dram_organization: String,
     /// Peak bandwidth of the DRAM in bytes a machine cycle.
     pub dram_peak_bytes_per_cycle: f64,
+    /// How far from the truth these numbers may be.
+    #[serde(default)]
+    pub accuracy: Accuracy,
+    /// Half the widths of the 95 % intervals of estimated figures, by their path: `bytes.l2.node`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub half_widths: BTreeMap<String, f64>,
+    /// What no machine can leave.
+    #[serde(default)]
+    pub bounds: Option<Bounds>,
+    /// What culling cannot beat; where it was computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub oracle: Option<Limit>,
 }
 
 impl MachineStats {
+    /// Bytes moved at a level, all classes together; none if there is no such level.
+    pub fn moved(&self, level: &str) -> Bytes {
+        self.bytes.get(level).into_iter().flat_map(|classes| classes.values()).copied().sum()
+    }
+
     /// Rays a second of simulated time.
     pub fn rays_per_second(&self) -> f64 {
         self.rays as f64 / self.cycles.0 as f64 * self.clock_mhz * 1e6
@@ -150,8 +217,8 @@ impl MachineStats {
 
     /// Share of its cycles in which a unit kind began an operation.
     pub fn utilization(&self, unit: &str) -> Option<f64> {
-        let causes = self.units.get(unit)?;
-        let total: u64 = causes.values().sum();
-        (total > 0).then(|| causes.get(&Cause::Busy).copied().unwrap_or(0) as f64 / total as f64)
+        let busy = self.units.get(unit)?.get(&Cause::Busy).copied().unwrap_or(0);
+        let total = self.cycles.0 * self.unit_counts.get(unit)?;
+        (total > 0).then(|| busy as f64 / total as f64)
     }
 }

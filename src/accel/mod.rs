@@ -24,7 +24,6 @@ pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
-use crate::ranged::Within;
 use crate::scene::{Frame, Scene};
 use crate::stream::{FrameInfo, NO_RECORD, Structure};
 
@@ -40,8 +39,6 @@ pub struct AccelSpec {
     pub dynamic: Quality,
     /// The order of a kd-tree's nodes; the other structures have one order only.
     pub kd_layout: kdtree::Layout,
-    /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
-    pub kd_depth: Option<Within<1, 64>>,
 }
 
 impl Default for AccelSpec {
@@ -51,15 +48,7 @@ impl Default for AccelSpec {
             statics: Quality::Best,
             dynamic: Quality::Fast,
             kd_layout: kdtree::Layout::Ordered,
-            kd_depth: None,
         }
-    }
-}
-
-impl AccelSpec {
-    fn kd(self, quality: Quality) -> kdtree::BuildSpec {
-        let max_depth = self.kd_depth.map(|depth| depth.get() as u32);
-        kdtree::BuildSpec { quality, layout: self.kd_layout, max_depth }
     }
 }
 
@@ -163,7 +152,7 @@ impl Accel {
                 (Statics::CwBvh(tree), slots, Some(ancestry))
             }
             Structure::KdTree => {
-                let tree = kdtree::build_static(&items, spec.kd(spec.statics), joined);
+                let tree = kdtree::build_static(&items, spec.statics, spec.kd_layout, joined);
                 let slots = slots(&tree.records, 0, items.len());
                 (Statics::KdTree(tree), slots, None)
             }
@@ -230,7 +219,7 @@ impl Accel {
                 (Kind::CwBvh(forest), nodes, 0, slots)
             }
             Statics::KdTree(statics) => {
-                let dynamic = kdtree::build(&items, self.spec.kd(self.spec.dynamic), base);
+                let dynamic = kdtree::build(&items, self.spec.dynamic, self.spec.kd_layout, base);
                 let slots = slots(&dynamic.records, first, scene.dynamic_count);
                 let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
                 (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
@@ -366,14 +355,13 @@ impl World<'_> {
 
     /// Whether one visible primitive's triangle blocks the ray. If it does, [`World::occluded`] finds a blocker too.
     pub fn blocks(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
-        if matches!(self.forest, Kind::KdTree(_)) {
-            // Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
-            return self.surely_blocked(ray, primitive, watch);
-        }
         let slot = self.slot(primitive);
-        let (stop, blocked) = self.record(slot).blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
+            // Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
+        }
     }
 
     /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
@@ -394,14 +382,21 @@ impl World<'_> {
     /// Tests one visible primitive's triangle: the distance of the hit, if there is one.
     pub fn test(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> Option<f32> {
         let slot = self.slot(primitive);
-        let (stop, hit) = self.record(slot).test(ray);
-        watch.triangle(slot, stop);
-        hit.map(|hit| hit.t)
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.test(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.test(ray, slot, watch),
+            Kind::KdTree(forest) => forest.test(ray, slot, watch),
+        }
     }
 
     /// A static triangle's record.
     pub fn static_record(&self, primitive: PrimitiveId) -> &triangle::Record {
-        self.record(self.static_slots[primitive.0 as usize])
+        let slot = self.slot(primitive).0 as usize;
+        match &self.forest {
+            Kind::Bvh2(forest) => &forest.statics.records[slot],
+            Kind::CwBvh(forest) => &forest.statics.records[slot],
+            Kind::KdTree(forest) => &forest.statics.records[slot],
+        }
     }
 
     /// Looks for static blockers of the rays of `shaft`.
@@ -416,22 +411,20 @@ impl World<'_> {
     /// What a static triangle does to the rays of `shaft`.
     pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
         let slot = self.slot(primitive);
-        shaft.test(slot, self.record(slot), watch)
+        match &self.forest {
+            Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
+            Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
+            Kind::KdTree(forest) => forest.relation(shaft, slot, watch),
+        }
     }
 
-    /// Whether one visible primitive's triangle is certain to block `ray`, also when the tree is traversed.
+    /// Whether a static triangle is certain to block `ray`, also when the tree is traversed.
     pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
         let slot = self.slot(primitive);
-        let (stop, blocked) = self.record(slot).surely_blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
-    }
-
-    fn record(&self, slot: TriangleSlot) -> &triangle::Record {
         match &self.forest {
-            Kind::Bvh2(forest) => forest.record(slot.0),
-            Kind::CwBvh(forest) => forest.record(slot.0),
-            Kind::KdTree(forest) => forest.record(slot),
+            Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
         }
     }
 

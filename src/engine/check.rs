@@ -6,7 +6,7 @@ use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
 use crate::machine::source::{FrameCounts, StoreWork};
-use crate::stats::TrafficClass;
+use crate::stats::{Bounds, MachineStats, TrafficClass};
 
 /// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec does not
 /// say.
@@ -48,6 +48,20 @@ fn equal(what: impl FnOnce() -> String, left: u64, right: u64) -> Result<(), Str
     if left == right { Ok(()) } else { Err(format!("{}: {left} against {right}", what())) }
 }
 
+/// Checks that the run lies within bounds that hold for every machine and stream.
+pub(super) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String> {
+    let cycles = [bounds.cycles.least.0, bounds.cycles.most.0];
+    let [l2, dram] = [bounds.l2_bytes, bounds.dram_bytes].map(|bytes| [bytes.least.0, bytes.most.0]);
+    let levels = stats.bytes.keys().filter(|level| level.starts_with("l2"));
+    let moved = levels.map(|level| stats.moved(level).0).sum();
+    let found =
+        [("cycles", stats.cycles.0, cycles), ("L2 bytes", moved, l2), ("DRAM bytes", stats.moved("dram").0, dram)];
+    match found.into_iter().find(|(_, found, [least, most])| found < least || found > most) {
+        Some((what, found, [least, most])) => Err(format!("{found} {what} are not within {least} to {most}")),
+        None => Ok(()),
+    }
+}
+
 /// Checks the run's identities; the error names the numbers.
 pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     for (name, classes) in &tally.stats(machine).caches {
@@ -57,7 +71,7 @@ pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
         }
     }
     let causes = tally.units.iter().flatten().map(|unit| &unit.causes).chain([&tally.dispatcher]);
-    for causes in causes {
+    for causes in causes.filter(|_| tally.has_causes) {
         equal(|| "cycles of all causes of a unit".into(), causes.iter().sum(), tally.cycles)?;
     }
     traffic(tally, machine)?;

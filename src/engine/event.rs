@@ -1,5 +1,6 @@
 //! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
 
+use super::feed::Feed;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::{Due, Wheel};
 use super::{Engine, RunError, patience};
@@ -9,12 +10,11 @@ use crate::machine::intersection::Intersection;
 use crate::machine::links::{Links, Parts};
 use crate::machine::pipeline::Pipeline;
 use crate::machine::shadow_cache::ShadowCache;
-use crate::machine::source::FrameCounts;
 use crate::machine::traversal::Traversal;
 use crate::memory::Wake;
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
-use crate::stream::{Header, Item};
+use crate::stream::Header;
 
 /// The machine in motion.
 pub(super) struct Event {
@@ -122,11 +122,7 @@ impl Event {
 }
 
 impl Engine for Event {
-    fn run<E>(
-        &mut self,
-        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
-        mut frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
-    ) -> Result<u64, RunError<E>> {
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
         let mut due = Due::default();
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
@@ -137,13 +133,17 @@ impl Engine for Event {
                 self.links.clock.wake(Parts::DISPATCHER, now + 1);
             }
             if due.next(0, 1).is_some() {
-                let events = self.dispatcher.tick(now, &mut next, &mut self.links)?;
+                let events = self.dispatcher.tick(now, &mut || feed.next(), &mut self.links)?;
                 if let Some(counts) = events.frame_over {
-                    frame_over(&counts)?;
+                    feed.frame_over(&counts)?;
                 }
                 if events.frame_began {
                     self.drop_dynamic_lines();
                 }
+            }
+            if feed.marks() {
+                let lines = feed.taken(&self.tally(now + 1));
+                self.links.l2.touch(&lines);
             }
             self.tick_units(now, &due);
             if self.dispatcher.is_finished() && self.is_idle() {
@@ -175,6 +175,7 @@ impl Engine for Event {
         });
         Tally {
             cycles,
+            has_causes: true,
             rays: self.dispatcher.rays(),
             dispatcher: self.dispatcher.causes.until(cycles),
             stores: Default::default(),

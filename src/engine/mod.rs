@@ -1,24 +1,30 @@
 //! Replays a ray stream on a machine.
 
+mod bound;
 mod check;
 mod cycle;
 mod event;
+mod feed;
+mod fidelity;
+mod functional;
+pub mod sampling;
 mod tally;
 #[cfg(test)]
 mod tests;
 mod wheel;
+mod work;
 
-use std::fmt;
-use std::str::FromStr;
-
-use serde::{Deserialize, Serialize};
-
+use self::bound::Bound;
+use self::feed::{Feed, Whole};
+pub use self::fidelity::{Fidelity, Sampled, Share};
+use self::sampling::{Plan, Sample};
 use self::tally::Tally;
-use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
+use self::work::stores_as_recorded;
+use crate::machine::source::{StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
-use crate::stats::MachineStats;
+use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Header, Item};
 
 /// Why a run ended without a result. `E` is the error of who reads the stream.
@@ -58,52 +64,10 @@ pub enum RunError<E> {
     },
 }
 
-/// How a machine is replayed. Both engines implement the rules of MODEL.md and give the same numbers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Fidelity {
-    /// A part acts only in cycles in which it has something to do: fast.
-    #[default]
-    Event,
-    /// Every part acts in every cycle: plain, slow, and what `Event` is held to.
-    Cycle,
-}
-
-impl Fidelity {
-    /// Whether its numbers are those of [`Fidelity::Cycle`].
-    pub fn is_exact(self) -> bool {
-        matches!(self, Self::Event | Self::Cycle)
-    }
-}
-
-/// The name in reports, as in files.
-impl fmt::Display for Fidelity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Event => "Event",
-            Self::Cycle => "Cycle",
-        })
-    }
-}
-
-impl FromStr for Fidelity {
-    type Err = String;
-
-    fn from_str(name: &str) -> Result<Self, String> {
-        [Self::Event, Self::Cycle]
-            .into_iter()
-            .find(|fidelity| fidelity.to_string() == name)
-            .ok_or_else(|| format!("there is no engine `{name}`: Event and Cycle are allowed"))
-    }
-}
-
 /// A way of replaying a stream.
 trait Engine {
-    /// Replays all items that `next` gives; the number of cycles that it took. Every frame that is over is told.
-    fn run<E>(
-        &mut self,
-        next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
-        frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
-    ) -> Result<u64, RunError<E>>;
+    /// Replays all items of `feed`; the number of cycles that it took.
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>>;
 
     /// What was counted in a run of `cycles`.
     fn tally(&self, cycles: u64) -> Tally;
@@ -119,7 +83,7 @@ trait Engine {
 
 /// Replays `items`, a stream with the given header, on a machine. Memory is bounded: a chunk is dropped when all its rays are
 /// done. The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every cycle
-/// of every unit) are checked, and a violation is an error.
+/// of every unit, bounds) are checked, and a violation is an error.
 pub fn run<E>(
     machine: &MachineSpec,
     fidelity: Fidelity,
@@ -128,27 +92,65 @@ pub fn run<E>(
 ) -> Result<MachineStats, RunError<E>> {
     machine.check()?;
     machine.check_stream(header)?;
-    let tally = match fidelity {
-        Fidelity::Event => replay(&mut event::Event::new(machine, header), machine, items)?,
-        Fidelity::Cycle => replay(&mut cycle::Cycle::new(machine, header), machine, items)?,
-    };
-    Ok(tally.stats(machine))
+    match fidelity {
+        Fidelity::Bound => bound::run(machine, header, items),
+        Fidelity::Functional | Fidelity::Sampled { engine: Sampled::Functional, .. }
+            if !stores_as_recorded(machine) =>
+        {
+            let what = "`Functional` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, Event \
+                        and Cycle are allowed";
+            Err(SpecError::new(what).into())
+        }
+        Fidelity::Functional => {
+            let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items)?;
+            Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
+        }
+        Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items),
+        Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items),
+        Fidelity::Sampled { engine, rate, seed } => {
+            let mut sample = Sample::new(machine, header, Plan::new(rate.get(), machine, seed), items);
+            match engine {
+                Sampled::Functional => sampled(&mut functional::Functional::new(machine, header), machine, &mut sample),
+                Sampled::Event => sampled(&mut event::Event::new(machine, header), machine, &mut sample),
+            }
+        }
+    }
+}
+
+/// Replays everything, within the bounds of every machine.
+fn whole<E>(
+    engine: &mut impl Engine,
+    machine: &MachineSpec,
+    header: &Header,
+    items: impl Iterator<Item = Result<Item, E>>,
+) -> Result<MachineStats, RunError<E>> {
+    let mut bound = Bound::new(machine, header, false);
+    let tally = replay(engine, machine, items.inspect(|item| item.iter().for_each(|item| bound.add(item))))?;
+    let (stats, bounds) = (tally.stats(machine), bound.bounds());
+    check::bounds(&stats, &bounds).map_err(RunError::Invariant)?;
+    Ok(MachineStats { bounds: Some(bounds), ..stats })
 }
 
 fn replay<E>(
     engine: &mut impl Engine,
     machine: &MachineSpec,
-    mut items: impl Iterator<Item = Result<Item, E>>,
+    items: impl Iterator<Item = Result<Item, E>>,
 ) -> Result<Tally, RunError<E>> {
-    let next = || items.next().transpose().map_err(RunError::Source);
-    let mut stores = StoreWork::default();
-    let cycles = engine.run(next, |counts| {
-        stores += counts.stores;
-        check::frame(counts, &machine.shadow_cache)
-    })?;
-    let tally = Tally { stores, ..engine.tally(cycles) };
+    let mut feed = Whole { items, spec: &machine.shadow_cache, stores: StoreWork::default() };
+    let cycles = engine.run(&mut feed)?;
+    let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
     Ok(tally)
+}
+
+/// Replays a sample and estimates the whole.
+fn sampled<E, I: Iterator<Item = Result<Item, E>>>(
+    engine: &mut impl Engine,
+    machine: &MachineSpec,
+    sample: &mut Sample<'_, I>,
+) -> Result<MachineStats, RunError<E>> {
+    let cycles = engine.run(sample)?;
+    Ok(sample.estimate(&engine.tally(cycles).stats(machine)))
 }
 
 /// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::work::Kind;
 use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::source::StoreWork;
@@ -55,6 +56,8 @@ pub struct ChannelTally {
 pub struct Tally {
     /// Cycles that the run took.
     pub cycles: u64,
+    /// Whether every cycle of a unit has a cause; else the busy ones alone are counted.
+    pub has_causes: bool,
     /// Rays done, skipped ones not counted.
     pub rays: u64,
     /// The dispatcher's cycles by cause.
@@ -62,16 +65,12 @@ pub struct Tally {
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
     /// Traversal units, intersection units, shadow-cache units.
-    pub units: [Vec<UnitTally>; KINDS.len()],
+    pub units: [Vec<UnitTally>; Kind::ALL.len()],
     /// Banks of the L2.
     pub banks: Vec<BankTally>,
     /// Channels of the DRAM.
     pub channels: Vec<ChannelTally>,
 }
-
-/// The names of the kinds of [`Tally::units`], and of their L1s.
-const KINDS: [(&str, &str); 3] =
-    [("traversal", "l1_traversal"), ("intersection", "l1_intersection"), ("shadow_cache", "l1_shadow_cache")];
 
 impl Tally {
     /// Operations begun so far, by any part: what the watchdog looks at.
@@ -81,6 +80,12 @@ impl Tally {
         busy(&self.dispatcher)
             + self.units.iter().flatten().map(|unit| busy(&unit.causes)).sum::<u64>()
             + self.channels.iter().map(columns).sum::<u64>()
+    }
+
+    /// Operations of each kind of units.
+    pub fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
+        let busy = |units: &Vec<UnitTally>| units.iter().map(|unit| unit.causes[Cause::Busy as usize]).sum();
+        std::array::from_fn(|kind| busy(&self.units[kind]))
     }
 
     /// The commands of all channels.
@@ -109,13 +114,17 @@ impl Tally {
             dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
             ..MachineStats::default()
         };
-        for ((unit, level), units) in KINDS.into_iter().zip(&self.units) {
+        for (kind, units) in Kind::ALL.into_iter().zip(&self.units) {
+            let (unit, level) = kind.names();
             stats.caches.insert(level.into(), present(&sum_caches(units.iter().map(|unit| &unit.cache))));
             stats.bytes.insert(level.into(), present(&sum_bytes(units.iter().map(|unit| &unit.requested))));
             stats.units.insert(unit.into(), sum_causes(units.iter().map(|unit| &unit.causes)));
             stats.unit_counts.insert(unit.into(), units.len() as u64);
         }
         stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));
+        if !self.has_causes {
+            stats.units.values_mut().for_each(|causes| causes.retain(|&cause, _| cause == Cause::Busy));
+        }
         stats.unit_counts.insert("dispatcher".into(), 1);
         let mut rest = self.banks.as_slice();
         for (name, cache) in machine.l2.caches() {

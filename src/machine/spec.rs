@@ -59,6 +59,13 @@ impl Default for MachineSpec {
 #[error("{0}")]
 pub struct SpecError(String);
 
+impl SpecError {
+    /// The error that says `what`.
+    pub fn new(what: impl Into<String>) -> Self {
+        Self(what.into())
+    }
+}
+
 impl MachineSpec {
     /// The policy of writes to entries of stores in the L1s of intersection units.
     pub fn triangle_writes(&self) -> WritePolicy {

@@ -10,7 +10,7 @@ use super::mshr::MshrFile;
 use super::queue::Queue;
 use super::replacement::Policy;
 use super::tags::TagArray;
-use super::{PartId, Request, Wake};
+use super::{PartId, Request, Touch, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::TrafficClass;
@@ -56,13 +56,18 @@ impl BankedSpec {
         check_geometry(field, self.bytes.get(), self.ways.get(), self.banks.get(), line, self.replacement)
     }
 
-    /// A bank, empty, with the number `part` in the machine.
-    pub(super) fn bank(&self, part: PartId, line: u64) -> Bank {
+    /// Tags and registers of a bank, empty.
+    pub fn bank_cache(&self, line: u64) -> Cache {
         let sets = self.bytes.get() / (line * self.ways.get() * self.banks.get());
         let tags = TagArray::new(sets as usize, self.ways.size(), self.banks.get().trailing_zeros(), self.replacement);
+        Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size()))
+    }
+
+    /// A bank, empty, with the number `part` in the machine.
+    pub(super) fn bank(&self, part: PartId, line: u64) -> Bank {
         Bank {
             part,
-            cache: Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size())),
+            cache: self.bank_cache(line),
             requests: Queue::new(self.queue.size()),
             fills: VecDeque::new(),
             answers: VecDeque::new(),
@@ -103,6 +108,11 @@ pub struct Bank {
 }
 
 impl Bank {
+    /// Uses a line as if it had been accessed: nothing is counted.
+    pub fn touch(&mut self, touch: Touch) {
+        self.cache.touch(touch);
+    }
+
     /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
     pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         if !self.requests.has_room(now) {

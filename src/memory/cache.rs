@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::Touch;
 use super::mshr::MshrFile;
 use super::replacement::Policy;
 use super::tags::{TagArray, Victim};
@@ -170,6 +171,14 @@ impl Cache {
             self.counts[victim.class as usize].write_backs += 1;
         }
         Fill::Done { victim }
+    }
+
+    /// Uses a line as if it had been accessed, and filled if it was not there: nothing is counted, and what goes is forgotten. A
+    /// line on its way stays that.
+    pub fn touch(&mut self, Touch { line, class, dirty }: Touch) {
+        if self.mshrs.find(line).is_none() && !self.tags.access(line, dirty) {
+            self.tags.fill(line, class, dirty);
+        }
     }
 
     /// Drops all lines from `first` on.

@@ -3,8 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::bank::{Bank, BankedSpec};
-use super::{PartId, Request, Wake};
+use super::{PartId, Request, Touch, Wake};
 use crate::named::Named;
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
 /// The L2.
@@ -86,25 +87,42 @@ impl L2Spec {
         self.caches().iter().try_for_each(|(name, cache)| cache.check(name, line))
     }
 
+    /// The banks of each class's home.
+    pub fn homes(&self) -> [Home; TrafficClass::ALL.len()] {
+        let mut first = 0;
+        let range = |(_, cache): (String, &BankedSpec)| {
+            let home = Home { first, mask: cache.banks.get() - 1 };
+            first += cache.banks.size();
+            home
+        };
+        let ranges: Vec<_> = self.caches().into_iter().map(range).collect();
+        TrafficClass::ALL.map(|class| ranges[self.home(class)])
+    }
+
     /// The L2, empty; its banks' numbers in the machine begin with `first`.
     pub fn build(&self, first: PartId, line: u64) -> L2 {
         let mut banks = Vec::new();
-        let mut ranges = Vec::new();
         for (_, cache) in self.caches() {
-            ranges.push(Home { first: banks.len(), mask: cache.banks.get() - 1 });
             let bank = |index| cache.bank(PartId(first.0 + index as u32), line);
             banks.extend((banks.len()..banks.len() + cache.banks.size()).map(bank));
         }
-        L2 { banks, homes: TrafficClass::ALL.map(|class| ranges[self.home(class)]) }
+        L2 { banks, homes: self.homes() }
     }
 }
 
 /// The banks of a class's home.
 #[derive(Clone, Copy, Debug)]
-struct Home {
+pub struct Home {
     first: usize,
     /// The number of banks, less one.
     mask: u64,
+}
+
+impl Home {
+    /// The bank of a line.
+    pub fn bank(&self, line: LineAddr) -> usize {
+        self.first + (line.0 & self.mask) as usize
+    }
 }
 
 /// All banks.
@@ -118,7 +136,11 @@ pub struct L2 {
 impl L2 {
     /// Puts a request into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
     pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
-        let Home { first, mask } = self.homes[request.class as usize];
-        self.banks[first + (request.line.0 & mask) as usize].put(request, now, wake)
+        self.banks[self.homes[request.class as usize].bank(request.line)].put(request, now, wake)
+    }
+
+    /// Uses lines as if they had been accessed: nothing is counted.
+    pub fn touch(&mut self, lines: &[Touch]) {
+        lines.iter().for_each(|&touch| self.banks[self.homes[touch.class as usize].bank(touch.line)].touch(touch));
     }
 }

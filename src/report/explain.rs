@@ -165,6 +165,41 @@ pub const STATISTICS: &[Statistic] = &[
     stat("machines.*.policies.*.dram.refreshes", "commands", "refreshes given, all channels together"),
     stat("machines.*.policies.*.dram_row_hit_rate", "share", "row_hits / (row_hits + row_misses + row_conflicts)"),
     stat("machines.*.policies.*.dram_peak_bytes_per_cycle", "B/cycle", "what all channels can move at their peak"),
+    stat(
+        "machines.*.policies.*.accuracy.estimated.cycles",
+        "share",
+        "half the width of the 95 % interval of the cycles, over the estimate",
+    ),
+    stat(
+        "machines.*.policies.*.accuracy.estimated.dram_bytes",
+        "share",
+        "half the width of the 95 % interval of the DRAM's bytes, over the estimate",
+    ),
+    stat(
+        "machines.*.policies.*.half_widths.*",
+        "as the figure",
+        "half the width of the 95 % interval of the figure with this path",
+    ),
+    stat("machines.*.policies.*.bounds.cycles.least", "cycles", "no machine of the spec can take less on this stream"),
+    stat("machines.*.policies.*.bounds.cycles.most", "cycles", "everything missed, one thing after another"),
+    stat("machines.*.policies.*.bounds.l2_bytes.least", "B", "every line once from the L2 for each kind of unit"),
+    stat("machines.*.policies.*.bounds.l2_bytes.most", "B", "every access misses, every write is written back"),
+    stat("machines.*.policies.*.bounds.dram_bytes.least", "B", "every line once from the DRAM"),
+    stat(
+        "machines.*.policies.*.bounds.dram_bytes.most",
+        "B",
+        "every access misses, every write is fetched and written back",
+    ),
+    stat(
+        "machines.*.policies.*.oracle.cycles",
+        "cycles",
+        "the least that is left if the answers of all shadow rays are known for nothing",
+    ),
+    stat(
+        "machines.*.policies.*.oracle.dram_bytes",
+        "B",
+        "the least that is left if the answers of all shadow rays are known for nothing",
+    ),
     stat("machines.*.policies.*.dram_utilization", "share", "bytes moved / (dram_peak_bytes_per_cycle x cycles)"),
 ];
 
@@ -253,6 +288,9 @@ mod tests {
         assert_eq!(undeclared(&summary), Vec::<String>::new());
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
+        // The written sample is of an exact rung; what estimates add is in the one made for tests.
+        let estimated = serde_json::to_value(crate::report::sample::sample(&[0]).summary).unwrap();
+        numbers(&estimated, &mut Vec::new(), &mut found);
         let csv = std::fs::read_to_string(format!("{sample}/{FRAMES_FILE}")).unwrap();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();

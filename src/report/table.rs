@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, Table};
 use super::format::{bytes, change, exact, or_absent, percent, short};
 use super::summary::{FrameSummary, MachineRun, PolicySummary, Psnr, Summary};
 use crate::quantity::Bytes;
-use crate::stats::{Cause, MachineStats};
+use crate::stats::{Accuracy, Bounds, Cause, Limit, MachineStats};
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
@@ -184,10 +184,11 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
         rows: caches,
     };
     let units = stats.units.iter().map(|(unit, causes)| {
-        let all: u64 = causes.values().sum();
+        // A rung that does not tell all causes leaves them out.
+        let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
         let shares = Cause::ALL.iter().map(|cause| {
-            let cycles = causes.get(cause).copied().unwrap_or(0);
-            or_absent((all > 0).then(|| cycles as f64 / all as f64), percent)
+            let cycles = causes.get(cause).filter(|_| all > 0);
+            or_absent(cycles, |&cycles| percent(cycles as f64 / all as f64))
         });
         let count = or_absent(stats.unit_counts.get(unit).copied(), exact);
         [unit.clone(), count].into_iter().chain(shares).collect()
@@ -199,7 +200,37 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
         rows: units.collect(),
     };
     let dram = format!("DRAM: {}", stats.dram_organization);
-    [drawn(&sum), dram, drawn(&caches), drawn(&units)].join("\n\n")
+    [drawn(&sum), trust(stats), dram, drawn(&caches), drawn(&units)].join("\n\n")
+}
+
+/// How far from the truth the numbers may be, and what no machine can leave.
+fn trust(stats: &MachineStats) -> String {
+    let error = match stats.accuracy {
+        Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
+        Accuracy::Estimated { cycles, dram_bytes } => {
+            format!("within {} (cycles) and {} (DRAM), at 95 %", percent(cycles), percent(dram_bytes))
+        }
+        Accuracy::Bounded => "not known, but within the bounds".to_owned(),
+        Accuracy::Unknown => "unknown".to_owned(),
+    };
+    let mut lines = vec![format!("Error: {error}")];
+    if let Some(Bounds { cycles, dram_bytes, .. }) = stats.bounds {
+        lines.push(format!(
+            "Bounds: {} to {} cycles, {} to {} of DRAM traffic",
+            exact(cycles.least.0),
+            short(cycles.most.0 as f64),
+            bytes(dram_bytes.least),
+            bytes(dram_bytes.most)
+        ));
+    }
+    if let Some(Limit { cycles, dram_bytes }) = stats.oracle {
+        lines.push(format!(
+            "If all shadow rays' answers were known: {} cycles, {} of DRAM traffic at least",
+            exact(cycles.0),
+            bytes(dram_bytes)
+        ));
+    }
+    lines.join("\n")
 }
 
 /// A table for the terminal, without a line's end at the end.

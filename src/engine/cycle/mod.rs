@@ -24,13 +24,13 @@ use self::shadow_cache::ShadowCache;
 use self::traversal::Traversal;
 use self::unit::Unit;
 use self::wires::Wires;
+use super::feed::Feed;
 use super::tally::{BankTally, ChannelTally, Tally};
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
-use crate::machine::source::FrameCounts;
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
-use crate::stream::{Header, Item};
+use crate::stream::Header;
 
 /// The machine.
 pub(super) struct Cycle {
@@ -124,16 +124,12 @@ impl Cycle {
 }
 
 impl Engine for Cycle {
-    fn run<E>(
-        &mut self,
-        mut next: impl FnMut() -> Result<Option<Item>, RunError<E>>,
-        mut frame_over: impl FnMut(&FrameCounts) -> Result<(), RunError<E>>,
-    ) -> Result<u64, RunError<E>> {
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
         let (mut progress, mut watched) = (0, 0);
         for now in 0.. {
-            let cycle = self.host.tick(now, &mut next, &mut self.wires)?;
+            let cycle = self.host.tick(now, &mut || feed.next(), &mut self.wires)?;
             if let Some(counts) = cycle.frame_over {
-                frame_over(&counts)?;
+                feed.frame_over(&counts)?;
             }
             if cycle.frame_began {
                 self.drop_dynamic_lines();
@@ -162,6 +158,7 @@ impl Engine for Cycle {
         };
         Tally {
             cycles,
+            has_causes: true,
             rays: self.host.rays,
             dispatcher: self.host.causes,
             stores: Default::default(),

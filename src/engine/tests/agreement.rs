@@ -38,6 +38,9 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
     if event != cycle {
         return Err(format!("Event counts {:#?}\nCycle {:#?}", event.0, cycle.0));
     }
+    let mut bound = Bound::new(machine, header, false);
+    stream.iter().for_each(|item| bound.add(item));
+    check::bounds(&event.0.stats(machine), &bound.bounds())?;
     let end = machine.dram.clocks(machine.clock_mhz.get()).first(cycle.0.cycles) - 1;
     for (channel, log) in cycle.1.iter().enumerate() {
         let found = violations(&machine.dram, machine.line_bytes.get(), log.commands(), end);
@@ -50,7 +53,7 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
 
 /// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as many,
 /// always others. The message of a failure is short.
-fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
+pub fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
     let long = std::env::var_os("UMBRASIM_LONG").is_some();
     let cases = if long { 20 * cases } else { cases };
     let config = Config { cases, failure_persistence: None, ..Config::default() };

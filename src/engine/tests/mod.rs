@@ -1,4 +1,5 @@
 mod agreement;
+mod ladder;
 mod random;
 mod synthetic;
 mod words;

@@ -1,0 +1,354 @@
+//! Bounds that no machine of a spec can beat on a stream, in closed form: what must be done at least, over what can be done a
+//! cycle at most. And an upper bound: everything missed, one thing after another.
+//!
+//! Frames and their ends follow one another, so their bounds add up.
+
+use super::RunError;
+use super::work::{Holder, Kind, KindSpec, Work, stores_as_recorded};
+use crate::machine::MachineSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::source::parents;
+use crate::memory::dram::part::Timing;
+use crate::memory::l2::Home;
+use crate::quantity::{Bytes, Cycle, LineAddr};
+use crate::stats::{Bounds, Cause, Limit, MachineStats, Range, TrafficClass};
+use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step};
+
+/// Lines that were touched.
+#[derive(Clone, Debug, Default)]
+pub struct Lines(Vec<u64>);
+
+impl Lines {
+    /// Touches a line; whether it is the first time.
+    pub fn touch(&mut self, line: u64) -> bool {
+        let word = (line / 64) as usize;
+        if word >= self.0.len() {
+            self.0.resize(word + 1, 0);
+        }
+        let (bit, word) = (1 << (line % 64), &mut self.0[word]);
+        let new = *word & bit == 0;
+        *word |= bit;
+        new
+    }
+
+    /// Whether a line was touched.
+    pub fn holds(&self, line: u64) -> bool {
+        self.0.get((line / 64) as usize).is_some_and(|word| word >> (line % 64) & 1 == 1)
+    }
+
+    /// Forgets lines from `first` on.
+    pub fn forget_from(&mut self, first: u64) {
+        let word = (first / 64) as usize;
+        self.0.truncate(word + 1);
+        if let Some(last) = self.0.get_mut(word) {
+            *last &= (1 << (first % 64)) - 1;
+        }
+    }
+}
+
+/// What is counted of a kind of units.
+#[derive(Clone, Copy, Debug, Default)]
+struct KindWork {
+    /// Of the phase: operations, accesses to lines, cycles that rays hold contexts at least.
+    operations: u64,
+    accesses: u64,
+    held: u64,
+    /// Of the run.
+    all_operations: u64,
+    all_accesses: u64,
+}
+
+/// Adds up a stream's bounds.
+#[derive(Clone, Debug)]
+pub(super) struct Bound {
+    machine: MachineSpec,
+    kinds: [KindSpec; Kind::ALL.len()],
+    layout: Layout,
+    /// Whether all shadow rays' answers are known for nothing.
+    oracle: bool,
+    /// Lines that each kind of units touched, and that any did.
+    touched: [Lines; Kind::ALL.len()],
+    touched_by_any: Lines,
+    work: [KindWork; Kind::ALL.len()],
+    // Of the phase.
+    rays: u64,
+    pool_held: u64,
+    slots_held: u64,
+    longest: u64,
+    banks: Vec<u64>,
+    homes: [Home; TrafficClass::ALL.len()],
+    channels: Vec<u64>,
+    // Of the run.
+    cycles: u64,
+    serial: u64,
+    traced: u64,
+    first_touches: u64,
+    writes: u64,
+    /// Whether steps of stores are performed as recorded; else they are left out of what must be done, and this many may be done.
+    stores_count: bool,
+    left_out: u64,
+    primitives: u64,
+    requested: [[Bytes; TrafficClass::ALL.len()]; Kind::ALL.len()],
+    l2: [Bytes; TrafficClass::ALL.len()],
+    dram: [Bytes; TrafficClass::ALL.len()],
+}
+
+impl Bound {
+    /// Bounds of a stream that has not begun.
+    pub fn new(machine: &MachineSpec, header: &Header, oracle: bool) -> Self {
+        Self {
+            kinds: Kind::ALL.map(|kind| kind.spec(machine)),
+            layout: Layout::new(header, machine),
+            oracle,
+            touched: Default::default(),
+            touched_by_any: Lines::default(),
+            work: Default::default(),
+            rays: 0,
+            pool_held: 0,
+            slots_held: 0,
+            longest: 0,
+            banks: vec![0; machine.l2.banks() as usize],
+            homes: machine.l2.homes(),
+            channels: vec![0; machine.dram.channels.size()],
+            cycles: 0,
+            serial: 0,
+            traced: 0,
+            first_touches: 0,
+            writes: 0,
+            stores_count: stores_as_recorded(machine),
+            left_out: 0,
+            primitives: header.primitives.into(),
+            requested: Default::default(),
+            l2: Default::default(),
+            dram: Default::default(),
+            machine: machine.clone(),
+        }
+    }
+
+    /// The stream's next item. What is wrong with it is for others to find.
+    pub fn add(&mut self, item: &Item) {
+        match item {
+            Item::Frame(info) => {
+                self.layout.begin_frame(info);
+                // A sweep sets words and counters of all.
+                self.left_out += 2 * self.primitives;
+                let first = self.layout.dynamic_part().0;
+                self.touched.iter_mut().for_each(|lines| lines.forget_from(first));
+                self.touched_by_any.forget_from(first);
+            }
+            Item::Rays(chunk) => self.chunk(chunk),
+            Item::End { policy, .. } => {
+                self.end_phase();
+                for step in policy.iter().filter_map(|&word| Step::unpack(word)) {
+                    let held = self.step(step, Holder::ShadowCache, RayKind::Primary);
+                    self.work[Kind::ShadowCache as usize].held += held;
+                    self.longest = self.longest.max(held);
+                }
+                self.end_phase();
+            }
+        }
+    }
+
+    fn chunk(&mut self, chunk: &Chunk) {
+        let Ok(parents) = parents(chunk) else { return };
+        let (latency, shading) = (self.machine.dispatcher.latency.get(), self.machine.dispatcher.shading_cycles.get());
+        // From the first hand-over of a ray's group to the ray being done, at least.
+        let mut done = vec![0; chunk.len()];
+        for (index, ray) in chunk.rays().enumerate() {
+            let known = self.oracle && ray.head.kind == RayKind::Shadow;
+            let skipped = known || ray.head.decision == Decision::Skip;
+            let mut slot = if skipped { 0 } else { latency };
+            let mut policy = 0;
+            if !skipped {
+                let steps = ray.packed_path().iter().filter_map(|&word| Step::unpack(word));
+                slot += steps.map(|step| self.step(step, Holder::Traversal, ray.head.kind)).sum::<u64>();
+                self.slots_held += slot;
+                self.traced += 1;
+            }
+            if skipped && !known {
+                let unit = &self.kinds[Kind::ShadowCache as usize];
+                policy += unit.latency;
+                let work = &mut self.work[Kind::ShadowCache as usize];
+                (work.operations, work.all_operations) = (work.operations + 1, work.all_operations + 1);
+            }
+            if !known {
+                let steps = ray.packed_policy().iter().filter_map(|&word| Step::unpack(word));
+                policy += steps.map(|step| self.step(step, Holder::ShadowCache, ray.head.kind)).sum::<u64>();
+                self.work[Kind::ShadowCache as usize].held += policy;
+                self.rays += 1;
+                self.pool_held += slot + policy;
+            }
+            let parent = parents[index] as usize;
+            done[index] = slot + policy + if parent == index { 0 } else { done[parent] + shading };
+            self.longest = self.longest.max(done[index]);
+            // One thing after another: a few cycles from part to part beside what was counted.
+            self.serial += slot + policy + latency + shading + 16;
+        }
+    }
+
+    /// Counts a step; cycles that it takes at least.
+    fn step(&mut self, step: Step, holder: Holder, ray: RayKind) -> u64 {
+        if step.entry().is_some() && !self.stores_count {
+            self.left_out += 1;
+            return 0;
+        }
+        let work = Work::of(step, holder, ray, &self.layout);
+        let unit = &self.kinds[work.kind as usize];
+        let operations = work.operations();
+        // An access to a line that is about to come has its data a cycle later, however long a hit takes.
+        let mut held = operations * (1 + unit.latency);
+        if work.divides {
+            held += self.machine.intersection.divide_latency.get();
+        }
+        let counted = &mut self.work[work.kind as usize];
+        counted.operations += operations;
+        counted.all_operations += operations;
+        work.elements().for_each(|element| self.touch(work.kind, &element));
+        if work.kind == Kind::Intersection {
+            self.work[work.kind as usize].held += held;
+            // There and back.
+            held += 2;
+        }
+        held
+    }
+
+    fn touch(&mut self, kind: Kind, element: &Element) {
+        let (first, lines) = self.layout.lines(element);
+        let (class, size) = (element.class as usize, Bytes(self.machine.line_bytes.get()));
+        self.requested[kind as usize][class] += Bytes(element.bytes);
+        let work = &mut self.work[kind as usize];
+        (work.accesses, work.all_accesses) = (work.accesses + lines, work.all_accesses + lines);
+        self.writes += u64::from(element.write) * lines;
+        for line in first.0..first.0 + lines {
+            if self.touched[kind as usize].touch(line) {
+                self.banks[self.homes[class].bank(LineAddr(line))] += 1;
+                self.l2[class] += size;
+                if self.touched_by_any.touch(line) {
+                    let place = self.machine.dram.place(LineAddr(line));
+                    self.channels[place.channel] += 1;
+                    self.dram[class] += size;
+                    self.first_touches += 1;
+                }
+            }
+        }
+    }
+
+    /// All rays of a frame, or all steps of its end, are known: none of what follows can overlap them.
+    fn end_phase(&mut self) {
+        let mut least = self.longest;
+        let mut at_least = |work: u64, rate: u64| least = least.max(work.div_ceil(rate));
+        at_least(self.rays, self.machine.dispatcher.per_cycle.get());
+        at_least(self.pool_held, self.machine.dispatcher.rays.get());
+        at_least(self.slots_held, self.machine.traversal.rays.get() * self.machine.traversal.count.get());
+        for (unit, work) in self.kinds.iter().zip(&self.work) {
+            at_least(work.operations, unit.count);
+            at_least(work.accesses, unit.count * unit.cache.ports.get());
+            if let Some(contexts) = unit.contexts {
+                at_least(work.held, unit.count * contexts);
+            }
+        }
+        self.banks.iter().for_each(|&requests| at_least(requests, 1));
+        let part = &self.machine.dram.part;
+        let line_clocks = self.machine.line_bytes.get() / part.burst_bytes.get() * part.burst_clocks.get();
+        let mhz = (self.machine.clock_mhz.get(), part.clock_mhz.get());
+        self.channels.iter().for_each(|&lines| at_least(lines * line_clocks * mhz.0 / mhz.1, 1));
+        self.cycles += least;
+        (self.rays, self.pool_held, self.slots_held, self.longest) = (0, 0, 0, 0);
+        for work in &mut self.work {
+            (work.operations, work.accesses, work.held) = (0, 0, 0);
+        }
+        self.banks.fill(0);
+        self.channels.fill(0);
+    }
+
+    /// The bounds of what was added.
+    pub fn bounds(&self) -> Bounds {
+        let line = self.machine.line_bytes.get();
+        let accesses: u64 = self.work.iter().map(|work| work.all_accesses).sum();
+        let sum = |bytes: &[Bytes]| bytes.iter().copied().sum::<Bytes>();
+        // An access fetches its line; a write may have to be written back, to a line that must be fetched for it.
+        let (accesses, writes) = if self.stores_count {
+            (accesses, self.writes)
+        } else {
+            (accesses + 2 * self.left_out, self.writes + 2 * self.left_out)
+        };
+        let l2 = Bytes((accesses + writes) * line);
+        let dram = Bytes((accesses + 3 * writes) * line);
+        Bounds {
+            cycles: Range { least: Cycle(self.cycles), most: Cycle(self.serial_cycles(dram.0 / line)) },
+            l2_bytes: Range { least: sum(&self.l2), most: l2 },
+            dram_bytes: Range { least: sum(&self.dram), most: dram },
+        }
+    }
+
+    /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come before it.
+    fn serial_cycles(&self, requests: u64) -> u64 {
+        let part = &self.machine.dram.part;
+        let Timing { cl, cwl, rcd, rp, ras, rc, ccd_l, rrd_l, faw, rtp, wr, wtr_l, turn, refi, rfc, .. } = part.timing;
+        let line = self.machine.line_bytes.get() / part.burst_bytes.get() * (part.burst_clocks.get() + ccd_l.get());
+        let waits = [cl, cwl, rcd, rp, ras, rrd_l, faw, rtp, wr, wtr_l].map(|wait| wait.get());
+        let clocks = self.machine.dram.clocks(self.machine.clock_mhz.get());
+        let request = clocks.cycle_after(waits.iter().sum::<u64>() + turn.get() + rc.get() + 2 * line);
+        let operations: u64 =
+            self.kinds.iter().zip(&self.work).map(|(unit, work)| work.all_operations * (unit.latency + 8)).sum();
+        let left_out = if self.stores_count { 0 } else { 2 * self.left_out };
+        let unit = &self.kinds[Kind::ShadowCache as usize];
+        let operations = operations + left_out * (unit.latency + unit.cache.latency.get() + 16);
+        let l2 = self.machine.l2.caches().iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or(0);
+        let served = self.serial + operations + requests * (request + 2 * l2 + 16) + 1000;
+        // Of the time between refreshes more than half can be used: the spec's check sees to it.
+        2 * served + 2 * clocks.cycle_after(refi.get() + rfc.get())
+    }
+
+    /// The lower bound as what a machine would have measured that meets it.
+    fn stats(&self) -> MachineStats {
+        let machine = &self.machine;
+        let present = |bytes: &[Bytes]| {
+            let all = TrafficClass::ALL.into_iter().zip(bytes.iter().copied());
+            all.filter(|(_, bytes)| bytes.0 > 0).collect()
+        };
+        let mut stats = MachineStats {
+            cycles: Cycle(self.cycles),
+            clock_mhz: machine.clock_mhz.get() as f64,
+            rays: self.traced,
+            dram_organization: machine.dram.to_string(),
+            dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
+            ..MachineStats::default()
+        };
+        stats.dram.reads = self.first_touches;
+        for (home, (name, _)) in machine.l2.caches().into_iter().enumerate() {
+            let mut here = self.l2;
+            let elsewhere = TrafficClass::ALL.into_iter().filter(|&class| machine.l2.home(class) != home);
+            elsewhere.for_each(|class| here[class as usize] = Bytes(0));
+            stats.bytes.insert(name, present(&here));
+        }
+        stats.bytes.insert("dram".into(), present(&self.dram));
+        for ((kind, unit), work) in Kind::ALL.into_iter().zip(&self.kinds).zip(&self.work) {
+            let (name, level) = kind.names();
+            stats.bytes.insert(level.into(), present(&self.requested[kind as usize]));
+            stats.units.insert(name.into(), [(Cause::Busy, work.all_operations)].into());
+            stats.unit_counts.insert(name.into(), unit.count);
+        }
+        stats
+    }
+}
+
+/// The `Bound` rung: what no machine can beat on this stream, and on one whose shadow rays' answers are all known.
+pub(super) fn run<E>(
+    machine: &MachineSpec,
+    header: &Header,
+    items: impl Iterator<Item = Result<Item, E>>,
+) -> Result<MachineStats, RunError<E>> {
+    let (mut bound, mut oracle) = (Bound::new(machine, header, false), Bound::new(machine, header, true));
+    for item in items {
+        let item = item.map_err(RunError::Source)?;
+        bound.add(&item);
+        oracle.add(&item);
+    }
+    let limit = oracle.bounds();
+    Ok(MachineStats {
+        bounds: Some(bound.bounds()),
+        oracle: Some(Limit { cycles: limit.cycles.least, dram_bytes: limit.dram_bytes.least }),
+        ..bound.stats()
+    })
+}

@@ -1,0 +1,47 @@
+//! What an engine is fed with: the stream's items, all of them or a sample.
+
+use super::tally::Tally;
+use super::{RunError, check};
+use crate::machine::shadow_cache::ShadowCacheSpec;
+use crate::machine::source::{FrameCounts, StoreWork};
+use crate::memory::Touch;
+use crate::stream::Item;
+
+/// Gives an engine the items that it replays, and is told when.
+pub(super) trait Feed<E> {
+    /// The next item.
+    fn next(&mut self) -> Result<Option<Item>, RunError<E>>;
+
+    /// A frame is over.
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>>;
+
+    /// Whether [`Feed::taken`] is to be called at the end of the cycle.
+    fn marks(&self) -> bool {
+        false
+    }
+
+    /// Items were taken, and so much was counted up to then. Gives lines that the L2 is to hold as if they had been accessed in
+    /// this order.
+    fn taken(&mut self, _: &Tally) -> Vec<Touch> {
+        Vec::new()
+    }
+}
+
+/// All items.
+pub(super) struct Whole<'a, I> {
+    pub items: I,
+    pub spec: &'a ShadowCacheSpec,
+    /// What was done with stores otherwise than recorded.
+    pub stores: StoreWork,
+}
+
+impl<E, I: Iterator<Item = Result<Item, E>>> Feed<E> for Whole<'_, I> {
+    fn next(&mut self) -> Result<Option<Item>, RunError<E>> {
+        self.items.next().transpose().map_err(RunError::Source)
+    }
+
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>> {
+        self.stores += counts.stores;
+        check::frame(counts, self.spec)
+    }
+}

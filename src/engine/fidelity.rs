@@ -1,0 +1,127 @@
+//! How a machine is replayed: the rungs of the ladder.
+
+use std::fmt;
+use std::str::FromStr;
+
+use serde::de::{Deserializer, Error};
+use serde::{Deserialize, Serialize};
+
+/// A share above 0, up to 1.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+#[serde(transparent)]
+pub struct Share(f64);
+
+impl Share {
+    /// The checked share; the error says what is allowed.
+    pub fn new(share: f64) -> Result<Self, String> {
+        if share > 0.0 && share <= 1.0 {
+            Ok(Self(share))
+        } else {
+            Err(format!("{share} is not allowed here: a number above 0, up to 1, is"))
+        }
+    }
+
+    /// The number.
+    pub fn get(self) -> f64 {
+        self.0
+    }
+}
+
+impl<'de> Deserialize<'de> for Share {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::new(f64::deserialize(from)?).map_err(D::Error::custom)
+    }
+}
+
+/// What a sample is replayed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Sampled {
+    /// As [`Fidelity::Functional`].
+    Functional,
+    /// As [`Fidelity::Event`].
+    Event,
+}
+
+/// How a machine is replayed, from the cheapest to the plainest.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Fidelity {
+    /// Closed forms that no machine can beat.
+    Bound,
+    /// Real tags and DRAM, units that are times from which on they are free.
+    Functional,
+    /// A part acts only in cycles in which it has something to do: the rules of MODEL.md, fast.
+    #[default]
+    Event,
+    /// Every part acts in every cycle: plain, slow, and what `Event` is held to. Both give the same numbers.
+    Cycle,
+    /// A sample of the rays of each frame, with intervals.
+    Sampled {
+        /// What replays it.
+        engine: Sampled,
+        /// The share of the rays that is measured.
+        rate: Share,
+        /// Which rays.
+        #[serde(default)]
+        seed: u64,
+    },
+}
+
+impl Fidelity {
+    /// The rungs that need no numbers.
+    pub const RUNGS: [Self; 4] = [Self::Bound, Self::Functional, Self::Event, Self::Cycle];
+
+    /// Whether its numbers are those of [`Fidelity::Cycle`].
+    pub fn is_exact(self) -> bool {
+        matches!(self, Self::Event | Self::Cycle)
+    }
+}
+
+/// As in files.
+impl fmt::Display for Fidelity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Bound => f.write_str("Bound"),
+            Self::Functional => f.write_str("Functional"),
+            Self::Event => f.write_str("Event"),
+            Self::Cycle => f.write_str("Cycle"),
+            Self::Sampled { engine, rate, seed } => {
+                write!(f, "Sampled(engine: {engine:?}, rate: {}", rate.get())?;
+                if *seed != 0 {
+                    write!(f, ", seed: {seed}")?;
+                }
+                f.write_str(")")
+            }
+        }
+    }
+}
+
+impl FromStr for Fidelity {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        ron::from_str(text).map_err(|error| {
+            format!(
+                "`{text}` is no fidelity ({}): Bound, Functional, Event, Cycle and Sampled(engine: Event, rate: 0.05) are",
+                error.code
+            )
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_read_as_they_are_written() {
+        let sampled = |engine, seed| Fidelity::Sampled { engine, rate: Share(0.05), seed };
+        let all = [sampled(Sampled::Event, 0), sampled(Sampled::Functional, 7)];
+        for fidelity in Fidelity::RUNGS.into_iter().chain(all) {
+            assert_eq!(fidelity.to_string().parse(), Ok(fidelity));
+        }
+        for text in ["", "event", "Sampled", "Sampled(engine: Cycle, rate: 0.1)", "Sampled(engine: Event, rate: 0)"] {
+            assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Functional, Event"), "{text}");
+        }
+    }
+}

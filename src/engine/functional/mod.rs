@@ -1,0 +1,628 @@
+//! The functional rung: real tags, miss registers and DRAM, units that are no more than times from which on they are free. Rays
+//! in flight are limited as in the machine, and a ray's step is one event (two, if it waits for a line): so accesses come in an
+//! order close to the machine's, and time falls out of what is busy when.
+//!
+//! What is left out of MODEL.md's rules: queues between parts are never full, a fill never waits, and of what happens in one
+//! cycle only the order of announcement counts.
+
+mod below;
+mod calendar;
+mod host;
+mod station;
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use self::below::{Answer, Below};
+use self::calendar::Calendar;
+use self::host::{Host, Place, Pulled, check_steps};
+use self::station::{Fetch, Fetched, Station};
+use super::feed::Feed;
+use super::tally::Tally;
+use super::work::{Holder, Kind, Work};
+use super::{Engine, RunError};
+use crate::machine::MachineSpec;
+use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::pipeline::WritePolicy;
+use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
+#[cfg(test)]
+use crate::memory::dram::command::CommandLog;
+use crate::memory::{PartId, Request};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{Cause, TrafficClass};
+use crate::stream::{Decision, Header, RayKind, Step, Totals};
+
+/// What a ray does at its next event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Its holder looks at its next step.
+    Step,
+    /// Its second operation begins with a fetch.
+    Second,
+    /// It comes back from a unit that its holder sent it to.
+    Back,
+    /// It comes to the shadow-cache unit.
+    Policy,
+}
+
+/// A ray in flight, or a step of a frame's end.
+#[derive(Clone, Debug)]
+struct Ray {
+    steps: Vec<u32>,
+    path_end: usize,
+    next: usize,
+    kind: RayKind,
+    decision: Decision,
+    place: Place,
+    holder: Holder,
+    /// Its traversal unit, and the shadow-cache unit that holds it.
+    unit: u32,
+    policy_unit: u32,
+    /// The unit that performs the step, and whether it is another than the holder.
+    station: u32,
+    away: bool,
+    stage: Stage,
+    /// Whether the shadow-cache unit's decision is still to come.
+    undecided: bool,
+    /// Operations that its step takes after the one under way, and whether a division follows the last.
+    operations_left: u32,
+    divides: bool,
+    fetch: Fetch,
+}
+
+impl Ray {
+    const IDLE: Self = Self {
+        steps: Vec::new(),
+        path_end: 0,
+        next: 0,
+        kind: RayKind::Primary,
+        decision: Decision::Trace,
+        place: Place { chunk: 0, index: 0 },
+        holder: Holder::Traversal,
+        unit: 0,
+        policy_unit: 0,
+        station: 0,
+        away: false,
+        stage: Stage::Step,
+        undecided: false,
+        operations_left: 0,
+        divides: false,
+        fetch: Fetch {
+            line: LineAddr(0),
+            left: 0,
+            missing: 0,
+            write: false,
+            class: TrafficClass::Node,
+            bytes: 0,
+            data_at: 0,
+        },
+    };
+
+    /// The next step of what its holder does; `None` after the last.
+    fn step(&self) -> Option<Step> {
+        let end = if self.holder == Holder::Traversal { self.path_end } else { self.steps.len() };
+        (self.next < end)
+            .then(|| Step::unpack(self.steps[self.next]).expect("steps are checked when a ray is handed out"))
+    }
+}
+
+/// Where the stream stands.
+#[derive(Clone, Debug)]
+enum Phase {
+    Between,
+    Open,
+    Closing(Arc<Vec<u32>>, Totals),
+    /// So many of the end's steps are begun, so many done.
+    Ending(Arc<Vec<u32>>, Totals, usize, usize),
+    Finished,
+}
+
+/// The machine, simplified.
+pub(super) struct Functional {
+    dispatcher: DispatcherSpec,
+    divide_latency: u64,
+    line: Bytes,
+    layout: Layout,
+    host: Host,
+    phase: Phase,
+    frame: u32,
+    /// The pool, then the entries for steps of a frame's end.
+    rays: Vec<Ray>,
+    free: VecDeque<u32>,
+    free_entries: VecDeque<u32>,
+    free_slots: Vec<u64>,
+    next_unit: usize,
+    dispatch_at: u64,
+    dispatched_then: u64,
+    dispatches: u64,
+    /// Traversal units, intersection units, shadow-cache units.
+    stations: Vec<Station>,
+    first_of_kind: [usize; Kind::ALL.len() + 1],
+    below: Below,
+    calendar: Calendar,
+    replayed: Totals,
+    done: u64,
+    /// Whether a ray may be handed out that could not be.
+    freed: bool,
+    waiting: Vec<u32>,
+}
+
+impl Functional {
+    pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
+        let line = machine.line_bytes.get();
+        let pool = machine.dispatcher.rays.size();
+        let entries = machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
+        let (mut stations, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
+        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+            let spec = kind.spec(machine);
+            stations.extend((0..spec.count).map(|_| Station::new(&spec, line)));
+            first_of_kind[index + 1] = stations.len();
+        }
+        Self {
+            dispatcher: machine.dispatcher,
+            divide_latency: machine.intersection.divide_latency.get(),
+            line: Bytes(line),
+            layout: Layout::new(header, machine),
+            host: Host::default(),
+            phase: Phase::Between,
+            frame: 0,
+            rays: vec![Ray::IDLE; pool + entries],
+            free: (0..pool as u32).collect(),
+            free_entries: (pool as u32..(pool + entries) as u32).collect(),
+            free_slots: vec![machine.traversal.rays.get(); machine.traversal.count.size()],
+            next_unit: 0,
+            dispatch_at: 0,
+            dispatched_then: 0,
+            dispatches: 0,
+            stations,
+            first_of_kind,
+            below: Below::new(machine, (pool + entries + 1) as u32),
+            calendar: Calendar::new(),
+            replayed: Totals::default(),
+            done: 0,
+            freed: false,
+            waiting: Vec::new(),
+        }
+    }
+
+    fn pool(&self) -> usize {
+        self.dispatcher.rays.size()
+    }
+
+    /// The event at which parents' shading ends.
+    fn shading_ends(&self) -> u32 {
+        self.rays.len() as u32
+    }
+
+    fn of_kind(&self, kind: Kind) -> std::ops::Range<usize> {
+        self.first_of_kind[kind as usize]..self.first_of_kind[kind as usize + 1]
+    }
+
+    /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
+    fn shadow_cache(&self, id: u32) -> usize {
+        let ray = &self.rays[id as usize];
+        let units = self.of_kind(Kind::ShadowCache);
+        let entry = ray.steps.get(ray.next).filter(|_| !ray.undecided);
+        let entry = entry.and_then(|&word| Step::unpack(word)).and_then(Step::entry);
+        let number = entry.map_or(u64::from(id), |(store, index)| self.layout.line_of(store, index).0);
+        units.start + (number % units.len() as u64) as usize
+    }
+
+    /// What a ray does in cycle `now`.
+    fn ray(&mut self, id: u32, now: u64) {
+        let ray = &self.rays[id as usize];
+        let station = ray.station as usize;
+        match ray.stage {
+            Stage::Step => self.step(id, now),
+            Stage::Second => {
+                let second = self.work(ray).second.expect("a second operation has something to fetch");
+                self.rays[id as usize].operations_left = 0;
+                self.fetch(id, station, &second, now);
+            }
+            Stage::Back => {
+                self.leave(station, now);
+                self.step(id, now);
+            }
+            Stage::Policy => self.arrive(id, self.shadow_cache(id), now),
+        }
+    }
+
+    /// What the ray's step asks for.
+    fn work(&self, ray: &Ray) -> Work {
+        let step = ray.step().expect("a ray that works has a step");
+        Work::of(step, ray.holder, ray.kind, &self.layout)
+    }
+
+    /// The holder looks at the ray's next step.
+    fn step(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        let Some(step) = ray.step() else {
+            return match ray.holder {
+                Holder::Traversal => self.retire(id, now),
+                Holder::ShadowCache => self.leave_policy(id, now),
+            };
+        };
+        let work = Work::of(step, ray.holder, ray.kind, &self.layout);
+        (ray.operations_left, ray.divides) = (work.second.is_some().into(), work.divides);
+        let from = match ray.holder {
+            Holder::Traversal => ray.unit as usize,
+            Holder::ShadowCache => {
+                let (unit, home) = (ray.policy_unit as usize, self.shadow_cache(id));
+                if step.entry().is_some() && home != unit {
+                    self.leave(unit, now + 1);
+                    return self.arrive(id, home, now + 1);
+                }
+                unit
+            }
+        };
+        let away = !self.of_kind(work.kind).contains(&from);
+        self.rays[id as usize].away = away;
+        if !away {
+            self.fetch(id, from, &work.first, now);
+        } else {
+            let units = self.of_kind(work.kind);
+            let home = (id as usize).checked_sub(self.pool()).unwrap_or(id as usize);
+            let sender = &mut self.stations[from];
+            let at = now.max(sender.send_at);
+            sender.send_at = at + 1;
+            self.arrive(id, units.start + home % units.len(), at + 1);
+        }
+    }
+
+    /// A ray comes to a unit in cycle `at`, or later, when there is a context.
+    fn arrive(&mut self, id: u32, station: usize, at: u64) {
+        let unit = &mut self.stations[station];
+        self.rays[id as usize].station = station as u32;
+        if unit.contexts == 0 {
+            return unit.arriving.push_back(id);
+        }
+        unit.contexts -= 1;
+        let at = at.max(unit.arrive_at);
+        unit.arrive_at = at + 1;
+        self.take_on(id, station, at);
+    }
+
+    fn take_on(&mut self, id: u32, station: usize, at: u64) {
+        if !self.of_kind(Kind::ShadowCache).contains(&station) {
+            let first = self.work(&self.rays[id as usize]).first;
+            return self.fetch(id, station, &first, at);
+        }
+        let ray = &mut self.rays[id as usize];
+        (ray.holder, ray.policy_unit) = (Holder::ShadowCache, station as u32);
+        if ray.undecided {
+            (ray.operations_left, ray.fetch.write) = (0, false);
+            self.begin(id, station, at);
+        } else {
+            self.step(id, at);
+        }
+    }
+
+    /// A context is free.
+    fn leave(&mut self, station: usize, now: u64) {
+        self.stations[station].contexts += 1;
+        if let Some(next) = self.stations[station].arriving.pop_front() {
+            self.arrive(next, station, now);
+        }
+    }
+
+    fn fetch(&mut self, id: u32, station: usize, element: &Element, at: u64) {
+        let (line, lines) = self.layout.lines(element);
+        let ray = &mut self.rays[id as usize];
+        ray.station = station as u32;
+        ray.fetch = Fetch {
+            line,
+            left: lines as u32,
+            missing: 0,
+            write: element.write,
+            class: element.class,
+            bytes: element.bytes as u32,
+            data_at: at,
+        };
+        if !self.stations[station].stalled.is_empty() || !self.access(id, station, at) {
+            self.stations[station].stalled.push_back(id);
+        }
+    }
+
+    /// Goes on with a ray's fetch; false if it stalled.
+    fn access(&mut self, id: u32, station: usize, at: u64) -> bool {
+        let Self { rays, stations, below, calendar, line, .. } = self;
+        let fetch = &mut rays[id as usize].fetch;
+        let (class, bytes, from) = (fetch.class, *line, PartId(station as u32));
+        let fetched = stations[station].access(id, fetch, at, |line, at| {
+            below.request(Request { line, class, write: false, bytes, from }, at, calendar);
+        });
+        match fetched {
+            Fetched::At(at) => self.begin(id, station, at),
+            Fetched::Waits => {}
+            Fetched::Stalled => return false,
+        }
+        true
+    }
+
+    /// A line comes to a unit's L1.
+    fn line_came(&mut self, Answer { unit, line }: Answer, now: u64) {
+        let station = unit as usize;
+        let mut waiting = std::mem::take(&mut self.waiting);
+        waiting.clear();
+        if let Some((line, class)) = self.stations[station].fill(line, &mut waiting) {
+            let request = Request { line, class, write: true, bytes: self.line, from: PartId(unit) };
+            self.below.request(request, now, &mut self.calendar);
+        }
+        for &id in &waiting {
+            let fetch = &mut self.rays[id as usize].fetch;
+            fetch.missing -= 1;
+            if fetch.missing == 0 && fetch.left == 0 {
+                let at = now.max(fetch.data_at);
+                self.begin(id, station, at);
+            }
+        }
+        self.waiting = waiting;
+        while let Some(&id) = self.stations[station].stalled.front() {
+            if !self.access(id, station, now) {
+                break;
+            }
+            self.stations[station].stalled.pop_front();
+        }
+    }
+
+    /// The data are there from cycle `at` on: the operation begins as soon as it can, and what follows is announced.
+    fn begin(&mut self, id: u32, station: usize, at: u64) {
+        let begin = self.stations[station].operate(at);
+        let ray = &mut self.rays[id as usize];
+        if ray.fetch.write && self.stations[station].writes == WritePolicy::Through {
+            // The fetch has moved on past the one line that an entry of a store lies in.
+            let (line, class) = (LineAddr(ray.fetch.line.0 - 1), ray.fetch.class);
+            let bytes = Bytes(ray.fetch.bytes.into());
+            self.stations[station].write_through(class, bytes);
+            let request = Request { line, class, write: true, bytes, from: PartId(station as u32) };
+            self.below.request(request, begin, &mut self.calendar);
+        }
+        let unit = &mut self.stations[station];
+        let mut at = unit.end(begin);
+        ray.stage = Stage::Step;
+        if ray.undecided && ray.holder == Holder::ShadowCache {
+            ray.undecided = false;
+        } else if ray.operations_left > 0 {
+            ray.stage = Stage::Second;
+        } else {
+            if ray.divides {
+                at = unit.divide(at, self.divide_latency);
+            }
+            if ray.away {
+                (ray.stage, at) = (Stage::Back, at + 1);
+            }
+            count(&mut self.replayed, ray.step().expect("a ray that works has a step"), ray.holder, ray.kind);
+            ray.next += 1;
+        }
+        self.calendar.put(at, id);
+    }
+
+    /// The ray's path is done.
+    fn retire(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        self.free_slots[ray.unit as usize] += 1;
+        self.freed = true;
+        if ray.path_end < ray.steps.len() {
+            ray.stage = Stage::Policy;
+            self.calendar.put(now + 1, id);
+        } else {
+            self.ray_done(id, now);
+        }
+    }
+
+    /// The ray's policy steps are done, or a step of the frame's end is.
+    fn leave_policy(&mut self, id: u32, now: u64) {
+        self.leave(self.rays[id as usize].policy_unit as usize, now + 1);
+        if (id as usize) < self.pool() {
+            return self.ray_done(id, now);
+        }
+        self.free_entries.push_back(id);
+        self.freed = true;
+        if let Phase::Ending(_, _, _, done) = &mut self.phase {
+            *done += 1;
+        }
+    }
+
+    fn ray_done(&mut self, id: u32, now: u64) {
+        self.free.push_back(id);
+        self.freed = true;
+        let ray = &self.rays[id as usize];
+        count_ray(&mut self.replayed, ray.kind, ray.decision);
+        self.done += u64::from(ray.decision != Decision::Skip);
+        let shaded = now + self.dispatcher.shading_cycles.get();
+        if self.host.done(ray.place, shaded) {
+            self.calendar.put(shaded, self.shading_ends());
+        }
+    }
+
+    /// Hands out rays from cycle `at` on as long as there are rays and places for them, and goes on in the stream.
+    fn dispatch<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
+        self.hand_out_all(at, feed)?;
+        if feed.marks() {
+            let lines = feed.taken(&self.tally(at + 1));
+            self.below.touch(&lines);
+        }
+        Ok(())
+    }
+
+    fn hand_out_all<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
+        loop {
+            match &mut self.phase {
+                Phase::Between | Phase::Open if self.host.wants_rays() => match self.host.pull(feed)? {
+                    Pulled::Rays => {}
+                    Pulled::Frame(info) => {
+                        self.layout.begin_frame(&info);
+                        let first = self.layout.dynamic_part();
+                        self.stations.iter_mut().for_each(|station| station.drop_from(first));
+                        self.below.drop_from(first);
+                        (self.phase, self.frame) = (Phase::Open, info.number);
+                    }
+                    Pulled::End(steps, totals) => {
+                        check_steps(&steps, &self.layout)?;
+                        self.phase = Phase::Closing(steps, totals);
+                    }
+                    Pulled::Nothing => self.phase = Phase::Finished,
+                },
+                Phase::Closing(steps, totals)
+                    if self.host.is_empty() && self.free.len() == self.dispatcher.rays.size() =>
+                {
+                    self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
+                }
+                Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
+                    let machine = std::mem::take(&mut self.replayed);
+                    let stores = StoreWork::default();
+                    feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
+                    self.phase = Phase::Between;
+                }
+                Phase::Ending(steps, _, begun, _) => {
+                    let Some(&step) = steps.get(*begun) else { return Ok(()) };
+                    let Some(id) = self.free_entries.pop_front() else { return Ok(()) };
+                    *begun += 1;
+                    let ray = &mut self.rays[id as usize];
+                    (ray.path_end, ray.next, ray.undecided, ray.holder) = (0, 0, false, Holder::ShadowCache);
+                    ray.steps.clear();
+                    ray.steps.push(step);
+                    self.arrive(id, self.shadow_cache(id), at + 1);
+                }
+                _ => {
+                    if !self.hand_out(at)? {
+                        return Ok(());
+                    }
+                }
+            }
+        }
+    }
+
+    /// Hands out the next ray; whether there was one, and a place for it.
+    fn hand_out(&mut self, at: u64) -> Result<bool, StreamFault> {
+        let Some(place) = self.host.candidate() else { return Ok(false) };
+        let Some(&id) = self.free.front() else { return Ok(false) };
+        let source = self.host.chunk(place).ray(place.index as usize);
+        let skipped = source.head.decision == Decision::Skip;
+        let units = self.free_slots.len();
+        let mut in_turn = (self.next_unit..units).chain(0..self.next_unit);
+        let unit = if skipped { None } else { in_turn.find(|&unit| self.free_slots[unit] > 0) };
+        if !skipped && unit.is_none() {
+            return Ok(false);
+        }
+        let ray = &mut self.rays[id as usize];
+        ray.steps.clear();
+        ray.steps.extend_from_slice(source.packed_path());
+        ray.steps.extend_from_slice(source.packed_policy());
+        check_steps(&ray.steps, &self.layout)?;
+        if source.path().any(|step| !step.is_traversal()) {
+            return Err(StreamFault::Ray { index: place.index as usize, fault: "has a policy step in its path" });
+        }
+        (ray.path_end, ray.next, ray.place) = (source.packed_path().len(), 0, place);
+        (ray.kind, ray.decision, ray.undecided) = (source.head.kind, source.head.decision, skipped);
+        (ray.unit, ray.holder) = (u32::MAX, Holder::Traversal);
+        if self.dispatch_at < at {
+            (self.dispatch_at, self.dispatched_then) = (at, 0);
+        } else if self.dispatched_then == self.dispatcher.per_cycle.get() {
+            (self.dispatch_at, self.dispatched_then) = (self.dispatch_at + 1, 0);
+        }
+        self.dispatched_then += 1;
+        self.dispatches += u64::from(self.dispatched_then == 1);
+        match unit {
+            None => {
+                ray.stage = Stage::Policy;
+                self.calendar.put(self.dispatch_at + 1, id);
+            }
+            Some(unit) => {
+                (ray.unit, ray.stage) = (unit as u32, Stage::Step);
+                self.free_slots[unit] -= 1;
+                self.next_unit = (unit + 1) % units;
+                self.calendar.put(self.dispatch_at + self.dispatcher.latency.get(), id);
+            }
+        }
+        self.free.pop_front();
+        self.host.handed_out();
+        Ok(true)
+    }
+
+    fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Finished)
+            && self.below.is_idle()
+            && self.stations.iter().all(|station| station.misses_under_way() == 0)
+    }
+}
+
+/// Counts a step that was performed.
+fn count(totals: &mut Totals, step: Step, holder: Holder, kind: RayKind) {
+    match (step, holder, kind) {
+        (_, Holder::ShadowCache, _) => totals.count_policy(std::iter::once(step)),
+        (Step::List(_), ..) => totals.list_reads += 1,
+        (Step::Node(_), _, RayKind::Shadow) => totals.shadow_node_visits += 1,
+        (Step::Node(_), ..) => totals.node_visits += 1,
+        (_, _, RayKind::Shadow) => totals.shadow_triangle_tests += 1,
+        _ => totals.triangle_tests += 1,
+    }
+}
+
+/// Counts a ray that is done.
+fn count_ray(totals: &mut Totals, kind: RayKind, decision: Decision) {
+    match kind {
+        RayKind::Primary => totals.primary_rays += 1,
+        RayKind::Reflection | RayKind::Refraction => totals.secondary_rays += 1,
+        RayKind::Shadow => totals.shadow_rays += 1,
+    }
+    match decision {
+        Decision::Trace => {}
+        Decision::DynamicOnly => totals.shadow_rays_dynamic_only += 1,
+        Decision::Skip => totals.shadow_rays_skipped += 1,
+    }
+}
+
+impl Engine for Functional {
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
+        let mut events = Vec::new();
+        self.below.begin(&mut self.calendar);
+        self.dispatch(0, feed)?;
+        let (rays, shading_ends) = (self.rays.len() as u32, self.shading_ends());
+        while let Some(now) = self.calendar.turn(&mut events) {
+            for &event in &events {
+                if event < rays {
+                    self.ray(event, now);
+                } else if event == shading_ends {
+                    self.host.shaded(now);
+                    self.freed = true;
+                } else if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
+                    self.line_came(answer, now);
+                }
+            }
+            if std::mem::take(&mut self.freed) {
+                self.dispatch(now + 1, feed)?;
+            }
+            if self.is_over() {
+                return Ok(now + 1);
+            }
+        }
+        let queues = format!("rays in flight {}", self.pool() - self.free.len());
+        Err(RunError::Deadlock { cycle: 0, queues })
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let units = |kind| self.stations[self.of_kind(kind)].iter().map(Station::tally).collect();
+        let mut dispatcher = [0; Cause::ALL.len()];
+        dispatcher[Cause::Busy as usize] = self.dispatches;
+        Tally {
+            cycles,
+            has_causes: false,
+            stores: StoreWork::default(),
+            rays: self.done,
+            dispatcher,
+            units: Kind::ALL.map(units),
+            banks: self.below.banks(),
+            channels: self.below.channels(cycles),
+        }
+    }
+
+    #[cfg(test)]
+    fn keep_commands(&mut self) {}
+
+    #[cfg(test)]
+    fn commands(&self) -> Vec<&CommandLog> {
+        Vec::new()
+    }
+}

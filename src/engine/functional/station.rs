@@ -1,0 +1,177 @@
+//! A unit without its cycles: an L1 with real tags and miss registers, a port and a pipeline that are each a time from which on
+//! they are free.
+
+use std::collections::VecDeque;
+
+use crate::engine::tally::{PerClass, UnitTally};
+use crate::engine::work::KindSpec;
+use crate::machine::pipeline::{Past, WritePolicy};
+use crate::memory::cache::{Cache, Fill, Lookup};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{Cause, TrafficClass};
+
+/// A fetch under way: like the machine's, but it can be asked when its data are there.
+#[derive(Clone, Copy, Debug)]
+pub struct Fetch {
+    /// The next line to access.
+    pub line: LineAddr,
+    /// Lines to access from there on.
+    pub left: u32,
+    /// Lines accessed that have not come yet.
+    pub missing: u32,
+    /// Whether it writes.
+    pub write: bool,
+    /// What it is for.
+    pub class: TrafficClass,
+    /// Its size.
+    pub bytes: u32,
+    /// When the lines that were there are at hand.
+    pub data_at: u64,
+}
+
+/// What became of a fetch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fetched {
+    /// All lines are, or will be, there from that cycle on.
+    At(u64),
+    /// Some are on their way.
+    Waits,
+    /// No register or target is free: it stands at the head of the fetch queue.
+    Stalled,
+}
+
+/// The unit.
+#[derive(Clone, Debug)]
+pub struct Station {
+    cache: Cache,
+    /// Ray numbers behind one that stalled, that one first.
+    pub stalled: VecDeque<u32>,
+    /// Rays that wait for a context.
+    pub arriving: VecDeque<u32>,
+    /// Contexts that are free; many where they are not limited.
+    pub contexts: u64,
+    /// When the next ray can come in, when the next can be sent on to another unit.
+    pub arrive_at: u64,
+    pub send_at: u64,
+    port_at: u64,
+    port_used: u64,
+    ports: u64,
+    hit_latency: u64,
+    begin_at: u64,
+    latency: u64,
+    divide_at: u64,
+    pub writes: WritePolicy,
+    operations: u64,
+    requested: PerClass<Bytes>,
+    written_through: PerClass<Past>,
+}
+
+impl Station {
+    /// A unit of a kind, empty.
+    pub fn new(spec: &KindSpec, line: u64) -> Self {
+        Self {
+            cache: spec.cache.build(line),
+            stalled: VecDeque::new(),
+            arriving: VecDeque::new(),
+            contexts: spec.contexts.unwrap_or(u64::MAX),
+            arrive_at: 0,
+            send_at: 0,
+            port_at: 0,
+            port_used: 0,
+            ports: spec.cache.ports.get(),
+            hit_latency: spec.cache.latency.get(),
+            begin_at: 0,
+            latency: spec.latency,
+            divide_at: 0,
+            writes: spec.writes,
+            operations: 0,
+            requested: PerClass::default(),
+            written_through: PerClass::default(),
+        }
+    }
+
+    /// Goes on with a fetch in cycle `now`. `miss` is told lines to ask for, and when.
+    pub fn access(&mut self, ray: u32, fetch: &mut Fetch, now: u64, mut miss: impl FnMut(LineAddr, u64)) -> Fetched {
+        let dirty = fetch.write && self.writes == WritePolicy::Back;
+        while fetch.left > 0 {
+            if self.port_at < now {
+                (self.port_at, self.port_used) = (now, 0);
+            }
+            match self.cache.access(fetch.line, fetch.class, dirty, Some(ray), true) {
+                Lookup::Stalled => return Fetched::Stalled,
+                Lookup::Hit => fetch.data_at = self.port_at + self.hit_latency,
+                Lookup::Merged => fetch.missing += 1,
+                Lookup::Miss => {
+                    fetch.missing += 1;
+                    miss(fetch.line, self.port_at);
+                }
+            }
+            self.port_used += 1;
+            if self.port_used == self.ports {
+                (self.port_at, self.port_used) = (self.port_at + 1, 0);
+            }
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+        }
+        self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+        if fetch.missing == 0 { Fetched::At(fetch.data_at) } else { Fetched::Waits }
+    }
+
+    /// An operation begins as soon as it can from cycle `at` on; gives when it begins.
+    pub fn operate(&mut self, at: u64) -> u64 {
+        let begin = at.max(self.begin_at);
+        self.begin_at = begin + 1;
+        self.operations += 1;
+        begin
+    }
+
+    /// When an operation that begins in cycle `begin` ends.
+    pub fn end(&self, begin: u64) -> u64 {
+        begin + self.latency
+    }
+
+    /// When a division that may begin in cycle `at` ends.
+    pub fn divide(&mut self, at: u64, latency: u64) -> u64 {
+        let begin = at.max(self.divide_at);
+        self.divide_at = begin + 1;
+        begin + latency
+    }
+
+    /// A write goes through.
+    pub fn write_through(&mut self, class: TrafficClass, bytes: Bytes) {
+        let through = &mut self.written_through[class as usize];
+        through.count += 1;
+        through.bytes += bytes;
+    }
+
+    /// A line comes; rays that wait for it are appended to `waiting`. Gives a dirty line that goes.
+    pub fn fill(&mut self, line: LineAddr, waiting: &mut Vec<u32>) -> Option<(LineAddr, TrafficClass)> {
+        match self.cache.fill(line, true, waiting) {
+            Fill::Done { victim } => victim.map(|victim| (victim.line, victim.class)),
+            Fill::Blocked => unreachable!("there is always room"),
+        }
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    /// Misses under way.
+    pub fn misses_under_way(&self) -> usize {
+        self.cache.misses_under_way()
+    }
+
+    /// What was counted: no cause but `Busy` is known.
+    pub fn tally(&self) -> UnitTally {
+        let mut causes = [0; Cause::ALL.len()];
+        causes[Cause::Busy as usize] = self.operations;
+        UnitTally {
+            causes,
+            cache: *self.cache.counts(),
+            requested: self.requested,
+            written_through: self.written_through,
+            read_straight: PerClass::default(),
+        }
+    }
+}
