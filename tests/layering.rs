@@ -16,7 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     // The functional wing.
     ("scene", &["quantity", "ranged"]),
     ("reference", &["quantity", "scene"]),
-    ("accel", &["quantity", "stream", "scene"]),
+    ("accel", &["quantity", "ranged", "stream", "scene"]),
     ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.

@@ -24,6 +24,7 @@ pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::trail::{Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
+use crate::ranged::Within;
 use crate::scene::{Frame, Scene};
 use crate::stream::{FrameInfo, NO_RECORD, Structure};
 
@@ -39,6 +40,8 @@ pub struct AccelSpec {
     pub dynamic: Quality,
     /// The order of a kd-tree's nodes; the other structures have one order only.
     pub kd_layout: kdtree::Layout,
+    /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
+    pub kd_depth: Option<Within<1, 64>>,
 }
 
 impl Default for AccelSpec {
@@ -48,7 +51,15 @@ impl Default for AccelSpec {
             statics: Quality::Best,
             dynamic: Quality::Fast,
             kd_layout: kdtree::Layout::Ordered,
+            kd_depth: None,
         }
+    }
+}
+
+impl AccelSpec {
+    fn kd(self, quality: Quality) -> kdtree::BuildSpec {
+        let max_depth = self.kd_depth.map(|depth| depth.get() as u32);
+        kdtree::BuildSpec { quality, layout: self.kd_layout, max_depth }
     }
 }
 
@@ -152,7 +163,7 @@ impl Accel {
                 (Statics::CwBvh(tree), slots, Some(ancestry))
             }
             Structure::KdTree => {
-                let tree = kdtree::build_static(&items, spec.statics, spec.kd_layout, joined);
+                let tree = kdtree::build_static(&items, spec.kd(spec.statics), joined);
                 let slots = slots(&tree.records, 0, items.len());
                 (Statics::KdTree(tree), slots, None)
             }
@@ -219,7 +230,7 @@ impl Accel {
                 (Kind::CwBvh(forest), nodes, 0, slots)
             }
             Statics::KdTree(statics) => {
-                let dynamic = kdtree::build(&items, self.spec.dynamic, self.spec.kd_layout, base);
+                let dynamic = kdtree::build(&items, self.spec.kd(self.spec.dynamic), base);
                 let slots = slots(&dynamic.records, first, scene.dynamic_count);
                 let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
                 (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
@@ -355,13 +366,14 @@ impl World<'_> {
 
     /// Whether one visible primitive's triangle blocks the ray. If it does, [`World::occluded`] finds a blocker too.
     pub fn blocks(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
-        let slot = self.slot(primitive);
-        match &self.forest {
-            Kind::Bvh2(forest) => forest.blocks(ray, slot, watch),
-            Kind::CwBvh(forest) => forest.blocks(ray, slot, watch),
+        if matches!(self.forest, Kind::KdTree(_)) {
             // Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
-            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
+            return self.surely_blocked(ray, primitive, watch);
         }
+        let slot = self.slot(primitive);
+        let (stop, blocked) = self.record(slot).blocks(ray);
+        watch.triangle(slot, stop);
+        blocked
     }
 
     /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
@@ -382,21 +394,14 @@ impl World<'_> {
     /// Tests one visible primitive's triangle: the distance of the hit, if there is one.
     pub fn test(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> Option<f32> {
         let slot = self.slot(primitive);
-        match &self.forest {
-            Kind::Bvh2(forest) => forest.test(ray, slot, watch),
-            Kind::CwBvh(forest) => forest.test(ray, slot, watch),
-            Kind::KdTree(forest) => forest.test(ray, slot, watch),
-        }
+        let (stop, hit) = self.record(slot).test(ray);
+        watch.triangle(slot, stop);
+        hit.map(|hit| hit.t)
     }
 
     /// A static triangle's record.
     pub fn static_record(&self, primitive: PrimitiveId) -> &triangle::Record {
-        let slot = self.slot(primitive).0 as usize;
-        match &self.forest {
-            Kind::Bvh2(forest) => &forest.statics.records[slot],
-            Kind::CwBvh(forest) => &forest.statics.records[slot],
-            Kind::KdTree(forest) => &forest.statics.records[slot],
-        }
+        self.record(self.static_slots[primitive.0 as usize])
     }
 
     /// Looks for static blockers of the rays of `shaft`.
@@ -411,20 +416,22 @@ impl World<'_> {
     /// What a static triangle does to the rays of `shaft`.
     pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
         let slot = self.slot(primitive);
-        match &self.forest {
-            Kind::Bvh2(forest) => forest.relation(shaft, slot, watch),
-            Kind::CwBvh(forest) => forest.relation(shaft, slot, watch),
-            Kind::KdTree(forest) => forest.relation(shaft, slot, watch),
-        }
+        shaft.test(slot, self.record(slot), watch)
     }
 
-    /// Whether a static triangle is certain to block `ray`, also when the tree is traversed.
+    /// Whether one visible primitive's triangle is certain to block `ray`, also when the tree is traversed.
     pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
         let slot = self.slot(primitive);
+        let (stop, blocked) = self.record(slot).surely_blocks(ray);
+        watch.triangle(slot, stop);
+        blocked
+    }
+
+    fn record(&self, slot: TriangleSlot) -> &triangle::Record {
         match &self.forest {
-            Kind::Bvh2(forest) => forest.surely_blocked(ray, slot, watch),
-            Kind::CwBvh(forest) => forest.surely_blocked(ray, slot, watch),
-            Kind::KdTree(forest) => forest.surely_blocked(ray, slot, watch),
+            Kind::Bvh2(forest) => forest.record(slot.0),
+            Kind::CwBvh(forest) => forest.record(slot.0),
+            Kind::KdTree(forest) => forest.record(slot),
         }
     }
 

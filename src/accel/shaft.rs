@@ -103,6 +103,17 @@ pub enum Sight {
     Unknown,
 }
 
+impl Relation {
+    /// What a triangle settles for the whole shaft, unless it is out of the way.
+    pub(super) fn sight(self) -> Option<Sight> {
+        match self {
+            Self::Misses => None,
+            Self::Covers => Some(Sight::Blocked),
+            Self::Crosses => Some(Sight::Unknown),
+        }
+    }
+}
+
 impl Shaft {
     /// The rays to `light` that start within `spread` of the triangle `corners`.
     pub fn new(corners: [DVec3; 3], light: Vec3, spread: f64) -> Self {
@@ -140,6 +151,13 @@ impl Shaft {
             let reach = half.dot(axis.direction.abs()) + self.margin * axis.direction.length();
             middle - reach > axis.high || middle + reach < axis.low
         })
+    }
+
+    /// What the triangle in `slot` does to the rays.
+    pub(super) fn test(&self, slot: TriangleSlot, record: &Record, watch: &mut impl Observer) -> Relation {
+        let (stop, relation) = self.relation(record);
+        watch.triangle(slot, stop);
+        relation
     }
 
     /// What the triangle of `record` does to the rays, and how far the test had to read.
@@ -234,21 +252,12 @@ impl<const N: usize> Forest<'_, N> {
                 continue;
             }
             for slot in child.index..child.index + child.count {
-                match self.relation(shaft, TriangleSlot(slot), watch) {
-                    Relation::Misses => {}
-                    Relation::Covers => return Sight::Blocked,
-                    Relation::Crosses => return Sight::Unknown,
+                if let Some(sight) = shaft.test(TriangleSlot(slot), self.record(slot), watch).sight() {
+                    return sight;
                 }
             }
         }
         Sight::Clear
-    }
-
-    /// What the static triangle in `slot` does to the rays of `shaft`.
-    pub fn relation(&self, shaft: &Shaft, slot: TriangleSlot, watch: &mut impl Observer) -> Relation {
-        let (stop, relation) = shaft.relation(&self.statics.records[slot.0 as usize]);
-        watch.triangle(slot, stop);
-        relation
     }
 }
 

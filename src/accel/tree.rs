@@ -118,7 +118,8 @@ impl<const N: usize> Forest<'_, N> {
         self.statics.nodes.get(id).unwrap_or_else(|| &self.dynamic.nodes[id - self.statics.nodes.len()])
     }
 
-    fn record(&self, slot: u32) -> &Record {
+    /// The record in a slot.
+    pub fn record(&self, slot: u32) -> &Record {
         let slot = slot as usize;
         self.statics.records.get(slot).unwrap_or_else(|| &self.dynamic.records[slot - self.statics.records.len()])
     }
@@ -220,32 +221,14 @@ impl<const N: usize> Forest<'_, N> {
                 continue;
             }
             for slot in child.index..child.index + child.count {
-                if self.blocks(ray, TriangleSlot(slot), watch) {
-                    return Some(self.record(slot).primitive);
+                let record = self.record(slot);
+                let (stop, blocked) = record.blocks(ray);
+                watch.triangle(TriangleSlot(slot), stop);
+                if blocked {
+                    return Some(record.primitive);
                 }
             }
         }
         None
-    }
-
-    /// Whether the triangle in `slot` blocks the ray.
-    pub fn blocks(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
-        let (stop, blocked) = self.record(slot.0).blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
-    }
-
-    /// Tests the triangle in `slot` alone: the distance of the hit, if there is one.
-    pub fn test(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> Option<f32> {
-        let (stop, hit) = self.record(slot.0).test(ray);
-        watch.triangle(slot, stop);
-        hit.map(|hit| hit.t)
-    }
-
-    /// Whether the triangle in `slot` is certain to block `ray`, also when the tree is traversed.
-    pub fn surely_blocked(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
-        let (stop, blocked) = self.record(slot.0).surely_blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
     }
 }

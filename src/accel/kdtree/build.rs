@@ -10,8 +10,19 @@ use crate::accel::build::{Base, Item};
 /// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
 /// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
 /// for ever deeper where triangles meet in a point: that makes nodes, and hardly saves a triangle test.
-fn max_depth(items: usize) -> u32 {
+fn usual_depth(items: usize) -> u32 {
     (8.0 + 1.3 * f64::from(items.ilog2())).round() as u32
+}
+
+/// How a tree is built.
+#[derive(Clone, Copy, Debug)]
+pub struct BuildSpec {
+    /// How much work goes into it.
+    pub quality: Quality,
+    /// The order of its nodes.
+    pub layout: Layout,
+    /// The level at which no cell is split any more; `None` for 8 + 1.3 log2 n.
+    pub max_depth: Option<u32>,
 }
 
 /// A cell that is built, before the layout; the left child of a split follows it.
@@ -42,7 +53,7 @@ struct Builder<'a> {
 /// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers every
 /// plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes only
 /// where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
-pub fn build(items: &[Item<'_>], quality: Quality, layout: Layout, base: Base) -> Tree {
+pub fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     let parts: Vec<_> = items
         .iter()
         .enumerate()
@@ -52,15 +63,17 @@ pub fn build(items: &[Item<'_>], quality: Quality, layout: Layout, base: Base) -
     if parts.is_empty() {
         return Tree { bounds, nodes: Vec::new(), lists: Vec::new(), records: Vec::new() };
     }
-    let mut builder = Builder { items, quality, max_depth: max_depth(items.len()), cells: Vec::new() };
+    let BuildSpec { quality, layout, max_depth } = spec;
+    let max_depth = max_depth.unwrap_or_else(|| usual_depth(items.len()));
+    let mut builder = Builder { items, quality, max_depth, cells: Vec::new() };
     builder.cell(bounds, parts, 0);
     lay_out(&builder.cells, bounds, items, layout, base)
 }
 
 /// Builds the static tree; with dynamic triangles to join, its root is node 1, and node 0 is the joining one.
-pub fn build_static(items: &[Item<'_>], quality: Quality, layout: Layout, joined: bool) -> Tree {
+pub fn build_static(items: &[Item<'_>], spec: BuildSpec, joined: bool) -> Tree {
     let base = Base { node: u32::from(joined), ..Base::default() };
-    let mut tree = build(items, quality, layout, base);
+    let mut tree = build(items, spec, base);
     if joined || items.is_empty() {
         tree.nodes.insert(0, Node::leaf(0..0));
     }

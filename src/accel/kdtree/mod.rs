@@ -18,7 +18,7 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 pub use self::bounds::Bounds;
-pub use self::build::{build, build_static};
+pub use self::build::{BuildSpec, build, build_static};
 pub use self::traverse::Forest;
 use super::triangle::Record;
 

@@ -2,9 +2,9 @@
 
 use super::View;
 use super::traverse::Forest;
-use crate::accel::shaft::{Relation, Shaft, Sight};
-use crate::accel::{Observer, Ray};
-use crate::quantity::{ListId, NodeId, TriangleSlot};
+use crate::accel::Observer;
+use crate::accel::shaft::{Shaft, Sight};
+use crate::quantity::{ListId, NodeId};
 
 impl Forest<'_> {
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss. A triangle that several
@@ -25,27 +25,12 @@ impl Forest<'_> {
             };
             for entry in entries {
                 watch.list(ListId(entry));
-                match self.relation(shaft, TriangleSlot(self.statics.lists[entry as usize]), watch) {
-                    Relation::Misses => {}
-                    Relation::Covers => return Sight::Blocked,
-                    Relation::Crosses => return Sight::Unknown,
+                let slot = self.entry(entry);
+                if let Some(sight) = shaft.test(slot, self.record(slot), watch).sight() {
+                    return sight;
                 }
             }
         }
         Sight::Clear
-    }
-
-    /// What the static triangle in `slot` does to the rays of `shaft`.
-    pub fn relation(&self, shaft: &Shaft, slot: TriangleSlot, watch: &mut impl Observer) -> Relation {
-        let (stop, relation) = shaft.relation(&self.statics.records[slot.0 as usize]);
-        watch.triangle(slot, stop);
-        relation
-    }
-
-    /// Whether the static triangle in `slot` is certain to block `ray`, also when the tree is traversed.
-    pub fn surely_blocked(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
-        let (stop, blocked) = self.statics.records[slot.0 as usize].surely_blocks(ray);
-        watch.triangle(slot, stop);
-        blocked
     }
 }

@@ -14,7 +14,7 @@ const BASE: Base = Base { node: 7, slot: 100, list: 1000 };
 fn tree(triangles: &[Triangle], quality: Quality, layout: Layout) -> Tree {
     let item = |(index, triangle)| Item { primitive: PrimitiveId(index as u32), triangle };
     let items: Vec<_> = triangles.iter().enumerate().map(item).collect();
-    build(&items, quality, layout, BASE)
+    build(&items, BuildSpec { quality, layout, max_depth: None }, BASE)
 }
 
 impl Tree {

@@ -68,13 +68,14 @@ impl Forest<'_> {
     }
 
     /// The slot that a list's entry names.
-    fn entry(&self, id: u32) -> TriangleSlot {
+    pub(super) fn entry(&self, id: u32) -> TriangleSlot {
         let id = id as usize;
         let entry = self.statics.lists.get(id).copied();
         TriangleSlot(entry.unwrap_or_else(|| self.dynamic.lists[id - self.statics.lists.len()]))
     }
 
-    fn record(&self, slot: TriangleSlot) -> &Record {
+    /// The record in a slot.
+    pub fn record(&self, slot: TriangleSlot) -> &Record {
         let slot = slot.0 as usize;
         self.statics.records.get(slot).unwrap_or_else(|| &self.dynamic.records[slot - self.statics.records.len()])
     }
@@ -178,12 +179,5 @@ impl Forest<'_> {
     /// The box around the static tree.
     pub fn static_bounds(&self) -> (Vec3, Vec3) {
         (self.statics.bounds.low, self.statics.bounds.high)
-    }
-
-    /// Tests the triangle in `slot` alone: the distance of the hit, if there is one.
-    pub fn test(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> Option<f32> {
-        let (stop, hit) = self.record(slot).test(ray);
-        watch.triangle(slot, stop);
-        hit.map(|hit| hit.t)
     }
 }
