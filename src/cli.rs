@@ -11,7 +11,7 @@ use clap::{Args, Parser, Subcommand};
 
 use umbrasim::engine::Fidelity;
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, sweep, trace};
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
@@ -92,6 +92,18 @@ enum Command {
         /// Where the report goes
         #[arg(long, value_name = "DIR", default_value = "reports/stress")]
         out: PathBuf,
+    },
+    /// Replay an experiment's streams on machines that differ in named fields, and compare them
+    ///
+    /// Frames are traced once. Every replay is kept, so that a sweep that was stopped by Ctrl-C goes on when it is started
+    /// again. The report has a table (`sweep.csv`), a plot and a page.
+    Sweep {
+        /// The sweep's file
+        #[arg(default_value = "configs/experiments/sweep_words.ron")]
+        config: PathBuf,
+        /// Where streams, points and the report go [default: reports/, the name of the sweep's file]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
     },
     /// Say what a recorded ray stream holds
     Inspect {
@@ -194,6 +206,16 @@ pub fn execute(cli: Cli) -> Result<u8> {
             broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
             println!("{}", out.join(report::PAGE_FILE).display());
             Ok(u8::from(!broken.is_empty()))
+        }
+        Command::Sweep { config, out } => {
+            let name = config.file_stem().context("the sweep's file has no name")?;
+            let out = out.unwrap_or_else(|| Path::new("reports").join(name));
+            let stop = stop_on_interrupt()?;
+            let summary = sweep::sweep(&config, &out, &stop)?;
+            print(report::drawn(&report::sweep::grid(&summary)))?;
+            report::sweep::write_sweep(&out, &summary)?;
+            print(out.join(report::PAGE_FILE).display())?;
+            Ok(0)
         }
         Command::Inspect { stream, json } => {
             let inspection = inspect::inspect(&mut StreamReader::open(&stream)?)?;

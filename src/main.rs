@@ -7,6 +7,7 @@ use std::process::ExitCode;
 use clap::Parser;
 use umbrasim::engine::RunError;
 use umbrasim::experiment::run::RunFailure;
+use umbrasim::experiment::sweep::SweepError;
 use umbrasim::experiment::trace::TraceError;
 use umbrasim::stream::StreamError;
 
@@ -38,6 +39,7 @@ fn status(error: &anyhow::Error) -> u8 {
     let replay_failed = error.downcast_ref::<RunError<StreamError>>().is_some_and(|error| {
         matches!(error, RunError::Counts { .. } | RunError::Invariant(_) | RunError::Deadlock { .. })
     });
-    let stopped = matches!(error.downcast_ref(), Some(TraceError::Stopped));
+    let stopped = matches!(error.downcast_ref(), Some(TraceError::Stopped))
+        || matches!(error.downcast_ref(), Some(SweepError::Stopped | SweepError::Machine { .. }));
     if replay_failed || stopped || error.is::<RunFailure>() { 1 } else { 2 }
 }

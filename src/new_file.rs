@@ -45,6 +45,13 @@ impl NewFile {
     }
 }
 
+/// Writes a file whole.
+pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = NewFile::create(path)?;
+    file.write_all(bytes)?;
+    file.finish()
+}
+
 impl Write for NewFile {
     // By way of the file itself: the temporary file's own errors name its passing name.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

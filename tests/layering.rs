@@ -32,6 +32,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "quantity",
             "ranged",
             "named",
+            "new_file",
             "ron_file",
             "stats",
             "stream",

@@ -75,12 +75,19 @@ fn every_config_loads() {
             let _: umbrasim::experiment::paper::PaperSpec = umbrasim::ron_file::read(&file).unwrap();
             continue;
         }
-        let scene = fs::read_to_string(&file).unwrap();
+        let text = fs::read_to_string(&file).unwrap();
+        // A sweep names an experiment, which names the scene.
+        let named = text.split("experiment: \"").nth(1).and_then(|rest| rest.split('"').next());
+        let scene = named.map_or(text.clone(), |named| fs::read_to_string(config("experiments").join(named)).unwrap());
         let scene = scene.split("../scenes/").nth(1).and_then(|rest| rest.split('"').next()).unwrap();
         scenes.retain(|other| !other.ends_with(scene));
         let needs = fs::read_to_string(config("scenes").join(scene)).unwrap();
         if needs.contains("shared/scenes/") && !Path::new(ROOT).join("../shared/scenes").exists() {
             println!("skipped: {} needs ../shared/scenes, which is absent", file.display());
+            continue;
+        }
+        if named.is_some() {
+            assert!(experiment::sweep::machine_count(&file).unwrap() > 2);
             continue;
         }
         let experiment = Experiment::load(&file, Overrides::default()).unwrap();
@@ -195,6 +202,24 @@ fn a_replay_measures_what_the_run_did() {
             assert_eq!(measured, &run[name], "{policy}: {name}");
         }
     }
+}
+
+#[test]
+fn a_sweep_goes_on_where_it_was_and_ends_with_the_same_bytes() {
+    let desk = Desk::with_experiment();
+    let sweep =
+        r#"(experiment: "tiny.ron", vary: {"shadow_cache.layout": [Beside, Dense], "shadow_cache.count": [2]})"#;
+    desk.put("sweep.ron", sweep);
+    let printed = desk.succeed(&["sweep", "sweep.ron", "--out", "s"]);
+    assert!(printed.contains("layout: Beside") && printed.contains("count: 2"), "{printed}");
+    assert!(!printed.contains("layout: Dense"), "the machine has it already:\n{printed}");
+    let files = ["sweep.csv", "summary.json", "plots/sweep.svg", "index.html"];
+    let read = || files.map(|name| fs::read(desk.path("s").join(name)).unwrap());
+    let before = read();
+    let lost = fs::read_dir(desk.path("s/points")).unwrap().next().unwrap().unwrap().path();
+    fs::remove_file(&lost).unwrap();
+    desk.succeed(&["sweep", "sweep.ron", "--out", "s"]);
+    assert!(lost.exists() && read() == before);
 }
 
 #[test]

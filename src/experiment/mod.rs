@@ -8,6 +8,7 @@ pub mod run;
 pub mod spec;
 pub mod stress;
 mod stress_models;
+pub mod sweep;
 pub mod trace;
 pub mod validation;
 

@@ -11,14 +11,15 @@ pub mod pictures;
 pub mod plots;
 pub mod stress;
 pub mod summary;
+pub mod sweep;
 mod table;
 
 use std::fs;
-use std::io::{self, Write};
+use std::io;
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
-use crate::new_file::NewFile;
+use crate::new_file::write_new;
 pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
@@ -239,12 +240,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     let failed = |source| ReportError::Write { path: path.into(), source };
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(failed)?;
-    let write = || {
-        let mut file = NewFile::create(path)?;
-        file.write_all(bytes)?;
-        file.finish()
-    };
-    write().map_err(failed)
+    write_new(path, bytes).map_err(failed)
 }
 
 #[cfg(test)]

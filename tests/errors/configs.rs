@@ -129,6 +129,25 @@ fn sizes_that_do_not_fit_together() {
 }
 
 #[test]
+fn a_sweep_over_what_is_not_there() {
+    let desk = Desk::with_experiment();
+    let sweep = |vary: &str| {
+        desk.put("sweep.ron", &format!("(experiment: \"tiny.ron\", vary: {{{vary}}})"));
+        desk.refused(&["sweep", "sweep.ron", "--out", "s"])
+    };
+    let field = sweep("\"shadow_cache.layuot\": [Dense]");
+    assert!(
+        field.contains("sweep.ron: `vary` names `shadow_cache.layuot`, but a machine has no `layuot` there: `count`"),
+        "{field}"
+    );
+    let value = sweep("\"shadow_cache.layout\": [Dnse]");
+    assert!(
+        value.contains("the value `Dnse` for `shadow_cache.layout`: unknown variant `Dnse`, expected one of `Dense`"),
+        "{value}"
+    );
+}
+
+#[test]
 fn nothing_to_measure_against() {
     insta::assert_snapshot!(experiment("\"Off\": Off,", ""), @r#"
     error: tiny.ron:9:5: no policy is `Off`, which the others are measured against: add "Off": Off

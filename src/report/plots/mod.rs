@@ -10,6 +10,7 @@ mod hit_rates;
 mod over_frames;
 mod saving;
 pub mod stress;
+pub mod sweep;
 mod tradeoff;
 mod utilization;
 mod wrong;
