@@ -302,9 +302,9 @@ fn recipes() -> impl Strategy<Value = Recipe> {
         prop_oneof![Just(Pieces::Any), Just(Pieces::Slivers), Just(Pieces::Degenerate), Just(Pieces::Coplanar)];
     let camera = prop_oneof![Just(CameraPath::Jitter), Just(CameraPath::Pan), Just(CameraPath::Jump)];
     let centre = prop_oneof![Just([0.0; 3]), Just([1e4, -2e4, 3e4]), Just([1e6, 0.0, -1e6])];
-    let numbers = (0u32..5, 0u32..40, 0u32..8, 0u32..4);
+    let numbers = (0u32..5, 0u32..40, 0u32..8, 0u32..4, prop_oneof![3 => Just(0), 1 => 1u32..4]);
     (any::<u64>(), centre, numbers, pieces, any::<bool>(), camera).prop_map(
-        |(seed, centre, (ground, count, moving, lights), pieces, lights_move, camera)| Recipe {
+        |(seed, centre, (ground, count, moving, lights, area), pieces, lights_move, camera)| Recipe {
             seed,
             centre,
             ground,
@@ -313,6 +313,7 @@ fn recipes() -> impl Strategy<Value = Recipe> {
             moving,
             lights,
             lights_move,
+            area,
             camera,
         },
     )

@@ -8,6 +8,7 @@ use umbrasim::accel::{Ray, Relation, Shaft};
 use umbrasim::culling::cells::{Cell, Inside, Receiver};
 use umbrasim::quantity::PrimitiveId;
 use umbrasim::scene::Triangle;
+use umbrasim::scene::lamps::rectangle;
 
 const NOBODY: PrimitiveId = PrimitiveId(0);
 
@@ -51,12 +52,13 @@ struct Stage {
     cell: Cell,
     outside: bool,
     offset: f32,
-    light: Vec3,
+    /// The points of the lamp.
+    lights: Vec<Vec3>,
 }
 
 impl Stage {
     fn shaft(&self) -> Shaft {
-        Receiver { record: &self.record, offset: self.offset }.shaft(self.cell, self.outside, self.light)
+        Receiver { record: &self.record, offset: self.offset }.shaft(self.cell, self.outside, &self.lights)
     }
 
     /// Where the tracer starts a shadow ray.
@@ -96,7 +98,8 @@ impl Stage {
             }
             (cell == self.cell).then_some(())
         };
-        hits.filter(|hit| inside(hit).is_some()).map(|hit| Ray::segment(self.start(hit), self.light)).collect()
+        let starts = hits.filter(|hit| inside(hit).is_some()).map(|hit| self.start(hit));
+        starts.flat_map(|start| self.lights.iter().map(move |&light| Ray::segment(start, light))).collect()
     }
 }
 
@@ -131,7 +134,7 @@ fn blocker() -> impl Strategy<Value = Blocker> {
 impl Blocker {
     /// The triangle; `starts` are those of the rays from the cell's corners, all in world space.
     fn triangle(self, stage: &Stage, frame: Frame) -> Triangle {
-        let light = stage.light.as_dvec3();
+        let light = stage.lights[0].as_dvec3();
         let starts = stage.barycentric().map(|hit| stage.start(hit).as_dvec3());
         let size = frame.scale;
         let v = match self {
@@ -183,8 +186,12 @@ fn a_certificate_holds_for_every_ray() {
     let path = proptest::collection::vec(0..4u32, 0..7);
     let offset = prop_oneof![Just(1e-5), Just(1e-4), Just(1e-3), Just(0.0)];
     let nudges = proptest::collection::vec([-3..=3i32, -3..=3, -3..=3], 3);
-    let setting = (frame(), points::<3>(), point(), path, offset, blocker(), nudges, weights, proptest::bool::ANY);
-    let result = runner.run(&setting, |(frame, receiver, light, path, offset, blocker, nudges, weights, outside)| {
+    let lamp = (1..4usize, points::<2>(), -4.0..0.0f64);
+    let lamp = lamp.prop_map(|(side, half, size)| (side, half.map(|half| half * 10f64.powf(size))));
+    let setting =
+        (frame(), points::<3>(), (point(), lamp), path, offset, blocker(), nudges, weights, proptest::bool::ANY);
+    let result = runner.run(&setting, |(frame, receiver, lamp, path, offset, blocker, nudges, weights, outside)| {
+        let (light, (side, half)) = lamp;
         let corners = receiver.map(|corner| frame.place(corner));
         let triangle = Triangle { v: corners };
         prop_assume!(triangle.normal().try_normalize().is_some());
@@ -195,7 +202,9 @@ fn a_certificate_holds_for_every_ray() {
             cell,
             outside,
             offset: (offset * frame.scale) as f32,
-            light: frame.place(light * 3.0),
+            lights: rectangle(light * 3.0, half, side, Vec3::ONE)
+                .map(|light| frame.place(light.position.as_dvec3()))
+                .collect(),
         };
         let mut other = blocker.triangle(&stage, frame);
         for (corner, ulps) in other.v.iter_mut().zip(nudges) {

@@ -1,4 +1,4 @@
-//! Shafts: all shadow rays from a piece of a surface to a point light at once, and what the static tree says of them.
+//! Shafts: all shadow rays from a piece of a surface to a lamp at once, and what the static tree says of them.
 //!
 //! A certificate must foretell what the tracer's `f32` arithmetic will answer for every ray of the shaft, not what is
 //! true of real numbers. So nothing here asks whether the shaft meets a triangle; it asks whether [`Record::blocks`] and
@@ -12,7 +12,8 @@
 //! - `U = b.(s x d) = b.(s x m)` and `V = -a.(s x d) = -a.(s x m)`, because `d = m - s` and `s x s = 0`.
 //!
 //! All four are affine in `o`. Where an inequality between them holds at the three corners of a piece of a surface, it
-//! holds in all of it: three evaluations in `f64` decide for every ray.
+//! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point or several (a rectangle's);
+//! of several, each is decided on by itself, and the shaft says what holds for all.
 //!
 //! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`: a difference
 //! of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
@@ -29,9 +30,10 @@
 //! inside its edges by the bound above, the hit point is in the box of its corners, and so in those of all ancestors.
 //!
 //! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one test:
-//! one record is read, and evaluated for three corners at once.
+//! one record is read, and evaluated for three corners (and all points of the lamp) at once.
 
 use glam::{DVec3, Vec3};
+use smallvec::SmallVec;
 
 use super::trail::Observer;
 use super::tree::{Child, Forest, Node};
@@ -46,11 +48,11 @@ const UNDERFLOW: f64 = 1e-43;
 /// Far enough below the largest `f32` that no intermediate result of the test overflows.
 const OVERFLOW: f64 = 1e37;
 
-/// All shadow rays from a triangular piece of a surface to a point light.
+/// All shadow rays from a triangular piece of a surface to the points of a lamp.
 #[derive(Clone, Debug)]
 pub struct Shaft {
     corners: [DVec3; 3],
-    light: DVec3,
+    beams: SmallVec<[Beam; 1]>,
     spread: f64,
     /// Length of the longest ray.
     length: f64,
@@ -59,10 +61,18 @@ pub struct Shaft {
     low: DVec3,
     high: DVec3,
     /// Axes that can separate the shaft from a box, besides the box's own, and the shaft's extent on each.
-    axes: [Axis; AXES],
+    axes: SmallVec<[Axis; AXES]>,
 }
 
-/// Four faces, and the cross products of six edges with three box axes.
+/// The rays to one point of the lamp.
+#[derive(Clone, Copy, Debug)]
+struct Beam {
+    light: DVec3,
+    /// The faces of the tetrahedron that the rays fill.
+    faces: [Axis; 4],
+}
+
+/// Of a beam: four faces, and the cross products of six edges with three box axes.
 const AXES: usize = 4 + 6 * 3;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -73,10 +83,9 @@ struct Axis {
 }
 
 impl Axis {
-    fn new(direction: DVec3, points: &[DVec3; 4]) -> Self {
-        let on = points.map(|point| point.dot(direction));
-        let low = on.into_iter().fold(f64::INFINITY, f64::min);
-        let high = on.into_iter().fold(f64::NEG_INFINITY, f64::max);
+    fn new(direction: DVec3, points: &[DVec3]) -> Self {
+        let on = points.iter().map(|point| point.dot(direction));
+        let (low, high) = on.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), on| (low.min(on), high.max(on)));
         Self { direction, low, high }
     }
 }
@@ -115,29 +124,34 @@ impl Relation {
 }
 
 impl Shaft {
-    /// The rays to `light` that start within `spread` of the triangle `corners`.
-    pub fn new(corners: [DVec3; 3], light: Vec3, spread: f64) -> Self {
-        let light = light.as_dvec3();
-        let length = corners.iter().map(|corner| corner.distance(light)).fold(0.0, f64::max) + spread;
+    /// The rays to `lights`, the points of a lamp, that start within `spread` of the triangle `corners`.
+    pub fn new(corners: [DVec3; 3], lights: &[Vec3], spread: f64) -> Self {
+        let [a, b, c] = corners;
+        let lights: SmallVec<[DVec3; 1]> = lights.iter().map(|light| light.as_dvec3()).collect();
+        let rays = corners.iter().flat_map(|corner| lights.iter().map(move |light| corner.distance(*light)));
+        let length = rays.fold(0.0, f64::max) + spread;
         // 1e-18: a hundred times what a ray strays by because its smallest direction component is set to 1e-20.
         let margin = 48.0 * U * length + spread + 1e-18;
-        let [a, b, c] = corners;
-        let points = [a, b, c, light];
+        let points: SmallVec<[DVec3; 4]> = corners.into_iter().chain(lights.iter().copied()).collect();
         let sides = [b - a, c - b, a - c];
-        let beams = [light - a, light - b, light - c];
-        let mut axes = [Axis::default(); AXES];
-        axes[0] = Axis::new(sides[0].cross(sides[1]), &points);
-        for at in 0..3 {
-            axes[1 + at] = Axis::new(sides[at].cross(beams[at]), &points);
-        }
-        for (edge, direction) in sides.into_iter().chain(beams).enumerate() {
-            for (at, unit) in [DVec3::X, DVec3::Y, DVec3::Z].into_iter().enumerate() {
-                axes[4 + 3 * edge + at] = Axis::new(direction.cross(unit), &points);
+        let faces = |light: DVec3, points: &[DVec3]| {
+            let beams = [light - a, light - b, light - c];
+            let [ab, bc, ca] = [0, 1, 2].map(|at| Axis::new(sides[at].cross(beams[at]), points));
+            [Axis::new(sides[0].cross(sides[1]), points), ab, bc, ca]
+        };
+        let beams = lights.iter().map(|&light| Beam { light, faces: faces(light, &[a, b, c, light]) }).collect();
+        // Any axis will do that has the extent of all points on it; those of the beams to a rectangle's corners are enough.
+        let mut axes = SmallVec::new();
+        for &light in corner_points(&lights) {
+            axes.extend(faces(light, &points));
+            for direction in sides.into_iter().chain([light - a, light - b, light - c]) {
+                let across = [DVec3::X, DVec3::Y, DVec3::Z].map(|unit| Axis::new(direction.cross(unit), &points));
+                axes.extend(across);
             }
         }
-        let low = points.into_iter().fold(DVec3::INFINITY, DVec3::min) - margin;
-        let high = points.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
-        Self { corners, light, spread, length, margin, low, high, axes }
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min) - margin;
+        let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max) + margin;
+        Self { corners, beams, spread, length, margin, low, high, axes }
     }
 
     /// Whether no ray can pass the slab test of the box.
@@ -162,10 +176,26 @@ impl Shaft {
 
     /// What the triangle of `record` does to the rays, and how far the test had to read.
     pub fn relation(&self, record: &Record) -> (Stop, Relation) {
+        let mut beams = self.beams.iter().map(|beam| self.relation_to(beam, record));
+        let first = beams.next().unwrap_or((Stop::Plane, Relation::Misses));
+        beams
+            .try_fold(first, |(stop, all), (further, next)| {
+                let stop = if further as u32 > stop as u32 { further } else { stop };
+                if next == all && all != Relation::Crosses {
+                    Ok((stop, all))
+                } else {
+                    Err((Stop::Hit, Relation::Crosses))
+                }
+            })
+            .unwrap_or_else(|crosses| crosses)
+    }
+
+    /// What it does to the rays of one beam.
+    fn relation_to(&self, beam: &Beam, record: &Record) -> (Stop, Relation) {
         let corner = record.corner.as_dvec3();
         let [a, b] = record.edges.map(|edge| edge.as_dvec3());
         let normal = a.cross(b);
-        let to_light = self.light - corner;
+        let to_light = beam.light - corner;
         let from_corner = self.corners.map(|at| at - corner);
         let (length_a, length_b) = (a.length(), b.length());
         let far = from_corner.iter().map(|s| s.length()).fold(0.0, f64::max) + self.spread;
@@ -225,7 +255,7 @@ impl Shaft {
             let least = facing.into_iter().fold(f64::INFINITY, |least, facing| least.min(facing.abs())) - of_facing;
             let on_plane = 2.0 * ((of_u + of_w) * length_a + (of_v + of_w) * length_b);
             let margin = (on_plane + of_rest.max(of_height) * self.length) / least + self.margin;
-            let apart = self.axes[..4].iter().any(|axis| {
+            let apart = beam.faces.iter().any(|axis| {
                 let margin = margin * axis.direction.length();
                 let on = [corner, corner + a, corner + b].map(|point| point.dot(axis.direction));
                 on.iter().all(|&on| on > axis.high + margin) || on.iter().all(|&on| on < axis.low - margin)
@@ -236,6 +266,14 @@ impl Shaft {
         }
         (Stop::Hit, Relation::Crosses)
     }
+}
+
+/// The corners of a rectangle of points in rows as long as there are rows; of another number of points the same places.
+fn corner_points(points: &[DVec3]) -> impl Iterator<Item = &DVec3> {
+    let side = points.len().isqrt().max(1);
+    let mut corners = vec![0, side - 1, points.len().saturating_sub(side), points.len().saturating_sub(1)];
+    corners.dedup();
+    corners.into_iter().filter_map(|at| points.get(at))
 }
 
 impl<const N: usize> Forest<'_, N> {

@@ -59,6 +59,7 @@ impl Soup {
             statics: geometry(statics),
             dynamic_count: dynamic.len(),
             light_count: 0,
+            lamps: scene::Lamps::points(),
             frame_count: 1,
             materials: Vec::new(),
             textures: Vec::new(),
@@ -382,7 +383,12 @@ fn lit_soup() -> Soup {
 #[test]
 fn the_records_say_what_the_tracer_counted() {
     let soup = lit_soup();
-    let facts = SceneFacts { statics: soup.scene.statics.len() as u32, primitives: 6, lights: 2 };
+    let facts = SceneFacts {
+        statics: soup.scene.statics.len() as u32,
+        primitives: 6,
+        lights: 2,
+        lamps: scene::Lamps::points(),
+    };
     for accel in specs() {
         let mut spec = TracerSpec { accel, ..TracerSpec::default() };
         spec.render.depth = 3;

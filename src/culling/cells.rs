@@ -85,12 +85,12 @@ pub struct Receiver<'a> {
 }
 
 impl Receiver<'_> {
-    /// All shadow rays from one side of a cell to a light.
+    /// All shadow rays from one side of a cell to the points of a lamp.
     ///
     /// The tracer's point is `a + (b - a) u + (c - a) v` and its ray starts `offset` along the unit normal, all in `f32`:
     /// with the roundings by which the point's cell was found, it strays from the exact one by less than 16 u of the
     /// largest coordinate, the edges and the offset together, where u = 2^-24.
-    pub fn shaft(&self, cell: Cell, outside: bool, light: Vec3) -> Shaft {
+    pub fn shaft(&self, cell: Cell, outside: bool, lights: &[Vec3]) -> Shaft {
         let Record { corner, edges, normal, .. } = *self.record;
         let [ab, ac] = edges.map(|edge| edge.as_dvec3());
         // The tracer's own unit normal, rounded as there.
@@ -110,6 +110,6 @@ impl Receiver<'_> {
             };
         }
         let size = corner.as_dvec3().length() + 2.0 * (ab.length() + ac.length()) + f64::from(self.offset);
-        Shaft::new(corners, light, 16.0 * 0.5 * f64::from(f32::EPSILON) * size)
+        Shaft::new(corners, lights, 16.0 * 0.5 * f64::from(f32::EPSILON) * size)
     }
 }

@@ -1,14 +1,18 @@
-//! Certificates: proofs, kept for cells of static receivers, that a light's static answer is the same for all of a cell.
+//! Certificates: proofs, kept for cells of static receivers, that a lamp's static answer is the same for all of a cell.
 //!
-//! A cell has one mode a light, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both
+//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one mode a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both
 //! proven), or PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where
 //! rays ask for it and the answer is not uniform; nothing in it depends on a unit of length.
 //!
 //! A certificate holds for one side of a receiver, that of the first ray that came; rays that start on the other side
 //! are traced. Bits 1:0 of the whole primitive's word say which.
 
+use std::collections::BTreeSet;
+
+use glam::Vec3;
 use rustc_hash::FxHashMap;
 use serde::{Deserialize, Serialize};
+use smallvec::SmallVec;
 
 use super::cells::{Cell, DEEPEST, Inside};
 use super::mode_word::{SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
@@ -93,7 +97,7 @@ fn bits(mode: Shadow) -> u32 {
 impl Certificates {
     /// No certificate yet.
     pub fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
-        let layout = WordLayout::new(facts.lights as usize);
+        let layout = WordLayout::new(facts.lamps.count(facts.lights as usize));
         Self {
             spec,
             facts,
@@ -112,8 +116,9 @@ impl Certificates {
             .zip(&self.lights)
             .enumerate()
             .filter(|(_, (new, old))| new.position != old.position)
-            .map(|(light, _)| LightId(light as u8))
+            .map(|(light, _)| self.facts.lamps.of(LightId(light as u8)))
             .collect();
+        let moved = moved.into_iter().collect::<BTreeSet<_>>();
         for light in moved {
             for node in 0..self.children.len() as u32 {
                 let place = self.layout.shadow(PrimitiveId(node), light);
@@ -285,6 +290,7 @@ impl Prover<'_> {
 
     fn find(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
         let all = self.certificates;
+        let light = all.facts.lamps.of(light);
         if all.facts.is_dynamic(hit.primitive) {
             return None;
         }
@@ -326,13 +332,20 @@ impl Prover<'_> {
     pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
         let Some(Leaf { cell, mode: Shadow::Init, outside }) = self.leaves[usize::from(light.0)] else { return };
         let all = self.certificates;
+        let light = all.facts.lamps.of(light);
+        if self.modes.contains_key(&(cell, light)) {
+            // Another point of the lamp has just settled it.
+            return;
+        }
         let seen = self.seen.count(cell, light, blocker.is_some(), probe);
         let (rays, uniform) = (u64::from(seen.rays), seen.uniform());
         let mut found = None;
         if uniform && !seen.asked && rays >= all.spec.ask.get() {
             seen.asked = true;
-            let position = all.lights[usize::from(light.0)].position;
-            let shaft = probe.receiver(cell.primitive).shaft(cell, outside, position);
+            let points = all.facts.lamps.lights(light, all.lights.len());
+            let positions: SmallVec<[Vec3; 1]> =
+                points.map(|light| all.lights[usize::from(light.0)].position).collect();
+            let shaft = probe.receiver(cell.primitive).shaft(cell, outside, &positions);
             found = match blocker {
                 None => match probe.sight(&shaft) {
                     Sight::Clear => Some(Shadow::Non),

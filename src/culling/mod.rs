@@ -28,7 +28,7 @@ use serde::{Deserialize, Serialize};
 use self::cells::Receiver;
 use crate::accel::{Order, Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{LightId, NodeId, PrimitiveId};
-use crate::scene::{Light, Scene};
+use crate::scene::{Lamps, Light, Scene};
 use crate::stream::{Decision, Store, StoreEntries};
 
 /// A culling policy as a config names it.
@@ -65,6 +65,8 @@ pub struct SceneFacts {
     pub primitives: u32,
     /// Lights.
     pub lights: u32,
+    /// Which of them belong to one lamp.
+    pub lamps: Lamps,
 }
 
 impl SceneFacts {
@@ -74,6 +76,7 @@ impl SceneFacts {
             statics: scene.statics.len() as u32,
             primitives: scene.primitive_count() as u32,
             lights: scene.light_count as u32,
+            lamps: scene.lamps,
         }
     }
 

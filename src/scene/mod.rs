@@ -9,6 +9,7 @@ pub mod camera;
 mod fields;
 pub mod file;
 pub mod keyframes;
+pub mod lamps;
 pub mod obj;
 pub mod parts;
 pub mod path;
@@ -23,6 +24,7 @@ use std::path::PathBuf;
 use glam::{Vec2, Vec3};
 
 pub use camera::{Camera, PixelRay, Projection};
+pub use lamps::Lamps;
 pub use render::{Offset, Picture, RenderSpec, ShadowBits, ShadowRays};
 
 use crate::quantity::PrimitiveId;
@@ -177,8 +179,10 @@ pub struct Scene {
     pub statics: Geometry,
     /// How many triangles can move.
     pub dynamic_count: usize,
-    /// How many lights there are.
+    /// How many lights there are: points that shine.
     pub light_count: usize,
+    /// Which of them belong to one lamp.
+    pub lamps: Lamps,
     /// How many frames the animation has; frame numbers run from 0 to one less.
     pub frame_count: u32,
     /// All materials.

@@ -10,10 +10,11 @@ use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use self::mtl::Library;
 use super::builtin::shapes::Shapes;
+use super::lamps::rectangle;
 use super::parts::{Part, Parts};
 use super::path::{CameraSpec, CameraTrack, PoseKey, PoseTrack, pose_keys};
 use super::render::MAX_LIGHTS;
-use super::{Geometry, Light, Material, MaterialId, Scene, SceneError, fields};
+use super::{Geometry, Lamps, Light, Material, MaterialId, Scene, SceneError, fields};
 use crate::ranged::Within;
 
 /// A scene of an OBJ file. Paths are relative to the folder of the config.
@@ -22,7 +23,7 @@ use crate::ranged::Within;
 pub struct ObjSpec {
     /// The file of what stays.
     pub path: PathBuf,
-    /// Point lights, at most 64.
+    /// Lamps: points and rectangles, at most 64 points in all.
     #[serde(deserialize_with = "lights")]
     pub lights: Vec<LightSpec>,
     /// The camera.
@@ -52,23 +53,57 @@ fn dim() -> Vec3 {
 
 fn lights<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LightSpec>, D::Error> {
     let lights = Vec::<LightSpec>::deserialize(from)?;
-    if lights.len() <= MAX_LIGHTS {
+    let points: usize = lights.iter().map(LightSpec::points).sum();
+    if points <= MAX_LIGHTS {
         Ok(lights)
     } else {
-        Err(D::Error::custom(format!("{} lights: at most {MAX_LIGHTS} are allowed", lights.len())))
+        Err(D::Error::custom(format!(
+            "{} lights of {points} points: at most {MAX_LIGHTS} points are allowed",
+            lights.len()
+        )))
     }
 }
 
-/// A point light.
+/// A light: a point, or a rectangle.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LightSpec {
-    /// Where it is.
+    /// Where it is, or its middle.
     #[serde(deserialize_with = "fields::point")]
     pub position: DVec3,
     /// Its colour and strength; white if left out.
     #[serde(default = "white", deserialize_with = "fields::color")]
     pub color: Vec3,
+    /// What makes it a rectangle.
+    #[serde(default)]
+    pub area: Option<AreaSpec>,
+}
+
+/// A rectangular light, which casts soft shadows: every hit sends a shadow ray to each of its points.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AreaSpec {
+    /// Half of one edge.
+    #[serde(deserialize_with = "fields::nonzero")]
+    pub u: DVec3,
+    /// Half of the other.
+    #[serde(deserialize_with = "fields::nonzero")]
+    pub v: DVec3,
+    /// Points along each edge.
+    pub points: Within<1, 8>,
+}
+
+impl LightSpec {
+    fn points(&self) -> usize {
+        self.area.map_or(1, |area| area.points.size().pow(2))
+    }
+
+    fn lights(&self) -> Vec<Light> {
+        match self.area {
+            None => vec![Light { position: self.position.as_vec3(), color: self.color }],
+            Some(area) => rectangle(self.position, [area.u, area.v], area.points.size(), self.color).collect(),
+        }
+    }
 }
 
 fn white() -> Vec3 {
@@ -134,13 +169,15 @@ pub fn load(spec: &ObjSpec, base: &Path) -> Result<Scene, SceneError> {
         let geometry = shape(moving, base, plain, &mut library)?;
         parts.push(Part { geometry, pose: Box::new(move |frame| poses.at(frame)) });
     }
-    let lights = spec.lights.iter().map(|light| Light { position: light.position.as_vec3(), color: light.color });
-    let parts = Parts { parts, lights: lights.collect(), camera: Box::new(move |frame| camera.at(frame)) };
+    let lights: Vec<_> = spec.lights.iter().flat_map(LightSpec::lights).collect();
+    let light_count = lights.len();
+    let parts = Parts { parts, lights, camera: Box::new(move |frame| camera.at(frame)) };
     Ok(Scene {
         name: path.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         statics,
         dynamic_count: parts.triangle_count(),
-        light_count: spec.lights.len(),
+        light_count,
+        lamps: Lamps::of_sizes(spec.lights.iter().map(LightSpec::points)),
         frame_count,
         materials: library.materials,
         textures: library.textures,

@@ -32,6 +32,7 @@ fn scene(statics: Geometry, dynamic: Geometry, materials: Vec<Material>, lights:
         statics,
         dynamic_count: frame.dynamic.len(),
         light_count: frame.lights.len(),
+        lamps: crate::scene::Lamps::points(),
         frame_count: 1,
         materials,
         textures: Vec::new(),

@@ -8,7 +8,7 @@ use rustc_hash::FxHashMap;
 
 use super::animation::{AffAnimation, Lamp, Moving, Node, Pose, ROOT, Shape, Times, Transform, View};
 use crate::scene::keyframes::Motion;
-use crate::scene::{Attributes, Geometry, Material, MaterialId, Scene, Texture, TextureId, texture};
+use crate::scene::{Attributes, Geometry, Lamps, Material, MaterialId, Scene, Texture, TextureId, texture};
 
 /// The largest distance from the origin: squares of areas still fit in `f32`.
 pub const MAX_REACH: f64 = 1e9;
@@ -183,6 +183,7 @@ impl Builder {
             statics: self.statics,
             dynamic_count: animation.moving.len(),
             light_count: animation.lamps.len(),
+            lamps: Lamps::points(),
             frame_count: animation.times.frames,
             materials: self.materials,
             textures: self.textures,

@@ -11,7 +11,7 @@ mod thicket;
 use serde::{Deserialize, Serialize};
 
 use super::parts::Parts;
-use super::{Geometry, Scene};
+use super::{Geometry, Lamps, Scene};
 use crate::ranged::Within;
 use cases::Case;
 use paint::Palette;
@@ -106,6 +106,7 @@ impl Made {
             statics: self.statics,
             dynamic_count: self.parts.triangle_count(),
             light_count: self.parts.lights.len(),
+            lamps: Lamps::points(),
             frame_count: frame_count.get() as u32,
             materials: self.palette.materials,
             textures: self.palette.textures,

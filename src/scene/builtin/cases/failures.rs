@@ -8,7 +8,7 @@
 use glam::{DVec2, DVec3, Vec3};
 
 use super::{Film, MATT, MIRROR, palette};
-use crate::scene::{Attributes, Camera, Frame, Geometry, Light, MaterialId, Projection, Scene, Triangle};
+use crate::scene::{Attributes, Camera, Frame, Geometry, Lamps, Light, MaterialId, Projection, Scene, Triangle};
 
 /// A failure case.
 pub struct Failure {
@@ -112,6 +112,7 @@ impl Failure {
             statics: geometry(false, [0.0; 3]),
             dynamic_count: self.triangles.iter().filter(|part| part.moves).count(),
             light_count: 1,
+            lamps: Lamps::points(),
             frame_count: self.views.len() as u32,
             materials: palette(),
             textures: Vec::new(),

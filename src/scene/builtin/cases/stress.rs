@@ -6,7 +6,8 @@ use glam::{DQuat, DVec2, DVec3, Vec3};
 
 use super::{Film, MATT, MIRROR, palette};
 use crate::scene::builtin::shapes::hash;
-use crate::scene::{Attributes, Camera, Frame, Geometry, Light, MaterialId, Scene, Triangle};
+use crate::scene::lamps::rectangle;
+use crate::scene::{Attributes, Camera, Frame, Geometry, Lamps, Light, MaterialId, Scene, Triangle};
 
 /// What a random scene is made of. The ground is about ten units wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +28,8 @@ pub struct Recipe {
     pub lights: u32,
     /// Whether these move.
     pub lights_move: bool,
+    /// Points along an edge of the first light, if that is a rectangle.
+    pub area: u32,
     /// What the camera does.
     pub camera: CameraPath,
 }
@@ -66,6 +69,7 @@ impl Default for Recipe {
             moving: 6,
             lights: 2,
             lights_move: false,
+            area: 0,
             camera: CameraPath::Pan,
         }
     }
@@ -102,7 +106,8 @@ impl Recipe {
             name: name.into(),
             statics: self.statics(),
             dynamic_count: self.moving as usize,
-            light_count: self.lights as usize,
+            light_count: self.points().sum(),
+            lamps: Lamps::of_sizes(self.points()),
             frame_count: FRAMES,
             materials: palette(),
             textures: Vec::new(),
@@ -110,6 +115,11 @@ impl Recipe {
             ambient: Vec3::ONE,
             animation: Box::new(Film(move |number| self.frame(number))),
         }
+    }
+
+    /// Points of each light.
+    fn points(self) -> impl Iterator<Item = usize> {
+        (0..self.lights).map(move |light| if light == 0 { self.area.max(1).pow(2) as usize } else { 1 })
     }
 
     fn dice(self, what: u64) -> Dice {
@@ -170,9 +180,14 @@ impl Recipe {
             let at = dice.cube(0) * DVec3::new(6.0, 1.5, 6.0) + DVec3::Y * 5.0;
             let moved = if self.lights_move { at + dice.cube(1) * (0.2 * time) } else { at };
             let position = (moved + DVec3::from_array(self.centre)).as_vec3();
-            Light { position, color: Vec3::splat(1.0 / self.lights as f32) }
+            let color = Vec3::splat(1.0 / self.lights as f32);
+            if light > 0 || self.area == 0 {
+                return vec![Light { position, color }];
+            }
+            let half = [2, 3].map(|edge| dice.cube(edge) * 0.8);
+            rectangle(position.as_dvec3(), half, self.area as usize, color).collect()
         });
-        Frame { number, camera: self.camera(number), lights: lights.collect(), dynamic, visible }
+        Frame { number, camera: self.camera(number), lights: lights.flatten().collect(), dynamic, visible }
     }
 
     fn camera(self, number: u32) -> Camera {
