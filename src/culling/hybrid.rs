@@ -1,4 +1,5 @@
-//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers.
+//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers and for lamps: the
+//! points of an area share a blocker as they share a proof.
 //!
 //! The two complement each other: a re-tested blocker answers dark rays for one triangle test and cannot answer lit
 //! ones; a certificate answers both, and cannot be had where the answer changes within a cell, or where no single
@@ -104,7 +105,7 @@ impl Worker for HybridWorker<'_> {
             _ => {}
         }
         let cell = leaf.map_or(Cell::whole(hit.primitive), |leaf| leaf.cell);
-        let blocker = self.hints.blocker(cell, light, ray, probe);
+        let blocker = self.hints.blocker(cell, self.facts.lamps.of(light), ray, probe);
         self.open[usize::from(light.0)] = Some(Open { cell, blocker });
         if blocker.is_some() { Verdict::Dark } else { Verdict::Trace }
     }
@@ -113,7 +114,7 @@ impl Worker for HybridWorker<'_> {
         let Some(Open { cell, blocker }) = self.open[usize::from(light.0)] else { return };
         let traced = evidence.blocker.filter(|&blocker| !self.facts.is_dynamic(blocker));
         let blocker = blocker.or(traced);
-        self.hints.learn(cell, light, blocker);
+        self.hints.learn(cell, self.facts.lamps.of(light), blocker);
         self.prover.learn(light, blocker, probe);
     }
 
