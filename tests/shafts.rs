@@ -173,6 +173,9 @@ struct Answers {
     misses: u32,
     covers: u32,
     crosses: u32,
+    /// Those of them of lamps of several points.
+    area_misses: u32,
+    area_covers: u32,
 }
 
 #[test]
@@ -214,9 +217,16 @@ fn a_certificate_holds_for_every_ray() {
         let (_, relation) = stage.shaft().relation(&other);
         let rays = stage.rays(&weights);
         let mut answers = answers.borrow_mut();
+        let area = u32::from(stage.lights.len() > 1);
         match relation {
-            Relation::Misses => answers.misses += 1,
-            Relation::Covers => answers.covers += 1,
+            Relation::Misses => {
+                answers.misses += 1;
+                answers.area_misses += area;
+            }
+            Relation::Covers => {
+                answers.covers += 1;
+                answers.area_covers += area;
+            }
             Relation::Crosses => answers.crosses += 1,
         }
         for ray in rays {
@@ -230,6 +240,7 @@ fn a_certificate_holds_for_every_ray() {
     result.unwrap_or_else(|failure| panic!("{failure}"));
     println!("{answers:?}");
     assert!(answers.misses > 5_000 && answers.covers > 1_000 && answers.crosses > 5_000, "{answers:?}");
+    assert!(answers.area_misses > 5_000 && answers.area_covers > 500, "{answers:?}");
 }
 
 #[test]

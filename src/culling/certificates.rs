@@ -1,8 +1,9 @@
 //! Certificates: proofs, kept for cells of static receivers, that a lamp's static answer is the same for all of a cell.
 //!
-//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one mode a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both
-//! proven), or PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where
-//! rays ask for it and the answer is not uniform; nothing in it depends on a unit of length.
+//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one mode
+//! a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both proven), or
+//! PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where rays ask for
+//! it and the answer is not uniform; nothing in it depends on a unit of length.
 //!
 //! A certificate holds for one side of a receiver, that of the first ray that came; rays that start on the other side
 //! are traced. Bits 1:0 of the whole primitive's word say which.
@@ -28,9 +29,10 @@ use crate::stream::{Store, StoreEntries};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
-    /// Rays from a cell to a light, in one band of the picture and all with the same answer, before a proof is asked for.
+    /// Rays from a cell to a light (of an area: hits), in one band of the picture and all with the same answer, before a
+    /// proof is asked for.
     pub ask: Within<1, 255>,
-    /// Rays from a cell to a light, in one band, before a cell without a uniform or provable answer is divided.
+    /// Rays from a cell to a light (of an area: hits), in one band, before a cell without a uniform or provable answer is divided.
     pub divide: Within<1, 255>,
     /// How often a primitive is divided at most; 0 keeps certificates for whole primitives only.
     pub deepest: Within<0, DEEPEST>,
@@ -141,6 +143,7 @@ impl Certificates {
             seen: RayCounts::new(self.spec.counts, self.reference(self.nodes())),
             leaves: vec![None; self.facts.lights as usize],
             read: Vec::new(),
+            counted: Vec::new(),
         }
     }
 
@@ -265,12 +268,15 @@ pub struct Prover<'a> {
     leaves: Vec<Option<Leaf>>,
     /// Words read for the hit in work: all lights share them.
     read: Vec<u32>,
+    /// Lamps to which a ray of the hit in work was counted.
+    counted: Vec<LightId>,
 }
 
 impl Prover<'_> {
     /// The next hit is worked on.
     pub fn hit(&mut self) {
         self.read.clear();
+        self.counted.clear();
     }
 
     fn read(&mut self, entry: u32, probe: &mut Probe<'_>) {
@@ -337,7 +343,11 @@ impl Prover<'_> {
             // Another point of the lamp has just settled it.
             return;
         }
-        let seen = self.seen.count(cell, light, blocker.is_some(), probe);
+        let first = !self.counted.contains(&light);
+        if first {
+            self.counted.push(light);
+        }
+        let seen = self.seen.count(cell, light, blocker.is_some(), first, probe);
         let (rays, uniform) = (u64::from(seen.rays), seen.uniform());
         let mut found = None;
         if uniform && !seen.asked && rays >= all.spec.ask.get() {

@@ -44,16 +44,19 @@ impl RayCounts {
         Self { bits: size.get().trailing_zeros(), base, slots: FxHashMap::default() }
     }
 
-    /// Counts a ray, with one access to memory; what the slot then holds, to be changed.
-    pub fn count(&mut self, cell: Cell, light: LightId, dark: bool, probe: &mut Probe<'_>) -> &mut Seen {
+    /// Counts a ray, with one access to memory; what the slot then holds, to be changed. Of the rays of one hit to an area's
+    /// points the first is counted, and the access made, for all (`first`); the unit holds the entry meanwhile.
+    pub fn count(&mut self, cell: Cell, light: LightId, dark: bool, first: bool, probe: &mut Probe<'_>) -> &mut Seen {
         let slot = self.slot(cell, light);
-        probe.update(Store::ModeWord, self.base + slot);
+        if first {
+            probe.update(Store::ModeWord, self.base + slot);
+        }
         let entry = self.slots.entry(slot).or_insert((cell, light, Seen::default()));
         if (entry.0, entry.1) != (cell, light) {
             *entry = (cell, light, Seen::default());
         }
         let seen = &mut entry.2;
-        seen.rays = seen.rays.saturating_add(1);
+        seen.rays = seen.rays.saturating_add(first.into());
         seen.lit |= !dark;
         seen.dark |= dark;
         seen

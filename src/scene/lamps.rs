@@ -20,12 +20,13 @@ impl Lamps {
         Self { of: std::array::from_fn(|light| light as u8), count: MAX_LIGHTS as u8 }
     }
 
-    /// Lamps of so many points each, [`MAX_LIGHTS`] points in all at most.
+    /// Lamps of so many points each, [`MAX_LIGHTS`] points in all at most: whoever reads a scene has checked that.
     pub fn of_sizes(sizes: impl IntoIterator<Item = usize>) -> Self {
         let mut lamps = Self { of: [0; MAX_LIGHTS], count: 0 };
         let mut points = lamps.of.iter_mut();
         for size in sizes {
-            points.by_ref().take(size).for_each(|of| *of = lamps.count);
+            let placed = points.by_ref().take(size).map(|of| *of = lamps.count).count();
+            assert_eq!(placed, size, "a scene has at most {MAX_LIGHTS} lights");
             lamps.count += 1;
         }
         lamps

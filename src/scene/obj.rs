@@ -53,6 +53,10 @@ fn dim() -> Vec3 {
 
 fn lights<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LightSpec>, D::Error> {
     let lights = Vec::<LightSpec>::deserialize(from)?;
+    let flat = |area: &AreaSpec| area.u.cross(area.v).length() == 0.0;
+    if lights.iter().any(|light| light.area.as_ref().is_some_and(flat)) {
+        return Err(D::Error::custom("an area whose edges `u` and `v` are parallel is not allowed"));
+    }
     let points: usize = lights.iter().map(LightSpec::points).sum();
     if points <= MAX_LIGHTS {
         Ok(lights)
@@ -79,7 +83,7 @@ pub struct LightSpec {
     pub area: Option<AreaSpec>,
 }
 
-/// A rectangular light, which casts soft shadows: every hit sends a shadow ray to each of its points.
+/// A rectangular light (or any parallelogram), which casts soft shadows: every hit sends a shadow ray to each of its points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {
