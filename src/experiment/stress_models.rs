@@ -8,7 +8,7 @@ use crate::report::stress::ModelVerdict;
 use crate::stream::{Header, Item};
 
 /// The models, the first of which is what the others are held to.
-pub const MODELS: [Fidelity; 2] = [Fidelity::Cycle, Fidelity::Event];
+pub const MODELS: [Fidelity; 4] = [Fidelity::Cycle, Fidelity::Event, Fidelity::Functional, Fidelity::Bound];
 
 /// The stream of a policy in a case.
 pub struct Recorded {
