@@ -188,8 +188,9 @@ pub struct MachineStats {
     pub dram: DramCounts,
     /// The DRAM's channels, part, page policy and address mapping, in words.
     pub dram_organization: String,
-    /// Peak bandwidth of the DRAM in bytes a machine cycle.
-    pub dram_peak_bytes_per_cycle: f64,
+    /// Peak bandwidth of the DRAM in bytes a machine cycle; a flat one may have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dram_peak_bytes_per_cycle: Option<f64>,
     /// How far from the truth these numbers may be.
     #[serde(default)]
     pub accuracy: Accuracy,

@@ -9,7 +9,9 @@ use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::source::parents;
 use crate::memory::dram::part::Timing;
+use crate::memory::dram::spec::Model;
 use crate::memory::l2::Home;
+use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, Cycle, LineAddr};
 use crate::stats::{Bounds, Cause, Limit, MachineStats, Range, TrafficClass};
 use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step};
@@ -77,6 +79,8 @@ pub(super) struct Bound {
     longest: u64,
     banks: Vec<u64>,
     homes: [Home; TrafficClass::ALL.len()],
+    /// Whether the L2's cache for a class is ideal.
+    ideal_homes: [bool; TrafficClass::ALL.len()],
     channels: Vec<u64>,
     // Of the run.
     cycles: u64,
@@ -109,6 +113,8 @@ impl Bound {
             longest: 0,
             banks: vec![0; machine.l2.banks() as usize],
             homes: machine.l2.homes(),
+            ideal_homes: TrafficClass::ALL
+                .map(|class| machine.l2.caches()[machine.l2.home(class)].1.contents == Contents::Ideal),
             channels: vec![0; machine.dram.channels.size()],
             cycles: 0,
             serial: 0,
@@ -196,7 +202,11 @@ impl Bound {
         let unit = &self.kinds[work.kind as usize];
         let operations = work.operations();
         // An access to a line that is about to come has its data a cycle later, however long a hit takes.
-        let mut held = operations * (1 + unit.latency);
+        let access = match unit.cache.contents {
+            Contents::Tags => 1,
+            Contents::Ideal => unit.cache.latency.get(),
+        };
+        let mut held = operations * (access + unit.latency);
         if work.divides {
             held += self.machine.intersection.divide_latency.get();
         }
@@ -219,11 +229,15 @@ impl Bound {
         let work = &mut self.work[kind as usize];
         (work.accesses, work.all_accesses) = (work.accesses + lines, work.all_accesses + lines);
         self.writes += u64::from(element.write) * lines;
+        if self.kinds[kind as usize].cache.contents == Contents::Ideal {
+            return;
+        }
+        let l2_is_ideal = self.ideal_homes[class];
         for line in first.0..first.0 + lines {
             if self.touched[kind as usize].touch(line) {
                 self.banks[self.homes[class].bank(LineAddr(line))] += 1;
                 self.l2[class] += size;
-                if self.touched_by_any.touch(line) {
+                if !l2_is_ideal && self.touched_by_any.touch(line) {
                     let place = self.machine.dram.place(LineAddr(line));
                     self.channels[place.channel] += 1;
                     self.dram[class] += size;
@@ -248,10 +262,10 @@ impl Bound {
             }
         }
         self.banks.iter().for_each(|&requests| at_least(requests, 1));
-        let part = &self.machine.dram.part;
-        let line_clocks = self.machine.line_bytes.get() / part.burst_bytes.get() * part.burst_clocks.get();
-        let mhz = (self.machine.clock_mhz.get(), part.clock_mhz.get());
-        self.channels.iter().for_each(|&lines| at_least(lines * line_clocks * mhz.0 / mhz.1, 1));
+        if let Some((bytes, cycles)) = self.machine.dram.channel_peak(self.machine.clock_mhz.get()) {
+            let line = self.machine.line_bytes.get();
+            self.channels.iter().for_each(|&lines| at_least(lines * line * cycles / bytes, 1));
+        }
         self.cycles += least;
         (self.rays, self.pool_held, self.slots_held, self.longest) = (0, 0, 0, 0);
         for work in &mut self.work {
@@ -283,21 +297,29 @@ impl Bound {
 
     /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come before it.
     fn serial_cycles(&self, requests: u64) -> u64 {
-        let part = &self.machine.dram.part;
-        let Timing { cl, cwl, rcd, rp, ras, rc, ccd_l, rrd_l, faw, rtp, wr, wtr_l, turn, refi, rfc, .. } = part.timing;
-        let line = self.machine.line_bytes.get() / part.burst_bytes.get() * (part.burst_clocks.get() + ccd_l.get());
-        let waits = [cl, cwl, rcd, rp, ras, rrd_l, faw, rtp, wr, wtr_l].map(|wait| wait.get());
-        let clocks = self.machine.dram.clocks(self.machine.clock_mhz.get());
-        let request = clocks.cycle_after(waits.iter().sum::<u64>() + turn.get() + rc.get() + 2 * line);
-        let operations: u64 =
-            self.kinds.iter().zip(&self.work).map(|(unit, work)| work.all_operations * (unit.latency + 8)).sum();
+        let operations: u64 = self
+            .kinds
+            .iter()
+            .zip(&self.work)
+            .map(|(unit, work)| work.all_operations * (unit.latency + 8) + work.all_accesses * unit.cache.latency.get())
+            .sum();
         let left_out = if self.stores_count { 0 } else { 2 * self.left_out };
         let unit = &self.kinds[Kind::ShadowCache as usize];
         let operations = operations + left_out * (unit.latency + unit.cache.latency.get() + 16);
         let l2 = self.machine.l2.caches().iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or(0);
-        let served = self.serial + operations + requests * (request + 2 * l2 + 16) + 1000;
+        let served = |request| self.serial + operations + requests * (request + 2 * l2 + 16) + 1000;
+        let part = &self.machine.dram.part;
+        let line = self.machine.line_bytes.get();
+        if let Model::Flat { latency, bytes_per_cycle } = self.machine.dram.model {
+            return served(latency.get() + 1 + bytes_per_cycle.map_or(0, |bytes| line.div_ceil(bytes.get())));
+        }
+        let Timing { cl, cwl, rcd, rp, ras, rc, ccd_l, rrd_l, faw, rtp, wr, wtr_l, turn, refi, rfc, .. } = part.timing;
+        let line = line / part.burst_bytes.get() * (part.burst_clocks.get() + ccd_l.get());
+        let waits = [cl, cwl, rcd, rp, ras, rrd_l, faw, rtp, wr, wtr_l].map(|wait| wait.get());
+        let clocks = self.machine.dram.clocks(self.machine.clock_mhz.get());
+        let request = clocks.cycle_after(waits.iter().sum::<u64>() + turn.get() + rc.get() + 2 * line);
         // Of the time between refreshes more than half can be used: the spec's check sees to it.
-        2 * served + 2 * clocks.cycle_after(refi.get() + rfc.get())
+        2 * served(request) + 2 * clocks.cycle_after(refi.get() + rfc.get())
     }
 
     /// The lower bound as what a machine would have measured that meets it.

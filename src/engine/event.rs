@@ -192,7 +192,7 @@ impl Engine for Event {
 
     #[cfg(test)]
     fn commands(&self) -> Vec<&CommandLog> {
-        (0..self.links.dram.channels()).map(|index| self.links.dram.log(index)).collect()
+        self.links.dram.logs()
     }
 }
 

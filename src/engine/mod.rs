@@ -24,6 +24,7 @@ use crate::machine::source::{StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::spec::Model;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Header, Item};
 
@@ -166,6 +167,12 @@ fn patience(spec: &MachineSpec) -> u64 {
         l2.max().unwrap_or(0),
     ];
     let part = &spec.dram.part;
-    let clocks = part.timing.around_refresh(part.burst_clocks.get()) + part.timing.cl.get();
-    100_000 + 2 * units.iter().sum::<u64>() + 2 * spec.dram.clocks(spec.clock_mhz.get()).cycle_after(clocks)
+    let dram = match spec.dram.model {
+        Model::Banks => {
+            let clocks = part.timing.around_refresh(part.burst_clocks.get()) + part.timing.cl.get();
+            spec.dram.clocks(spec.clock_mhz.get()).cycle_after(clocks)
+        }
+        Model::Flat { latency, .. } => latency.get(),
+    };
+    100_000 + 2 * units.iter().sum::<u64>() + 2 * dram
 }

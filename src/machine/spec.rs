@@ -10,6 +10,7 @@ use super::stores::{StoreLayout, check_tag};
 use super::traversal::TraversalSpec;
 use crate::memory::dram::spec::DramSpec;
 use crate::memory::l2::L2Spec;
+use crate::memory::tags::Contents;
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::TrafficClass;
 use crate::stream::Header;
@@ -85,6 +86,7 @@ impl MachineSpec {
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
             .and_then(|()| self.check_homes())
+            .and_then(|()| self.check_writes())
             .and_then(|()| self.dram.check(line))
             .map_err(SpecError)
     }
@@ -105,6 +107,19 @@ impl MachineSpec {
                 "`l2` has different homes for `{one}` and `{other}`, which share lines with `shadow_cache.layout` {layout:?}: one home is allowed"
             ))
         })
+    }
+
+    /// An ideal cache sends nothing down, so nothing can be written through it.
+    fn check_writes(&self) -> Result<(), String> {
+        let (field, cache) = match self.shadow_cache.place {
+            Place::Own => ("shadow_cache.cache", &self.shadow_cache.cache),
+            Place::Triangle => ("intersection.cache", &self.intersection.cache),
+            Place::L2 | Place::Free => return Ok(()),
+        };
+        if self.shadow_cache.writes == WritePolicy::Through && cache.contents == Contents::Ideal {
+            return Err(format!("`shadow_cache.writes` is Through: with `{field}.contents: Ideal`, Back is allowed"));
+        }
+        Ok(())
     }
 
     /// Checks what a stream and the machine need of each other.
@@ -164,6 +179,11 @@ mod tests {
                 "different homes for `mode_word` and `pixel_counter`",
             ),
             ("(shadow_cache: (cache: (bytes: 12288, ways: 3, replacement: TreePlru)))", "a power of two is allowed"),
+            (
+                "(shadow_cache: (writes: Through, cache: (contents: Ideal)))",
+                "with `shadow_cache.cache.contents: Ideal`, Back is allowed",
+            ),
+            ("(dram: (model: Flat(bytes_per_cycle: 8)))", "Unexpected missing field named `latency`"),
             ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),
             ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),
             ("(dram: (mapping: [Column(5), Bank(3)]))", "does not end with `Row`"),

@@ -9,7 +9,7 @@ use super::dram::Dram;
 use super::mshr::MshrFile;
 use super::queue::Queue;
 use super::replacement::Policy;
-use super::tags::TagArray;
+use super::tags::{Contents, TagArray};
 use super::{PartId, Request, Touch, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
@@ -20,6 +20,8 @@ use crate::stats::TrafficClass;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankedSpec {
+    /// What it holds.
+    pub contents: Contents,
     /// Size in bytes, all banks together.
     pub bytes: Within<32, 0x1_0000_0000>,
     /// Lines a set.
@@ -41,6 +43,7 @@ pub struct BankedSpec {
 impl BankedSpec {
     /// The defaults.
     pub const DEFAULT: Self = Self {
+        contents: Contents::Tags,
         bytes: Within::literal(128 << 10),
         ways: Within::literal(2),
         banks: PowerOfTwo::literal(8),
@@ -53,14 +56,26 @@ impl BankedSpec {
 
     /// Checks what single fields cannot: `field` names the spec in errors, `line` is the line size in bytes.
     pub fn check(&self, field: &str, line: u64) -> Result<(), String> {
-        check_geometry(field, self.bytes.get(), self.ways.get(), self.banks.get(), line, self.replacement)
+        let Self { contents, bytes, ways, banks, replacement, .. } = self;
+        match contents {
+            Contents::Tags => check_geometry(field, bytes.get(), ways.get(), banks.get(), line, *replacement),
+            Contents::Ideal => Ok(()),
+        }
+    }
+
+    /// The tags of a bank, empty.
+    pub fn bank_tags(&self, line: u64) -> TagArray {
+        let Self { ways, banks, replacement, .. } = self;
+        let sets = || self.bytes.get() / (line * ways.get() * banks.get());
+        match self.contents {
+            Contents::Tags => TagArray::new(sets() as usize, ways.size(), banks.get().ilog2(), *replacement),
+            Contents::Ideal => TagArray::ideal(),
+        }
     }
 
     /// Tags and registers of a bank, empty.
     pub fn bank_cache(&self, line: u64) -> Cache {
-        let sets = self.bytes.get() / (line * self.ways.get() * self.banks.get());
-        let tags = TagArray::new(sets as usize, self.ways.size(), self.banks.get().trailing_zeros(), self.replacement);
-        Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size()))
+        Cache::new(self.bank_tags(line), MshrFile::new(self.mshrs.size(), self.targets.size()))
     }
 
     /// A bank, empty, with the number `part` in the machine.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Touch;
 use super::mshr::MshrFile;
 use super::replacement::Policy;
-use super::tags::{TagArray, Victim};
+use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::LineAddr;
 use crate::ranged::Within;
 use crate::stats::{CacheCounts, TrafficClass};
@@ -15,6 +15,8 @@ use crate::stats::{CacheCounts, TrafficClass};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSpec {
+    /// What it holds.
+    pub contents: Contents,
     /// Size in bytes.
     pub bytes: Within<32, 0x1000_0000>,
     /// Lines a set.
@@ -36,6 +38,7 @@ pub struct CacheSpec {
 impl CacheSpec {
     /// The defaults.
     pub const DEFAULT: Self = Self {
+        contents: Contents::Tags,
         bytes: Within::literal(8192),
         ways: Within::literal(2),
         replacement: Policy::Lru,
@@ -48,14 +51,24 @@ impl CacheSpec {
 
     /// Checks what single fields cannot: `field` names the spec in errors, `line` is the line size in bytes.
     pub fn check(&self, field: &str, line: u64) -> Result<(), String> {
-        check_geometry(field, self.bytes.get(), self.ways.get(), 1, line, self.replacement)
+        match self.contents {
+            Contents::Tags => check_geometry(field, self.bytes.get(), self.ways.get(), 1, line, self.replacement),
+            Contents::Ideal => Ok(()),
+        }
+    }
+
+    /// The tags, empty.
+    pub fn tags(&self, line: u64) -> TagArray {
+        let sets = || self.bytes.get() / (line * self.ways.get());
+        match self.contents {
+            Contents::Tags => TagArray::new(sets() as usize, self.ways.size(), 0, self.replacement),
+            Contents::Ideal => TagArray::ideal(),
+        }
     }
 
     /// The cache, empty.
     pub fn build(&self, line: u64) -> Cache {
-        let sets = self.bytes.get() / (line * self.ways.get());
-        let tags = TagArray::new(sets as usize, self.ways.size(), 0, self.replacement);
-        Cache::new(tags, MshrFile::new(self.mshrs.size(), self.targets.size()))
+        Cache::new(self.tags(line), MshrFile::new(self.mshrs.size(), self.targets.size()))
     }
 }
 

@@ -1,5 +1,7 @@
 //! The tag array of a set-associative cache: what is in it, and what goes. It knows no time; engines share it.
 
+use serde::{Deserialize, Serialize};
+
 use super::replacement::{Policy, State};
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
@@ -33,10 +35,21 @@ pub struct Victim {
     pub dirty: bool,
 }
 
+/// What a cache holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Contents {
+    /// The lines that its tags name.
+    #[default]
+    Tags,
+    /// Every line, always: each access hits, and nothing goes to the level below or comes from it. For bounds; size, ways, replacement and
+    /// miss registers then say nothing.
+    Ideal,
+}
+
 /// The tags of a cache.
 #[derive(Clone, Debug)]
 pub struct TagArray {
-    /// Packed lines, set by set.
+    /// Packed lines, set by set; none of an ideal cache.
     lines: Vec<u64>,
     state: State,
     ways: usize,
@@ -53,6 +66,15 @@ impl TagArray {
         Self { lines: vec![EMPTY; sets * ways], state, ways, set_mask: sets as u64 - 1, set_shift }
     }
 
+    /// The array of an ideal cache.
+    pub fn ideal() -> Self {
+        Self { lines: Vec::new(), state: State::new(Policy::Lru, 0), ways: 0, set_mask: 0, set_shift: 0 }
+    }
+
+    fn is_ideal(&self) -> bool {
+        self.lines.is_empty()
+    }
+
     fn set(&self, line: LineAddr) -> usize {
         (line.0 >> self.set_shift & self.set_mask) as usize
     }
@@ -63,6 +85,9 @@ impl TagArray {
 
     /// Uses `line`, which makes it dirty if `write`; whether it was there.
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
+        if self.is_ideal() {
+            return true;
+        }
         let set = self.set(line);
         let lines = &mut self.lines[set * self.ways..][..self.ways];
         let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
@@ -75,7 +100,7 @@ impl TagArray {
 
     /// Whether `line` is there; nothing changes.
     pub fn contains(&self, line: LineAddr) -> bool {
-        self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
+        self.is_ideal() || self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
     }
 
     fn place(&self, set: usize) -> usize {

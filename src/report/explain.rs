@@ -164,7 +164,11 @@ pub const STATISTICS: &[Statistic] = &[
     ),
     stat("machines.*.policies.*.dram.refreshes", "commands", "refreshes given, all channels together"),
     stat("machines.*.policies.*.dram_row_hit_rate", "share", "row_hits / (row_hits + row_misses + row_conflicts)"),
-    stat("machines.*.policies.*.dram_peak_bytes_per_cycle", "B/cycle", "what all channels can move at their peak"),
+    stat(
+        "machines.*.policies.*.dram_peak_bytes_per_cycle",
+        "B/cycle",
+        "what all channels can move at their peak; absent if nothing limits it",
+    ),
     stat(
         "machines.*.policies.*.accuracy.estimated.cycles",
         "share",

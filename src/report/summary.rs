@@ -379,14 +379,14 @@ impl From<MachineStats> for MachineRun {
         });
         let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
         let dram = stats.dram;
-        let peak = stats.dram_peak_bytes_per_cycle * stats.cycles.0 as f64;
+        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
         let moved = stats.bytes.get("dram").map(|classes| classes.values().map(|bytes| bytes.0).sum::<u64>());
         Self {
             rays_per_second: (stats.cycles.0 > 0).then(|| stats.rays_per_second()),
             hit_rate: rates.collect(),
             utilization: used.collect(),
             dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
-            dram_utilization: moved.filter(|_| peak > 0.0).map(|moved| moved as f64 / peak),
+            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved as f64 / peak),
             stats,
         }
     }

@@ -2,10 +2,11 @@
 
 use std::collections::VecDeque;
 
+use super::flat::Bus;
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::dram::command::{Column, Command, CommandLog};
 use crate::memory::dram::part::DramPart;
-use crate::memory::dram::spec::{DramSpec, Page};
+use crate::memory::dram::spec::{DramSpec, Model, Page};
 use crate::quantity::Bytes;
 use crate::stats::{DramCounts, TrafficClass};
 
@@ -33,6 +34,9 @@ pub struct Channel {
     index: usize,
     part: DramPart,
     page: Page,
+    /// The data bus of a flat channel, whose clock is the machine's.
+    flat: Option<Bus>,
+    mhz: u64,
     machine_mhz: u64,
     bursts: u64,
     /// The next clock to act in.
@@ -50,7 +54,7 @@ pub struct Channel {
     transfers: VecDeque<(u64, Request)>,
     pub counts: DramCounts,
     pub moved: [Bytes; TrafficClass::ALL.len()],
-    pub log: CommandLog,
+    log: CommandLog,
 }
 
 /// Whether in clock `now` at least `wait` clocks have passed since an event, if there was one.
@@ -61,9 +65,17 @@ fn passed(event: Option<u64>, wait: u64, now: u64) -> bool {
 impl Channel {
     pub fn new(spec: &DramSpec, index: usize, machine_mhz: u64, line: u64) -> Self {
         let part = spec.part.clone();
+        let (flat, mhz) = match spec.model {
+            Model::Banks => (None, part.clock_mhz.get()),
+            Model::Flat { latency, bytes_per_cycle } => {
+                (Some(Bus::new(latency.get(), bytes_per_cycle.map(|bytes| bytes.get()), line)), machine_mhz)
+            }
+        };
         Self {
             index,
             page: spec.page,
+            flat,
+            mhz,
             machine_mhz,
             bursts: line / part.burst_bytes.get(),
             clock: 0,
@@ -82,7 +94,7 @@ impl Channel {
     }
 
     pub fn tick(&mut self, cycle: u64, wires: &mut Wires) {
-        let mhz = self.part.clock_mhz.get();
+        let mhz = self.mhz;
         // Data that ends at clock `e` has passed when `e / mhz` is not after the beginning of the cycle.
         while let Some(&(end, request)) = self.transfers.front()
             && end * self.machine_mhz <= cycle * mhz
@@ -100,6 +112,12 @@ impl Channel {
     }
 
     fn act(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
+        if let Some(bus) = &mut self.flat {
+            let passed = bus.act(now, &mut wires.to_channel[self.index]);
+            passed.iter().for_each(|(_, request)| self.count(request));
+            self.transfers.extend(passed);
+            return;
+        }
         for number in 0..self.banks.len() {
             if self.banks[number].closes_itself && self.can_precharge(&self.banks[number], now) {
                 (self.banks[number].closes_itself, self.banks[number].precharge) = (false, Some(now));
@@ -114,7 +132,7 @@ impl Channel {
 
     /// Whether a refresh was due in the last clock that was acted in, and was not given.
     pub fn refresh_is_due(&self) -> bool {
-        self.clock > (self.counts.refreshes + 1) * self.part.timing.refi.get()
+        self.flat.is_none() && self.clock > (self.counts.refreshes + 1) * self.part.timing.refi.get()
     }
 
     fn toward_refresh(&mut self, now: u64) {
@@ -242,18 +260,33 @@ impl Channel {
         }
         if last {
             queue.remove(index);
-            if request.write {
-                self.counts.writes += 1;
-            } else {
-                self.counts.reads += 1;
-            }
-            self.moved[request.class as usize] += request.bytes;
+            self.count(&request);
             self.transfers.push_back((self.bus_free, request));
         }
     }
 
+    fn count(&mut self, request: &Request) {
+        if request.write {
+            self.counts.writes += 1;
+        } else {
+            self.counts.reads += 1;
+        }
+        self.moved[request.class as usize] += request.bytes;
+    }
+
+    #[cfg(test)]
+    pub fn keep_commands(&mut self) {
+        self.log.keep();
+    }
+
+    /// The commands that were kept; a flat channel has none.
+    #[cfg(test)]
+    pub fn log(&self) -> Option<&CommandLog> {
+        self.flat.is_none().then_some(&self.log)
+    }
+
     pub fn is_empty(&self) -> bool {
-        self.transfers.is_empty()
+        self.transfers.is_empty() && self.flat.as_ref().is_none_or(Bus::is_empty)
     }
 
     pub fn queues(&self, wires: &Wires) -> String {

@@ -6,7 +6,6 @@ use super::cache::{Cache, Met};
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::bank::BankedSpec;
 use crate::memory::dram::spec::DramSpec;
-use crate::memory::tags::TagArray;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{CacheCounts, TrafficClass};
 
@@ -25,15 +24,12 @@ pub struct Bank {
 
 impl Bank {
     pub fn new(spec: &BankedSpec, dram: &DramSpec, index: usize, line: u64) -> Self {
-        let banks = spec.banks.get();
-        let sets = spec.bytes.get() / (line * spec.ways.get() * banks);
-        let tags = TagArray::new(sets as usize, spec.ways.size(), banks.ilog2(), spec.replacement);
         Self {
             index,
             spec: *spec,
             dram: dram.clone(),
             line,
-            cache: Cache::new(tags, spec.mshrs.size(), spec.targets.size()),
+            cache: Cache::new(spec.bank_tags(line), spec.mshrs.size(), spec.targets.size()),
             answers: VecDeque::new(),
             out: VecDeque::new(),
             moved: Default::default(),

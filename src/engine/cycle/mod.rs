@@ -5,6 +5,7 @@
 
 mod cache;
 mod dram;
+mod flat;
 mod host;
 mod intersection;
 mod l2;
@@ -170,11 +171,11 @@ impl Engine for Cycle {
 
     #[cfg(test)]
     fn keep_commands(&mut self) {
-        self.channels.iter_mut().for_each(|channel| channel.log.keep());
+        self.channels.iter_mut().for_each(Channel::keep_commands);
     }
 
     #[cfg(test)]
     fn commands(&self) -> Vec<&CommandLog> {
-        self.channels.iter().map(|channel| &channel.log).collect()
+        self.channels.iter().filter_map(Channel::log).collect()
     }
 }

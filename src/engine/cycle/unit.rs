@@ -9,7 +9,6 @@ use crate::engine::tally::UnitTally;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::WritePolicy;
 use crate::memory::cache::CacheSpec;
-use crate::memory::tags::TagArray;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::Cause;
 
@@ -50,15 +49,13 @@ pub struct Unit {
 
 impl Unit {
     pub fn new(l1: usize, spec: &CacheSpec, latency: u64, line: u64, writes: WritePolicy) -> Self {
-        let sets = spec.bytes.get() / (line * spec.ways.get());
-        let tags = TagArray::new(sets as usize, spec.ways.size(), 0, spec.replacement);
         Self {
             l1,
             spec: *spec,
             latency,
             line,
             writes,
-            cache: Cache::new(tags, spec.mshrs.size(), spec.targets.size()),
+            cache: Cache::new(spec.tags(line), spec.mshrs.size(), spec.targets.size()),
             out: VecDeque::new(),
             fetches: BTreeMap::new(),
             fetch_queue: VecDeque::new(),

@@ -18,6 +18,7 @@ use super::work::Kind;
 use crate::machine::MachineSpec;
 use crate::machine::source::FrameCounts;
 use crate::memory::Touch;
+use crate::memory::tags::Contents;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step, Totals};
 
@@ -43,7 +44,10 @@ impl Plan {
         // In the warm-up each line of the L1s of a kind can be replaced by one ray in each.
         let lines = |kind: Kind| {
             let spec = kind.spec(machine);
-            (spec.count * spec.cache.bytes.get() / machine.line_bytes.get()) as usize
+            match spec.cache.contents {
+                Contents::Tags => (spec.count * spec.cache.bytes.get() / machine.line_bytes.get()) as usize,
+                Contents::Ideal => 0,
+            }
         };
         let warm_up = Kind::ALL.into_iter().map(lines).max().unwrap_or(0).div_ceil(rays);
         Self { stratum, rays, warm_up, seed }

@@ -12,6 +12,7 @@ use super::*;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::memory::dram::command::CommandLog;
 use crate::memory::dram::legality::violations;
+use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stream::StreamReader;
 
@@ -94,6 +95,9 @@ fn engines_agree_on_any_machine_and_stream() {
         assert!(reached > 20, "{what}: in {reached} cases only");
     };
     reached("refreshes", |tally| tally.commands().refreshes);
+    reached("reads of a flat DRAM", |tally| {
+        tally.channels.iter().map(|it| it.counts).filter(|it| it.row_hits + it.row_misses == 0).map(|it| it.reads).sum()
+    });
     reached("row hits", |tally| tally.commands().row_hits);
     reached("row conflicts", |tally| tally.commands().row_conflicts);
     reached("writes", |tally| tally.commands().writes);
@@ -129,11 +133,17 @@ fn engines_agree_where_fills_wait() {
         let line = machine.line_bytes.get();
         let cache = &mut machine.shadow_cache.cache;
         (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (num(2 * line), num(2), num(1), num(4));
-        (cache.latency, cache.targets) = (num(20), num(4));
+        (cache.latency, cache.targets, cache.contents) = (num(20), num(4), Contents::Tags);
         machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
         machine.shadow_cache.contexts = num(6);
-        let small =
-            BankedSpec { bytes: num(2 * line), ways: num(2), queue: num(1), banks: pow(1), ..first_l2(&machine) };
+        let small = BankedSpec {
+            contents: Contents::Tags,
+            bytes: num(2 * line),
+            ways: num(2),
+            queue: num(1),
+            banks: pow(1),
+            ..first_l2(&machine)
+        };
         machine.l2 = L2Spec::Unified(small);
         machine.dram.queue = num(1);
         agree(&machine, &header(), &stream).map(drop)

@@ -7,6 +7,7 @@ use super::synthetic::header;
 use super::*;
 use crate::engine::sampling::estimate::{Total, estimate};
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
 use crate::stream::StreamReader;
@@ -35,6 +36,9 @@ fn the_functional_rung_does_the_same_work_on_any_machine() {
     check_many(200, (machines(), streams()), |(mut machine, stream)| {
         let unit = &mut machine.shadow_cache;
         (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+        if unit.cache.contents == Contents::Ideal {
+            unit.writes = WritePolicy::Back;
+        }
         let [functional, event] = ["Functional", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
         let work = |stats: &MachineStats| {
             let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();

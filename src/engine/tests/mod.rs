@@ -1,4 +1,5 @@
 mod agreement;
+mod ideal;
 mod ladder;
 mod random;
 mod synthetic;

@@ -12,9 +12,10 @@ use crate::memory::bank::BankedSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::part::DramPart;
-use crate::memory::dram::spec::{DramSpec, Page};
+use crate::memory::dram::spec::{DramSpec, Model, Page};
 use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::memory::replacement::Policy;
+use crate::memory::tags::Contents;
 use crate::quantity::{ListId, NodeId};
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
@@ -33,10 +34,15 @@ fn replacement() -> impl Strategy<Value = Policy> {
     ]
 }
 
+fn contents() -> impl Strategy<Value = Contents> {
+    prop_oneof![5 => Just(Contents::Tags), 1 => Just(Contents::Ideal)]
+}
+
 fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
-    let shape = (0..3u32, 0..4u32, replacement(), latency(200));
+    let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200));
     (shape, 1..3u64, 1..4u64, 1..4u64, 1..4u64).prop_map(
-        move |((ways, sets, replacement, latency), ports, mshrs, targets, queue)| CacheSpec {
+        move |((contents, ways, sets, replacement, latency), ports, mshrs, targets, queue)| CacheSpec {
+            contents,
             bytes: num((line << ways) << sets),
             ways: num(1 << ways),
             replacement,
@@ -51,6 +57,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
 
 fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
     (cache(line), 0..3u32, latency(300)).prop_map(|(cache, banks, latency)| BankedSpec {
+        contents: cache.contents,
         bytes: num(cache.bytes.get() << banks),
         ways: cache.ways,
         banks: pow(1 << banks),
@@ -80,52 +87,62 @@ fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
     prop_oneof![2 => banked(line).prop_map(L2Spec::Unified), 1 => split]
 }
 
+fn model() -> impl Strategy<Value = Model> {
+    let flat = (latency(300), prop::option::of(prop_oneof![1..9u64, 1..400u64]))
+        .prop_map(|(latency, bytes)| Model::Flat { latency: num(latency), bytes_per_cycle: bytes.map(num) });
+    prop_oneof![4 => Just(Model::Banks), 1 => flat]
+}
+
 fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
     let shape = (0..3u32, 0..3u32, 0..3u32, 0..6u32, 0..3u32, 1..6u64, 0..3u32);
     let wait = || prop_oneof![3 => 1..30u64, 1 => 1..300u64];
     let waits = prop::collection::vec(wait(), 16);
     let clocks = (prop_oneof![Just(1600u64), 100..4000u64], 1..9u64);
-    (shape, waits, clocks, any::<bool>()).prop_map(move |(shape, waits, (clock_mhz, burst_clocks), closed)| {
-        let (channels, groups, banks, columns, low, queue, burst) = shape;
-        let low = low.min(columns);
-        let mut part = DramPart {
-            clock_mhz: num(clock_mhz),
-            bank_groups: pow(1 << groups),
-            banks: pow(1 << (groups + banks)),
-            row_bytes: pow(line << columns),
-            burst_bytes: pow(line >> burst),
-            burst_clocks: num(burst_clocks),
-            ..DramPart::default()
-        };
-        let timing = &mut part.timing;
-        (timing.cl, timing.cwl, timing.rcd) = (num(waits[0]), num(waits[1]), num(waits[2]));
-        (timing.rp, timing.ras, timing.rtp, timing.wr) = (num(waits[3]), num(waits[4]), num(waits[6]), num(waits[7]));
-        timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
-        timing.rfc = num(waits[10]);
-        (timing.faw, timing.turn) = (num(waits[11]), num(waits[12] - 1));
-        // What is longer within a group than between groups, if there are groups.
-        let longer = |wait: u64| if groups > 0 { wait / 4 } else { 0 };
-        let ccd = burst_clocks + waits[13] / 16;
-        (timing.ccd_s, timing.ccd_l) = (num(ccd), num(ccd + longer(waits[14])));
-        (timing.rrd_s, timing.rrd_l) = (num(waits[5]), num(waits[5] + longer(waits[15])));
-        (timing.wtr_s, timing.wtr_l) = (num(waits[8]), num(waits[8] + longer(waits[15])));
-        let mapping = vec![
-            Field::Column(low),
-            Field::BankGroup(groups / 2),
-            Field::Channel(channels),
-            Field::Column(columns - low),
-            Field::BankGroup(groups - groups / 2),
-            Field::Bank(banks),
-            Field::Row,
-        ];
-        DramSpec {
-            part,
-            channels: pow(1 << channels),
-            queue: num(queue),
-            page: if closed { Page::Closed } else { Page::Open },
-            mapping: Mapping(mapping),
-        }
-    })
+    (model(), shape, waits, clocks, any::<bool>()).prop_map(
+        move |(model, shape, waits, (clock_mhz, burst_clocks), closed)| {
+            let (channels, groups, banks, columns, low, queue, burst) = shape;
+            let low = low.min(columns);
+            let mut part = DramPart {
+                clock_mhz: num(clock_mhz),
+                bank_groups: pow(1 << groups),
+                banks: pow(1 << (groups + banks)),
+                row_bytes: pow(line << columns),
+                burst_bytes: pow(line >> burst),
+                burst_clocks: num(burst_clocks),
+                ..DramPart::default()
+            };
+            let timing = &mut part.timing;
+            (timing.cl, timing.cwl, timing.rcd) = (num(waits[0]), num(waits[1]), num(waits[2]));
+            (timing.rp, timing.ras, timing.rtp, timing.wr) =
+                (num(waits[3]), num(waits[4]), num(waits[6]), num(waits[7]));
+            timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
+            timing.rfc = num(waits[10]);
+            (timing.faw, timing.turn) = (num(waits[11]), num(waits[12] - 1));
+            // What is longer within a group than between groups, if there are groups.
+            let longer = |wait: u64| if groups > 0 { wait / 4 } else { 0 };
+            let ccd = burst_clocks + waits[13] / 16;
+            (timing.ccd_s, timing.ccd_l) = (num(ccd), num(ccd + longer(waits[14])));
+            (timing.rrd_s, timing.rrd_l) = (num(waits[5]), num(waits[5] + longer(waits[15])));
+            (timing.wtr_s, timing.wtr_l) = (num(waits[8]), num(waits[8] + longer(waits[15])));
+            let mapping = vec![
+                Field::Column(low),
+                Field::BankGroup(groups / 2),
+                Field::Channel(channels),
+                Field::Column(columns - low),
+                Field::BankGroup(groups - groups / 2),
+                Field::Bank(banks),
+                Field::Row,
+            ];
+            DramSpec {
+                model,
+                part,
+                channels: pow(1 << channels),
+                queue: num(queue),
+                page: if closed { Page::Closed } else { Page::Open },
+                mapping: Mapping(mapping),
+            }
+        },
+    )
 }
 
 /// What shadow-cache units do with words, their cache apart.
@@ -196,6 +213,10 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.intersection.cache = caches.1;
             machine.shadow_cache.cache = caches.2;
             machine.l2 = caches.3;
+            if machine.check().is_err() {
+                // Nothing goes through an ideal cache.
+                machine.shadow_cache.writes = WritePolicy::Back;
+            }
             machine
         },
     )

@@ -1,7 +1,8 @@
-//! DRAM: channels with bank groups, banks, open rows and refresh.
+//! DRAM: channels with bank groups, banks, open rows and refresh, or flat ones.
 
 mod channel;
 pub mod command;
+mod flat;
 pub mod legality;
 pub mod mapping;
 pub mod part;
@@ -9,77 +10,119 @@ pub mod spec;
 #[cfg(test)]
 mod tests;
 
-use self::channel::Channel;
 use self::command::CommandLog;
-use self::spec::{Clocks, DramSpec};
+use self::spec::{Clocks, DramSpec, Model};
 use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
+
+/// The channels, all of one model.
+#[derive(Clone, Debug)]
+enum Channels {
+    Banks(Vec<channel::Channel>),
+    Flat(Vec<flat::Channel>),
+}
 
 /// All channels of a DRAM.
 #[derive(Clone, Debug)]
 pub struct Dram {
     spec: DramSpec,
     clocks: Clocks,
-    channels: Vec<Channel>,
+    channels: Channels,
 }
 
 impl Dram {
     /// An idle DRAM; its channels' numbers in the machine begin with `first`.
     pub fn new(spec: &DramSpec, machine_mhz: u64, line: u64, first: PartId) -> Self {
         let clocks = spec.clocks(machine_mhz);
-        let channel = |index: u64| Channel::new(spec, clocks, line, PartId(first.0 + index as u32));
-        Self { spec: spec.clone(), clocks, channels: (0..spec.channels.get()).map(channel).collect() }
+        let parts = (0..spec.channels.get()).map(|index| PartId(first.0 + index as u32));
+        let channels = match spec.model {
+            Model::Banks => {
+                Channels::Banks(parts.map(|part| channel::Channel::new(spec, clocks, line, part)).collect())
+            }
+            Model::Flat { latency, bytes_per_cycle } => {
+                let rate = bytes_per_cycle.map(|bytes| bytes.get());
+                let channel = |part| flat::Channel::new(spec.queue.size(), latency.get(), rate, line, part);
+                Channels::Flat(parts.map(channel).collect())
+            }
+        };
+        Self { spec: spec.clone(), clocks, channels }
     }
 
     /// Puts a request into its channel's queue in cycle `now`; without a place, the asker is woken when there is one.
     pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         let place = self.spec.place(request.line);
-        self.channels[place.channel].put(request, place, now, wake)
+        match &mut self.channels {
+            Channels::Banks(channels) => channels[place.channel].put(request, place, now, wake),
+            Channels::Flat(channels) => channels[place.channel].put(request, now, wake),
+        }
     }
 
     /// Cycle `now` of channel `index`. `answer` hands a line to the bank of the L2 that asked for it.
     pub fn tick(&mut self, index: usize, now: u64, wake: &mut impl Wake, answer: impl FnMut(PartId, LineAddr)) {
-        self.channels[index].tick(now, wake, answer);
+        match &mut self.channels {
+            Channels::Banks(channels) => channels[index].tick(now, wake, answer),
+            Channels::Flat(channels) => channels[index].tick(now, wake, answer),
+        }
     }
 
     /// The number of channels.
     pub fn channels(&self) -> usize {
-        self.channels.len()
+        self.spec.channels.size()
     }
 
     /// Whether nothing is under way.
     pub fn is_idle(&self) -> bool {
-        self.channels.iter().all(Channel::is_idle)
+        match &self.channels {
+            Channels::Banks(channels) => channels.iter().all(channel::Channel::is_idle),
+            Channels::Flat(channels) => channels.iter().all(flat::Channel::is_idle),
+        }
     }
 
     /// Whether a refresh of channel `index` was due in a clock that began in cycle `now` or before, and was not given.
     pub fn refresh_is_due(&self, index: usize, now: u64) -> bool {
-        self.clocks.cycle(self.channels[index].refresh_due()) <= now
+        match &self.channels {
+            Channels::Banks(channels) => self.clocks.cycle(channels[index].refresh_due()) <= now,
+            Channels::Flat(_) => false,
+        }
     }
 
-    /// The commands of channel `index`.
+    /// The commands of channel `index`; of a flat one its reads and writes.
     pub fn counts(&self, index: usize) -> &DramCounts {
-        self.channels[index].counts()
+        match &self.channels {
+            Channels::Banks(channels) => channels[index].counts(),
+            Channels::Flat(channels) => channels[index].counts(),
+        }
     }
 
     /// Bytes that channel `index` moved, by class.
     pub fn moved(&self, index: usize) -> &[Bytes; TrafficClass::ALL.len()] {
-        self.channels[index].moved()
+        match &self.channels {
+            Channels::Banks(channels) => channels[index].moved(),
+            Channels::Flat(channels) => channels[index].moved(),
+        }
     }
 
     /// From now on all commands are kept.
     pub fn keep_commands(&mut self) {
-        self.channels.iter_mut().for_each(Channel::keep_commands);
+        if let Channels::Banks(channels) = &mut self.channels {
+            channels.iter_mut().for_each(channel::Channel::keep_commands);
+        }
     }
 
-    /// The commands of channel `index`, as far as they were kept.
-    pub fn log(&self, index: usize) -> &CommandLog {
-        self.channels[index].log()
+    /// The commands of each channel, as far as they were kept; of flat ones there are none.
+    pub fn logs(&self) -> Vec<&CommandLog> {
+        match &self.channels {
+            Channels::Banks(channels) => channels.iter().map(channel::Channel::log).collect(),
+            Channels::Flat(_) => Vec::new(),
+        }
     }
 
     /// The state of the queue of channel `index`, for the report of a deadlock.
     pub fn queues(&self, index: usize) -> String {
-        self.channels[index].queues()
+        match &self.channels {
+            Channels::Banks(channels) => channels[index].queues(),
+            Channels::Flat(channels) => channels[index].queues(),
+        }
     }
 }

@@ -20,10 +20,28 @@ pub enum Page {
     Closed,
 }
 
+/// How a DRAM is modelled.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Model {
+    /// Banks with open rows and refresh, in the timing of the part.
+    #[default]
+    Banks,
+    /// A fixed latency and a data bus: for bounds. Part, pages and mapping then say nothing; line `l` lies in channel `l` modulo the channels.
+    Flat {
+        /// Cycles of the machine from the end of a line's transfer to the line being there.
+        latency: Within<1, 100_000>,
+        /// Bytes that a channel's data bus moves in a cycle of the machine; without it, transfers take no time.
+        #[serde(default)]
+        bytes_per_cycle: Option<Within<1, 65_536>>,
+    },
+}
+
 /// A DRAM. The default is one channel of the default part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DramSpec {
+    /// How it is modelled.
+    pub model: Model,
     /// The part: the name of its file, relative to the file that names it, or its values.
     #[serde(deserialize_with = "ron_file::values_or_file")]
     pub part: DramPart,
@@ -40,6 +58,7 @@ pub struct DramSpec {
 impl Default for DramSpec {
     fn default() -> Self {
         Self {
+            model: Model::Banks,
             part: DramPart::default(),
             channels: const { PowerOfTwo::literal(1) },
             queue: const { Within::literal(32) },
@@ -49,11 +68,19 @@ impl Default for DramSpec {
     }
 }
 
-/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row`.
+/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row`, or
+/// `2 flat channels, latency 50, 16 bytes a cycle each`.
 impl fmt::Display for DramSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { part, channels, page, mapping, .. } = self;
+        let Self { model, part, channels, page, mapping, .. } = self;
         let plural = if channels.get() > 1 { "s" } else { "" };
+        if let Model::Flat { latency, bytes_per_cycle } = model {
+            write!(f, "{channels} flat channel{plural}, latency {latency}")?;
+            return match bytes_per_cycle {
+                Some(bytes) => write!(f, ", {bytes} bytes a cycle each"),
+                None => Ok(()),
+            };
+        }
         write!(f, "{channels} channel{plural} of {}, {page:?} pages, line bits from the lowest: {mapping}", part.name)
     }
 }
@@ -61,13 +88,19 @@ impl fmt::Display for DramSpec {
 impl DramSpec {
     /// Checks what single fields cannot; `line` is the line size in bytes.
     pub fn check(&self, line: u64) -> Result<(), String> {
+        if self.model != Model::Banks {
+            return Ok(());
+        }
         self.part.check(line).map_err(|what| format!("the DRAM part {}: {what}", self.part.name))?;
         self.mapping.check(self.channels.get(), &self.part, line)
     }
 
     /// Where `line` lies.
     pub fn place(&self, line: LineAddr) -> Place {
-        self.mapping.place(&self.part, line)
+        match self.model {
+            Model::Banks => self.mapping.place(&self.part, line),
+            Model::Flat { .. } => Place { channel: (line.0 % self.channels.get()) as usize, ..Place::default() },
+        }
     }
 
     /// How the DRAM's clock runs beside a machine's of `machine_mhz`.
@@ -75,11 +108,19 @@ impl DramSpec {
         Clocks { dram_mhz: self.part.clock_mhz.get(), machine_mhz }
     }
 
-    /// Peak bandwidth in bytes a cycle of a machine clocked at `machine_mhz`.
-    pub fn peak_bytes_per_cycle(&self, machine_mhz: u64) -> f64 {
+    /// Peak bandwidth of a channel, if there is one: bytes, and in how many cycles of a machine clocked at `machine_mhz`.
+    pub fn channel_peak(&self, machine_mhz: u64) -> Option<(u64, u64)> {
         let DramPart { burst_bytes, burst_clocks, clock_mhz, .. } = self.part;
-        let per_clock = (self.channels.get() * burst_bytes.get()) as f64 / burst_clocks.get() as f64;
-        per_clock * clock_mhz.get() as f64 / machine_mhz as f64
+        match self.model {
+            Model::Banks => Some((burst_bytes.get() * clock_mhz.get(), burst_clocks.get() * machine_mhz)),
+            Model::Flat { bytes_per_cycle, .. } => bytes_per_cycle.map(|bytes| (bytes.get(), 1)),
+        }
+    }
+
+    /// Peak bandwidth of all channels in bytes a cycle of a machine clocked at `machine_mhz`, if there is one.
+    pub fn peak_bytes_per_cycle(&self, machine_mhz: u64) -> Option<f64> {
+        let peak = self.channel_peak(machine_mhz);
+        peak.map(|(bytes, cycles)| (self.channels.get() * bytes) as f64 / cycles as f64)
     }
 }
 

@@ -164,7 +164,7 @@ fn log(spec: &DramSpec, clocks: u64) -> Vec<LoggedCommand> {
         }
         dram.tick(0, now, &mut Awake, |_, _| {});
     }
-    dram.log(0).commands().to_vec()
+    dram.logs()[0].commands().to_vec()
 }
 
 #[test]

@@ -1,0 +1,45 @@
+//! The data bus of a flat channel, which moves so many bytes in each cycle.
+
+use super::link::Link;
+use super::wires::{DramRequest, Request};
+
+pub struct Bus {
+    latency: u64,
+    rate: Option<u64>,
+    line: u64,
+    /// The request whose line is moved, and the bytes that are left of it.
+    moving: Option<(Request, u64)>,
+}
+
+impl Bus {
+    pub fn new(latency: u64, rate: Option<u64>, line: u64) -> Self {
+        Self { latency, rate, line, moving: None }
+    }
+
+    /// Takes what can be moved in cycle `now`; requests whose line has passed, and when they are over.
+    pub fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Vec<(u64, Request)> {
+        let mut passed = Vec::new();
+        let Some(mut bytes) = self.rate else {
+            while let Some(entry) = queue.take(now) {
+                passed.push((now + self.latency, entry.request));
+            }
+            return passed;
+        };
+        while bytes > 0 {
+            let next = || queue.take(now).map(|entry| (entry.request, self.line));
+            let Some((request, left)) = self.moving.take().or_else(next) else { break };
+            let moved = bytes.min(left);
+            bytes -= moved;
+            if left > moved {
+                self.moving = Some((request, left - moved));
+            } else {
+                passed.push((now + 1 + self.latency, request));
+            }
+        }
+        passed
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.moving.is_none()
+    }
+}

@@ -1,0 +1,98 @@
+//! Ideal caches and flat DRAM, against closed forms.
+
+use super::*;
+use crate::memory::cache::CacheSpec;
+use crate::memory::dram::spec::Model;
+use crate::memory::tags::Contents;
+
+/// The machine `configs/machines/ideal.ron` with L1s of `latency` cycles.
+fn ideal(latency: u64) -> MachineSpec {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/machines/ideal.ron");
+    let mut machine: MachineSpec = crate::ron_file::read(&path).unwrap();
+    for cache in [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache] {
+        cache.latency = num(latency);
+    }
+    machine
+}
+
+/// On every rung that runs a whole stream; `Event`'s.
+fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
+    let on = |rung| run(machine, rung, &header(), items(stream.to_vec())).unwrap_or_else(|error| panic!("{error}"));
+    let [event, cycle, functional] = [Fidelity::Event, Fidelity::Cycle, Fidelity::Functional].map(on);
+    assert_eq!(event, cycle);
+    assert_eq!((event.rays, &event.caches["l1_traversal"]), (functional.rays, &functional.caches["l1_traversal"]));
+    event
+}
+
+#[test]
+fn a_ray_on_ideal_l1s_takes_hits_and_operations_alone() {
+    for latency in [1, 5] {
+        let machine = ideal(latency);
+        let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(nodes(0..30))]));
+        let expected = frame_latency(&machine) + 30 * (latency + machine.traversal.latency.get());
+        assert_eq!(stats.cycles.0, expected);
+        assert_eq!((stats.moved("l1_traversal").0, stats.moved("l2").0, stats.moved("dram").0), (30 * 64, 0, 0));
+        // All but what it takes to hand the ray over and hear of its end is in the bound.
+        let bound = stats.bounds.unwrap().cycles.least.0;
+        assert_eq!(expected - bound, frame_latency(&machine) - machine.dispatcher.latency.get());
+    }
+}
+
+/// Lines of 32 B: a node is two accesses. One port gives a unit a node every other cycle, two give one a cycle.
+#[test]
+fn ports_limit_an_ideal_l1() {
+    let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();
+    for (ports, cycles_a_node) in [(1, 2), (2, 1)] {
+        let mut machine = ideal(3);
+        machine.line_bytes = pow(32);
+        machine.traversal.count = num(1);
+        machine.traversal.cache.ports = num(ports);
+        let stats = on_all_rungs(&machine, &one_frame(&rays));
+        let least = 100 * 50 * cycles_a_node;
+        let bound = stats.bounds.unwrap().cycles.least.0;
+        assert!(least <= bound && bound <= stats.cycles.0, "{ports} ports: {bound}, {}", stats.cycles.0);
+        // The last rays end one after another.
+        assert!(stats.cycles.0 < least + 500, "{ports} ports: {} cycles", stats.cycles.0);
+    }
+}
+
+#[test]
+fn a_miss_to_an_ideal_l2_is_there_and_back() {
+    let mut machine = ideal(1);
+    machine.traversal.cache = CacheSpec::DEFAULT;
+    let L2Spec::Unified(l2) = machine.l2 else { panic!("the machine's L2 is split") };
+    let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(nodes([0]))]));
+    // A cycle there, one back.
+    assert_eq!(stats.cycles.0, frame_latency(&machine) + 2 + l2.latency.get() + machine.traversal.latency.get());
+    assert_eq!((stats.moved("l2").0, stats.moved("dram").0), (64, 0));
+}
+
+#[test]
+fn a_miss_to_a_flat_dram_takes_the_transfer_and_the_latency() {
+    for (bytes_per_cycle, transfer) in [(None, 0), (Some(16), 4), (Some(24), 3), (Some(200), 1)] {
+        let mut machine = MachineSpec::default();
+        machine.dram.model = Model::Flat { latency: num(70), bytes_per_cycle: bytes_per_cycle.map(num) };
+        let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(nodes([0]))]));
+        let l2 = machine.l2.caches()[0].1.latency.get();
+        // To the L2, to the DRAM, back to the L2, back to the L1: a cycle each.
+        let miss = 4 + transfer + 70 + l2;
+        assert_eq!(stats.cycles.0, frame_latency(&machine) + miss + machine.traversal.latency.get());
+        assert_eq!((stats.dram.reads, stats.dram.row_misses, stats.dram.refreshes), (1, 0, 0));
+        assert_eq!(stats.dram_peak_bytes_per_cycle, bytes_per_cycle.map(|bytes| bytes as f64));
+    }
+}
+
+/// Every level ideal but a write that must go down: none does.
+#[test]
+fn writes_end_in_an_ideal_cache() {
+    let end: Vec<_> = (0..500).map(|index| Step::Update { store: Store::ModeWord, index: 8 * index }).collect();
+    let stream = frame(FrameInfo::default(), &[], &end, 1);
+    let stats = on_all_rungs(&ideal(1), &stream);
+    assert_eq!(stats.caches["l1_shadow_cache"][&TrafficClass::ModeWord].hits, 500);
+    let mut machine = ideal(1);
+    machine.shadow_cache.cache = CacheSpec { contents: Contents::Tags, ..MachineSpec::default().shadow_cache.cache };
+    let stats = on_all_rungs(&machine, &stream);
+    let l2 = stats.caches["l2"][&TrafficClass::ModeWord];
+    assert!(l2.hits > 400 && l2.hits == l2.accesses, "{l2:?}");
+    assert_eq!(stats.moved("dram").0, 0);
+}

@@ -1,0 +1,103 @@
+//! A flat channel: a data bus that moves lines one after another, and a latency.
+
+use std::collections::VecDeque;
+
+use crate::memory::queue::Queue;
+use crate::memory::{PartId, Request, Wake};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{DramCounts, TrafficClass};
+
+/// One channel.
+#[derive(Clone, Debug)]
+pub struct Channel {
+    part: PartId,
+    latency: u64,
+    /// Bytes that the bus moves a cycle; without it, transfers take no time.
+    rate: Option<u64>,
+    line: u64,
+    queue: Queue<Request>,
+    /// When the bus is free, in the time that it takes to move a byte.
+    bus_free: u64,
+    /// Requests that have begun, and when they are over.
+    transfers: VecDeque<(u64, Request)>,
+    counts: DramCounts,
+    moved: [Bytes; TrafficClass::ALL.len()],
+}
+
+impl Channel {
+    /// An idle channel with the number `part` in the machine, for lines of `line` bytes.
+    pub fn new(queue: usize, latency: u64, rate: Option<u64>, line: u64, part: PartId) -> Self {
+        Self {
+            part,
+            latency,
+            rate,
+            line,
+            queue: Queue::new(queue),
+            bus_free: 0,
+            transfers: VecDeque::new(),
+            counts: DramCounts::default(),
+            moved: [Bytes(0); TrafficClass::ALL.len()],
+        }
+    }
+
+    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        if !self.queue.has_room(now) {
+            self.queue.wait_for_room(request.from, now, wake);
+            return false;
+        }
+        self.queue.put(request, now + 1);
+        wake.wake(self.part, now + 1);
+        true
+    }
+
+    /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
+    pub fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+        while let Some(&(_, request)) = self.transfers.front().filter(|&&(at, _)| at <= now) {
+            self.transfers.pop_front();
+            if !request.write {
+                answer(request.from, request.line);
+                wake.wake(request.from, now + 1);
+            }
+        }
+        while let Some(ends) = self.transfer_ends(now)
+            && let Some(request) = self.queue.take(now, wake)
+        {
+            self.bus_free = ends;
+            *(if request.write { &mut self.counts.writes } else { &mut self.counts.reads }) += 1;
+            self.moved[request.class as usize] += request.bytes;
+            let passed = self.rate.map_or(now, |rate| ends.div_ceil(rate));
+            self.transfers.push_back((passed + self.latency, request));
+        }
+        let bus_free = self.rate.map_or(0, |rate| self.bus_free / rate);
+        let next = self.queue.next_at().map(|at| at.max(bus_free).max(now + 1));
+        let over = self.transfers.front().map(|transfer| transfer.0);
+        next.into_iter().chain(over).for_each(|at| wake.wake(self.part, at));
+    }
+
+    /// When, on the bus, a transfer would end that begins in cycle `now`, if one can.
+    fn transfer_ends(&self, now: u64) -> Option<u64> {
+        let Some(rate) = self.rate else { return Some(0) };
+        (self.bus_free < (now + 1) * rate).then(|| self.bus_free.max(now * rate) + self.line)
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.queue.is_empty() && self.transfers.is_empty()
+    }
+
+    /// What was done.
+    pub fn counts(&self) -> &DramCounts {
+        &self.counts
+    }
+
+    /// Bytes moved, by class.
+    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.moved
+    }
+
+    /// The state of the queue, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!("queue {}/{}, transfers {}", self.queue.len(), self.queue.capacity(), self.transfers.len())
+    }
+}
