@@ -74,6 +74,7 @@ pub(super) struct Bound {
     work: [KindWork; Kind::ALL.len()],
     // Of the phase.
     rays: u64,
+    divisions: u64,
     pool_held: u64,
     slots_held: u64,
     longest: u64,
@@ -108,6 +109,7 @@ impl Bound {
             touched_by_any: Lines::default(),
             work: Default::default(),
             rays: 0,
+            divisions: 0,
             pool_held: 0,
             slots_held: 0,
             longest: 0,
@@ -208,15 +210,18 @@ impl Bound {
         };
         let mut held = operations * (access + unit.latency);
         if work.divides {
-            held += self.machine.intersection.divide_latency.get();
+            held += self.machine.division.latency.get();
+            self.divisions += 1;
         }
         let counted = &mut self.work[work.kind as usize];
         counted.operations += operations;
         counted.all_operations += operations;
         work.elements().for_each(|element| self.touch(work.kind, &element));
-        if work.kind == Kind::Intersection {
+        if matches!(work.kind, Kind::List | Kind::Intersection) {
             self.work[work.kind as usize].held += held;
-            // There and back.
+        }
+        if work.kind == Kind::Intersection {
+            // There and back; of a list entry the way on is that of its triangle.
             held += 2;
         }
         held
@@ -251,22 +256,25 @@ impl Bound {
     fn end_phase(&mut self) {
         let mut least = self.longest;
         let mut at_least = |work: u64, rate: u64| least = least.max(work.div_ceil(rate));
-        at_least(self.rays, self.machine.dispatcher.per_cycle.get());
-        at_least(self.pool_held, self.machine.dispatcher.rays.get());
-        at_least(self.slots_held, self.machine.traversal.rays.get() * self.machine.traversal.count.get());
+        let (cores, division) = (self.machine.cores.get(), &self.machine.division);
+        at_least(self.rays, cores * self.machine.dispatcher.per_cycle.get());
+        at_least(self.pool_held, self.machine.pool());
+        at_least(self.slots_held, self.machine.traversal.rays.get() * self.kinds[Kind::Traversal as usize].count);
+        at_least(self.divisions * division.interval.get(), cores * division.count.get());
         for (unit, work) in self.kinds.iter().zip(&self.work) {
-            at_least(work.operations, unit.count);
+            at_least(work.operations * unit.interval, unit.count);
             at_least(work.accesses, unit.count * unit.cache.ports.get());
             if let Some(contexts) = unit.contexts {
                 at_least(work.held, unit.count * contexts);
             }
         }
-        self.banks.iter().for_each(|&requests| at_least(requests, 1));
+        self.banks.iter().for_each(|&requests| at_least(requests, cores));
         if let Some((bytes, cycles)) = self.machine.dram.channel_peak(self.machine.clock_mhz.get()) {
             let line = self.machine.line_bytes.get();
             self.channels.iter().for_each(|&lines| at_least(lines * line * cycles / bytes, 1));
         }
         self.cycles += least;
+        self.divisions = 0;
         (self.rays, self.pool_held, self.slots_held, self.longest) = (0, 0, 0, 0);
         for work in &mut self.work {
             (work.operations, work.accesses, work.held) = (0, 0, 0);
@@ -348,7 +356,7 @@ impl Bound {
         for ((kind, unit), work) in Kind::ALL.into_iter().zip(&self.kinds).zip(&self.work) {
             let (name, level) = kind.names();
             stats.bytes.insert(level.into(), present(&self.requested[kind as usize]));
-            stats.units.insert(name.into(), [(Cause::Busy, work.all_operations)].into());
+            stats.units.insert(name.into(), [(Cause::Busy, work.all_operations * unit.interval)].into());
             stats.unit_counts.insert(name.into(), unit.count);
         }
         stats

@@ -71,7 +71,8 @@ pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
             equal(what, counts.hits + counts.half_misses + counts.misses, counts.accesses)?;
         }
     }
-    let causes = tally.units.iter().flatten().map(|unit| &unit.causes).chain([&tally.dispatcher]);
+    let causes =
+        tally.units.iter().flatten().map(|unit| &unit.causes).chain(&tally.divisions).chain([&tally.dispatcher]);
     for causes in causes.filter(|_| tally.has_causes) {
         equal(|| "cycles of all causes of a unit".into(), causes.iter().sum(), tally.cycles)?;
     }

@@ -3,24 +3,29 @@
 use super::feed::Feed;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::{Due, Wheel};
+use super::work::Kind;
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::Dispatcher;
+use crate::machine::division::Division;
 use crate::machine::intersection::Intersection;
 use crate::machine::links::{Links, Parts};
+use crate::machine::list::List;
 use crate::machine::pipeline::Pipeline;
 use crate::machine::shadow_cache::ShadowCache;
 use crate::machine::traversal::Traversal;
-use crate::memory::Wake;
 #[cfg(test)]
 use crate::memory::dram::command::CommandLog;
+use crate::memory::{PartId, Wake};
 use crate::stream::Header;
 
 /// The machine in motion.
 pub(super) struct Event {
     pub(super) dispatcher: Dispatcher,
     pub(super) traversal: Vec<Traversal>,
+    pub(super) list: Vec<List>,
     pub(super) intersection: Vec<Intersection>,
+    pub(super) division: Vec<Division>,
     pub(super) shadow_cache: Vec<ShadowCache>,
     pub(super) links: Links<Wheel>,
     /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
@@ -39,13 +44,15 @@ impl Event {
         let links = Links::new(spec, header, wheel);
         let parts = links.parts;
         Self {
-            dispatcher: Dispatcher::new(&spec.dispatcher, parts.traversal as usize, spec.traversal.rays.get()),
+            dispatcher: Dispatcher::new(spec),
             traversal: (0..parts.traversal).map(|index| Traversal::new(&spec.traversal, line, index, &links)).collect(),
+            list: (0..parts.list).map(|index| List::new(&spec.list, line, index, &links)).collect(),
             intersection: (0..parts.intersection)
                 .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), line, index, &links))
                 .collect(),
+            division: (0..parts.division).map(|index| Division::new(&spec.division, index, &links)).collect(),
             shadow_cache: (0..parts.shadow_cache)
-                .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.dispatcher.rays.get(), index, &links))
+                .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.pool(), index, &links))
                 .collect(),
             links,
             progress: 0,
@@ -57,37 +64,37 @@ impl Event {
     }
 
     /// The common parts of the units that work on rays, kind by kind.
-    fn pipelines(&self) -> [Vec<&Pipeline>; 3] {
+    fn pipelines(&self) -> [Vec<&Pipeline>; Kind::ALL.len()] {
         [
             self.traversal.iter().map(|unit| &unit.pipeline).collect(),
+            self.list.iter().map(|unit| &unit.pipeline).collect(),
             self.intersection.iter().map(|unit| &unit.pipeline).collect(),
             self.shadow_cache.iter().map(|unit| &unit.pipeline).collect(),
         ]
     }
 
     fn tick_units(&mut self, now: u64, due: &Due) {
-        let Self { traversal, intersection, shadow_cache, links, .. } = self;
+        let Self { traversal, list, intersection, division, shadow_cache, links, .. } = self;
         let parts = links.parts;
-        let (units, tests) = (parts.traversal(0).0, parts.intersection(0).0);
-        in_turn(due, units, parts.traversal, now, |index| traversal[index].tick(now, links));
-        in_turn(due, tests, parts.intersection, now, |index| intersection[index].tick(now, links));
-        let units = parts.shadow_cache(0).0;
-        in_turn(due, units, parts.shadow_cache, now, |index| shadow_cache[index].tick(now, links));
-        in_turn(due, parts.bank(0).0, parts.banks, now, |index| links.tick_bank(index, now));
-        in_turn(due, parts.channel(0).0, parts.channels, now, |index| links.tick_channel(index, now));
+        in_turn(due, parts.traversal(0), parts.traversal, now, |index| traversal[index].tick(now, links));
+        in_turn(due, parts.list(0), parts.list, now, |index| list[index].tick(now, links));
+        in_turn(due, parts.intersection(0), parts.intersection, now, |index| intersection[index].tick(now, links));
+        in_turn(due, parts.division(0), parts.division, now, |index| division[index].tick(now, links));
+        in_turn(due, parts.shadow_cache(0), parts.shadow_cache, now, |index| shadow_cache[index].tick(now, links));
+        in_turn(due, parts.bank(0), parts.banks, now, |index| links.tick_bank(index, now));
+        in_turn(due, parts.channel(0), parts.channels, now, |index| links.tick_channel(index, now));
     }
 
     fn drop_dynamic_lines(&mut self) {
         let first = self.links.layout.dynamic_part();
         self.traversal.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.list.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
         self.intersection.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
         self.shadow_cache.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
     }
 
     fn is_idle(&self) -> bool {
-        self.traversal.iter().all(|unit| unit.pipeline.is_idle())
-            && self.intersection.iter().all(|unit| unit.pipeline.is_idle())
-            && self.shadow_cache.iter().all(|unit| unit.pipeline.is_idle())
+        self.pipelines().into_iter().flatten().all(Pipeline::is_idle)
             && self.links.l2.banks.iter().all(|bank| bank.is_idle())
             && self.links.dram.is_idle()
     }
@@ -100,7 +107,8 @@ impl Event {
         let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
         let dram = &self.links.dram;
         let columns: u64 = (0..dram.channels()).map(|i| dram.counts(i).reads + dram.counts(i).writes).sum();
-        let progress = self.dispatcher.causes.busy() + begun + columns;
+        let divided: u64 = self.division.iter().map(|unit| unit.causes.busy()).sum();
+        let progress = self.dispatcher.causes.busy() + begun + divided + columns;
         if progress == self.progress {
             return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
         }
@@ -113,7 +121,9 @@ impl Event {
         let mut lines = vec![format!("dispatcher: {}", self.dispatcher.queues())];
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
+        self.list.iter().enumerate().for_each(|(i, unit)| list("list", i, unit.queues(links)));
         self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(links)));
+        self.division.iter().enumerate().for_each(|(i, unit)| list("division", i, unit.queues(links)));
         self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(links)));
         links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
         (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
@@ -180,6 +190,7 @@ impl Engine for Event {
             dispatcher: self.dispatcher.causes.until(cycles),
             stores: Default::default(),
             units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
+            divisions: self.division.iter().map(|unit| unit.causes.until(cycles)).collect(),
             banks: banks.collect(),
             channels: (0..dram.channels()).map(channel).collect(),
         }
@@ -197,7 +208,7 @@ impl Engine for Event {
 }
 
 /// Lets the due ones of `count` parts act, whose numbers begin with `first`: in cycle `now`, number `now mod count` first.
-fn in_turn(due: &Due, first: u32, count: u32, now: u64, mut act: impl FnMut(usize)) {
+fn in_turn(due: &Due, PartId(first): PartId, count: u32, now: u64, mut act: impl FnMut(usize)) {
     let middle = first + (now % u64::from(count)) as u32;
     for (mut from, end) in [(middle, first + count), (first, middle)] {
         while let Some(part) = due.next(from, end) {

@@ -162,7 +162,9 @@ fn patience(spec: &MachineSpec) -> u64 {
         spec.dispatcher.latency.get(),
         spec.dispatcher.shading_cycles.get(),
         spec.traversal.latency.get(),
-        spec.intersection.latency.get() + spec.intersection.divide_latency.get(),
+        spec.list.latency.get(),
+        spec.intersection.latency.get(),
+        spec.division.latency.get(),
         spec.shadow_cache.latency.get(),
         l2.max().unwrap_or(0),
     ];

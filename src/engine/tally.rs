@@ -14,7 +14,7 @@ pub type PerClass<T> = [T; TrafficClass::ALL.len()];
 /// Cycles a cause, at the places of their discriminants.
 pub type PerCause = [u64; Cause::ALL.len()];
 
-/// What a traversal, intersection or shadow-cache unit counted.
+/// What a unit with an L1 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnitTally {
     /// Cycles by cause.
@@ -64,25 +64,28 @@ pub struct Tally {
     pub dispatcher: PerCause,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
-    /// Traversal units, intersection units, shadow-cache units.
+    /// Units, by kind.
     pub units: [Vec<UnitTally>; Kind::ALL.len()],
-    /// Banks of the L2.
+    /// The division units' cycles by cause.
+    pub divisions: Vec<PerCause>,
+    /// Banks of the L2s, core by core.
     pub banks: Vec<BankTally>,
     /// Channels of the DRAM.
     pub channels: Vec<ChannelTally>,
 }
 
 impl Tally {
-    /// Operations begun so far, by any part: what the watchdog looks at.
+    /// Cycles in which operations occupied any part: what the watchdog looks at.
     pub fn operations(&self) -> u64 {
         let busy = |causes: &PerCause| causes[Cause::Busy as usize];
         let columns = |channel: &ChannelTally| channel.counts.reads + channel.counts.writes;
         busy(&self.dispatcher)
             + self.units.iter().flatten().map(|unit| busy(&unit.causes)).sum::<u64>()
+            + self.divisions.iter().map(busy).sum::<u64>()
             + self.channels.iter().map(columns).sum::<u64>()
     }
 
-    /// Operations of each kind of units.
+    /// Cycles that operations occupied units of each kind.
     pub fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
         let busy = |units: &Vec<UnitTally>| units.iter().map(|unit| unit.causes[Cause::Busy as usize]).sum();
         std::array::from_fn(|kind| busy(&self.units[kind]))
@@ -121,17 +124,21 @@ impl Tally {
             stats.units.insert(unit.into(), sum_causes(units.iter().map(|unit| &unit.causes)));
             stats.unit_counts.insert(unit.into(), units.len() as u64);
         }
+        stats.units.insert("division".into(), sum_causes(self.divisions.iter()));
+        stats.unit_counts.insert("division".into(), self.divisions.len() as u64);
         stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));
         if !self.has_causes {
             stats.units.values_mut().for_each(|causes| causes.retain(|&cause, _| cause == Cause::Busy));
         }
         stats.unit_counts.insert("dispatcher".into(), 1);
-        let mut rest = self.banks.as_slice();
+        let of_core = machine.l2.banks() as usize;
+        let mut first = 0;
         for (name, cache) in machine.l2.caches() {
-            let (banks, others) = rest.split_at(cache.banks.size());
-            stats.caches.insert(name.clone(), present(&sum_caches(banks.iter().map(|bank| &bank.cache))));
-            stats.bytes.insert(name, present(&sum_bytes(banks.iter().map(|bank| &bank.moved))));
-            rest = others;
+            let own = first..first + cache.banks.size();
+            let banks = self.banks.chunks(of_core).flat_map(|banks| &banks[own.clone()]);
+            stats.caches.insert(name.clone(), present(&sum_caches(banks.clone().map(|bank| &bank.cache))));
+            stats.bytes.insert(name, present(&sum_bytes(banks.map(|bank| &bank.moved))));
+            first = own.end;
         }
         stats.bytes.insert("dram".into(), present(&sum_bytes(self.channels.iter().map(|channel| &channel.moved))));
         stats

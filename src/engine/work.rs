@@ -22,6 +22,8 @@ pub enum Holder {
 pub enum Kind {
     /// Traversal units.
     Traversal,
+    /// List units.
+    List,
     /// Intersection units.
     Intersection,
     /// Shadow-cache units.
@@ -31,10 +33,12 @@ pub enum Kind {
 /// What all units of a kind have.
 #[derive(Clone, Copy, Debug)]
 pub struct KindSpec {
-    /// Units.
+    /// Units of all cores.
     pub count: u64,
     /// Stages of the pipeline.
     pub latency: u64,
+    /// Cycles from an operation to the next.
+    pub interval: u64,
     /// Rays that the unit works on at once; `None` where nothing but the slots of who sends them limits them.
     pub contexts: Option<u64>,
     /// The L1 of each.
@@ -45,12 +49,13 @@ pub struct KindSpec {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Traversal, Self::Intersection, Self::ShadowCache];
+    pub const ALL: [Self; 4] = [Self::Traversal, Self::List, Self::Intersection, Self::ShadowCache];
 
     /// The names of a kind, and of its L1s, in reports.
     pub fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Traversal => ("traversal", "l1_traversal"),
+            Self::List => ("list", "l1_list"),
             Self::Intersection => ("intersection", "l1_intersection"),
             Self::ShadowCache => ("shadow_cache", "l1_shadow_cache"),
         }
@@ -58,25 +63,37 @@ impl Kind {
 
     /// The units of this kind in `machine`.
     pub fn spec(self, machine: &MachineSpec) -> KindSpec {
-        let MachineSpec { traversal, intersection, shadow_cache, .. } = machine;
+        let MachineSpec { traversal, list, intersection, shadow_cache, .. } = machine;
+        let of_all_cores = |count: u64| machine.cores.get() * count;
         match self {
             Self::Traversal => KindSpec {
-                count: traversal.count.get(),
+                count: of_all_cores(traversal.count.get()),
                 latency: traversal.latency.get(),
+                interval: traversal.interval.get(),
                 contexts: None,
                 cache: traversal.cache,
                 writes: WritePolicy::Back,
             },
+            Self::List => KindSpec {
+                count: of_all_cores(list.count.get()),
+                latency: list.latency.get(),
+                interval: list.interval.get(),
+                contexts: Some(list.lists.get()),
+                cache: list.cache,
+                writes: WritePolicy::Back,
+            },
             Self::Intersection => KindSpec {
-                count: intersection.count.get(),
+                count: of_all_cores(intersection.count.get()),
                 latency: intersection.latency.get(),
+                interval: intersection.interval.get(),
                 contexts: Some(intersection.tests.get()),
                 cache: intersection.cache,
                 writes: WritePolicy::Back,
             },
             Self::ShadowCache => KindSpec {
-                count: shadow_cache.count.get(),
+                count: of_all_cores(shadow_cache.count.get()),
                 latency: shadow_cache.latency.get(),
+                interval: shadow_cache.interval.get(),
                 contexts: Some(shadow_cache.contexts.get()),
                 cache: shadow_cache.cache,
                 writes: shadow_cache.writes,
@@ -120,7 +137,7 @@ impl Work {
                 second: (stop != Stop::Plane).then(|| layout.edges(slot)),
                 divides: stop == Stop::Hit && holder == Holder::Traversal && ray != RayKind::Shadow,
             },
-            (Step::List(entry), Holder::Traversal) => one(Kind::Intersection, layout.list_entry(entry)),
+            (Step::List(entry), Holder::Traversal) => one(Kind::List, layout.list_entry(entry)),
             (Step::List(entry), Holder::ShadowCache) => one(holders, layout.list_entry(entry)),
             (Step::Read { store, index }, _) => one(holders, layout.entry(store, index, false)),
             (Step::Write { store, index } | Step::Update { store, index }, _) => {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::MachineSpec;
 use super::causes::Causes;
 use super::links::{Links, Parts};
 use super::ray::{Owner, RayId};
@@ -19,9 +20,9 @@ use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DispatcherSpec {
-    /// Pool entries: rays handed over and not done.
+    /// Pool entries a core, shared by all: rays handed over and not done.
     pub rays: Within<1, 65_536>,
-    /// Rays handed over a cycle.
+    /// Rays handed over a cycle and a core.
     pub per_cycle: Within<1, 64>,
     /// Cycles from the hand-over to the traversal unit.
     pub latency: Within<1, 10_000>,
@@ -117,6 +118,7 @@ pub struct Events {
 #[derive(Clone, Debug)]
 pub struct Dispatcher {
     spec: DispatcherSpec,
+    pool: usize,
     phase: Phase,
     chunks: Vec<Option<ActiveChunk>>,
     /// The chunk whose primary rays are handed over, and how many were.
@@ -125,7 +127,11 @@ pub struct Dispatcher {
     shading: VecDeque<(u64, ChunkRay)>,
     free: VecDeque<RayId>,
     free_slots: Vec<u64>,
-    next_unit: usize,
+    cores: usize,
+    /// The next unit's place in turn: the first units of all cores, then the second ones, and so on.
+    next_in_turn: usize,
+    /// Rays that each core got in this cycle.
+    handed_over: Vec<u64>,
     frame: u32,
     rays: u64,
     /// The unit's cycles.
@@ -133,18 +139,22 @@ pub struct Dispatcher {
 }
 
 impl Dispatcher {
-    /// A dispatcher at the beginning of a stream, for `units` traversal units of `slots` slots.
-    pub fn new(spec: &DispatcherSpec, units: usize, slots: u64) -> Self {
+    /// The dispatcher of `machine` at the beginning of a stream.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let cores = machine.cores.size();
         Self {
-            spec: *spec,
+            spec: machine.dispatcher,
+            pool: machine.pool() as usize,
             phase: Phase::Between,
             chunks: Vec::new(),
             current: None,
             ready: VecDeque::new(),
             shading: VecDeque::new(),
-            free: (0..spec.rays.get() as RayId).collect(),
-            free_slots: vec![slots; units],
-            next_unit: 0,
+            free: (0..machine.pool() as RayId).collect(),
+            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            cores,
+            next_in_turn: 0,
+            handed_over: vec![0; cores],
             frame: 0,
             rays: 0,
             causes: Causes::default(),
@@ -185,12 +195,13 @@ impl Dispatcher {
             };
             self.ready.extend(chunk.children(parent.index).iter().map(|&index| ChunkRay { index, ..parent }));
         }
-        let mut busy = false;
-        for _ in 0..self.spec.per_cycle.get() {
+        let mut busy = 0;
+        self.handed_over.fill(0);
+        for _ in 0..self.spec.per_cycle.get() * self.cores as u64 {
             if !self.hand_over(now, links)? {
                 break;
             }
-            busy = true;
+            busy = 1;
             self.pull(next, links)?;
         }
         self.close(now, links);
@@ -201,7 +212,7 @@ impl Dispatcher {
             (false, true) => Cause::Starved,
         };
         self.causes.cycle(now, busy, idle);
-        if busy && more {
+        if busy > 0 && more {
             links.clock.wake(Parts::DISPATCHER, now + 1);
         }
         if let Some(&(at, _)) = self.shading.front() {
@@ -274,9 +285,20 @@ impl Dispatcher {
         })
     }
 
+    /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
     fn free_unit(&self) -> Option<usize> {
         let units = self.free_slots.len();
-        (self.next_unit..units).chain(0..self.next_unit).find(|&unit| self.free_slots[unit] > 0)
+        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
+        in_turn.find(|&turn| {
+            let core_has_room = self.handed_over[turn % self.cores] < self.spec.per_cycle.get();
+            core_has_room && self.free_slots[self.unit(turn)] > 0
+        })
+    }
+
+    /// The unit at a place in turn.
+    fn unit(&self, turn: usize) -> usize {
+        let a_core = self.free_slots.len() / self.cores;
+        turn % self.cores * a_core + turn / self.cores
     }
 
     /// Hands over the next ray; whether there was one, and a place for it.
@@ -285,8 +307,8 @@ impl Dispatcher {
         let Some(&id) = self.free.front() else { return Ok(false) };
         let source = self.chunk(which.chunk).chunk.ray(which.index as usize);
         let skipped = source.head.decision == Decision::Skip;
-        let unit = if skipped { None } else { self.free_unit() };
-        if !skipped && unit.is_none() {
+        let turn = if skipped { None } else { self.free_unit() };
+        if !skipped && turn.is_none() {
             return Ok(false);
         }
         let ray = &mut links.rays[id as usize];
@@ -302,14 +324,16 @@ impl Dispatcher {
         }
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
         (ray.chunk, ray.index, ray.undecided) = (which.chunk, which.index, skipped);
-        (ray.evaluating, ray.operand, ray.fetched) = (0, false, false);
+        (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
         links.take_free_entries(id);
-        match unit {
+        match turn {
             None => links.send_to_shadow_cache(id, now),
-            Some(unit) => {
+            Some(turn) => {
+                let unit = self.unit(turn);
                 links.rays[id as usize].owner = Owner::Traversal(unit as u32);
                 self.free_slots[unit] -= 1;
-                self.next_unit = (unit + 1) % self.free_slots.len();
+                self.next_in_turn = (turn + 1) % self.free_slots.len();
+                self.handed_over[turn % self.cores] += 1;
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
                 links.clock.wake(links.parts.traversal(unit as u32), now + self.spec.latency.get());
             }
@@ -372,7 +396,13 @@ impl Dispatcher {
 
     /// Rays handed over and not done.
     pub fn in_flight(&self) -> usize {
-        self.spec.rays.size() - self.free.len()
+        self.pool - self.free.len()
+    }
+
+    /// No unit gets a ray any more.
+    #[cfg(test)]
+    pub fn take_all_slots(&mut self) {
+        self.free_slots.fill(0);
     }
 
     /// Whether the stream is at its end.
@@ -390,7 +420,7 @@ impl Dispatcher {
         format!(
             "rays in flight {}/{}, ready {}, being shaded {}, free slots {}",
             self.in_flight(),
-            self.spec.rays,
+            self.pool,
             self.ready.len(),
             self.shading.len(),
             self.free_slots.iter().sum::<u64>()

@@ -1,27 +1,29 @@
-//! The intersection unit: fetches triangle records in two phases and tests them; reads entries of primitive lists.
+//! The intersection unit: fetches triangle records in two phases and tests them.
+
+use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::links::{Inbox, Links, take};
-use super::pipeline::{Pipeline, WritePolicy};
+use super::links::Links;
+use super::pipeline::{Pipeline, Stages, WritePolicy};
 use super::ray::{Owner, RayId};
 use crate::memory::Wake;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
 use crate::stream::{RayKind, Step, Stop};
 
-/// Intersection units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 18 stages, a division of 18 cycles, 16 KB of
-/// 4 ways each), two of them; the queue and the number of tests are assumed.
+/// Intersection units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 18 stages, 16 KB of 4 ways
+/// each), two of them; the queue and the number of tests are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct IntersectionSpec {
-    /// Units.
+    /// Units a core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
     pub latency: Within<1, 1000>,
-    /// Cycles of the division that a hit of a primary or secondary ray needs.
-    pub divide_latency: Within<1, 1000>,
-    /// Tests that a unit works on at once.
+    /// Cycles from an operation to the next.
+    pub interval: Within<1, 1000>,
+    /// Tests that a unit works on at once, those at a division unit included.
     pub tests: Within<1, 4096>,
     /// Places of a unit's input queue.
     pub queue: Within<1, 1024>,
@@ -34,7 +36,7 @@ impl Default for IntersectionSpec {
         Self {
             count: const { Within::literal(2) },
             latency: const { Within::literal(18) },
-            divide_latency: const { Within::literal(18) },
+            interval: const { Within::literal(1) },
             tests: const { Within::literal(32) },
             queue: const { Within::literal(8) },
             cache: const { CacheSpec { bytes: Within::literal(16 << 10), ways: Within::literal(4), ..CacheSpec::DEFAULT } },
@@ -48,8 +50,8 @@ pub struct Intersection {
     index: usize,
     /// The common part.
     pub pipeline: Pipeline,
-    divider: Inbox<RayId>,
-    divide_latency: u64,
+    /// Rays that wait to go to a division unit.
+    leaving: VecDeque<RayId>,
     contexts: usize,
     free: usize,
 }
@@ -58,11 +60,11 @@ impl Intersection {
     /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
     pub fn new<W: Wake>(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links<W>) -> Self {
         let part = links.parts.intersection(index);
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         Self {
             index: index as usize,
-            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, writes),
-            divider: Inbox::new(),
-            divide_latency: spec.divide_latency.get(),
+            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
+            leaving: VecDeque::new(),
             contexts: spec.tests.size(),
             free: spec.tests.size(),
         }
@@ -70,23 +72,25 @@ impl Intersection {
 
     /// Cycle `now`.
     pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        self.free += std::mem::take(&mut links.freed_tests[self.index]);
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
             self.passed(id, now, links);
-        }
-        if let Some(id) = take(&mut self.divider, now) {
-            self.give_back(id, now, links);
         }
         if free_at_start && let Some(id) = links.tests[self.index].take(now, &mut links.clock) {
             self.free -= 1;
             self.take_on(id, links);
         }
         let began = self.pipeline.begin(now, &links.rays);
-        self.pipeline.end(now, links, began, false, !self.divider.is_empty());
-        let part = self.pipeline.part();
-        if let Some(&(at, _)) = self.divider.front() {
-            links.clock.wake(part, at);
+        let (core, part) = (self.pipeline.core(), self.pipeline.part());
+        let sent = self.leaving.front().is_some_and(|&id| links.send_to_division(id, core, part, now));
+        if sent {
+            self.leaving.pop_front();
+        }
+        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        if sent && !self.leaving.is_empty() {
+            links.clock.wake(part, now + 1);
         }
         if self.free > 0
             && let Some(at) = links.tests[self.index].next_at()
@@ -100,7 +104,6 @@ impl Intersection {
         ray.at_edges = false;
         let element = match ray.step() {
             Some(Step::Triangle { slot, .. }) => links.layout.plane(slot),
-            Some(Step::List(entry)) => links.layout.list_entry(entry),
             Some(step) if step.entry().is_some() => links.entry_element(id),
             step => unreachable!("{step:?} is not for an intersection unit"),
         };
@@ -116,7 +119,7 @@ impl Intersection {
             let element = links.layout.edges(slot);
             self.pipeline.fetch(id, &element, links);
         } else if stop == Stop::Hit && ray.kind != RayKind::Shadow && matches!(ray.owner, Owner::Traversal(_)) {
-            self.divider.push_back((now + self.divide_latency, id));
+            self.leaving.push_back(id);
         } else {
             self.give_back(id, now, links);
         }
@@ -124,37 +127,20 @@ impl Intersection {
 
     fn give_back(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
         self.free += 1;
-        let ray = &mut links.rays[id as usize];
-        let step = ray.step();
-        ray.fetched = step.is_some_and(|step| step.entry().is_some());
-        if !ray.fetched {
-            ray.next += 1;
-            match (step, ray.owner, ray.kind) {
-                (Some(Step::List(_)), ..) => links.replayed.list_reads += 1,
-                (_, Owner::ShadowCache(_), _) => links.replayed.policy_triangle_tests += 1,
-                (_, Owner::Traversal(_), RayKind::Shadow) => links.replayed.shadow_triangle_tests += 1,
-                (_, Owner::Traversal(_), _) => links.replayed.triangle_tests += 1,
-            }
-        }
-        let (inbox, part) = match ray.owner {
-            Owner::Traversal(index) => (&mut links.returned[index as usize], links.parts.traversal(index)),
-            Owner::ShadowCache(index) => (&mut links.tested[index as usize], links.parts.shadow_cache(index)),
-        };
-        inbox.push_back((now + 1, id));
-        links.clock.wake(part, now + 1);
+        links.tested(id, now);
     }
 
     /// The state of the queues, for the report of a deadlock.
     pub fn queues<W>(&self, links: &Links<W>) -> String {
         let queue = &links.tests[self.index];
         format!(
-            "{}, queue {}/{}, tests {}/{}, in the divider {}",
+            "{}, queue {}/{}, tests {}/{}, leaving for division {}",
             self.pipeline.queues(),
             queue.len(),
             queue.capacity(),
             self.contexts - self.free,
             self.contexts,
-            self.divider.len()
+            self.leaving.len()
         )
     }
 }

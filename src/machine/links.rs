@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use rustc_hash::FxHashSet;
 
 use super::layout::{Element, Layout};
-use super::ray::{Ray, RayId};
+use super::ray::{Owner, Ray, RayId};
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::source::StoreWork;
 use super::spec::MachineSpec;
@@ -15,18 +15,24 @@ use crate::memory::l2::L2;
 use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{Header, Step, Store, Totals};
+use crate::stream::{Header, RayKind, Step, Store, Totals};
 
 /// The numbers of the parts, in the order in which they act in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
+    /// Cores, which have equal shares of all parts but the dispatcher and the channels: the first units are the first core's.
+    pub cores: u32,
     /// Traversal units.
     pub traversal: u32,
+    /// List units.
+    pub list: u32,
     /// Intersection units.
     pub intersection: u32,
+    /// Division units.
+    pub division: u32,
     /// Shadow-cache units.
     pub shadow_cache: u32,
-    /// Banks of the L2.
+    /// Banks of the L2s.
     pub banks: u32,
     /// Channels of the DRAM.
     pub channels: u32,
@@ -35,11 +41,15 @@ pub struct Parts {
 impl Parts {
     /// The parts of a machine.
     pub fn new(spec: &MachineSpec) -> Self {
+        let all = |a_core: u64| (spec.cores.get() * a_core) as u32;
         Self {
-            traversal: spec.traversal.count.get() as u32,
-            intersection: spec.intersection.count.get() as u32,
-            shadow_cache: spec.shadow_cache.count.get() as u32,
-            banks: spec.l2.banks() as u32,
+            cores: all(1),
+            traversal: all(spec.traversal.count.get()),
+            list: all(spec.list.count.get()),
+            intersection: all(spec.intersection.count.get()),
+            division: all(spec.division.count.get()),
+            shadow_cache: all(spec.shadow_cache.count.get()),
+            banks: all(spec.l2.banks()),
             channels: spec.dram.channels.get() as u32,
         }
     }
@@ -52,14 +62,24 @@ impl Parts {
         PartId(1 + index)
     }
 
+    /// List unit `index`.
+    pub fn list(&self, index: u32) -> PartId {
+        PartId(self.traversal(self.traversal).0 + index)
+    }
+
     /// Intersection unit `index`.
     pub fn intersection(&self, index: u32) -> PartId {
-        PartId(1 + self.traversal + index)
+        PartId(self.list(self.list).0 + index)
+    }
+
+    /// Division unit `index`.
+    pub fn division(&self, index: u32) -> PartId {
+        PartId(self.intersection(self.intersection).0 + index)
     }
 
     /// Shadow-cache unit `index`.
     pub fn shadow_cache(&self, index: u32) -> PartId {
-        PartId(self.intersection(self.intersection).0 + index)
+        PartId(self.division(self.division).0 + index)
     }
 
     /// Bank `index` of the L2.
@@ -70,6 +90,31 @@ impl Parts {
     /// Channel `index` of the DRAM.
     pub fn channel(&self, index: u32) -> PartId {
         PartId(self.bank(self.banks).0 + index)
+    }
+
+    /// The core of a unit or a bank.
+    pub fn core(&self, part: PartId) -> u32 {
+        let kinds = [
+            (self.traversal(0), self.traversal),
+            (self.list(0), self.list),
+            (self.intersection(0), self.intersection),
+            (self.division(0), self.division),
+            (self.shadow_cache(0), self.shadow_cache),
+            (self.bank(0), self.banks),
+        ];
+        let (first, count) = kinds.into_iter().rfind(|(first, _)| part.0 >= first.0).expect("the part is in a core");
+        (part.0 - first.0) / (count / self.cores)
+    }
+
+    /// The intersection unit of a core that `number` chooses.
+    pub fn intersection_of(&self, core: u32, number: u64) -> u32 {
+        self.choose(self.intersection, core, number)
+    }
+
+    /// Of `units` of a kind, the one of a core that `number` chooses.
+    fn choose(&self, units: u32, core: u32, number: u64) -> u32 {
+        let a_core = units / self.cores;
+        core * a_core + (number % u64::from(a_core)) as u32
     }
 
     /// The number of parts.
@@ -88,6 +133,17 @@ pub fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
     Some(entry)
 }
 
+/// Puts `ray` into a unit's queue, if that has a place; else who sends it is woken when it has.
+fn send(queue: &mut Queue<RayId>, ray: RayId, (from, to): (PartId, PartId), now: u64, clock: &mut impl Wake) -> bool {
+    if !queue.has_room(now) {
+        queue.wait_for_room(from, now, clock);
+        return false;
+    }
+    queue.put(ray, now + 1);
+    clock.wake(to, now + 1);
+    true
+}
+
 /// What the parts share. `W` wakes them.
 #[derive(Clone, Debug)]
 pub struct Links<W> {
@@ -99,12 +155,22 @@ pub struct Links<W> {
     pub layout: Layout,
     /// Rays from the dispatcher to each traversal unit.
     pub dispatched: Vec<Inbox<RayId>>,
-    /// Rays from intersection units back to each traversal unit.
+    /// Rays from list, intersection and division units back to each traversal unit.
     pub returned: Vec<Inbox<RayId>>,
+    /// Rays to each list unit.
+    pub lists: Vec<Queue<RayId>>,
+    /// Rays from intersection and division units back to each list unit.
+    pub listed: Vec<Inbox<RayId>>,
+    /// Contexts of each list unit that others freed.
+    pub freed_lists: Vec<usize>,
     /// Rays to each intersection unit.
     pub tests: Vec<Queue<RayId>>,
+    /// Contexts of each intersection unit that division units freed.
+    pub freed_tests: Vec<usize>,
+    /// Rays to each division unit.
+    pub divisions: Vec<Queue<RayId>>,
     /// Rays back from intersection units to each shadow-cache unit.
-    pub tested: Vec<Inbox<RayId>>,
+    pub back_in_policy: Vec<Inbox<RayId>>,
     /// Retired and skipped rays, and those of other units, to each shadow-cache unit.
     pub retired: Vec<Inbox<RayId>>,
     /// Rays that are done, to the dispatcher.
@@ -140,15 +206,21 @@ impl<W: Wake> Links<W> {
     pub fn new(spec: &MachineSpec, header: &Header, clock: W) -> Self {
         let parts = Parts::new(spec);
         let line = spec.line_bytes.get();
-        let entries = spec.dispatcher.rays.size() + spec.shadow_cache.count.size() * spec.shadow_cache.contexts.size();
+        let contexts = parts.shadow_cache as usize * spec.shadow_cache.contexts.size();
+        let entries = spec.pool() as usize + contexts;
         Self {
             parts,
             rays: vec![Ray::default(); entries],
             layout: Layout::new(header, spec),
             dispatched: vec![Inbox::new(); parts.traversal as usize],
             returned: vec![Inbox::new(); parts.traversal as usize],
+            lists: vec![Queue::new(spec.list.queue.size()); parts.list as usize],
+            listed: vec![Inbox::new(); parts.list as usize],
+            freed_lists: vec![0; parts.list as usize],
             tests: vec![Queue::new(spec.intersection.queue.size()); parts.intersection as usize],
-            tested: vec![Inbox::new(); parts.shadow_cache as usize],
+            freed_tests: vec![0; parts.intersection as usize],
+            divisions: vec![Queue::new(spec.division.queue.size()); parts.division as usize],
+            back_in_policy: vec![Inbox::new(); parts.shadow_cache as usize],
             retired: vec![Inbox::new(); parts.shadow_cache as usize],
             done: Vec::new(),
             freed: Vec::new(),
@@ -160,24 +232,75 @@ impl<W: Wake> Links<W> {
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
             lines: vec![Inbox::new(); parts.count()],
-            l2: spec.l2.build(parts.bank(0), line),
+            l2: spec.l2.build(parts.bank(0), parts.cores, line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
             replayed: Totals::default(),
             clock,
         }
     }
 
-    /// Sends a ray to its intersection unit, if that has a place; else `from` is woken when it has.
-    pub fn send_to_test(&mut self, ray: RayId, home: u64, from: PartId, now: u64) -> bool {
-        let unit = (home % u64::from(self.parts.intersection)) as u32;
-        let queue = &mut self.tests[unit as usize];
-        if !queue.has_room(now) {
-            queue.wait_for_room(from, now, &mut self.clock);
-            return false;
+    /// Sends a ray of a core to its list unit, if that has a place; else `from` is woken when it has.
+    pub fn send_to_list(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+        let unit = self.parts.choose(self.parts.list, core, ray.into());
+        send(&mut self.lists[unit as usize], ray, (from, self.parts.list(unit)), now, &mut self.clock)
+    }
+
+    /// Sends a ray of a core to its intersection unit, if that has a place; else `from` is woken when it has.
+    pub fn send_to_test(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+        let pool = self.rays.len() - self.parts.shadow_cache as usize * self.shadow_cache.contexts.size();
+        let number = ray as u64 - if ray as usize >= pool { pool as u64 } else { 0 };
+        self.send_to_unit(ray, self.parts.intersection_of(core, number), from, now)
+    }
+
+    /// Sends a ray to the intersection unit whose L1 has the line of its entry, if there is a place; else `from` is woken.
+    pub fn send_to_access(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
+        let (line, _) = self.layout.lines(&self.entry_element(ray));
+        self.send_to_unit(ray, (line.0 % u64::from(self.parts.intersection)) as u32, from, now)
+    }
+
+    fn send_to_unit(&mut self, ray: RayId, unit: u32, from: PartId, now: u64) -> bool {
+        send(&mut self.tests[unit as usize], ray, (from, self.parts.intersection(unit)), now, &mut self.clock)
+    }
+
+    /// Sends a ray of a core to its division unit, if that has a place; else `from` is woken when it has.
+    pub fn send_to_division(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+        let unit = self.parts.choose(self.parts.division, core, ray.into());
+        send(&mut self.divisions[unit as usize], ray, (from, self.parts.division(unit)), now, &mut self.clock)
+    }
+
+    /// An intersection unit has done what a ray was there for: a test, or the access to an entry.
+    pub fn tested(&mut self, id: RayId, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        ray.fetched = ray.step().is_some_and(|step| step.entry().is_some());
+        if !ray.fetched {
+            ray.next += 1;
+            match (ray.owner, ray.kind) {
+                (Owner::ShadowCache(_), _) => self.replayed.policy_triangle_tests += 1,
+                (Owner::Traversal(_), RayKind::Shadow) => self.replayed.shadow_triangle_tests += 1,
+                (Owner::Traversal(_), _) => self.replayed.triangle_tests += 1,
+            }
         }
-        queue.put(ray, now + 1);
-        self.clock.wake(self.parts.intersection(unit), now + 1);
-        true
+        let list = ray.list.filter(|_| matches!(ray.path_step(), Some(Step::List(_) | Step::Triangle { .. })));
+        if let Some(unit) = list {
+            self.listed[unit as usize].push_back((now + 1, id));
+            self.clock.wake(self.parts.list(unit), now + 1);
+            return;
+        }
+        if let Some(unit) = ray.list.take() {
+            self.freed_lists[unit as usize] += 1;
+            self.clock.wake(self.parts.list(unit), now + 1);
+        }
+        self.return_to_owner(id, now);
+    }
+
+    /// A ray goes back to the unit that has a slot or a context for it.
+    pub fn return_to_owner(&mut self, id: RayId, now: u64) {
+        let (inbox, part) = match self.rays[id as usize].owner {
+            Owner::Traversal(unit) => (&mut self.returned[unit as usize], self.parts.traversal(unit)),
+            Owner::ShadowCache(unit) => (&mut self.back_in_policy[unit as usize], self.parts.shadow_cache(unit)),
+        };
+        inbox.push_back((now + 1, id));
+        self.clock.wake(part, now + 1);
     }
 
     /// A ray is done.

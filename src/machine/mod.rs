@@ -2,9 +2,11 @@
 
 pub mod causes;
 pub mod dispatcher;
+pub mod division;
 pub mod intersection;
 pub mod layout;
 pub mod links;
+pub mod list;
 pub mod pipeline;
 pub mod ray;
 pub mod register;

@@ -30,17 +30,29 @@ pub struct Past {
     pub bytes: Bytes,
 }
 
+/// The timing of a unit's pipeline.
+#[derive(Clone, Copy, Debug)]
+pub struct Stages {
+    /// Cycles that an operation takes.
+    pub latency: u64,
+    /// Cycles from an operation to the next.
+    pub interval: u64,
+}
+
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
 /// [`Pipeline::end`] in this order, once in every cycle in which it acts.
 #[derive(Clone, Debug)]
 pub struct Pipeline {
     part: PartId,
+    core: u32,
     cache: Cache,
     out: VecDeque<Request>,
     out_places: usize,
     ports: u64,
     hit_latency: u64,
-    latency: u64,
+    timing: Stages,
+    /// The first cycle in which an operation can begin.
+    open_at: u64,
     line: Bytes,
     writes: WritePolicy,
     fetching: VecDeque<RayId>,
@@ -61,16 +73,18 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// An empty unit with the number `part`, a pipeline of `latency` stages, and an L1 with lines of `line` bytes.
-    pub fn new(part: PartId, cache: &CacheSpec, latency: u64, line: u64, writes: WritePolicy) -> Self {
+    /// An empty unit with the number `part`, of a core, whose L1 has lines of `line` bytes.
+    pub fn new(part: PartId, core: u32, cache: &CacheSpec, timing: Stages, line: u64, writes: WritePolicy) -> Self {
         Self {
             part,
+            core,
             cache: cache.build(line),
             out: VecDeque::with_capacity(cache.queue.size()),
             out_places: cache.queue.size(),
             ports: cache.ports.get(),
             hit_latency: cache.latency.get(),
-            latency,
+            timing,
+            open_at: 0,
             line: Bytes(line),
             writes,
             fetching: VecDeque::new(),
@@ -92,6 +106,11 @@ impl Pipeline {
     /// The unit's number in the machine.
     pub fn part(&self) -> PartId {
         self.part
+    }
+
+    /// The unit's core.
+    pub fn core(&self) -> u32 {
+        self.core
     }
 
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
@@ -163,7 +182,7 @@ impl Pipeline {
 
     /// Step 5: whether an operation began.
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        let Some(&ray) = self.ready.front() else { return false };
+        let Some(&ray) = self.ready.front().filter(|_| now >= self.open_at) else { return false };
         let fetch = &rays[ray as usize].fetch;
         if fetch.write && self.writes == WritePolicy::Through {
             if self.out.len() == self.out_places {
@@ -177,33 +196,34 @@ impl Pipeline {
             through.bytes += bytes;
         }
         self.ready.pop_front();
-        self.stages.push_back((now + self.latency, ray));
+        self.stages.push_back((now + self.timing.latency, ray));
+        self.open_at = now + self.timing.interval;
         true
     }
 
     /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
-    /// to go to another unit, `dividing` whether one is in the divider.
-    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool, dividing: bool) {
+    /// to go to another unit.
+    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool) {
         let hits = self.hits.len();
         let stalled = self.access(now, &mut links.rays);
         // A hit may have made another line, a clean one, the next to go: a fill that waits can be made then.
         let hit = self.hits.len() > hits;
-        let sent = self.out.front().is_some_and(|&request| links.l2.put(request, now, &mut links.clock));
+        let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.pop_front();
         }
-        self.causes.cycle(now, began, self.idle_cause(leaving, dividing));
+        self.causes.cycle(now, if began { self.timing.interval } else { 0 }, self.idle_cause(leaving));
 
         let lines = links.lines[self.part.0 as usize].front().map(|line| line.0);
-        let at_once = !self.ready.is_empty()
-            || !self.fetching.is_empty() && (!stalled || sent)
+        let at_once = !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
             || lines.is_some_and(|at| at <= now) && (self.filled || sent || hit);
         if at_once {
             links.clock.wake(self.part, now + 1);
             return;
         }
-        let stamps = [lines, self.hits.front().map(|hit| hit.0), self.stages.front().map(|stage| stage.0)];
+        let begin = (!self.ready.is_empty()).then_some(self.open_at.max(now + 1));
+        let stamps = [begin, lines, self.hits.front().map(|hit| hit.0), self.stages.front().map(|stage| stage.0)];
         if let Some(at) = stamps.into_iter().flatten().filter(|&at| at > now).min() {
             links.clock.wake(self.part, at);
         }
@@ -256,9 +276,9 @@ impl Pipeline {
         self.out.push_back(Request { line, class, write, bytes, from: self.part });
     }
 
-    fn idle_cause(&self, leaving: bool, dividing: bool) -> Cause {
+    fn idle_cause(&self, leaving: bool) -> Cause {
         let memory = !self.fetching.is_empty() || self.waiting > 0;
-        let pipeline = !self.stages.is_empty() || dividing;
+        let pipeline = !self.stages.is_empty();
         if leaving || !self.ready.is_empty() {
             Cause::Blocked
         } else if memory {

@@ -57,6 +57,8 @@ pub struct Ray {
     pub index: u32,
     /// Who works on it.
     pub owner: Owner,
+    /// The list unit that has a context for it.
+    pub list: Option<u32>,
     /// Whether the shadow-cache unit's decision is still to come.
     pub undecided: bool,
     /// Whether its triangle test is at the edges.
@@ -82,6 +84,7 @@ impl Default for Ray {
             chunk: 0,
             index: 0,
             owner: Owner::ShadowCache(0),
+            list: None,
             evaluating: 0,
             operand: false,
             fetched: false,

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::links::{Links, Parts, take};
-use super::pipeline::{Pipeline, WritePolicy};
+use super::pipeline::{Pipeline, Stages, WritePolicy};
 use super::ray::{Owner, RayId};
 use super::register::{Kept, Register};
 use super::stores::StoreLayout;
@@ -46,10 +46,12 @@ pub enum FrameEnd {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShadowCacheSpec {
-    /// Units.
+    /// Units a core.
     pub count: Within<1, 64>,
     /// Stages of the pipeline.
     pub latency: Within<1, 1000>,
+    /// Cycles from an operation to the next.
+    pub interval: Within<1, 1000>,
     /// Rays that a unit works on at once.
     pub contexts: Within<1, 4096>,
     /// Which way accesses to stores go.
@@ -71,6 +73,7 @@ impl Default for ShadowCacheSpec {
         Self {
             count: const { Within::literal(1) },
             latency: const { Within::literal(2) },
+            interval: const { Within::literal(1) },
             contexts: const { Within::literal(8) },
             place: Place::Own,
             layout: StoreLayout::Dense,
@@ -116,10 +119,11 @@ impl ShadowCache {
         let first_entry = pool as RayId;
         let contexts = spec.contexts.get() as RayId;
         let own_entries = first_entry + index * contexts;
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         Self {
             index,
             place: spec.place,
-            pipeline: Pipeline::new(part, &spec.cache, spec.latency.get(), line, writes),
+            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
             register: Register::new(spec.register.size()),
             leaving: VecDeque::new(),
             contexts: spec.contexts.size(),
@@ -137,7 +141,7 @@ impl ShadowCache {
         if let Some(id) = self.pipeline.leave(now) {
             self.passed(id, now, links);
         }
-        while let Some(id) = take(&mut links.tested[self.index as usize], now) {
+        while let Some(id) = take(&mut links.back_in_policy[self.index as usize], now) {
             if std::mem::take(&mut links.rays[id as usize].fetched) {
                 self.pipeline.ready(id, links);
             } else {
@@ -150,26 +154,19 @@ impl ShadowCache {
         }
         let began = self.pipeline.begin(now, &links.rays);
         let part = self.pipeline.part();
-        let sent = match self.leaving.front() {
-            Some(&id) => links.send_to_test(id, self.test_home(id, links), part, now),
-            None => false,
-        };
+        let core = self.pipeline.core();
+        let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
+            Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
+            _ => links.send_to_access(id, part, now),
+        });
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty(), false);
+        self.pipeline.end(now, links, began, !self.leaving.is_empty());
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
         if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
             links.clock.wake(part, now + 1);
-        }
-    }
-
-    /// The number that chooses the intersection unit of a ray that waits for one: its entry's, or its line's.
-    fn test_home<W>(&self, id: RayId, links: &Links<W>) -> u64 {
-        match links.rays[id as usize].step().and_then(Step::entry) {
-            Some((store, index)) => links.layout.line_of(store, index).0,
-            None => u64::from(id.checked_sub(self.first_entry).unwrap_or(id)),
         }
     }
 

@@ -3,7 +3,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
+use super::division::DivisionSpec;
 use super::intersection::IntersectionSpec;
+use super::list::ListSpec;
 use super::pipeline::WritePolicy;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::stores::{StoreLayout, check_tag};
@@ -25,12 +27,18 @@ pub struct MachineSpec {
     pub clock_mhz: Within<1, 10_000>,
     /// Bytes of a line, in all caches.
     pub line_bytes: PowerOfTwo<32, 128>,
+    /// Cores: each has all units of the other fields and an L2; dispatcher and DRAM serve all.
+    pub cores: Within<1, 64>,
     /// The dispatcher.
     pub dispatcher: DispatcherSpec,
     /// The traversal units.
     pub traversal: TraversalSpec,
+    /// The list units.
+    pub list: ListSpec,
     /// The intersection units.
     pub intersection: IntersectionSpec,
+    /// The division units.
+    pub division: DivisionSpec,
     /// The shadow-cache units.
     pub shadow_cache: ShadowCacheSpec,
     /// The L2.
@@ -45,9 +53,12 @@ impl Default for MachineSpec {
             name: "default".into(),
             clock_mhz: const { Within::literal(500) },
             line_bytes: const { PowerOfTwo::literal(64) },
+            cores: const { Within::literal(1) },
             dispatcher: DispatcherSpec::default(),
             traversal: TraversalSpec::default(),
+            list: ListSpec::default(),
             intersection: IntersectionSpec::default(),
+            division: DivisionSpec::default(),
             shadow_cache: ShadowCacheSpec::default(),
             l2: L2Spec::default(),
             dram: DramSpec::default(),
@@ -76,19 +87,42 @@ impl MachineSpec {
         }
     }
 
+    /// Entries of the pool: of all cores together.
+    pub fn pool(&self) -> u64 {
+        self.cores.get() * self.dispatcher.rays.get()
+    }
+
     /// Checks what single fields cannot.
     pub fn check(&self) -> Result<(), SpecError> {
         let line = self.line_bytes.get();
         self.traversal
             .cache
             .check("traversal.cache", line)
+            .and_then(|()| self.list.cache.check("list.cache", line))
             .and_then(|()| self.intersection.cache.check("intersection.cache", line))
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
+            .and_then(|()| self.check_intervals())
             .and_then(|()| self.check_homes())
             .and_then(|()| self.check_writes())
+            .and_then(|()| self.check_coherence())
             .and_then(|()| self.dram.check(line))
             .map_err(SpecError)
+    }
+
+    /// An operation leaves the entry of a pipeline before its end: so all cycles that it occupies lie within a run.
+    fn check_intervals(&self) -> Result<(), String> {
+        let units = [
+            ("traversal", self.traversal.latency, self.traversal.interval),
+            ("list", self.list.latency, self.list.interval),
+            ("intersection", self.intersection.latency, self.intersection.interval),
+            ("division", self.division.latency, self.division.interval),
+            ("shadow_cache", self.shadow_cache.latency, self.shadow_cache.interval),
+        ];
+        let wrong = units.into_iter().find(|(_, latency, interval)| interval.get() > latency.get());
+        wrong.map_or(Ok(()), |(unit, latency, interval)| {
+            Err(format!("`{unit}.interval` is {interval}: up to `{unit}.latency`, which is {latency}, is allowed"))
+        })
     }
 
     /// Classes that share lines must share a home in the L2: there would be two copies of such a line.
@@ -118,6 +152,18 @@ impl MachineSpec {
         };
         if self.shadow_cache.writes == WritePolicy::Through && cache.contents == Contents::Ideal {
             return Err(format!("`shadow_cache.writes` is Through: with `{field}.contents: Ideal`, Back is allowed"));
+        }
+        Ok(())
+    }
+
+    /// A line that is written must be in one L2 only, since nothing keeps those of several cores alike.
+    fn check_coherence(&self) -> Result<(), String> {
+        if self.cores.get() > 1 && self.shadow_cache.layout == StoreLayout::Record {
+            return Err(
+                "`shadow_cache.layout` is Record, which puts words into the lines of triangles, with more than one of \
+                        `cores`, which all read triangles: another layout, or `cores: 1`, is allowed"
+                    .into(),
+            );
         }
         Ok(())
     }
@@ -184,6 +230,7 @@ mod tests {
                 "with `shadow_cache.cache.contents: Ideal`, Back is allowed",
             ),
             ("(dram: (model: Flat(bytes_per_cycle: 8)))", "Unexpected missing field named `latency`"),
+            ("(list: (interval: 3))", "`list.interval` is 3: up to `list.latency`, which is 2, is allowed"),
             ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),
             ("(dram: (mapping: [Row, Column(4)]))", "`Row` before its end"),
             ("(dram: (mapping: [Column(5), Bank(3)]))", "does not end with `Row`"),

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::links::{Links, take};
-use super::pipeline::{Pipeline, WritePolicy};
+use super::pipeline::{Pipeline, Stages, WritePolicy};
 use super::ray::RayId;
 use crate::memory::Wake;
 use crate::memory::cache::CacheSpec;
@@ -17,10 +17,12 @@ use crate::stream::{RayKind, Step};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct TraversalSpec {
-    /// Units.
+    /// Units a core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
     pub latency: Within<1, 1000>,
+    /// Cycles from an operation to the next.
+    pub interval: Within<1, 1000>,
     /// Slots: rays that a unit holds.
     pub rays: Within<1, 4096>,
     /// The L1 of each unit.
@@ -32,6 +34,7 @@ impl Default for TraversalSpec {
         Self {
             count: const { Within::literal(4) },
             latency: const { Within::literal(8) },
+            interval: const { Within::literal(1) },
             rays: const { Within::literal(20) },
             cache: CacheSpec::DEFAULT,
         }
@@ -44,7 +47,7 @@ pub struct Traversal {
     index: u32,
     /// The common part.
     pub pipeline: Pipeline,
-    /// Rays that wait to go to an intersection unit.
+    /// Rays that wait to go to a list or intersection unit.
     leaving: VecDeque<RayId>,
 }
 
@@ -52,7 +55,9 @@ impl Traversal {
     /// Unit `index`, empty.
     pub fn new<W: Wake>(spec: &TraversalSpec, line: u64, index: u32, links: &Links<W>) -> Self {
         let part = links.parts.traversal(index);
-        let pipeline = Pipeline::new(part, &spec.cache, spec.latency.get(), line, WritePolicy::Back);
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        let core = links.parts.core(part);
+        let pipeline = Pipeline::new(part, core, &spec.cache, stages, line, WritePolicy::Back);
         Self { index, pipeline, leaving: VecDeque::new() }
     }
 
@@ -75,14 +80,15 @@ impl Traversal {
             self.route(ray, now, links);
         }
         let began = self.pipeline.begin(now, &links.rays);
-        let sent = match self.leaving.front() {
-            Some(&ray) => links.send_to_test(ray, ray.into(), self.pipeline.part(), now),
-            None => false,
-        };
+        let (core, part) = (self.pipeline.core(), self.pipeline.part());
+        let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].path_step() {
+            Some(Step::List(_)) => links.send_to_list(id, core, part, now),
+            _ => links.send_to_test(id, core, part, now),
+        });
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty(), false);
+        self.pipeline.end(now, links, began, !self.leaving.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(self.pipeline.part(), now + 1);
         }
@@ -114,6 +120,6 @@ impl Traversal {
 
     /// The state of the queues, for the report of a deadlock.
     pub fn queues(&self) -> String {
-        format!("{}, leaving for intersection {}", self.pipeline.queues(), self.leaving.len())
+        format!("{}, leaving for lists or intersection {}", self.pipeline.queues(), self.leaving.len())
     }
 }

@@ -99,14 +99,14 @@ impl L2Spec {
         TrafficClass::ALL.map(|class| ranges[self.home(class)])
     }
 
-    /// The L2, empty; its banks' numbers in the machine begin with `first`.
-    pub fn build(&self, first: PartId, line: u64) -> L2 {
+    /// The L2s of `cores`, empty; their banks' numbers in the machine begin with `first`.
+    pub fn build(&self, first: PartId, cores: u32, line: u64) -> L2 {
         let mut banks = Vec::new();
-        for (_, cache) in self.caches() {
+        for (_, cache) in (0..cores).flat_map(|_| self.caches()) {
             let bank = |index| cache.bank(PartId(first.0 + index as u32), line);
             banks.extend((banks.len()..banks.len() + cache.banks.size()).map(bank));
         }
-        L2 { banks, homes: self.homes() }
+        L2 { banks, of_core: self.banks() as usize, homes: self.homes() }
     }
 }
 
@@ -125,22 +125,27 @@ impl Home {
     }
 }
 
-/// All banks.
+/// All banks of all cores.
 #[derive(Clone, Debug)]
 pub struct L2 {
-    /// The banks of the first cache, then those of the next.
+    /// The banks of the first core's first cache, then those of the next; then those of the next core.
     pub banks: Vec<Bank>,
+    /// Banks of a core.
+    of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
 }
 
 impl L2 {
-    /// Puts a request into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
-    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
-        self.banks[self.homes[request.class as usize].bank(request.line)].put(request, now, wake)
+    /// Puts a request of a core into its bank's queue in cycle `now`; without a place, the asker is woken when there is one.
+    pub fn put(&mut self, core: u32, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+        self.banks[core as usize * self.of_core + self.homes[request.class as usize].bank(request.line)]
+            .put(request, now, wake)
     }
 
-    /// Uses lines as if they had been accessed: nothing is counted.
+    /// Uses lines as if they had been accessed, by all cores: nothing is counted.
     pub fn touch(&mut self, lines: &[Touch]) {
-        lines.iter().for_each(|&touch| self.banks[self.homes[touch.class as usize].bank(touch.line)].touch(touch));
+        for banks in self.banks.chunks_mut(self.of_core) {
+            lines.iter().for_each(|&touch| banks[self.homes[touch.class as usize].bank(touch.line)].touch(touch));
+        }
     }
 }

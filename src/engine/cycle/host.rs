@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use super::ray::{Id, Origin, Ray, Sender};
 use super::wires::Wires;
+use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::source::{FrameCounts, StreamFault, check_step, parents};
 use crate::stats::Cause;
@@ -37,6 +38,8 @@ enum Phase {
 
 pub struct Host {
     spec: DispatcherSpec,
+    pool: usize,
+    cores: usize,
     phase: Phase,
     frame: u32,
     primaries: VecDeque<Origin>,
@@ -44,7 +47,7 @@ pub struct Host {
     shading: VecDeque<(u64, Origin)>,
     free_entries: VecDeque<Id>,
     free_slots: Vec<u64>,
-    last_unit: usize,
+    last_in_turn: usize,
     /// Rays done, skipped ones not counted.
     pub rays: u64,
     pub causes: [u64; Cause::ALL.len()],
@@ -58,17 +61,20 @@ pub struct HostCycle {
 }
 
 impl Host {
-    pub fn new(spec: &DispatcherSpec, units: usize, slots: u64) -> Self {
+    pub fn new(machine: &MachineSpec) -> Self {
+        let units = machine.cores.size() * machine.traversal.count.size();
         Self {
-            spec: *spec,
+            spec: machine.dispatcher,
+            pool: machine.pool() as usize,
+            cores: machine.cores.size(),
             phase: Phase::Between,
             frame: 0,
             primaries: VecDeque::new(),
             ready: VecDeque::new(),
             shading: VecDeque::new(),
-            free_entries: (0..spec.rays.size()).collect(),
-            free_slots: vec![slots; units],
-            last_unit: units - 1,
+            free_entries: (0..machine.pool() as usize).collect(),
+            free_slots: vec![machine.traversal.rays.get(); units],
+            last_in_turn: units - 1,
             rays: 0,
             causes: Default::default(),
         }
@@ -105,7 +111,8 @@ impl Host {
             self.ready.extend(children.map(|&index| Origin { group: Rc::clone(&group), index }));
         }
         let mut handed_over = 0;
-        while handed_over < self.spec.per_cycle.get() && self.hand_over(now, wires)? {
+        let mut to_core = vec![0; self.cores];
+        while handed_over < self.spec.per_cycle.get() * self.cores as u64 && self.hand_over(now, &mut to_core, wires)? {
             handed_over += 1;
             self.read_on(next, wires)?;
         }
@@ -175,22 +182,30 @@ impl Host {
         Ok(())
     }
 
-    /// Hands over the next ray, if there is one and nothing is missing; whether that was so.
-    fn hand_over(&mut self, now: u64, wires: &mut Wires) -> Result<bool, StreamFault> {
+    /// Hands over the next ray, if there is one and nothing is missing; whether that was so. `to_core` says how many each core got
+    /// in this cycle.
+    fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
         let Some(origin) = self.ready.front().or(self.primaries.front()).cloned() else { return Ok(false) };
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
-        let ray = read_ray(origin, wires)?;
+        let mut ray = read_ray(origin, wires)?;
         if ray.decision == Decision::Skip {
             let_in(id, ray, wires);
             wires.send_to_policy(now, id);
         } else {
             let units = self.free_slots.len();
-            let after_the_last = (1..=units).map(|step| (self.last_unit + step) % units);
-            let Some(unit) = after_the_last.into_iter().find(|&unit| self.free_slots[unit] > 0) else {
-                return Ok(false);
+            // In turn: the first units of all cores, then the second ones.
+            let place = |turn: usize| (turn % self.cores, turn % self.cores * (units / self.cores) + turn / self.cores);
+            let mut after_the_last = (1..=units).map(|step| (self.last_in_turn + step) % units);
+            let can_take = |&turn: &usize| {
+                let (core, unit) = place(turn);
+                to_core[core] < self.spec.per_cycle.get() && self.free_slots[unit] > 0
             };
+            let Some(turn) = after_the_last.find(can_take) else { return Ok(false) };
+            let (core, unit) = place(turn);
+            to_core[core] += 1;
             self.free_slots[unit] -= 1;
-            self.last_unit = unit;
+            self.last_in_turn = turn;
+            ray.sender = Sender::Traversal(unit);
             wires.dispatched[unit].put(now, id);
             let_in(id, ray, wires);
         }
@@ -238,7 +253,7 @@ impl Host {
     }
 
     fn in_flight(&self) -> usize {
-        self.spec.rays.size() - self.free_entries.len()
+        self.pool - self.free_entries.len()
     }
 
     pub fn is_finished(&self) -> bool {
@@ -249,7 +264,7 @@ impl Host {
         format!(
             "rays in flight {}/{}, ready {}, being shaded {}, free slots {:?}",
             self.in_flight(),
-            self.spec.rays,
+            self.pool,
             self.ready.len(),
             self.shading.len(),
             self.free_slots
@@ -285,6 +300,7 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
         setting: 0,
         accessed: false,
         sender: Sender::ShadowCache(0),
+        list: None,
         origin: Some(origin),
     })
 }

@@ -4,12 +4,14 @@
 //! A cycle has two phases: all parts act on what was there when the cycle began; then all links settle.
 
 mod cache;
+mod division;
 mod dram;
 mod flat;
 mod host;
 mod intersection;
 mod l2;
 mod link;
+mod list;
 mod ray;
 mod shadow_cache;
 mod traversal;
@@ -17,16 +19,19 @@ mod unit;
 mod wires;
 mod words;
 
+use self::division::Division;
 use self::dram::Channel;
 use self::host::Host;
 use self::intersection::Intersection;
 use self::l2::Bank;
+use self::list::List;
 use self::shadow_cache::ShadowCache;
 use self::traversal::Traversal;
 use self::unit::Unit;
 use self::wires::Wires;
 use super::feed::Feed;
 use super::tally::{BankTally, ChannelTally, Tally};
+use super::work::Kind;
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 #[cfg(test)]
@@ -37,7 +42,9 @@ use crate::stream::Header;
 pub(super) struct Cycle {
     host: Host,
     traversal: Vec<Traversal>,
+    list: Vec<List>,
     intersection: Vec<Intersection>,
+    division: Vec<Division>,
     shadow_cache: Vec<ShadowCache>,
     banks: Vec<Bank>,
     channels: Vec<Channel>,
@@ -53,23 +60,31 @@ fn in_turn(count: usize, now: u64) -> impl Iterator<Item = usize> {
 
 impl Cycle {
     pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
-        let (units, tests) = (spec.traversal.count.size(), spec.intersection.count.size());
-        let (pool, line) = (spec.dispatcher.rays.size(), spec.line_bytes.get());
+        let cores = spec.cores.size();
+        let (units, lists) = (cores * spec.traversal.count.size(), cores * spec.list.count.size());
+        let tests = cores * spec.intersection.count.size();
+        let (pool, line) = (spec.pool() as usize, spec.line_bytes.get());
         let channel = |index| Channel::new(&spec.dram, index, spec.clock_mhz.get(), line);
         let mut banks = Vec::new();
-        for (_, cache) in spec.l2.caches() {
+        for (_, cache) in (0..cores).flat_map(|_| spec.l2.caches()) {
             for _ in 0..cache.banks.get() {
                 banks.push(Bank::new(cache, &spec.dram, banks.len(), line));
             }
         }
         Self {
-            host: Host::new(&spec.dispatcher, units, spec.traversal.rays.get()),
+            host: Host::new(spec),
             traversal: (0..units).map(|index| Traversal::new(&spec.traversal, index, line)).collect(),
+            list: (0..lists).map(|index| List::new(&spec.list, index, units + index, line)).collect(),
             intersection: (0..tests)
-                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), index, units + index, line))
+                .map(|index| (index, units + lists + index))
+                .map(|(index, l1)| Intersection::new(&spec.intersection, spec.triangle_writes(), index, l1, line))
                 .collect(),
-            shadow_cache: (0..spec.shadow_cache.count.size())
-                .map(|index| ShadowCache::new(&spec.shadow_cache, index, pool, units + tests + index, line))
+            division: (0..cores * spec.division.count.size())
+                .map(|index| Division::new(&spec.division, index))
+                .collect(),
+            shadow_cache: (0..cores * spec.shadow_cache.count.size())
+                .map(|index| (index, units + lists + tests + index))
+                .map(|(index, l1)| ShadowCache::new(&spec.shadow_cache, index, pool, l1, line))
                 .collect(),
             banks,
             channels: (0..spec.dram.channels.size()).map(channel).collect(),
@@ -81,7 +96,9 @@ impl Cycle {
     fn tick_units(&mut self, now: u64) {
         let wires = &mut self.wires;
         in_turn(self.traversal.len(), now).for_each(|index| self.traversal[index].tick(now, wires));
+        in_turn(self.list.len(), now).for_each(|index| self.list[index].tick(now, wires));
         in_turn(self.intersection.len(), now).for_each(|index| self.intersection[index].tick(now, wires));
+        in_turn(self.division.len(), now).for_each(|index| self.division[index].tick(now, wires));
         in_turn(self.shadow_cache.len(), now).for_each(|index| self.shadow_cache[index].tick(now, wires));
         in_turn(self.banks.len(), now).for_each(|index| self.banks[index].tick(now, wires));
         in_turn(self.channels.len(), now).for_each(|index| self.channels[index].tick(now, wires));
@@ -91,14 +108,16 @@ impl Cycle {
     fn drop_dynamic_lines(&mut self) {
         let first = self.wires.layout.dynamic_part();
         self.traversal.iter_mut().for_each(|unit| unit.unit.drop_from(first));
+        self.list.iter_mut().for_each(|unit| unit.unit.drop_from(first));
         self.intersection.iter_mut().for_each(|unit| unit.unit.drop_from(first));
         self.shadow_cache.iter_mut().for_each(|unit| unit.unit.drop_from(first));
         self.banks.iter_mut().for_each(|bank| bank.drop_from(first));
     }
 
-    fn units(&self) -> [Vec<&Unit>; 3] {
+    fn units(&self) -> [Vec<&Unit>; Kind::ALL.len()] {
         [
             self.traversal.iter().map(|unit| &unit.unit).collect(),
+            self.list.iter().map(|unit| &unit.unit).collect(),
             self.intersection.iter().map(|unit| &unit.unit).collect(),
             self.shadow_cache.iter().map(|unit| &unit.unit).collect(),
         ]
@@ -116,7 +135,9 @@ impl Cycle {
         let mut lines = vec![format!("dispatcher: {}", self.host.queues())];
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
+        self.list.iter().enumerate().for_each(|(i, unit)| list("list", i, unit.queues(wires)));
         self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(wires)));
+        self.division.iter().enumerate().for_each(|(i, unit)| list("division", i, unit.queues(wires)));
         self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(wires)));
         self.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues(wires)));
         self.channels.iter().enumerate().for_each(|(i, channel)| list("dram channel", i, channel.queues(wires)));
@@ -164,6 +185,7 @@ impl Engine for Cycle {
             dispatcher: self.host.causes,
             stores: Default::default(),
             units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
+            divisions: self.division.iter().map(|unit| unit.causes).collect(),
             banks: self.banks.iter().map(bank).collect(),
             channels: self.channels.iter().map(channel).collect(),
         }

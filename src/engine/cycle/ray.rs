@@ -9,7 +9,7 @@ use crate::stream::{Decision, RayKind, Step};
 /// The number of a pool entry, or, from the pool's size on, of an entry for a step of a frame's end.
 pub type Id = usize;
 
-/// Who sent a ray to an intersection unit, and gets it back.
+/// Who has a slot or a context for a ray, and gets it back from other units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sender {
     Traversal(usize),
@@ -41,6 +41,8 @@ pub struct Ray {
     /// Whether an intersection unit has accessed the entry of the next step.
     pub accessed: bool,
     pub sender: Sender,
+    /// The list unit that has a context for it.
+    pub list: Option<usize>,
     /// `None` for a step of a frame's end.
     pub origin: Option<Origin>,
 }

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::ray::{Id, Ray, Sender};
-use super::unit::Unit;
+use super::unit::{Pace, Unit};
 use super::wires::Wires;
 use super::words::address;
 use crate::machine::pipeline::WritePolicy;
@@ -41,10 +41,11 @@ impl ShadowCache {
         let contexts = spec.contexts.size();
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first = pool + index * contexts;
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
         Self {
             index,
             spec: *spec,
-            unit: Unit::new(l1, &spec.cache, spec.latency.get(), line, writes),
+            unit: Unit::new(l1, &spec.cache, pace, line, writes),
             leaving: VecDeque::new(),
             in_work: 0,
             pool,
@@ -62,7 +63,7 @@ impl ShadowCache {
         if let Some(id) = self.unit.leave(now) {
             self.operation_ended(id, now, wires);
         }
-        while let Some(id) = wires.tested_for_policy[self.index].take(now) {
+        while let Some(id) = wires.back_in_policy[self.index].take(now) {
             if std::mem::replace(&mut wires.ray(id).accessed, false) {
                 self.unit.ready_without_fetch(id);
             } else {
@@ -82,17 +83,17 @@ impl ShadowCache {
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
         if let Some(&id) = self.leaving.front() {
-            let own_number = id.checked_sub(self.pool).unwrap_or(id) as u64;
-            let number = match wires.ray(id).policy.front().and_then(|step| step.entry()) {
-                Some((store, index)) => wires.layout.line_of(store, index).0,
-                None => own_number,
+            let entry = wires.ray(id).policy.front().and_then(|step| step.entry());
+            let sent = match entry {
+                Some((store, index)) => wires.send_to_access(now, id, wires.layout.line_of(store, index)),
+                None => wires.send_to_test(now, id),
             };
-            if wires.send_to_test(now, id, number) {
+            if sent {
                 self.leaving.pop_front();
             }
         }
         self.unit.send(now, wires);
-        self.unit.account(began, !self.leaving.is_empty(), false);
+        self.unit.account(now, began, !self.leaving.is_empty());
     }
 
     fn operation_ended(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -139,6 +140,7 @@ impl ShadowCache {
                 setting: usize::from(sets_modes),
                 accessed: false,
                 sender: Sender::ShadowCache(self.index),
+                list: None,
                 origin: None,
             });
             self.go_on(id, now, wires);

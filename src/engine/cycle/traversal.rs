@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::ray::{Id, Sender};
-use super::unit::Unit;
+use super::ray::Id;
+use super::unit::{Pace, Unit};
 use super::wires::Wires;
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::traversal::TraversalSpec;
@@ -12,13 +12,14 @@ use crate::stream::{RayKind, Step};
 pub struct Traversal {
     index: usize,
     pub unit: Unit,
-    /// The queue for intersection.
+    /// Rays that leave for list or intersection units.
     leaving: VecDeque<Id>,
 }
 
 impl Traversal {
     pub fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
-        let unit = Unit::new(index, &spec.cache, spec.latency.get(), line, WritePolicy::Back);
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
+        let unit = Unit::new(index, &spec.cache, pace, line, WritePolicy::Back);
         Self { index, unit, leaving: VecDeque::new() }
     }
 
@@ -33,7 +34,7 @@ impl Traversal {
             }
             self.next_step(id, now, wires);
         }
-        while let Some(id) = wires.tested[self.index].take(now) {
+        while let Some(id) = wires.back_in_traversal[self.index].take(now) {
             self.next_step(id, now, wires);
         }
         while let Some(id) = wires.dispatched[self.index].take(now) {
@@ -41,23 +42,24 @@ impl Traversal {
         }
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
-        if let Some(&id) = self.leaving.front()
-            && wires.send_to_test(now, id, id as u64)
-        {
-            self.leaving.pop_front();
+        if let Some(&id) = self.leaving.front() {
+            let sent = match wires.ray(id).path.front() {
+                Some(Step::List(_)) => wires.send_to_list(now, id),
+                _ => wires.send_to_test(now, id),
+            };
+            if sent {
+                self.leaving.pop_front();
+            }
         }
         self.unit.send(now, wires);
-        self.unit.account(began, !self.leaving.is_empty(), false);
+        self.unit.account(now, began, !self.leaving.is_empty());
     }
 
     fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {
         let ray = wires.ray(id);
         match ray.path.front() {
             Some(&Step::Node(node)) => self.unit.fetch(id, wires.layout.node(node), &wires.layout),
-            Some(_) => {
-                ray.sender = Sender::Traversal(self.index);
-                self.leaving.push_back(id);
-            }
+            Some(_) => self.leaving.push_back(id),
             None => {
                 if ray.policy.is_empty() {
                     wires.done.put(now, id);
@@ -70,6 +72,6 @@ impl Traversal {
     }
 
     pub fn queues(&self) -> String {
-        format!("{}, leaving for intersection {}", self.unit.queues(), self.leaving.len())
+        format!("{}, leaving for lists or intersection {}", self.unit.queues(), self.leaving.len())
     }
 }

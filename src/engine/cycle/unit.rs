@@ -24,13 +24,21 @@ struct Fetch {
     past_l1: bool,
 }
 
+/// How long an operation takes, and from one to the next.
+#[derive(Clone, Copy, Debug)]
+pub struct Pace {
+    pub latency: u64,
+    pub interval: u64,
+}
+
 /// The unit.
 #[derive(Clone, Debug)]
 pub struct Unit {
     /// The number of its L1.
     l1: usize,
     spec: CacheSpec,
-    latency: u64,
+    pace: Pace,
+    last_began: Option<u64>,
     line: u64,
     writes: WritePolicy,
     cache: Cache<Id>,
@@ -48,11 +56,12 @@ pub struct Unit {
 }
 
 impl Unit {
-    pub fn new(l1: usize, spec: &CacheSpec, latency: u64, line: u64, writes: WritePolicy) -> Self {
+    pub fn new(l1: usize, spec: &CacheSpec, pace: Pace, line: u64, writes: WritePolicy) -> Self {
         Self {
             l1,
             spec: *spec,
-            latency,
+            pace,
+            last_began: None,
             line,
             writes,
             cache: Cache::new(spec.tags(line), spec.mshrs.size(), spec.targets.size()),
@@ -148,6 +157,9 @@ impl Unit {
 
     /// Step 5: whether an operation began.
     pub fn begin(&mut self, now: u64, layout: &Layout) -> bool {
+        if self.is_occupied(now) {
+            return false;
+        }
         let Some(&(id, element)) = self.ready.front() else { return false };
         if let Some(element) = element.filter(|element| element.write && self.writes == WritePolicy::Through) {
             if !self.out_has_room() {
@@ -160,8 +172,14 @@ impl Unit {
             self.tally.written_through[element.class as usize].bytes += bytes;
         }
         self.ready.pop_front();
-        self.stages.push_back((now + self.latency, id));
+        self.stages.push_back((now + self.pace.latency, id));
+        self.last_began = Some(now);
         true
+    }
+
+    /// Whether an operation that began keeps others from beginning in cycle `now`.
+    fn is_occupied(&self, now: u64) -> bool {
+        self.last_began.is_some_and(|began| now - began < self.pace.interval)
     }
 
     /// Step 6.
@@ -216,13 +234,12 @@ impl Unit {
         }
     }
 
-    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit, `dividing` whether
-    /// one is in the divider.
-    pub fn account(&mut self, began: bool, leaving: bool, dividing: bool) {
+    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit.
+    pub fn account(&mut self, now: u64, began: bool, leaving: bool) {
         let memory = !self.fetches.is_empty();
-        let pipeline = !self.stages.is_empty() || dividing;
+        let pipeline = !self.stages.is_empty();
         let blocked = leaving || !self.ready.is_empty();
-        let cause = if began {
+        let cause = if began || self.is_occupied(now) {
             Cause::Busy
         } else if !(memory || pipeline || blocked) {
             Cause::Starved

@@ -1,14 +1,14 @@
 //! All links between the parts, and what all parts can see.
 
 use super::link::Link;
-use super::ray::{Id, Ray};
+use super::ray::{Id, Ray, Sender};
 use super::words::Words;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
 use crate::memory::dram::mapping::Place;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
-use crate::stream::{Header, Step, Totals};
+use crate::stream::{Header, RayKind, Step, Totals};
 
 /// What a cache asks of the level below.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +31,18 @@ pub struct DramRequest {
     pub bursts_done: u64,
 }
 
+fn put_if_room(queue: &mut Link<Id>, now: u64, id: Id) -> bool {
+    let room = queue.has_room();
+    if room {
+        queue.put(now, id);
+    }
+    room
+}
+
 /// Links and common knowledge.
 pub struct Wires {
+    cores: usize,
+    pool: usize,
     /// The rays in the machine, by their entries.
     pub rays: Vec<Option<Ray>>,
     pub layout: Layout,
@@ -41,12 +51,17 @@ pub struct Wires {
     pub replayed: Totals,
     /// From the dispatcher to each traversal unit.
     pub dispatched: Vec<Link<Id>>,
-    /// To each intersection unit.
+    /// To each list, intersection and division unit.
+    pub lists: Vec<Link<Id>>,
     pub tests: Vec<Link<Id>>,
-    /// From intersection units to each traversal unit.
-    pub tested: Vec<Link<Id>>,
-    /// From intersection units to each shadow-cache unit.
-    pub tested_for_policy: Vec<Link<Id>>,
+    pub divisions: Vec<Link<Id>>,
+    /// From other units back to each traversal, list and shadow-cache unit.
+    pub back_in_traversal: Vec<Link<Id>>,
+    pub back_in_list: Vec<Link<Id>>,
+    pub back_in_policy: Vec<Link<Id>>,
+    /// To each list and intersection unit: a ray that was elsewhere has left its context.
+    pub list_left: Vec<Link<()>>,
+    pub test_left: Vec<Link<()>>,
     /// Retired and skipped rays, and those of other such units, to each shadow-cache unit.
     pub retired: Vec<Link<Id>>,
     /// A frame's end and its steps to each shadow-cache unit.
@@ -57,11 +72,13 @@ pub struct Wires {
     pub freed_slots: Link<usize>,
     /// To the dispatcher: the frame is over.
     pub frame_over: Link<()>,
-    /// From L1s to each bank of the L2.
+    /// From L1s to each bank of all L2s, and how many of them a core has.
     pub to_bank: Vec<Link<Request>>,
+    /// The core of each L1.
+    core_of_l1: Vec<usize>,
     /// The banks that are the home of each class: the first, and how many.
     homes: [(usize, u64); TrafficClass::ALL.len()],
-    /// From the L2 to each L1: traversal units', intersection units', shadow-cache units'.
+    /// From the L2 to each L1: traversal units', list units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
     /// From banks to each channel of the DRAM.
     pub to_channel: Vec<Link<DramRequest>>,
@@ -74,36 +91,50 @@ impl Wires {
         fn links<T>(count: usize, link: impl Fn() -> Link<T>) -> Vec<Link<T>> {
             (0..count).map(|_| link()).collect()
         }
-        let units = spec.traversal.count.size();
-        let tests = spec.intersection.count.size();
-        let policies = spec.shadow_cache.count.size();
-        let entries = spec.dispatcher.rays.size() + policies * spec.shadow_cache.contexts.size();
+        let (cores, pool) = (spec.cores.size(), spec.pool() as usize);
+        let units = cores * spec.traversal.count.size();
+        let lists = cores * spec.list.count.size();
+        let tests = cores * spec.intersection.count.size();
+        let divisions = cores * spec.division.count.size();
+        let policies = cores * spec.shadow_cache.count.size();
+        let entries = pool + policies * spec.shadow_cache.contexts.size();
+        let kinds = [units, lists, tests, policies];
+        let core_of_l1 = kinds.into_iter().flat_map(|count| (0..count).map(move |unit| unit * cores / count)).collect();
         let caches = spec.l2.caches();
-        let queues = caches.iter().map(|(_, cache)| (cache.banks.size(), cache.queue.size()));
+        let a_core = caches.iter().map(|(_, cache)| (cache.banks.size(), cache.queue.size()));
+        let queues = (0..cores).flat_map(|_| a_core.clone());
         let to_bank = queues.flat_map(|(banks, places)| links(banks, || Link::new(places, 1))).collect();
         Self {
+            cores,
+            pool,
             rays: (0..entries).map(|_| None).collect(),
             layout: Layout::new(header, spec),
-            words: Words::new(&spec.shadow_cache, header),
+            words: Words::new(&spec.shadow_cache, policies, header),
             replayed: Totals::default(),
             dispatched: links(units, || Link::new(usize::MAX, spec.dispatcher.latency.get())),
+            lists: links(lists, || Link::new(spec.list.queue.size(), 1)),
             tests: links(tests, || Link::new(spec.intersection.queue.size(), 1)),
-            tested: links(units, Link::unbounded),
-            tested_for_policy: links(policies, Link::unbounded),
-            retired: links(policies, || Link::new(spec.dispatcher.rays.size(), 1)),
+            divisions: links(divisions, || Link::new(spec.division.queue.size(), 1)),
+            back_in_traversal: links(units, Link::unbounded),
+            back_in_list: links(lists, Link::unbounded),
+            back_in_policy: links(policies, Link::unbounded),
+            list_left: links(lists, Link::unbounded),
+            test_left: links(tests, Link::unbounded),
+            retired: links(policies, || Link::new(pool, 1)),
             frame_end: links(policies, Link::unbounded),
             done: Link::unbounded(),
             freed_slots: Link::unbounded(),
             frame_over: Link::unbounded(),
             to_bank,
+            core_of_l1,
             homes: TrafficClass::ALL.map(|class| {
                 let before = &caches[..spec.l2.home(class)];
                 let first = before.iter().map(|(_, cache)| cache.banks.size()).sum();
                 (first, caches[spec.l2.home(class)].1.banks.get())
             }),
-            to_l1: links(units + tests + policies, Link::unbounded),
+            to_l1: links(kinds.into_iter().sum(), Link::unbounded),
             to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
-            from_dram: links(spec.l2.banks() as usize, Link::unbounded),
+            from_dram: links(cores * spec.l2.banks() as usize, Link::unbounded),
         }
     }
 
@@ -113,13 +144,18 @@ impl Wires {
             links.iter_mut().for_each(Link::settle);
         }
         all(&mut self.dispatched);
+        all(&mut self.lists);
         all(&mut self.tests);
-        all(&mut self.tested);
+        all(&mut self.divisions);
+        all(&mut self.back_in_traversal);
+        all(&mut self.back_in_list);
+        all(&mut self.back_in_policy);
+        all(&mut self.list_left);
+        all(&mut self.test_left);
         all(&mut self.to_bank);
         all(&mut self.to_l1);
         all(&mut self.to_channel);
         all(&mut self.from_dram);
-        all(&mut self.tested_for_policy);
         all(&mut self.retired);
         all(&mut self.frame_end);
         self.done.settle();
@@ -132,14 +168,82 @@ impl Wires {
         self.rays[id].as_mut().expect("an entry that is under way holds a ray")
     }
 
-    /// Sends a ray to the intersection unit that `number` chooses, if that has a place in its queue.
-    pub fn send_to_test(&mut self, now: u64, id: Id, number: u64) -> bool {
-        let unit = (number % self.tests.len() as u64) as usize;
-        let room = self.tests[unit].has_room();
-        if room {
-            self.tests[unit].put(now, id);
+    /// The core of whoever has a slot or a context for the ray.
+    fn core_of(&mut self, id: Id) -> usize {
+        match self.ray(id).sender {
+            Sender::Traversal(unit) => unit * self.cores / self.dispatched.len(),
+            Sender::ShadowCache(unit) => unit * self.cores / self.retired.len(),
         }
-        room
+    }
+
+    /// Of `units` of a kind, that of the ray's core which the ray's home names.
+    fn unit_of(&mut self, id: Id, units: usize) -> usize {
+        let number = if id < self.pool { id } else { id - self.pool };
+        let a_core = units / self.cores;
+        self.core_of(id) * a_core + number % a_core
+    }
+
+    /// The intersection unit of the ray's tests.
+    pub fn test_unit(&mut self, id: Id) -> usize {
+        self.unit_of(id, self.tests.len())
+    }
+
+    /// Sends a ray to its list unit, if that has a place in its queue.
+    pub fn send_to_list(&mut self, now: u64, id: Id) -> bool {
+        let unit = self.unit_of(id, self.lists.len());
+        put_if_room(&mut self.lists[unit], now, id)
+    }
+
+    /// Sends a ray to its intersection unit, if that has a place in its queue.
+    pub fn send_to_test(&mut self, now: u64, id: Id) -> bool {
+        let unit = self.test_unit(id);
+        put_if_room(&mut self.tests[unit], now, id)
+    }
+
+    /// Sends a ray to the intersection unit that accesses `line`, if that has a place in its queue.
+    pub fn send_to_access(&mut self, now: u64, id: Id, line: LineAddr) -> bool {
+        let unit = line.0 as usize % self.tests.len();
+        put_if_room(&mut self.tests[unit], now, id)
+    }
+
+    /// Sends a ray to its division unit, if that has a place in its queue.
+    pub fn send_to_division(&mut self, now: u64, id: Id) -> bool {
+        let unit = self.unit_of(id, self.divisions.len());
+        put_if_room(&mut self.divisions[unit], now, id)
+    }
+
+    /// What a ray was at an intersection unit for is done: a test, or an access to an entry.
+    pub fn test_is_over(&mut self, now: u64, id: Id) {
+        let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
+        let tested = matches!(ray.tested_step().front(), Some(Step::Triangle { .. }));
+        if !tested {
+            // Only the access was made here.
+            ray.accessed = true;
+            return self.give_back(now, id);
+        }
+        ray.tested_step().pop_front();
+        let counted = match (ray.sender, ray.kind) {
+            (Sender::ShadowCache(_), _) => &mut self.replayed.policy_triangle_tests,
+            (Sender::Traversal(_), RayKind::Shadow) => &mut self.replayed.shadow_triangle_tests,
+            (Sender::Traversal(_), _) => &mut self.replayed.triangle_tests,
+        };
+        *counted += 1;
+        let Some(list) = ray.list else { return self.give_back(now, id) };
+        if matches!(ray.path.front(), Some(Step::List(_) | Step::Triangle { .. })) {
+            self.back_in_list[list].put(now, id);
+        } else {
+            ray.list = None;
+            self.list_left[list].put(now, ());
+            self.give_back(now, id);
+        }
+    }
+
+    /// A ray goes back to the traversal or shadow-cache unit that has a place for it.
+    pub fn give_back(&mut self, now: u64, id: Id) {
+        match self.ray(id).sender {
+            Sender::Traversal(unit) => self.back_in_traversal[unit].put(now, id),
+            Sender::ShadowCache(unit) => self.back_in_policy[unit].put(now, id),
+        }
     }
 
     /// Sends a ray to the shadow-cache unit where it begins.
@@ -169,7 +273,8 @@ impl Wires {
     /// The queue of the bank that `request` of an L1 goes to.
     pub fn bank_of(&mut self, request: &Request) -> &mut Link<Request> {
         let (first, banks) = self.homes[request.class as usize];
-        &mut self.to_bank[first + (request.line.0 % banks) as usize]
+        let before = self.core_of_l1[request.from] * (self.to_bank.len() / self.cores);
+        &mut self.to_bank[before + first + (request.line.0 % banks) as usize]
     }
 
     /// Whether nothing is between L1s, L2 and DRAM.

@@ -9,6 +9,8 @@ use crate::stream::{Header, Step, Store};
 
 pub struct Words {
     spec: ShadowCacheSpec,
+    /// Shadow-cache units of all cores.
+    units: usize,
     header: Header,
     /// Static primitives that rays have touched in this frame.
     touched: BTreeSet<u32>,
@@ -24,15 +26,16 @@ pub fn address(step: Step, layout: &Layout) -> Option<u64> {
 }
 
 impl Words {
-    pub fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
-        Self { spec: *spec, header: header.clone(), touched: BTreeSet::new(), work: StoreWork::default(), ending: 0 }
+    pub fn new(spec: &ShadowCacheSpec, units: usize, header: &Header) -> Self {
+        let (touched, work) = (BTreeSet::new(), StoreWork::default());
+        Self { spec: *spec, units, header: header.clone(), touched, work, ending: 0 }
     }
 
     /// The unit that a step must be performed in; `None` if any will do.
     pub fn home(&self, step: Step, layout: &Layout) -> Option<usize> {
         let (store, index) = step.entry()?;
         let (line, _) = layout.lines(&layout.entry(store, index, false));
-        Some((line.0 % self.spec.count.get()) as usize)
+        Some(line.0 as usize % self.units)
     }
 
     /// The static primitive that a word or a pair of counters belongs to, and whether it is the first word or the counters.

@@ -56,7 +56,9 @@ struct Bank {
 /// L2 and DRAM. Its parts are numbered: banks, then channels.
 #[derive(Clone, Debug)]
 pub struct Below {
+    /// Banks of all cores, and how many a core has.
     banks: Vec<Bank>,
+    of_core: usize,
     dram: Dram,
     homes: [Home; TrafficClass::ALL.len()],
     line: Bytes,
@@ -74,7 +76,8 @@ impl Below {
     /// The memory of `machine`, empty. Events from `first` on are its own.
     pub fn new(machine: &MachineSpec, first: u32) -> Self {
         let line = machine.line_bytes.get();
-        let banks = machine.l2.banks() as u32;
+        let (cores, of_core) = (machine.cores.size(), machine.l2.banks() as usize);
+        let banks = (cores * of_core) as u32;
         let bank = |spec: &BankedSpec| Bank {
             cache: spec.bank_cache(line),
             latency: spec.latency.get(),
@@ -84,9 +87,13 @@ impl Below {
             moved: PerClass::default(),
             reads: PerClass::default(),
         };
+        let l2 = machine.l2.caches();
         let dram = Dram::new(&machine.dram, machine.clock_mhz.get(), line, PartId(banks));
         Self {
-            banks: machine.l2.caches().iter().flat_map(|(_, spec)| (0..spec.banks.get()).map(|_| bank(spec))).collect(),
+            banks: (0..cores)
+                .flat_map(|_| l2.iter().flat_map(|(_, spec)| (0..spec.banks.get()).map(|_| bank(spec))))
+                .collect(),
+            of_core,
             homes: machine.l2.homes(),
             due: vec![u64::MAX; banks as usize + dram.channels()],
             dram,
@@ -106,9 +113,9 @@ impl Below {
         (0..dram.channels()).for_each(|channel| alarm.wake(PartId((banks.len() + channel) as u32), 0));
     }
 
-    /// A unit's L1 sends `request` in cycle `at`; `from` is the unit.
-    pub fn request(&mut self, request: Request, at: u64, calendar: &mut Calendar) {
-        let index = self.homes[request.class as usize].bank(request.line);
+    /// A unit's L1 sends `request` to its core's L2 in cycle `at`; `from` is the unit.
+    pub fn request(&mut self, core: usize, request: Request, at: u64, calendar: &mut Calendar) {
+        let index = core * self.of_core + self.homes[request.class as usize].bank(request.line);
         if self.banks[index].stalled.is_empty() {
             self.access(index, request, at + 1, calendar);
         } else {
@@ -220,11 +227,11 @@ impl Below {
         }
     }
 
-    /// The L2 uses lines as if they had been accessed: nothing is counted.
+    /// The L2s use lines as if they had been accessed: nothing is counted.
     pub fn touch(&mut self, lines: &[Touch]) {
         for &touch in lines {
             let index = self.homes[touch.class as usize].bank(touch.line);
-            self.banks[index].cache.touch(touch);
+            self.banks.chunks_mut(self.of_core).for_each(|banks| banks[index].cache.touch(touch));
         }
     }
 

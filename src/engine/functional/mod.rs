@@ -18,11 +18,12 @@ use self::calendar::Calendar;
 use self::host::{Host, Place, Pulled, check_steps};
 use self::station::{Fetch, Fetched, Station};
 use super::feed::Feed;
-use super::tally::Tally;
+use super::tally::{PerCause, Tally};
 use super::work::{Holder, Kind, Work};
 use super::{Engine, RunError};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
@@ -121,24 +122,28 @@ enum Phase {
 /// The machine, simplified.
 pub(super) struct Functional {
     dispatcher: DispatcherSpec,
-    divide_latency: u64,
+    division: DivisionSpec,
+    cores: usize,
     line: Bytes,
     layout: Layout,
     host: Host,
     phase: Phase,
     frame: u32,
+    pool: usize,
     /// The pool, then the entries for steps of a frame's end.
     rays: Vec<Ray>,
     free: VecDeque<u32>,
     free_entries: VecDeque<u32>,
     free_slots: Vec<u64>,
-    next_unit: usize,
+    next_in_turn: usize,
     dispatch_at: u64,
     dispatched_then: u64,
     dispatches: u64,
-    /// Traversal units, intersection units, shadow-cache units.
+    /// Units, by kind.
     stations: Vec<Station>,
     first_of_kind: [usize; Kind::ALL.len() + 1],
+    /// Of each division unit, when it can begin the next operation, and how many it began.
+    divisions: Vec<(u64, u64)>,
     below: Below,
     calendar: Calendar,
     replayed: Totals,
@@ -151,8 +156,8 @@ pub(super) struct Functional {
 impl Functional {
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let line = machine.line_bytes.get();
-        let pool = machine.dispatcher.rays.size();
-        let entries = machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
+        let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
+        let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
         let (mut stations, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let spec = kind.spec(machine);
@@ -161,7 +166,10 @@ impl Functional {
         }
         Self {
             dispatcher: machine.dispatcher,
-            divide_latency: machine.intersection.divide_latency.get(),
+            division: machine.division,
+            cores,
+            divisions: vec![(0, 0); cores * machine.division.count.size()],
+            pool,
             line: Bytes(line),
             layout: Layout::new(header, machine),
             host: Host::default(),
@@ -170,8 +178,8 @@ impl Functional {
             rays: vec![Ray::IDLE; pool + entries],
             free: (0..pool as u32).collect(),
             free_entries: (pool as u32..(pool + entries) as u32).collect(),
-            free_slots: vec![machine.traversal.rays.get(); machine.traversal.count.size()],
-            next_unit: 0,
+            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            next_in_turn: 0,
             dispatch_at: 0,
             dispatched_then: 0,
             dispatches: 0,
@@ -187,12 +195,20 @@ impl Functional {
     }
 
     fn pool(&self) -> usize {
-        self.dispatcher.rays.size()
+        self.pool
     }
 
     /// The event at which parents' shading ends.
     fn shading_ends(&self) -> u32 {
         self.rays.len() as u32
+    }
+
+    /// The core of a unit.
+    fn core(&self, station: usize) -> usize {
+        let kind =
+            self.first_of_kind.iter().rposition(|&first| first <= station).expect("the first kind begins with 0");
+        let (first, end) = (self.first_of_kind[kind], self.first_of_kind[kind + 1]);
+        (station - first) * self.cores / (end - first)
     }
 
     fn of_kind(&self, kind: Kind) -> std::ops::Range<usize> {
@@ -263,10 +279,12 @@ impl Functional {
         } else {
             let units = self.of_kind(work.kind);
             let home = (id as usize).checked_sub(self.pool()).unwrap_or(id as usize);
+            let a_core = units.len() / self.cores;
+            let first = units.start + self.core(from) * a_core;
             let sender = &mut self.stations[from];
             let at = now.max(sender.send_at);
             sender.send_at = at + 1;
-            self.arrive(id, units.start + home % units.len(), at + 1);
+            self.arrive(id, first + home % a_core, at + 1);
         }
     }
 
@@ -326,11 +344,12 @@ impl Functional {
 
     /// Goes on with a ray's fetch; false if it stalled.
     fn access(&mut self, id: u32, station: usize, at: u64) -> bool {
+        let core = self.core(station);
         let Self { rays, stations, below, calendar, line, .. } = self;
         let fetch = &mut rays[id as usize].fetch;
         let (class, bytes, from) = (fetch.class, *line, PartId(station as u32));
         let fetched = stations[station].access(id, fetch, at, |line, at| {
-            below.request(Request { line, class, write: false, bytes, from }, at, calendar);
+            below.request(core, Request { line, class, write: false, bytes, from }, at, calendar);
         });
         match fetched {
             Fetched::At(at) => self.begin(id, station, at),
@@ -347,7 +366,7 @@ impl Functional {
         waiting.clear();
         if let Some((line, class)) = self.stations[station].fill(line, &mut waiting) {
             let request = Request { line, class, write: true, bytes: self.line, from: PartId(unit) };
-            self.below.request(request, now, &mut self.calendar);
+            self.below.request(self.core(station), request, now, &mut self.calendar);
         }
         for &id in &waiting {
             let fetch = &mut self.rays[id as usize].fetch;
@@ -368,7 +387,7 @@ impl Functional {
 
     /// The data are there from cycle `at` on: the operation begins as soon as it can, and what follows is announced.
     fn begin(&mut self, id: u32, station: usize, at: u64) {
-        let begin = self.stations[station].operate(at);
+        let (begin, core) = (self.stations[station].operate(at), self.core(station));
         let ray = &mut self.rays[id as usize];
         if ray.fetch.write && self.stations[station].writes == WritePolicy::Through {
             // The fetch has moved on past the one line that an entry of a store lies in.
@@ -376,7 +395,7 @@ impl Functional {
             let bytes = Bytes(ray.fetch.bytes.into());
             self.stations[station].write_through(class, bytes);
             let request = Request { line, class, write: true, bytes, from: PartId(station as u32) };
-            self.below.request(request, begin, &mut self.calendar);
+            self.below.request(core, request, begin, &mut self.calendar);
         }
         let unit = &mut self.stations[station];
         let mut at = unit.end(begin);
@@ -387,7 +406,11 @@ impl Functional {
             ray.stage = Stage::Second;
         } else {
             if ray.divides {
-                at = unit.divide(at, self.divide_latency);
+                let a_core = self.divisions.len() / self.cores;
+                let (open_at, begun) = &mut self.divisions[core * a_core + id as usize % a_core];
+                let begin = at.max(*open_at);
+                (*open_at, *begun) = (begin + self.division.interval.get(), *begun + 1);
+                at = begin + self.division.latency.get();
             }
             if ray.away {
                 (ray.stage, at) = (Stage::Back, at + 1);
@@ -464,9 +487,7 @@ impl Functional {
                     }
                     Pulled::Nothing => self.phase = Phase::Finished,
                 },
-                Phase::Closing(steps, totals)
-                    if self.host.is_empty() && self.free.len() == self.dispatcher.rays.size() =>
-                {
+                Phase::Closing(steps, totals) if self.host.is_empty() && self.free.len() == self.pool => {
                     self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
                 }
                 Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
@@ -501,9 +522,11 @@ impl Functional {
         let source = self.host.chunk(place).ray(place.index as usize);
         let skipped = source.head.decision == Decision::Skip;
         let units = self.free_slots.len();
-        let mut in_turn = (self.next_unit..units).chain(0..self.next_unit);
-        let unit = if skipped { None } else { in_turn.find(|&unit| self.free_slots[unit] > 0) };
-        if !skipped && unit.is_none() {
+        let (cores, a_core) = (self.cores, units / self.cores);
+        let unit = |turn: usize| turn % cores * a_core + turn / cores;
+        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
+        let turn = if skipped { None } else { in_turn.find(|&turn| self.free_slots[unit(turn)] > 0) };
+        if !skipped && turn.is_none() {
             return Ok(false);
         }
         let ray = &mut self.rays[id as usize];
@@ -519,20 +542,21 @@ impl Functional {
         (ray.unit, ray.holder) = (u32::MAX, Holder::Traversal);
         if self.dispatch_at < at {
             (self.dispatch_at, self.dispatched_then) = (at, 0);
-        } else if self.dispatched_then == self.dispatcher.per_cycle.get() {
+        } else if self.dispatched_then == self.dispatcher.per_cycle.get() * self.cores as u64 {
             (self.dispatch_at, self.dispatched_then) = (self.dispatch_at + 1, 0);
         }
         self.dispatched_then += 1;
         self.dispatches += u64::from(self.dispatched_then == 1);
-        match unit {
+        match turn {
             None => {
                 ray.stage = Stage::Policy;
                 self.calendar.put(self.dispatch_at + 1, id);
             }
-            Some(unit) => {
+            Some(turn) => {
+                let unit = unit(turn);
                 (ray.unit, ray.stage) = (unit as u32, Stage::Step);
                 self.free_slots[unit] -= 1;
-                self.next_unit = (unit + 1) % units;
+                self.next_in_turn = (turn + 1) % units;
                 self.calendar.put(self.dispatch_at + self.dispatcher.latency.get(), id);
             }
         }
@@ -546,6 +570,13 @@ impl Functional {
             && self.below.is_idle()
             && self.stations.iter().all(|station| station.misses_under_way() == 0)
     }
+}
+
+/// So many busy cycles; of others nothing is known.
+fn busy(cycles: u64) -> PerCause {
+    let mut causes = PerCause::default();
+    causes[Cause::Busy as usize] = cycles;
+    causes
 }
 
 /// Counts a step that was performed.
@@ -604,15 +635,14 @@ impl Engine for Functional {
 
     fn tally(&self, cycles: u64) -> Tally {
         let units = |kind| self.stations[self.of_kind(kind)].iter().map(Station::tally).collect();
-        let mut dispatcher = [0; Cause::ALL.len()];
-        dispatcher[Cause::Busy as usize] = self.dispatches;
         Tally {
             cycles,
             has_causes: false,
             stores: StoreWork::default(),
             rays: self.done,
-            dispatcher,
+            dispatcher: busy(self.dispatches),
             units: Kind::ALL.map(units),
+            divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.below.banks(),
             channels: self.below.channels(cycles),
         }

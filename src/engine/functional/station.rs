@@ -59,7 +59,7 @@ pub struct Station {
     hit_latency: u64,
     begin_at: u64,
     latency: u64,
-    divide_at: u64,
+    interval: u64,
     pub writes: WritePolicy,
     operations: u64,
     requested: PerClass<Bytes>,
@@ -82,7 +82,7 @@ impl Station {
             hit_latency: spec.cache.latency.get(),
             begin_at: 0,
             latency: spec.latency,
-            divide_at: 0,
+            interval: spec.interval,
             writes: spec.writes,
             operations: 0,
             requested: PerClass::default(),
@@ -120,7 +120,7 @@ impl Station {
     /// An operation begins as soon as it can from cycle `at` on; gives when it begins.
     pub fn operate(&mut self, at: u64) -> u64 {
         let begin = at.max(self.begin_at);
-        self.begin_at = begin + 1;
+        self.begin_at = begin + self.interval;
         self.operations += 1;
         begin
     }
@@ -128,13 +128,6 @@ impl Station {
     /// When an operation that begins in cycle `begin` ends.
     pub fn end(&self, begin: u64) -> u64 {
         begin + self.latency
-    }
-
-    /// When a division that may begin in cycle `at` ends.
-    pub fn divide(&mut self, at: u64, latency: u64) -> u64 {
-        let begin = at.max(self.divide_at);
-        self.divide_at = begin + 1;
-        begin + latency
     }
 
     /// A write goes through.
@@ -165,7 +158,7 @@ impl Station {
     /// What was counted: no cause but `Busy` is known.
     pub fn tally(&self) -> UnitTally {
         let mut causes = [0; Cause::ALL.len()];
-        causes[Cause::Busy as usize] = self.operations;
+        causes[Cause::Busy as usize] = self.operations * self.interval;
         UnitTally {
             causes,
             cache: *self.cache.counts(),

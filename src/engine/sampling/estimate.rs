@@ -55,20 +55,29 @@ pub fn estimate(population: &Population, windows: &[Window]) -> BTreeMap<String,
         // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC3).
         let full: Vec<f64> = left.iter().zip(&leverage).map(|(left, leverage)| left / (1.0 - leverage)).collect();
         let total = dot(&slopes, &population.known) + left.iter().zip(&weights).map(|(left, w)| left * w).sum::<f64>();
-        let mut variance = 0.0;
+        let (mut variance, mut squares) = (0.0, 0.0);
         for (stratum, (&all, &some)) in strata.iter().zip(&sampled).enumerate() {
             let here = || windows.iter().zip(&full).filter(|(w, _)| w.stratum == stratum).map(|(_, left)| *left);
             let (all, some) = (all as f64, some as f64);
             if some > 1.0 {
                 let mean = here().sum::<f64>() / some;
                 let spread = here().map(|left| (left - mean).powi(2)).sum::<f64>() / (some - 1.0);
-                variance += all * all * (1.0 - some / all) * spread / some;
+                let here = all * all * (1.0 - some / all) * spread / some;
+                variance += here;
+                squares += here * here / (some + 1.0);
             }
         }
+        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right that the
+        // variances are estimates themselves.
+        let freedom = if squares > 0.0 && freedom >= 1.0 {
+            freedom.min(variance * variance / squares - 2.0).max(1.0)
+        } else {
+            freedom
+        };
         let complete = strata.iter().zip(&sampled).all(|(all, some)| all == some);
         let half_width = match freedom {
             _ if complete => Some(0.0),
-            freedom if freedom >= 1.0 => Some(student(freedom) * variance.sqrt()),
+            _ if freedom >= 1.0 => Some(student(freedom) * variance.sqrt()),
             _ => None,
         };
         Total { total, half_width }
@@ -200,11 +209,11 @@ mod tests {
         // y = 3 steps + 7 new lines: no sampling error is left, though windows differ.
         let windows: Vec<_> = (0..16u32)
             .map(|i| {
-                let known = [f64::from(100 + i * i), 0.0, 0.0, f64::from(i % 5)];
-                window(i as usize / 4, known, 3.0 * known[0] + 7.0 * known[3])
+                let known = [f64::from(100 + i * i), 0.0, 0.0, 0.0, f64::from(i % 5)];
+                window(i as usize / 4, known, 3.0 * known[0] + 7.0 * known[KNOWN - 1])
             })
             .collect();
-        let population = Population { strata: vec![40; 4], known: [20_000.0, 0.0, 0.0, 300.0] };
+        let population = Population { strata: vec![40; 4], known: [20_000.0, 0.0, 0.0, 0.0, 300.0] };
         let Total { total, half_width } = estimate(&population, &windows)["y"];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width.unwrap() < 1e-6);
@@ -212,15 +221,15 @@ mod tests {
 
     #[test]
     fn a_complete_sample_is_the_sum() {
-        let windows: Vec<_> = (0..6).map(|i| window(i / 2, [1.0, 0.0, 0.0, 0.0], (i * i) as f64)).collect();
-        let total = estimate(&Population { strata: vec![2; 3], known: [6.0, 0.0, 0.0, 0.0] }, &windows)["y"];
+        let windows: Vec<_> = (0..6).map(|i| window(i / 2, [1.0, 0.0, 0.0, 0.0, 0.0], (i * i) as f64)).collect();
+        let total = estimate(&Population { strata: vec![2; 3], known: [6.0, 0.0, 0.0, 0.0, 0.0] }, &windows)["y"];
         assert!((total.total - 55.0).abs() < 1e-9);
         assert_eq!(total.half_width, Some(0.0));
     }
 
     #[test]
     fn lonely_windows_join_their_neighbours() {
-        const ONE: [f64; KNOWN] = [1.0, 0.0, 0.0, 0.0];
+        const ONE: [f64; KNOWN] = [1.0, 0.0, 0.0, 0.0, 0.0];
         let windows = [window(0, ONE, 5.0), window(0, ONE, 5.0), window(1, ONE, 5.0)];
         let (strata, joined) = joined(&[10, 4, 0], &windows);
         assert_eq!(strata, [14]);

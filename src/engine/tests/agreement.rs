@@ -82,11 +82,11 @@ fn engines_agree_on_any_machine_and_stream() {
     // The random cases must reach every count, or their agreement says little.
     let all = all.into_inner();
     for cause in Cause::ALL {
-        for kind in 0..3 {
-            let reached =
-                all.iter().filter(|tally| tally.units[kind].iter().any(|unit| unit.causes[cause as usize] > 0));
-            // An intersection unit hands on at once: its neighbours always have a place.
-            assert!(reached.count() > 4 || (kind, cause) == (1, Cause::Blocked), "kind {kind}: {cause:?}");
+        for kind in Kind::ALL {
+            let has = |tally: &&Tally| tally.units[kind as usize].iter().any(|unit| unit.causes[cause as usize] > 0);
+            // An intersection unit waits for a place at a division unit only if all rays hit at once: see below.
+            let reached = all.iter().filter(has).count();
+            assert!(reached > 4 || (kind, cause) == (Kind::Intersection, Cause::Blocked), "{kind:?}: {cause:?}");
         }
         assert!(all.iter().any(|tally| tally.dispatcher[cause as usize] > 0) || cause == Cause::Memory, "{cause:?}");
     }
@@ -110,13 +110,18 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("writes left to first touches", |tally| tally.stores.deferred_writes);
     reached("writes that a sweep covers", |tally| tally.stores.covered_writes);
     reached("reads past the L1", |tally| {
-        tally.units[2].iter().flat_map(|unit| unit.read_straight).map(|past| past.count).sum()
+        tally.units[Kind::ShadowCache as usize].iter().flat_map(|unit| unit.read_straight).map(|past| past.count).sum()
     });
     reached("words by way of intersection units", |tally| {
-        tally.units[1].iter().map(|unit| unit.cache[TrafficClass::ModeWord as usize].accesses).sum()
+        tally.units[Kind::Intersection as usize]
+            .iter()
+            .map(|unit| unit.cache[TrafficClass::ModeWord as usize].accesses)
+            .sum()
     });
     for class in [TrafficClass::ModeWord, TrafficClass::PixelCounter, TrafficClass::OccluderId] {
-        let l1 = |tally: &&Tally| tally.units[2].iter().any(|unit| unit.cache[class as usize].write_backs > 0);
+        let l1 = |tally: &&Tally| {
+            tally.units[Kind::ShadowCache as usize].iter().any(|unit| unit.cache[class as usize].write_backs > 0)
+        };
         let l2 = |tally: &&Tally| tally.banks.iter().any(|bank| bank.cache[class as usize].write_backs > 0);
         assert!(all.iter().filter(l1).count() > 4 && all.iter().filter(l2).count() > 4, "{class:?}");
     }

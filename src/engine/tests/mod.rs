@@ -8,11 +8,13 @@ mod words;
 use std::convert::Infallible;
 
 use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
+use super::tally::UnitTally;
+use super::work::Kind;
 use super::*;
-use crate::machine::dispatcher::Dispatcher;
 use crate::machine::pipeline::WritePolicy;
 use crate::memory::bank::BankedSpec;
 use crate::memory::l2::{HomeSpec, L2Spec};
+use crate::quantity::ListId;
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::{Cause, TrafficClass};
 use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
@@ -83,15 +85,73 @@ fn a_hit_of_a_primary_ray_passes_twice_and_divides() {
     let unit = machine.intersection.latency.get();
     // Slot 0: plane and edges share a line of 64 bytes, so the second fetch hits.
     let both = miss_latency(&machine) + unit + machine.intersection.cache.latency.get() + unit;
-    let there_and_back = 2;
+    let (there_and_back, to_division) = (2, 1);
     for (stop, test) in [
         (Stop::Plane, miss_latency(&machine) + unit),
         (Stop::Edges, both),
-        (Stop::Hit, both + machine.intersection.divide_latency.get()),
+        (Stop::Hit, both + to_division + machine.division.latency.get()),
     ] {
         let stats = replayed(&machine, one_frame(&[SyntheticRay::primary(vec![triangle(0, stop)])]));
         assert_eq!(stats.cycles.0, frame_latency(&machine) + there_and_back + test, "{stop:?}");
     }
+}
+
+/// A leaf of a kd-tree: list entries from `first` on, each with a triangle that is missed.
+fn leaf(first: u32, count: u32) -> Vec<Step> {
+    let entry = |index| [Step::List(ListId(index)), triangle(index, Stop::Plane)];
+    (first..first + count).flat_map(entry).collect()
+}
+
+#[test]
+fn a_leaf_goes_between_list_and_intersection_units_without_traversal() {
+    let machine = in_step();
+    let list = machine.list.latency.get();
+    let test = machine.intersection.latency.get();
+    let hit = machine.list.cache.latency.get() + machine.intersection.cache.latency.get();
+    // Both entries share a line, and so do the planes of both triangles, in another bank of the DRAM.
+    let first = miss_latency(&machine) + list + miss_latency(&machine) + test;
+    let second = hit + list + test;
+    // To the list unit, to and fro twice, to the traversal unit.
+    let ways = 5;
+    let rays = [SyntheticRay::primary(leaf(32, 2))];
+    let tally = agreement::agree(&machine, &header(), &one_frame(&rays)).unwrap().0;
+    assert_eq!(tally.cycles, frame_latency(&machine) + ways + first + second);
+    assert_eq!(tally.operations_by_kind(), [0, 2, 2, 0]);
+}
+
+#[test]
+fn a_slow_division_unit_stops_those_before_it() {
+    let mut machine = in_step();
+    machine.intersection.count = num(2);
+    machine.division.interval = num(18);
+    machine.division.queue = num(1);
+    let rays: Vec<_> = (0..200).map(|_| SyntheticRay::primary(vec![triangle(0, Stop::Hit)])).collect();
+    let tally = agreement::agree(&machine, &header(), &one_frame(&rays)).unwrap().0;
+    let cycles = |causes: &[u64], cause: Cause| causes[cause as usize];
+    assert_eq!(cycles(&tally.divisions[0], Cause::Busy), 200 * 18);
+    let begin_and_end = frame_latency(&machine) + miss_latency(&machine) + 6 * 18;
+    assert!(tally.cycles - 200 * 18 < begin_and_end, "{}", tally.cycles);
+    let blocked = |units: &[UnitTally]| units.iter().map(|unit| cycles(&unit.causes, Cause::Blocked)).sum::<u64>();
+    assert!(blocked(&tally.units[Kind::Intersection as usize]) > 3 * 200 * 18 / 2);
+    assert!(blocked(&tally.units[Kind::Traversal as usize]) > 200 * 18 / 2);
+}
+
+#[test]
+fn cores_share_the_rays_and_have_an_l2_each() {
+    let mut machine = in_step();
+    (machine.traversal.count, machine.dispatcher.rays) = (num(1), num(20));
+    let rays: Vec<_> = (0..400).map(|_| SyntheticRay::primary(nodes(vec![0; 50]))).collect();
+    let stream = one_frame(&rays);
+    let [one, four] = [1, 4].map(|cores| {
+        machine.cores = num(cores);
+        agreement::agree(&machine, &header(), &stream).unwrap().0
+    });
+    let busy: Vec<_> =
+        four.units[Kind::Traversal as usize].iter().map(|unit| unit.causes[Cause::Busy as usize]).collect();
+    assert_eq!((busy, one.operations_by_kind()[0]), (vec![5000; 4], 20_000));
+    assert!((3.8..4.0).contains(&(one.cycles as f64 / four.cycles as f64)), "{} {}", one.cycles, four.cycles);
+    // Each core fetches the node for itself.
+    assert_eq!((one.commands().reads, four.commands().reads), (1, 4));
 }
 
 #[test]
@@ -248,11 +308,14 @@ fn tiny() -> MachineSpec {
     machine.dispatcher.rays = num(1);
     machine.traversal.count = num(1);
     machine.traversal.rays = num(1);
+    (machine.list.count, machine.list.lists, machine.list.queue) = (num(1), num(1), num(1));
+    (machine.division.count, machine.division.queue) = (num(1), num(1));
     machine.intersection.count = num(1);
     machine.intersection.tests = num(1);
     machine.intersection.queue = num(1);
     machine.shadow_cache.contexts = num(1);
-    for cache in [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache] {
+    let MachineSpec { traversal, list, intersection, shadow_cache, .. } = &mut machine;
+    for cache in [&mut traversal.cache, &mut list.cache, &mut intersection.cache, &mut shadow_cache.cache] {
         (cache.bytes, cache.ways) = (num(64), num(1));
         (cache.mshrs, cache.targets, cache.queue) = (num(1), num(1), num(1));
     }
@@ -277,8 +340,11 @@ fn size_one_everywhere_does_not_deadlock() {
             machine = with_line(machine, line);
             machine.shadow_cache.writes = writes;
             let end: Vec<_> = (0..40).map(|i| Step::Update { store: Store::PixelCounter, index: i * 9 }).collect();
-            let stats = replayed(&machine, frame(FrameInfo::default(), &bvh_like(3, 60, 12, 3), &end, 16));
-            assert_eq!(stats.units.len(), 4);
+            let mut rays = bvh_like(3, 60, 12, 3);
+            let traced = rays.iter_mut().filter(|ray| ray.decision != Decision::Skip);
+            traced.for_each(|ray| ray.path.extend(leaf(7, 3)));
+            let stats = replayed(&machine, frame(FrameInfo::default(), &rays, &end, 16));
+            assert_eq!(stats.units.len(), 6);
         }
     }
 }
@@ -315,7 +381,7 @@ fn chunks_are_dropped_when_their_rays_are_done() {
 fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     let machine = MachineSpec::default();
     let mut engine = event::Event::new(&machine, &header());
-    engine.dispatcher = Dispatcher::new(&machine.dispatcher, 4, 0);
+    engine.dispatcher.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
     let error = replay(&mut engine, &machine, items(stream)).unwrap_err().to_string();
     assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
@@ -330,7 +396,7 @@ fn violated_identities_are_found() {
     type Breakage = fn(&mut Tally);
     let broken: [(&str, Breakage); 6] = [
         ("hits + half misses + misses", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
-        ("cycles of all causes", |t| t.units[0][1].causes[Cause::Busy as usize] += 1),
+        ("cycles of all causes", |t| t.units[Kind::Traversal as usize][1].causes[Cause::Busy as usize] += 1),
         ("row hits", |t| t.channels[0].counts.row_hits += 1),
         ("bytes between L2 and DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),
         ("against DRAM bytes", |t| {
@@ -339,7 +405,8 @@ fn violated_identities_are_found() {
         }),
         ("exceed the peak", |t| {
             t.cycles /= 50;
-            let causes = t.units.iter_mut().flatten().map(|unit| &mut unit.causes).chain([&mut t.dispatcher]);
+            let causes = t.units.iter_mut().flatten().map(|unit| &mut unit.causes);
+            let causes = causes.chain(&mut t.divisions).chain([&mut t.dispatcher]);
             causes.for_each(|causes| (*causes = Default::default(), causes[0] = t.cycles).1);
         }),
     ];

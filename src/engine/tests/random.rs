@@ -181,10 +181,12 @@ pub fn lights() -> impl Strategy<Value = u32> {
 fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64);
     let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000));
-    let caches = (cache(line), cache(line), cache(line), l2(line));
-    let rest = (50..4000u64, words(), 1..4000u64);
+    let caches = (cache(line), cache(line), cache(line), cache(line), l2(line));
+    let intervals = prop::collection::vec(prop_oneof![3 => Just(1), 1 => 1..40u64], 5);
+    let more = (1..4u64, 1..5u64, 1..4u64, 1..4u64, 1..4u64, prop_oneof![2 => Just(1), 1 => 2..4u64]);
+    let rest = (50..4000u64, words(), 1..4000u64, (intervals, more, latency(300)));
     (counts, latencies, caches, dram(line), rest).prop_map(
-        move |(counts, latencies, caches, dram, (clock, words, refi))| {
+        move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
             let mut machine =
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
@@ -206,13 +208,28 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.dispatcher.latency = num(latencies.0);
             machine.traversal.latency = num(latencies.1);
             machine.intersection.latency = num(latencies.2);
-            machine.intersection.divide_latency = num(latencies.3);
+            machine.division.latency = num(latencies.3);
+            machine.list.latency = num(list_latency);
+            (machine.list.count, machine.list.lists, machine.list.queue) = (num(more.0), num(more.1), num(more.2));
+            (machine.division.count, machine.division.queue) = (num(more.3), num(more.4));
+            machine.cores = num(more.5);
             machine.shadow_cache.latency = num(latencies.4);
             machine.dispatcher.shading_cycles = num(latencies.5);
             machine.traversal.cache = caches.0;
             machine.intersection.cache = caches.1;
             machine.shadow_cache.cache = caches.2;
-            machine.l2 = caches.3;
+            machine.list.cache = caches.3;
+            machine.l2 = caches.4;
+            // No longer than the latency.
+            let interval = |unit: usize, latency: u64| num(intervals[unit].min(latency));
+            machine.traversal.interval = interval(0, latencies.1);
+            machine.list.interval = interval(1, list_latency);
+            machine.intersection.interval = interval(2, latencies.2);
+            machine.division.interval = interval(3, latencies.3);
+            machine.shadow_cache.interval = interval(4, latencies.4);
+            if machine.shadow_cache.layout == StoreLayout::Record {
+                machine.cores = num(1);
+            }
             if machine.check().is_err() {
                 // Nothing goes through an ideal cache.
                 machine.shadow_cache.writes = WritePolicy::Back;

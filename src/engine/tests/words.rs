@@ -34,8 +34,8 @@ fn tally(machine: &MachineSpec, rays: &[SyntheticRay], end: &[Step]) -> Tally {
     agreement::agree(machine, &header(), &stream).unwrap_or_else(|why| panic!("{why}")).0
 }
 
-fn accesses(tally: &Tally, kind: usize, class: TrafficClass) -> u64 {
-    tally.units[kind].iter().map(|unit| unit.cache[class as usize].accesses).sum()
+fn accesses(tally: &Tally, kind: Kind, class: TrafficClass) -> u64 {
+    tally.units[kind as usize].iter().map(|unit| unit.cache[class as usize].accesses).sum()
 }
 
 #[test]
@@ -47,8 +47,8 @@ fn a_register_merges_runs_of_one_primitive() {
     let tally = tally(&machine, &rays, &[]);
     assert_eq!((tally.stores.merged_reads, tally.stores.merged_writes), (18, 36));
     // A read and an update of each primitive; those of the second wait until the frame's end.
-    assert_eq!(accesses(&tally, 2, TrafficClass::ModeWord), 4);
-    assert_eq!(accesses(&tally, 2, TrafficClass::PixelCounter), 2);
+    assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 4);
+    assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::PixelCounter), 2);
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn a_displaced_update_is_performed_by_the_ray_that_displaces_it() {
     machine.shadow_cache.register = num(1);
     let tally = tally(&machine, &pixels([vec![or(1)], vec![or(2)], vec![or(1)], vec![or(1)]]), &[]);
     assert_eq!(tally.stores.merged_writes, 1);
-    assert_eq!(accesses(&tally, 2, TrafficClass::ModeWord), 3);
+    assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 3);
 }
 
 #[test]
@@ -66,12 +66,12 @@ fn straight_to_the_l2_only_the_entry_moves_and_updates_need_no_data() {
     machine.shadow_cache.place = Place::L2;
     let tally = tally(&machine, &pixels([vec![read(0), or(0), count(0)]]), &[or(0)]);
     let [words, counters] = [TrafficClass::ModeWord, TrafficClass::PixelCounter].map(|class| class as usize);
-    let unit = &tally.units[2][0];
+    let unit = &tally.units[Kind::ShadowCache as usize][0];
     // The read of the ray, and that of the frame's end, which sets modes.
     assert_eq!((unit.read_straight[words].count, unit.read_straight[words].bytes.0), (2, 8));
     assert_eq!((unit.written_through[words].count, unit.written_through[words].bytes.0), (2, 8));
     assert_eq!((unit.read_straight[counters].count, unit.written_through[counters].bytes.0), (0, 8));
-    assert_eq!(accesses(&tally, 2, TrafficClass::ModeWord), 0);
+    assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 0);
 }
 
 #[test]
@@ -81,9 +81,12 @@ fn by_the_triangles_l1_the_access_is_made_there() {
     // Words 0 and 16 lie in lines of different parity: each of the two intersection units gets one.
     let tally = tally(&machine, &pixels([vec![read(0)], vec![read(16)]]), &[]);
     let class = TrafficClass::ModeWord as usize;
-    assert_eq!(tally.units[1].iter().map(|unit| unit.cache[class].accesses).collect::<Vec<_>>(), [1, 1]);
-    assert_eq!(accesses(&tally, 2, TrafficClass::ModeWord), 0);
-    assert_eq!(tally.units[2][0].causes[Cause::Busy as usize], 2);
+    assert_eq!(
+        tally.units[Kind::Intersection as usize].iter().map(|unit| unit.cache[class].accesses).collect::<Vec<_>>(),
+        [1, 1]
+    );
+    assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 0);
+    assert_eq!(tally.units[Kind::ShadowCache as usize][0].causes[Cause::Busy as usize], 2);
 }
 
 #[test]
@@ -106,7 +109,7 @@ fn a_sweep_sets_every_static_primitive_once() {
     let swept = tally(&machine, &[], &end);
     assert_eq!((swept.stores.covered_writes, swept.stores.added_writes), (2, 2 * statics));
     // Word 4000 is of a dynamic primitive.
-    assert_eq!(accesses(&swept, 2, TrafficClass::ModeWord), statics + 1);
+    assert_eq!(accesses(&swept, Kind::ShadowCache, TrafficClass::ModeWord), statics + 1);
     machine.shadow_cache.layout = StoreLayout::Tagged;
     let swept = tally(&machine, &[], &end);
     assert_eq!((swept.stores.covered_writes, swept.stores.added_writes), (2, statics));
@@ -123,7 +126,7 @@ fn the_first_touch_sets_what_the_frames_end_left() {
     let lazy = tally(&machine, &rays, &[count(7), or(7)]);
     assert_eq!((lazy.stores.raised_reads, lazy.stores.added_writes, lazy.stores.deferred_writes), (1, 0, 2));
     // The read that sets modes, the count, the second read, the OR of a dynamic primitive's word.
-    assert_eq!(lazy.units[2][0].causes[Cause::Busy as usize], 4);
+    assert_eq!(lazy.units[Kind::ShadowCache as usize][0].causes[Cause::Busy as usize], 4);
 }
 
 #[test]
@@ -133,7 +136,9 @@ fn units_share_the_work_by_lines() {
     let one = tally(&machine, &rays, &[]);
     machine.shadow_cache.count = num(4);
     let four = tally(&machine, &rays, &[]);
-    let busy = |tally: &Tally| tally.units[2].iter().map(|unit| unit.causes[Cause::Busy as usize]).collect::<Vec<_>>();
+    let busy = |tally: &Tally| {
+        tally.units[Kind::ShadowCache as usize].iter().map(|unit| unit.causes[Cause::Busy as usize]).collect::<Vec<_>>()
+    };
     assert_eq!(busy(&one), [800]);
     // 400 words are 25 lines of 16.
     assert_eq!(busy(&four), [7 * 32, 6 * 32, 6 * 32, 6 * 32]);
