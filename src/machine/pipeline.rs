@@ -6,7 +6,7 @@ use super::causes::Causes;
 use super::layout::Element;
 use super::links::{Links, take};
 use super::ray::{Ray, RayId};
-use crate::memory::cache::{Cache, CacheSpec, Fill, Lookup};
+use crate::memory::cache::{Cache, CacheSpec, Fill, Lookup, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
@@ -66,6 +66,9 @@ pub struct Pipeline {
     causes: Causes,
     filled: bool,
     filled_for: Vec<RayId>,
+    release: Release,
+    /// Rays whose lines have come and are given out one by one.
+    released: VecDeque<RayId>,
     /// Requests under way past the L1, the oldest first, and how many there can be.
     straight: VecDeque<(LineAddr, RayId)>,
     most_straight: usize,
@@ -97,6 +100,8 @@ impl Pipeline {
             causes: Causes::default(),
             filled: false,
             filled_for: Vec::new(),
+            release: cache.release,
+            released: VecDeque::new(),
             straight: VecDeque::new(),
             most_straight: cache.mshrs.size(),
             read_straight: [Past::default(); TrafficClass::ALL.len()],
@@ -127,17 +132,25 @@ impl Pipeline {
         let Some(&(_, line)) = lines.front().filter(|(at, _)| *at <= now) else { return false };
         self.filled_for.clear();
         if let Some(at) = self.straight.iter().position(|(asked, _)| *asked == line) {
-            self.filled_for.extend(self.straight.remove(at).map(|(_, ray)| ray));
+            let ray = self.straight.remove(at).map(|(_, ray)| ray);
+            lines.pop_front();
+            ray.into_iter().for_each(|ray| self.line_came(ray, &mut links.rays));
         } else {
             let room = self.out.len() < self.out_places;
             let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
             if let Some(victim) = victim {
                 self.push_out(victim.line, victim.class, true, self.line);
             }
-        }
-        lines.pop_front();
-        for index in 0..self.filled_for.len() {
-            self.line_came(self.filled_for[index], &mut links.rays);
+            lines.pop_front();
+            match self.release {
+                Release::Together => {
+                    for index in 0..self.filled_for.len() {
+                        self.line_came(self.filled_for[index], &mut links.rays);
+                    }
+                }
+                // The row stays in use until its last ray has left: which no access sees, since none is made until then.
+                Release::OneByOne => self.released.extend(self.filled_for.drain(..)),
+            }
         }
         true
     }
@@ -215,7 +228,8 @@ impl Pipeline {
         self.causes.cycle(now, if began { self.timing.interval } else { 0 }, self.idle_cause(leaving));
 
         let lines = links.lines[self.part.0 as usize].front().map(|line| line.0);
-        let at_once = !self.fetching.is_empty() && (!stalled || sent)
+        let at_once = !self.released.is_empty()
+            || !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
             || lines.is_some_and(|at| at <= now) && (self.filled || sent || hit);
         if at_once {
@@ -231,6 +245,10 @@ impl Pipeline {
 
     /// Step 6; whether the queue was stopped.
     fn access(&mut self, now: u64, rays: &mut [Ray]) -> bool {
+        if let Some(ray) = self.released.pop_front() {
+            self.line_came(ray, rays);
+            return false;
+        }
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
             let fetch = &mut rays[ray as usize].fetch;

@@ -10,6 +10,16 @@ use crate::quantity::LineAddr;
 use crate::ranged::Within;
 use crate::stats::{CacheCounts, TrafficClass};
 
+/// How accesses that wait in a miss register get their line when it has come.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Release {
+    /// All at once, and the register is free.
+    #[default]
+    Together,
+    /// One a cycle, while no other access is made: the rows of a ray accumulation unit (Nah et al. 2011, section 4).
+    OneByOne,
+}
+
 /// An L1 cache. The defaults are the T&I engine's traversal cache (Nah et al. 2011, section 5: 8 KB, 2 ways, latency 1, one
 /// port; 8 rows of 4 rays wait for lines).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -31,6 +41,8 @@ pub struct CacheSpec {
     pub mshrs: Within<1, 1024>,
     /// Accesses that can wait in a miss register.
     pub targets: Within<1, 1024>,
+    /// How those that wait get their line.
+    pub release: Release,
     /// Places of the out queue to the level below.
     pub queue: Within<1, 1024>,
 }
@@ -46,6 +58,7 @@ impl CacheSpec {
         ports: Within::literal(1),
         mshrs: Within::literal(8),
         targets: Within::literal(4),
+        release: Release::Together,
         queue: Within::literal(4),
     };
 

@@ -28,7 +28,7 @@ fn on_dram(from: &str, to: &str) -> String {
 #[test]
 fn a_dram_part() {
     insta::assert_snapshot!(on_dram("rrd_s", "rrds"), @r#"
-    error: small.ron:38:16: lpddr4_3200.ron:14:29: Unexpected field named `rrds` in `Timing`, expected one of `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, or `rfc` instead
+    error: small.ron:45:16: lpddr4_3200.ron:14:29: Unexpected field named `rrds` in `Timing`, expected one of `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, or `rfc` instead
         |
      14 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
         |                             ^
@@ -37,7 +37,7 @@ fn a_dram_part() {
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
-    error: small.ron:38:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
+    error: small.ron:45:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
        |
      8 |     banks: 7,
        |            ^
@@ -46,7 +46,7 @@ fn a_dram_part() {
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
-    error: small.ron:38:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
+    error: small.ron:45:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
         |
      18 |     ),
         |     ^
@@ -55,7 +55,7 @@ fn a_dram_part() {
         |                ^
     "#);
     insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
-    error: small.ron:38:16: cannot read lpddr4.ron: No such file or directory (os error 2)
+    error: small.ron:45:16: cannot read lpddr4.ron: No such file or directory (os error 2)
         |
      38 |         part: "lpddr4.ron",
         |                ^

@@ -8,7 +8,7 @@ use super::wires::{Request, Wires};
 use crate::engine::tally::UnitTally;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::WritePolicy;
-use crate::memory::cache::CacheSpec;
+use crate::memory::cache::{CacheSpec, Release};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::Cause;
 
@@ -50,6 +50,8 @@ pub struct Unit {
     /// Rays with all their data, and what that is.
     ready: VecDeque<(Id, Option<Element>)>,
     stages: VecDeque<(u64, Id)>,
+    /// Rays of registers whose lines have come, which get them one by one.
+    in_rows: VecDeque<Id>,
     /// Lines asked for past the L1, the oldest first.
     asked: Vec<(LineAddr, Id)>,
     pub tally: UnitTally,
@@ -71,6 +73,7 @@ impl Unit {
             hits: VecDeque::new(),
             ready: VecDeque::new(),
             stages: VecDeque::new(),
+            in_rows: VecDeque::new(),
             asked: Vec::new(),
             tally: UnitTally::default(),
         }
@@ -127,8 +130,9 @@ impl Unit {
                     from: self.l1,
                 });
             }
-            for id in filled.waited {
-                self.line_came(id);
+            match self.spec.release {
+                Release::Together => filled.waited.into_iter().for_each(|id| self.line_came(id)),
+                Release::OneByOne => self.in_rows.extend(filled.waited),
             }
         }
         while let Some(&(at, id)) = self.hits.front()
@@ -184,6 +188,9 @@ impl Unit {
 
     /// Step 6.
     pub fn access(&mut self, now: u64) {
+        if let Some(id) = self.in_rows.pop_front() {
+            return self.line_came(id);
+        }
         for _ in 0..self.spec.ports.get() {
             let Some(&id) = self.fetch_queue.front() else { return };
             let room = self.out_has_room();

@@ -13,6 +13,7 @@ use super::work::Kind;
 use super::*;
 use crate::machine::pipeline::WritePolicy;
 use crate::memory::bank::BankedSpec;
+use crate::memory::cache::Release;
 use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::quantity::ListId;
 use crate::ranged::{PowerOfTwo, Within};
@@ -134,6 +135,20 @@ fn a_slow_division_unit_stops_those_before_it() {
     let blocked = |units: &[UnitTally]| units.iter().map(|unit| cycles(&unit.causes, Cause::Blocked)).sum::<u64>();
     assert!(blocked(&tally.units[Kind::Intersection as usize]) > 3 * 200 * 18 / 2);
     assert!(blocked(&tally.units[Kind::Traversal as usize]) > 200 * 18 / 2);
+}
+
+#[test]
+fn rays_of_a_row_leave_it_one_a_cycle_and_nobody_accesses_meanwhile() {
+    let mut machine = in_step();
+    machine.traversal.count = num(1);
+    machine.dispatcher.per_cycle = num(4);
+    let rays: Vec<_> = (0..4).map(|_| SyntheticRay::primary(nodes([0]))).collect();
+    let [together, one_by_one] = [Release::Together, Release::OneByOne].map(|release| {
+        machine.traversal.cache.release = release;
+        agreement::agree(&machine, &header(), &one_frame(&rays)).unwrap().0.cycles
+    });
+    // In both the four begin one after another; the first waits for step 6, which comes after beginning.
+    assert_eq!(one_by_one, together + 1);
 }
 
 #[test]

@@ -9,7 +9,7 @@ use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
 use crate::memory::bank::BankedSpec;
-use crate::memory::cache::CacheSpec;
+use crate::memory::cache::{CacheSpec, Release};
 use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::part::DramPart;
 use crate::memory::dram::spec::{DramSpec, Model, Page};
@@ -39,9 +39,10 @@ fn contents() -> impl Strategy<Value = Contents> {
 }
 
 fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
-    let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200));
+    let release = prop_oneof![Just(Release::Together), Just(Release::OneByOne)];
+    let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200), release);
     (shape, 1..3u64, 1..4u64, 1..4u64, 1..4u64).prop_map(
-        move |((contents, ways, sets, replacement, latency), ports, mshrs, targets, queue)| CacheSpec {
+        move |((contents, ways, sets, replacement, latency, release), ports, mshrs, targets, queue)| CacheSpec {
             contents,
             bytes: num((line << ways) << sets),
             ways: num(1 << ways),
@@ -50,6 +51,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
             ports: num(ports),
             mshrs: num(mshrs),
             targets: num(targets),
+            release,
             queue: num(queue),
         },
     )
@@ -181,11 +183,13 @@ pub fn lights() -> impl Strategy<Value = u32> {
 fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64);
     let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000));
-    let caches = (cache(line), cache(line), cache(line), cache(line), l2(line));
+    // Boxed: the stack does not hold what all of them try together.
+    let cache = || cache(line).boxed();
+    let caches = (cache(), cache(), cache(), cache(), l2(line).boxed());
     let intervals = prop::collection::vec(prop_oneof![3 => Just(1), 1 => 1..40u64], 5);
     let more = (1..4u64, 1..5u64, 1..4u64, 1..4u64, 1..4u64, prop_oneof![2 => Just(1), 1 => 2..4u64]);
     let rest = (50..4000u64, words(), 1..4000u64, (intervals, more, latency(300)));
-    (counts, latencies, caches, dram(line), rest).prop_map(
+    (counts, latencies, caches, dram(line).boxed(), rest).prop_map(
         move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
             let mut machine =
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
