@@ -64,16 +64,11 @@ pub fn estimate(population: &Population, windows: &[Window]) -> BTreeMap<String,
                 let spread = here().map(|left| (left - mean).powi(2)).sum::<f64>() / (some - 1.0);
                 let here = all * all * (1.0 - some / all) * spread / some;
                 variance += here;
-                squares += here * here / (some + 1.0);
+                squares += here * here / (some - 1.0);
             }
         }
-        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right that the
-        // variances are estimates themselves.
-        let freedom = if squares > 0.0 && freedom >= 1.0 {
-            freedom.min(variance * variance / squares - 2.0).max(1.0)
-        } else {
-            freedom
-        };
+        // Strata that vary more than others count for few: Satterthwaite's degrees of freedom (Cochran 1977, section 5.4).
+        let freedom = if squares > 0.0 { freedom.min(variance * variance / squares) } else { freedom };
         let complete = strata.iter().zip(&sampled).all(|(all, some)| all == some);
         let half_width = match freedom {
             _ if complete => Some(0.0),
