@@ -33,7 +33,7 @@ fn a_dram_part() {
      14 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
         |                             ^
         |
-     38 |         part: "lpddr4_3200.ron",
+     45 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
@@ -42,7 +42,7 @@ fn a_dram_part() {
      8 |     banks: 7,
        |            ^
         |
-     38 |         part: "lpddr4_3200.ron",
+     45 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
@@ -51,13 +51,13 @@ fn a_dram_part() {
      18 |     ),
         |     ^
         |
-     38 |         part: "lpddr4_3200.ron",
+     45 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
     error: small.ron:45:16: cannot read lpddr4.ron: No such file or directory (os error 2)
         |
-     38 |         part: "lpddr4.ron",
+     45 |         part: "lpddr4.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.rc` is 100: at least ras + rp = 102 is allowed");
