@@ -10,8 +10,10 @@ use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
 use umbrasim::engine::Fidelity;
+use umbrasim::experiment::dram_export::{DramExport, TraceFormat};
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, sweep, trace};
+use umbrasim::machine::MachineSpec;
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
@@ -72,6 +74,8 @@ enum Command {
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
+        #[command(flatten)]
+        dram: DramArgs,
     },
     /// Compare an experiment's pictures and shadow decisions with the reference renderer's, without machines
     ///
@@ -147,6 +151,38 @@ enum Command {
 }
 
 #[derive(Args)]
+#[command(next_help_heading = "DRAM")]
+struct DramArgs {
+    /// Write the requests that came to the DRAM to this file, for another DRAM simulator; Event and Cycle only
+    ///
+    /// A line a burst of the DRAM's part, with the byte address that the machine's `dram.mapping` takes apart, and the clock of the DRAM
+    /// in which the request came.
+    #[arg(long, value_name = "FILE")]
+    dram_trace: Option<PathBuf>,
+    /// Who is to read it
+    #[arg(long, value_name = "SIMULATOR", default_value = "dramsim3", requires = "dram_trace")]
+    dram_trace_format: TraceFormat,
+    /// Write the commands that the DRAM was given to this file, as CSV; Event and Cycle only
+    ///
+    /// Clocks are the DRAM's. A column is a burst's place in its row; the command RDA or WRA closes the row by itself, PREA closes
+    /// all rows. Ranks are not modelled. All commands are checked against the timing of the DRAM's part by code of its own, and a
+    /// violation is an error.
+    #[arg(long, value_name = "FILE")]
+    dram_commands: Option<PathBuf>,
+}
+
+impl DramArgs {
+    /// Begins the files that are wanted.
+    fn begin(&self, machine: &MachineSpec) -> Result<Option<DramExport>> {
+        if self.dram_trace.is_none() && self.dram_commands.is_none() {
+            return Ok(None);
+        }
+        let trace = self.dram_trace.as_deref().map(|path| (self.dram_trace_format, path));
+        Ok(Some(DramExport::create(machine, trace, self.dram_commands.as_deref())?))
+    }
+}
+
+#[derive(Args)]
 struct ExperimentArgs {
     /// The experiment's file, such as configs/experiments/quickstart.ron
     #[arg(value_name = "CONFIG")]
@@ -188,13 +224,15 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(output.display())?;
             Ok(0)
         }
-        Command::Replay { stream, machine, fidelity, json } => {
+        Command::Replay { stream, machine, fidelity, json, dram } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let policy = reader.header().policy.clone();
             let json = JsonFile::begin(json)?;
-            let stats = replay::replay_file(&spec, fidelity, reader)?;
+            let mut export = dram.begin(&spec)?;
+            let stats = replay::replay_file(&spec, fidelity, reader, export.as_mut())?;
             print(report::replayed(&spec.name, &policy, &stats))?;
+            export.map_or(Ok(()), DramExport::finish)?;
             json.finish(&stats)?;
             Ok(0)
         }

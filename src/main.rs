@@ -37,7 +37,10 @@ fn outlive_size_limits() {
 /// 1 for what was stopped or went wrong inside a simulation, 2 for what the user can mend.
 fn status(error: &anyhow::Error) -> u8 {
     let replay_failed = error.downcast_ref::<RunError<StreamError>>().is_some_and(|error| {
-        matches!(error, RunError::Counts { .. } | RunError::Invariant(_) | RunError::Deadlock { .. })
+        matches!(
+            error,
+            RunError::Counts { .. } | RunError::Invariant(_) | RunError::Illegal { .. } | RunError::Deadlock { .. }
+        )
     });
     let stopped = matches!(error.downcast_ref(), Some(TraceError::Stopped))
         || matches!(error.downcast_ref(), Some(SweepError::Stopped | SweepError::Machine { .. }));

@@ -14,8 +14,7 @@ use crate::machine::list::List;
 use crate::machine::pipeline::Pipeline;
 use crate::machine::shadow_cache::ShadowCache;
 use crate::machine::traversal::Traversal;
-#[cfg(test)]
-use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Wake};
 use crate::stream::Header;
 
@@ -156,6 +155,9 @@ impl Engine for Event {
                 self.links.l2.touch(&lines);
             }
             self.tick_units(now, &due);
+            if feed.hears() {
+                feed.heard(&mut self.logs())?;
+            }
             if self.dispatcher.is_finished() && self.is_idle() {
                 return Ok(now + 1);
             }
@@ -196,13 +198,7 @@ impl Engine for Event {
         }
     }
 
-    #[cfg(test)]
-    fn keep_commands(&mut self) {
-        self.links.dram.keep_commands();
-    }
-
-    #[cfg(test)]
-    fn commands(&self) -> Vec<&CommandLog> {
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
         self.links.dram.logs()
     }
 }

@@ -5,6 +5,7 @@ use super::{RunError, check};
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::machine::source::{FrameCounts, StoreWork};
 use crate::memory::Touch;
+use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 
 /// Gives an engine the items that it replays, and is told when.
@@ -14,6 +15,16 @@ pub(super) trait Feed<E> {
 
     /// A frame is over.
     fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>>;
+
+    /// Whether [`Feed::heard`] is to be called at the end of the cycle.
+    fn hears(&self) -> bool {
+        false
+    }
+
+    /// What the channels of the DRAM were asked for and given up to the end of the cycle, to be drained.
+    fn heard(&mut self, _: &mut [&mut ChannelLog]) -> Result<(), RunError<E>> {
+        Ok(())
+    }
 
     /// Whether [`Feed::taken`] is to be called at the end of the cycle.
     fn marks(&self) -> bool {

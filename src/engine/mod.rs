@@ -7,6 +7,7 @@ mod event;
 mod feed;
 mod fidelity;
 mod functional;
+mod observe;
 pub mod sampling;
 mod tally;
 #[cfg(test)]
@@ -14,16 +15,19 @@ mod tests;
 mod wheel;
 mod work;
 
+use std::io;
+
 use self::bound::Bound;
 use self::feed::{Feed, Whole};
 pub use self::fidelity::{Fidelity, Sampled, Share};
+pub use self::observe::DramObserver;
 use self::sampling::{Plan, Sample};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
 use crate::machine::source::{StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
-#[cfg(test)]
-use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::command::ChannelLog;
+use crate::memory::dram::legality::Violation;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Header, Item};
@@ -55,6 +59,17 @@ pub enum RunError<E> {
     /// An identity that holds for every run was violated: an error in the simulator.
     #[error("the run contradicts itself: {0}")]
     Invariant(String),
+    /// The DRAM was given a command that its part forbids: an error in the simulator.
+    #[error("channel {channel} of the DRAM, {violation}")]
+    Illegal {
+        /// The channel.
+        channel: usize,
+        /// What was violated.
+        violation: Violation,
+    },
+    /// Whoever watches the run has failed.
+    #[error(transparent)]
+    Observer(io::Error),
     /// Nothing moves.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
     Deadlock {
@@ -73,13 +88,8 @@ trait Engine {
     /// What was counted in a run of `cycles`.
     fn tally(&self, cycles: u64) -> Tally;
 
-    #[cfg(test)]
-    /// From now on the DRAM's commands are kept.
-    fn keep_commands(&mut self);
-
-    #[cfg(test)]
-    /// The commands that were kept, a channel each.
-    fn commands(&self) -> Vec<&CommandLog>;
+    /// What each channel of the DRAM was asked for and given; none of an engine whose DRAM has no clock of its own.
+    fn logs(&mut self) -> Vec<&mut ChannelLog>;
 }
 
 /// Replays `items`, a stream with the given header, on a machine. Memory is bounded: a chunk is dropped when all its rays are
@@ -103,11 +113,11 @@ pub fn run<E>(
             Err(SpecError::new(what).into())
         }
         Fidelity::Functional => {
-            let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items)?;
+            let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items, None)?;
             Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
-        Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items),
-        Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items),
+        Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, None),
+        Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
         Fidelity::Sampled { engine, rate, seed } => {
             let mut sample = Sample::new(machine, header, Plan::new(rate.get(), machine, seed), items);
             match engine {
@@ -124,21 +134,57 @@ fn whole<E>(
     machine: &MachineSpec,
     header: &Header,
     items: impl Iterator<Item = Result<Item, E>>,
+    observer: Option<&mut dyn DramObserver>,
 ) -> Result<MachineStats, RunError<E>> {
     let mut bound = Bound::new(machine, header, false);
-    let tally = replay(engine, machine, items.inspect(|item| item.iter().for_each(|item| bound.add(item))))?;
+    let tally = replay(engine, machine, items.inspect(|item| item.iter().for_each(|item| bound.add(item))), observer)?;
     let (stats, bounds) = (tally.stats(machine), bound.bounds());
     check::bounds(&stats, &bounds).map_err(RunError::Invariant)?;
     Ok(MachineStats { bounds: Some(bounds), ..stats })
+}
+
+/// As [`run`] with `Event` or `Cycle`, while `observer` is told what the DRAM is asked for and does. Every command is checked
+/// against the timing of the DRAM's part, and a violation is an error.
+///
+/// # Errors
+/// Other rungs are refused: their requests have no clocks that a DRAM of its own could be given.
+pub fn run_observed<E>(
+    machine: &MachineSpec,
+    fidelity: Fidelity,
+    header: &Header,
+    items: impl Iterator<Item = Result<Item, E>>,
+    observer: &mut dyn DramObserver,
+) -> Result<MachineStats, RunError<E>> {
+    machine.check()?;
+    machine.check_stream(header)?;
+    if machine.dram.model != Model::Banks {
+        let what =
+            "a DRAM with `model: Flat` has no clocks and commands that could be told: for these, Banks is allowed";
+        return Err(SpecError::new(what).into());
+    }
+    match fidelity {
+        Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, Some(observer)),
+        Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, Some(observer)),
+        other => {
+            let what = format!(
+                "`{other}` has no requests and commands of a DRAM at their clocks: for these, Event and Cycle are allowed"
+            );
+            Err(SpecError::new(what).into())
+        }
+    }
 }
 
 fn replay<E>(
     engine: &mut impl Engine,
     machine: &MachineSpec,
     items: impl Iterator<Item = Result<Item, E>>,
+    observer: Option<&mut dyn DramObserver>,
 ) -> Result<Tally, RunError<E>> {
     let mut feed = Whole { items, spec: &machine.shadow_cache, stores: StoreWork::default() };
-    let cycles = engine.run(&mut feed)?;
+    let cycles = match observer {
+        None => engine.run(&mut feed)?,
+        Some(observer) => observe::run(engine, machine, &mut feed, observer)?,
+    };
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
     Ok(tally)

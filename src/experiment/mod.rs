@@ -1,5 +1,6 @@
 //! Experiments: scene x policies x machines, as a RON file says.
 
+pub mod dram_export;
 pub mod frames;
 pub mod paper;
 mod progress;

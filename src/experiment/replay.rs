@@ -5,6 +5,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
+use super::dram_export::DramExport;
 use super::progress;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
@@ -91,11 +92,12 @@ impl<'scope> Replays<'scope> {
     }
 }
 
-/// Replays a recorded stream on a machine.
+/// Replays a recorded stream on a machine, with what its DRAM is asked for and does written to files if they are wanted.
 pub fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
     reader: StreamReader,
+    export: Option<&mut DramExport>,
 ) -> Result<MachineStats, RunError<StreamError>> {
     let header = reader.header().clone();
     let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
@@ -104,7 +106,10 @@ pub fn replay_file(
             bar.inc(1);
         }
     });
-    let stats = engine::run(machine, fidelity, &header, items);
+    let stats = match export {
+        None => engine::run(machine, fidelity, &header, items),
+        Some(export) => engine::run_observed(machine, fidelity, &header, items, export),
+    };
     bar.finish_and_clear();
     stats
 }

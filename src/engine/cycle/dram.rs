@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::flat::Bus;
 use super::wires::{DramRequest, Request, Wires};
-use crate::memory::dram::command::{Column, Command, CommandLog};
+use crate::memory::dram::command::{ChannelLog, Column, Command};
 use crate::memory::dram::part::DramPart;
 use crate::memory::dram::spec::{DramSpec, Model, Page};
 use crate::quantity::Bytes;
@@ -54,7 +54,7 @@ pub struct Channel {
     transfers: VecDeque<(u64, Request)>,
     pub counts: DramCounts,
     pub moved: [Bytes; TrafficClass::ALL.len()],
-    log: CommandLog,
+    log: ChannelLog,
 }
 
 /// Whether in clock `now` at least `wait` clocks have passed since an event, if there was one.
@@ -88,7 +88,7 @@ impl Channel {
             transfers: VecDeque::new(),
             counts: DramCounts::default(),
             moved: Default::default(),
-            log: CommandLog::default(),
+            log: ChannelLog::default(),
             part,
         }
     }
@@ -103,6 +103,11 @@ impl Channel {
             if !request.write {
                 wires.from_dram[request.from].put(cycle, request.line);
             }
+        }
+        if self.log.is_kept() {
+            // What was put in the last cycle came before the first clock that begins in this one or later.
+            let came = wires.to_channel[self.index].came(cycle).map(|entry| entry.request);
+            came.for_each(|request| self.log.put(self.clock - 1, request.line, request.write));
         }
         // Clocks that begin before the cycle ends.
         while self.clock * self.machine_mhz < (cycle + 1) * mhz {
@@ -274,15 +279,9 @@ impl Channel {
         self.moved[request.class as usize] += request.bytes;
     }
 
-    #[cfg(test)]
-    pub fn keep_commands(&mut self) {
-        self.log.keep();
-    }
-
-    /// The commands that were kept; a flat channel has none.
-    #[cfg(test)]
-    pub fn log(&self) -> Option<&CommandLog> {
-        self.flat.is_none().then_some(&self.log)
+    /// Requests and commands, if they are kept; of a flat channel there are none.
+    pub fn log(&mut self) -> Option<&mut ChannelLog> {
+        self.flat.is_none().then_some(&mut self.log)
     }
 
     pub fn is_empty(&self) -> bool {

@@ -51,6 +51,11 @@ impl<T> Link<T> {
         self.entries.iter_mut().filter(move |(at, _)| *at <= now).map(|(_, entry)| entry)
     }
 
+    /// Entries in order that can be taken in cycle `now` and not before.
+    pub fn came(&self, now: u64) -> impl Iterator<Item = &T> {
+        self.entries.iter().filter(move |(at, _)| *at == now).map(|(_, entry)| entry)
+    }
+
     /// Takes entry `index`, whatever stands before it.
     pub fn remove(&mut self, index: usize) -> Option<T> {
         self.entries.remove(index).map(|(_, entry)| entry)

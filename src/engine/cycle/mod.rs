@@ -34,8 +34,7 @@ use super::tally::{BankTally, ChannelTally, Tally};
 use super::work::Kind;
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
-#[cfg(test)]
-use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::command::ChannelLog;
 use crate::stream::Header;
 
 /// The machine.
@@ -157,6 +156,9 @@ impl Engine for Cycle {
                 self.drop_dynamic_lines();
             }
             self.tick_units(now);
+            if feed.hears() {
+                feed.heard(&mut self.logs())?;
+            }
             if self.host.is_finished() && self.memory_is_empty() {
                 return Ok(now + 1);
             }
@@ -191,13 +193,7 @@ impl Engine for Cycle {
         }
     }
 
-    #[cfg(test)]
-    fn keep_commands(&mut self) {
-        self.channels.iter_mut().for_each(Channel::keep_commands);
-    }
-
-    #[cfg(test)]
-    fn commands(&self) -> Vec<&CommandLog> {
-        self.channels.iter().filter_map(Channel::log).collect()
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
+        self.channels.iter_mut().filter_map(Channel::log).collect()
     }
 }

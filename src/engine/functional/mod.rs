@@ -27,8 +27,7 @@ use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
-#[cfg(test)]
-use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
@@ -648,11 +647,7 @@ impl Engine for Functional {
         }
     }
 
-    #[cfg(test)]
-    fn keep_commands(&mut self) {}
-
-    #[cfg(test)]
-    fn commands(&self) -> Vec<&CommandLog> {
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
         Vec::new()
     }
 }

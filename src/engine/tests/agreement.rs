@@ -10,7 +10,7 @@ use super::random::{lights, machines, streams, sweeps};
 use super::synthetic::{header, header_of};
 use super::*;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::memory::dram::command::CommandLog;
+use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::violations;
 use crate::memory::tags::Contents;
 use crate::ron_file;
@@ -20,14 +20,14 @@ fn counted(
     engine: &mut impl Engine,
     machine: &MachineSpec,
     stream: &[Item],
-) -> Result<(Tally, Vec<CommandLog>), String> {
-    engine.keep_commands();
-    let tally = replay(engine, machine, items(stream.to_vec())).map_err(|error| error.to_string())?;
-    Ok((tally, engine.commands().into_iter().cloned().collect()))
+) -> Result<(Tally, Vec<ChannelLog>), String> {
+    engine.logs().into_iter().for_each(ChannelLog::keep);
+    let tally = replay(engine, machine, items(stream.to_vec()), None).map_err(|error| error.to_string())?;
+    Ok((tally, engine.logs().into_iter().map(|log| log.clone()).collect()))
 }
 
 /// What both engines counted, or where they differ.
-pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<(Tally, Vec<CommandLog>), String> {
+pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<(Tally, Vec<ChannelLog>), String> {
     let event = counted(&mut event::Event::new(machine, header), machine, stream)?;
     let cycle = counted(&mut cycle::Cycle::new(machine, header), machine, stream)?;
     for (channel, (event, cycle)) in event.1.iter().zip(&cycle.1).enumerate() {

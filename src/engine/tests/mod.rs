@@ -398,7 +398,7 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     let mut engine = event::Event::new(&machine, &header());
     engine.dispatcher.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = replay(&mut engine, &machine, items(stream)).unwrap_err().to_string();
+    let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
     assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
@@ -406,8 +406,9 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
 #[test]
 fn violated_identities_are_found() {
     let machine = MachineSpec::default();
-    let good = replay(&mut event::Event::new(&machine, &header()), &machine, items(one_frame(&bvh_like(1, 50, 12, 2))))
-        .unwrap();
+    let good =
+        replay(&mut event::Event::new(&machine, &header()), &machine, items(one_frame(&bvh_like(1, 50, 12, 2))), None)
+            .unwrap();
     type Breakage = fn(&mut Tally);
     let broken: [(&str, Breakage); 6] = [
         ("hits + half misses + misses", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),

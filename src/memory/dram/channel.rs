@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::command::{Column, Command, CommandLog};
+use super::command::{ChannelLog, Column, Command};
 use super::mapping::Place;
 use super::part::{DramPart, Timing};
 use super::spec::{Clocks, DramSpec, Page};
@@ -77,7 +77,7 @@ pub struct Channel {
     command_at: u64,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
-    log: CommandLog,
+    log: ChannelLog,
 }
 
 /// What a channel can do next.
@@ -110,7 +110,7 @@ impl Channel {
             command_at: 0,
             counts: DramCounts::default(),
             moved: [Bytes(0); TrafficClass::ALL.len()],
-            log: CommandLog::default(),
+            log: ChannelLog::default(),
             dram,
         }
     }
@@ -123,6 +123,7 @@ impl Channel {
         }
         self.queue.put(Pending { request, place, prepared: Prepared::Nothing, done: 0 }, now + 1);
         let seen = self.clocks.first(now + 1);
+        self.log.put(seen - 1, request.line, request.write);
         self.command_at = self.command_at.min(seen);
         wake.wake(self.part, self.clocks.cycle(seen));
         true
@@ -341,14 +342,9 @@ impl Channel {
         &self.moved
     }
 
-    /// From now on all commands are kept.
-    pub fn keep_commands(&mut self) {
-        self.log.keep();
-    }
-
-    /// The commands, as far as they were kept.
-    pub fn log(&self) -> &CommandLog {
-        &self.log
+    /// Requests and commands, if they are kept.
+    pub fn log(&mut self) -> &mut ChannelLog {
+        &mut self.log
     }
 
     /// The state of the queue, for the report of a deadlock.

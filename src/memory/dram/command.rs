@@ -1,5 +1,7 @@
 //! The commands that a DRAM channel is given, and a log of them.
 
+use crate::quantity::LineAddr;
+
 /// A command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Command {
@@ -47,27 +49,57 @@ pub struct LoggedCommand {
     pub command: Command,
 }
 
-/// The commands of a channel in order, kept if somebody wants them.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct CommandLog {
-    commands: Option<Vec<LoggedCommand>>,
+/// A request and when it came.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LoggedRequest {
+    /// The clock of the DRAM in which it came: commands for it can be given from the next one on.
+    pub clock: u64,
+    /// The line.
+    pub line: LineAddr,
+    /// Whether it is written.
+    pub write: bool,
 }
 
-impl CommandLog {
-    /// From now on all commands are kept.
+/// What a channel was asked for and which commands it was given, each in order, kept if somebody wants them.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ChannelLog {
+    is_kept: bool,
+    requests: Vec<LoggedRequest>,
+    commands: Vec<LoggedCommand>,
+}
+
+impl ChannelLog {
+    /// From now on all is kept.
     pub fn keep(&mut self) {
-        self.commands.get_or_insert_default();
+        self.is_kept = true;
+    }
+
+    /// Whether it is kept.
+    pub fn is_kept(&self) -> bool {
+        self.is_kept
+    }
+
+    /// A request came in clock `clock`.
+    pub fn put(&mut self, clock: u64, line: LineAddr, write: bool) {
+        if self.is_kept {
+            self.requests.push(LoggedRequest { clock, line, write });
+        }
     }
 
     /// `command` is given in clock `clock`.
     pub fn give(&mut self, clock: u64, command: Command) {
-        if let Some(commands) = &mut self.commands {
-            commands.push(LoggedCommand { clock, command });
+        if self.is_kept {
+            self.commands.push(LoggedCommand { clock, command });
         }
     }
 
-    /// What was kept.
+    /// The commands that were kept.
     pub fn commands(&self) -> &[LoggedCommand] {
-        self.commands.as_deref().unwrap_or_default()
+        &self.commands
+    }
+
+    /// Takes out the requests and commands that were kept up to now.
+    pub fn drain(&mut self) -> (impl Iterator<Item = LoggedRequest>, impl Iterator<Item = LoggedCommand>) {
+        (self.requests.drain(..), self.commands.drain(..))
     }
 }

@@ -74,12 +74,18 @@ fn table(part: &DramPart) -> Vec<Rule> {
 
 /// Something that is not allowed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("clock {clock}: `{rule}` is violated")]
+#[error("clock {clock}: `{rule}` is violated{}", from(.legal_at))]
 pub struct Violation {
     /// When.
     pub clock: u64,
     /// What was violated: a timing parameter, or `bus`, `state`, `command`.
     pub rule: &'static str,
+    /// From which clock on the rule would have been kept, if waiting helps.
+    pub legal_at: Option<u64>,
+}
+
+fn from(legal_at: &Option<u64>) -> String {
+    legal_at.map_or_else(String::new, |at| format!(", which allows it from clock {at} on"))
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -145,8 +151,8 @@ impl TimingChecker {
         (self.refreshes + 1) * self.part.timing.refi.get()
     }
 
-    fn violated(&mut self, clock: u64, rule: &'static str) {
-        self.found.push(Violation { clock, rule });
+    fn violated(&mut self, clock: u64, rule: &'static str, legal_at: Option<u64>) {
+        self.found.push(Violation { clock, rule, legal_at });
     }
 
     /// Whether a rule holds for an event of a bank and a command to another.
@@ -174,10 +180,9 @@ impl TimingChecker {
     }
 
     fn event(&mut self, kind: Kind, bank: Option<usize>, clock: u64) {
-        let mut broken: Vec<_> =
-            self.earliest(kind, bank).filter(|&(_, at)| clock < at).map(|(name, _)| name).collect();
+        let mut broken: Vec<_> = self.earliest(kind, bank).filter(|&(_, at)| clock < at).collect();
         broken.dedup();
-        broken.into_iter().for_each(|rule| self.violated(clock, rule));
+        broken.into_iter().for_each(|(rule, at)| self.violated(clock, rule, Some(at)));
         let data_end = match kind {
             Kind::Read => self.data(clock, self.part.timing.cl.get(), false),
             Kind::Write => self.data(clock, self.part.timing.cwl.get(), true),
@@ -195,20 +200,21 @@ impl TimingChecker {
     fn data(&mut self, clock: u64, latency: u64, write: bool) -> u64 {
         let turn = if write && self.reads_last { self.part.timing.turn.get() } else { 0 };
         self.reads_last = !write;
-        if clock + latency < self.bus_free + turn {
-            self.violated(clock, "bus");
+        let free = self.bus_free + turn;
+        if clock + latency < free {
+            self.violated(clock, "bus", Some(free - latency));
         }
         self.bus_free = clock + latency + self.part.burst_clocks.get();
         self.bus_free
     }
 
     fn command(&mut self, LoggedCommand { clock, command }: LoggedCommand) {
-        if self.last_command.is_some_and(|before| before >= clock) {
-            self.violated(clock, "command");
+        if let Some(before) = self.last_command.filter(|&before| before >= clock) {
+            self.violated(clock, "command", Some(before + 1));
         }
         self.last_command = Some(clock);
         if clock >= self.due() && !matches!(command, Command::PrechargeAll | Command::Refresh) {
-            self.violated(clock, "refi");
+            self.violated(clock, "refi", None);
         }
         let legal_state = match command {
             Command::Activate { bank, .. } => self.open[bank].is_none(),
@@ -218,14 +224,15 @@ impl TimingChecker {
             Command::Refresh => self.open.iter().all(Option::is_none) && clock >= self.due(),
         };
         if !legal_state {
-            self.violated(clock, "state");
+            self.violated(clock, "state", None);
         }
         match command {
             Command::Activate { bank, row } => {
                 self.event(Kind::Activate, Some(bank), clock);
                 if let &[fourth_last, _, _, _] = self.activates.as_slice() {
-                    if clock < fourth_last + self.part.timing.faw.get() {
-                        self.violated(clock, "faw");
+                    let at = fourth_last + self.part.timing.faw.get();
+                    if clock < at {
+                        self.violated(clock, "faw", Some(at));
                     }
                     self.activates.remove(0);
                 }
@@ -275,7 +282,7 @@ impl TimingChecker {
         let data = t.cwl.get() + self.part.burst_clocks.get() + t.wr.get();
         let late = t.ras.get().max(t.rtp.get()).max(data) + t.rc.get().max(t.rp.get()) + 2;
         if self.due() + late < clock {
-            self.violated(clock, "refi");
+            self.violated(clock, "refi", None);
         }
     }
 }

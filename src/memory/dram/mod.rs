@@ -10,7 +10,7 @@ pub mod spec;
 #[cfg(test)]
 mod tests;
 
-use self::command::CommandLog;
+use self::command::ChannelLog;
 use self::spec::{Clocks, DramSpec, Model};
 use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
@@ -103,17 +103,10 @@ impl Dram {
         }
     }
 
-    /// From now on all commands are kept.
-    pub fn keep_commands(&mut self) {
-        if let Channels::Banks(channels) = &mut self.channels {
-            channels.iter_mut().for_each(channel::Channel::keep_commands);
-        }
-    }
-
-    /// The commands of each channel, as far as they were kept; of flat ones there are none.
-    pub fn logs(&self) -> Vec<&CommandLog> {
-        match &self.channels {
-            Channels::Banks(channels) => channels.iter().map(channel::Channel::log).collect(),
+    /// What each channel was asked for and its commands, if they are kept; of flat ones there is nothing.
+    pub fn logs(&mut self) -> Vec<&mut ChannelLog> {
+        match &mut self.channels {
+            Channels::Banks(channels) => channels.iter_mut().map(channel::Channel::log).collect(),
             Channels::Flat(_) => Vec::new(),
         }
     }

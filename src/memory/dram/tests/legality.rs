@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::{Awake, NAMES, num, set};
 use crate::memory::dram::Dram;
-use crate::memory::dram::command::{Column, Command, LoggedCommand};
+use crate::memory::dram::command::{ChannelLog, Column, Command, LoggedCommand};
 use crate::memory::dram::legality::violations;
 use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::part::DramPart;
@@ -147,7 +147,7 @@ fn commands_that_the_rows_do_not_allow_are_found() {
 /// The log of a channel that is given reads and writes as fast as it takes them.
 fn log(spec: &DramSpec, clocks: u64) -> Vec<LoggedCommand> {
     let mut dram = Dram::new(spec, spec.part.clock_mhz.get(), 64, PartId(0));
-    dram.keep_commands();
+    dram.logs().into_iter().for_each(ChannelLog::keep);
     let mut number = 1u64;
     let mut next = || {
         number = number.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);

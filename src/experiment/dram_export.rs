@@ -1,0 +1,119 @@
+//! What a replay asks of its DRAM, in files that other DRAM simulators read, and what its DRAM did.
+
+use std::fmt;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use clap::ValueEnum;
+
+use crate::engine::DramObserver;
+use crate::machine::MachineSpec;
+use crate::memory::dram::command::{Column, Command, LoggedCommand, LoggedRequest};
+use crate::memory::dram::part::DramPart;
+use crate::new_file::NewFile;
+
+/// Who is to read a trace of requests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum TraceFormat {
+    /// `0xADDRESS READ|WRITE CLOCK`, which DRAMsim3 takes with `-t`.
+    Dramsim3,
+    /// `LD|ST 0xADDRESS`, which Ramulator 2's `LoadStoreTrace` takes: without clocks, in order.
+    Ramulator,
+}
+
+/// A file on its way that is written line by line.
+struct Lines {
+    path: PathBuf,
+    file: BufWriter<NewFile>,
+}
+
+impl Lines {
+    fn create(path: &Path) -> io::Result<Self> {
+        let file = NewFile::create(path).map_err(|error| cannot_write(path, &error))?;
+        Ok(Self { path: path.to_owned(), file: BufWriter::new(file) })
+    }
+
+    fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
+        writeln!(self.file, "{line}").map_err(|error| cannot_write(&self.path, &error))
+    }
+
+    fn finish(self) -> io::Result<()> {
+        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error);
+        file.and_then(NewFile::finish).map_err(|error| cannot_write(&self.path, &error))
+    }
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
+}
+
+/// Writes the requests of a run, its DRAM's commands, or both, as they come.
+pub struct DramExport {
+    trace: Option<(TraceFormat, Lines)>,
+    commands: Option<Lines>,
+    part: DramPart,
+    line: u64,
+}
+
+impl DramExport {
+    /// Begins the files.
+    ///
+    /// # Errors
+    /// A file cannot be written.
+    pub fn create(
+        machine: &MachineSpec,
+        trace: Option<(TraceFormat, &Path)>,
+        commands: Option<&Path>,
+    ) -> io::Result<Self> {
+        let trace = trace.map(|(format, path)| Ok::<_, io::Error>((format, Lines::create(path)?))).transpose()?;
+        let mut commands = commands.map(Lines::create).transpose()?;
+        if let Some(file) = &mut commands {
+            file.line(format_args!("clock,channel,command,bank_group,bank,row,column"))?;
+        }
+        Ok(Self { trace, commands, part: machine.dram.part.clone(), line: machine.line_bytes.get() })
+    }
+
+    /// Puts the files into their places.
+    pub fn finish(self) -> io::Result<()> {
+        self.trace.map_or(Ok(()), |(_, file)| file.finish())?;
+        self.commands.map_or(Ok(()), Lines::finish)
+    }
+}
+
+impl DramObserver for DramExport {
+    /// A line a burst, since that is what a request is for those who read it.
+    fn request(&mut self, _: usize, LoggedRequest { clock, line, write }: LoggedRequest) -> io::Result<()> {
+        let Some((format, file)) = &mut self.trace else { return Ok(()) };
+        for burst in 0..self.part.bursts(self.line) {
+            let address = line.0 * self.line + burst * self.part.burst_bytes.get();
+            match format {
+                TraceFormat::Dramsim3 => {
+                    file.line(format_args!("{address:#x} {} {clock}", if write { "WRITE" } else { "READ" }))?;
+                }
+                TraceFormat::Ramulator => {
+                    file.line(format_args!("{} {address:#x}", if write { "ST" } else { "LD" }))?
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn command(&mut self, channel: usize, LoggedCommand { clock, command }: LoggedCommand) -> io::Result<()> {
+        let Some(file) = &mut self.commands else { return Ok(()) };
+        let in_group = self.part.banks.size() / self.part.bank_groups.size();
+        let place = |bank: usize| format!("{},{}", bank / in_group, bank % in_group);
+        let named = |plain, closing, at: Column| {
+            let name = if at.auto_precharge { closing } else { plain };
+            (name, format!("{},{},{}", place(at.bank), at.row, at.column))
+        };
+        let (name, place) = match command {
+            Command::Activate { bank, row } => ("ACT", format!("{},{row},", place(bank))),
+            Command::Read(at) => named("RD", "RDA", at),
+            Command::Write(at) => named("WR", "WRA", at),
+            Command::Precharge { bank } => ("PRE", format!("{},,", place(bank))),
+            Command::PrechargeAll => ("PREA", ",,,".into()),
+            Command::Refresh => ("REF", ",,,".into()),
+        };
+        file.line(format_args!("{clock},{channel},{name},{place}"))
+    }
+}
