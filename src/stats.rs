@@ -80,7 +80,7 @@ impl Cause {
 /// Accesses to a cache, of one class of traffic.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CacheCounts {
-    /// Accesses: hits, half misses and misses together.
+    /// Accesses: hits, half misses, misses and passed writes together.
     pub accesses: u64,
     /// The line was there.
     pub hits: u64,
@@ -88,6 +88,9 @@ pub struct CacheCounts {
     pub half_misses: u64,
     /// The line was fetched.
     pub misses: u64,
+    /// Writes whose line was not there, and that allocate none: they went down.
+    #[serde(default)]
+    pub passed_writes: u64,
     /// Dirty lines of the class that were written back.
     pub write_backs: u64,
 }

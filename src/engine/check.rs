@@ -67,8 +67,10 @@ pub(super) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String
 pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     for (name, classes) in &tally.stats(machine).caches {
         for (class, counts) in classes {
-            let what = || format!("{name}, {}: hits + half misses + misses against accesses", class.name());
-            equal(what, counts.hits + counts.half_misses + counts.misses, counts.accesses)?;
+            let what =
+                || format!("{name}, {}: hits + half misses + misses + passed writes against accesses", class.name());
+            let found = counts.hits + counts.half_misses + counts.misses + counts.passed_writes;
+            equal(what, found, counts.accesses)?;
         }
     }
     let causes =
@@ -106,7 +108,8 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
         )?;
         let down = (l1.misses + l1.write_backs) * line + through_bytes + straight_bytes;
         equal(|| format!("{name}: bytes between L1s and L2"), down, moved[index].0)?;
-        equal(|| format!("{name}: bytes between L2 and DRAM"), (l2.misses + l2.write_backs) * line, dram[index].0)?;
+        let lines = l2.misses + l2.write_backs + l2.passed_writes;
+        equal(|| format!("{name}: bytes between L2 and DRAM"), lines * line, dram[index].0)?;
     }
     Ok(())
 }

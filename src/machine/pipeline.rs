@@ -6,7 +6,8 @@ use super::causes::Causes;
 use super::layout::Element;
 use super::links::{Links, take};
 use super::ray::{Ray, RayId};
-use crate::memory::cache::{Cache, CacheSpec, Fill, Lookup, Release};
+use crate::memory::allocation::Classes;
+use crate::memory::cache::{Access, Cache, CacheSpec, Fill, Lookup, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
@@ -19,6 +20,28 @@ pub enum WritePolicy {
     Back,
     /// A write goes down at once.
     Through,
+    /// Writes of these classes go down at once, others do not.
+    ThroughFor(Classes),
+}
+
+impl WritePolicy {
+    /// Whether a write of `class` goes down at once.
+    pub fn go_through(self, class: TrafficClass) -> bool {
+        match self {
+            Self::Back => false,
+            Self::Through => true,
+            Self::ThroughFor(classes) => classes.contains(class),
+        }
+    }
+
+    /// What a read, or a write, of `class` does in the L1.
+    pub fn access(self, class: TrafficClass, write: bool) -> Access {
+        match (write, self.go_through(class)) {
+            (false, _) => Access::Read,
+            (true, false) => Access::Write,
+            (true, true) => Access::WriteThrough,
+        }
+    }
 }
 
 /// What went past an L1, or through it: reads or writes.
@@ -65,6 +88,9 @@ pub struct Pipeline {
     written_through: [Past; TrafficClass::ALL.len()],
     causes: Causes,
     filled: bool,
+    /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
+    /// waits a place: a fill that waits can be made then.
+    accessed: bool,
     filled_for: Vec<RayId>,
     release: Release,
     /// Rays whose lines have come and are given out one by one.
@@ -99,6 +125,7 @@ impl Pipeline {
             written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
             filled: false,
+            accessed: false,
             filled_for: Vec::new(),
             release: cache.release,
             released: VecDeque::new(),
@@ -197,7 +224,7 @@ impl Pipeline {
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
         let Some(&ray) = self.ready.front().filter(|_| now >= self.open_at) else { return false };
         let fetch = &rays[ray as usize].fetch;
-        if fetch.write && self.writes == WritePolicy::Through {
+        if fetch.write && self.writes.go_through(fetch.class) {
             if self.out.len() == self.out_places {
                 return false;
             }
@@ -217,10 +244,8 @@ impl Pipeline {
     /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
     /// to go to another unit.
     pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool) {
-        let hits = self.hits.len();
+        self.accessed = false;
         let stalled = self.access(now, &mut links.rays);
-        // A hit may have made another line, a clean one, the next to go: a fill that waits can be made then.
-        let hit = self.hits.len() > hits;
         let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.pop_front();
@@ -231,7 +256,7 @@ impl Pipeline {
         let at_once = !self.released.is_empty()
             || !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
-            || lines.is_some_and(|at| at <= now) && (self.filled || sent || hit);
+            || lines.is_some_and(|at| at <= now) && (self.filled || sent || self.accessed);
         if at_once {
             links.clock.wake(self.part, now + 1);
             return;
@@ -252,7 +277,7 @@ impl Pipeline {
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
             let fetch = &mut rays[ray as usize].fetch;
-            let dirty = fetch.write && self.writes == WritePolicy::Back;
+            let access = self.writes.access(fetch.class, fetch.write);
             let room = self.out.len() < self.out_places;
             if fetch.straight {
                 if !room || self.straight.len() == self.most_straight {
@@ -268,9 +293,10 @@ impl Pipeline {
                 self.fetching.pop_front();
                 continue;
             }
-            let lookup = self.cache.access(fetch.line, fetch.class, dirty, Some(ray), room);
+            let lookup = self.cache.access(fetch.line, fetch.class, access, Some(ray), room);
             match lookup {
                 Lookup::Stalled => return true,
+                Lookup::Passed => unreachable!("a ray waits for the data"),
                 Lookup::Hit => self.hits.push_back((now + self.hit_latency, ray)),
                 Lookup::Merged => {}
                 Lookup::Miss => {
@@ -278,6 +304,7 @@ impl Pipeline {
                     self.out.push_back(Request { line, class, write: false, bytes: self.line, from: self.part });
                 }
             }
+            self.accessed = true;
             fetch.line.0 += 1;
             fetch.left -= 1;
             fetch.missing += 1;

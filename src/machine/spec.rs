@@ -150,8 +150,8 @@ impl MachineSpec {
             Place::Triangle => ("intersection.cache", &self.intersection.cache),
             Place::L2 | Place::Free => return Ok(()),
         };
-        if self.shadow_cache.writes == WritePolicy::Through && cache.contents == Contents::Ideal {
-            return Err(format!("`shadow_cache.writes` is Through: with `{field}.contents: Ideal`, Back is allowed"));
+        if self.shadow_cache.writes != WritePolicy::Back && cache.contents == Contents::Ideal {
+            return Err(format!("`shadow_cache.writes` is not Back: with `{field}.contents: Ideal`, Back is allowed"));
         }
         Ok(())
     }
@@ -229,6 +229,7 @@ mod tests {
                 "(shadow_cache: (writes: Through, cache: (contents: Ideal)))",
                 "with `shadow_cache.cache.contents: Ideal`, Back is allowed",
             ),
+            ("(traversal: (cache: (no_allocate: (reads: [nodes]))))", "nodes"),
             ("(dram: (model: Flat(bytes_per_cycle: 8)))", "Unexpected missing field named `latency`"),
             ("(list: (interval: 3))", "`list.interval` is 3: up to `list.latency`, which is 2, is allowed"),
             ("(dram: (channels: 2))", "`dram.mapping` has 0 bit(s) of `Channel`: 1 is allowed"),

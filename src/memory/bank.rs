@@ -4,7 +4,8 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::cache::{Cache, Fill, Lookup, check_geometry};
+use super::allocation::NoAllocate;
+use super::cache::{Access, Cache, Fill, Lookup, check_geometry};
 use super::dram::Dram;
 use super::mshr::MshrFile;
 use super::queue::Queue;
@@ -30,6 +31,8 @@ pub struct BankedSpec {
     pub banks: PowerOfTwo<1, 256>,
     /// Which line of a full set goes.
     pub replacement: Policy,
+    /// Which accesses don't give their line a place: they go past, to and from the DRAM.
+    pub no_allocate: NoAllocate,
     /// Cycles from an access that hits, or a fill, to the answer.
     pub latency: Within<1, 1000>,
     /// Miss registers a bank.
@@ -48,6 +51,7 @@ impl BankedSpec {
         ways: Within::literal(2),
         banks: PowerOfTwo::literal(8),
         replacement: Policy::Lru,
+        no_allocate: NoAllocate::NONE,
         latency: Within::literal(20),
         mshrs: Within::literal(8),
         targets: Within::literal(4),
@@ -75,7 +79,7 @@ impl BankedSpec {
 
     /// Tags and registers of a bank, empty.
     pub fn bank_cache(&self, line: u64) -> Cache {
-        Cache::new(self.bank_tags(line), MshrFile::new(self.mshrs.size(), self.targets.size()))
+        Cache::new(self.bank_tags(line), self.no_allocate, MshrFile::new(self.mshrs.size(), self.targets.size()))
     }
 
     /// A bank, empty, with the number `part` in the machine.
@@ -155,7 +159,7 @@ impl Bank {
         let accessed = self.access(now, wake);
         let sent = self.send(now, dram, wake);
         let next = now + 1;
-        // A fill frees a register, a departure a place, and a hit may make another line, a clean one, the next to go: whatever
+        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to go: whatever
         // stalled may go on.
         let stalled_may_go_on =
             (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
@@ -192,13 +196,14 @@ impl Bank {
     fn access(&mut self, now: u64, wake: &mut impl Wake) -> bool {
         let Some(request) = self.requests.first(now) else { return false };
         let Request { line, class, write, bytes, from } = request;
-        let reader = (!write).then_some(from.0);
-        let lookup = self.cache.access(line, class, write, reader, self.out.len() < self.out_places);
+        let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
+        let lookup = self.cache.access(line, class, access, reader, self.out.len() < self.out_places);
         match lookup {
             Lookup::Stalled => return false,
             Lookup::Hit if !write => self.answers.push_back((now + self.latency, from, line)),
             Lookup::Hit | Lookup::Merged => {}
             Lookup::Miss => self.push_out(line, class, false),
+            Lookup::Passed => self.push_out(line, class, true),
         }
         self.requests.take(now, wake);
         self.moved[class as usize] += bytes;

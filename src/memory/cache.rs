@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::Touch;
-use super::mshr::MshrFile;
+use super::allocation::NoAllocate;
+use super::mshr::{Fate, MshrFile};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::LineAddr;
@@ -33,6 +34,8 @@ pub struct CacheSpec {
     pub ways: Within<1, 64>,
     /// Which line of a full set goes.
     pub replacement: Policy,
+    /// Which accesses don't give their line a place.
+    pub no_allocate: NoAllocate,
     /// Cycles from an access that hits to its data.
     pub latency: Within<1, 1000>,
     /// Accesses a cycle.
@@ -54,6 +57,7 @@ impl CacheSpec {
         bytes: Within::literal(8192),
         ways: Within::literal(2),
         replacement: Policy::Lru,
+        no_allocate: NoAllocate::NONE,
         latency: Within::literal(1),
         ports: Within::literal(1),
         mshrs: Within::literal(8),
@@ -81,7 +85,7 @@ impl CacheSpec {
 
     /// The cache, empty.
     pub fn build(&self, line: u64) -> Cache {
-        Cache::new(self.tags(line), MshrFile::new(self.mshrs.size(), self.targets.size()))
+        Cache::new(self.tags(line), self.no_allocate, MshrFile::new(self.mshrs.size(), self.targets.size()))
     }
 }
 
@@ -112,6 +116,17 @@ pub(super) fn check_geometry(
     Ok(())
 }
 
+/// What an access does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Access {
+    /// It reads.
+    Read,
+    /// It makes its line dirty.
+    Write,
+    /// It writes to the level below, so that its line does not become dirty.
+    WriteThrough,
+}
+
 /// What an access met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
@@ -121,6 +136,8 @@ pub enum Lookup {
     Merged,
     /// The line must be fetched: the caller sends a request.
     Miss,
+    /// The line is not there and gets no place: the caller sends the write down.
+    Passed,
     /// No register, target or place: nothing was counted or changed.
     Stalled,
 }
@@ -141,37 +158,44 @@ pub enum Fill {
 #[derive(Clone, Debug)]
 pub struct Cache {
     tags: TagArray,
+    no_allocate: NoAllocate,
     mshrs: MshrFile,
     counts: [CacheCounts; TrafficClass::ALL.len()],
 }
 
 impl Cache {
-    pub(super) fn new(tags: TagArray, mshrs: MshrFile) -> Self {
-        Self { tags, mshrs, counts: [CacheCounts::default(); TrafficClass::ALL.len()] }
+    pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, mshrs: MshrFile) -> Self {
+        Self { tags, no_allocate, mshrs, counts: [CacheCounts::default(); TrafficClass::ALL.len()] }
     }
 
-    /// Accesses `line`; `write` makes it dirty. `waiting` is woken by [`Cache::fill`] if the line is not there. `room` says
+    /// Accesses `line`. `waiting` is woken by [`Cache::fill`] if the line is not there; `None` needs no data. `room` says
     /// whether a request could be sent.
     pub fn access(
         &mut self,
         line: LineAddr,
         class: TrafficClass,
-        write: bool,
+        access: Access,
         waiting: Option<u32>,
         room: bool,
     ) -> Lookup {
-        let lookup = if self.tags.access(line, write) {
+        let dirty = access == Access::Write;
+        let fate = Fate { dirty, keep: self.no_allocate.keeps(class, access != Access::Read) };
+        let lookup = if self.tags.access(line, dirty) {
             Lookup::Hit
         } else if let Some(register) = self.mshrs.find(line) {
-            if !self.mshrs.merge(register, write, waiting) {
+            if !self.mshrs.merge(register, fate, waiting) {
                 return Lookup::Stalled;
             }
             Lookup::Merged
+        } else if !room {
+            return Lookup::Stalled;
+        } else if waiting.is_none() && !fate.keep {
+            Lookup::Passed
         } else {
-            if self.mshrs.is_full() || !room {
+            if self.mshrs.is_full() {
                 return Lookup::Stalled;
             }
-            self.mshrs.allocate(line, class, write, waiting);
+            self.mshrs.allocate(line, class, fate, waiting);
             Lookup::Miss
         };
         let counts = &mut self.counts[class as usize];
@@ -179,30 +203,37 @@ impl Cache {
         match lookup {
             Lookup::Hit => counts.hits += 1,
             Lookup::Merged => counts.half_misses += 1,
+            Lookup::Passed => counts.passed_writes += 1,
             Lookup::Miss | Lookup::Stalled => counts.misses += 1,
         }
         lookup
     }
 
-    /// Puts in `line`, which was missed; appends who waits for it to `waiting`. `room` says whether a dirty victim could
-    /// be sent down.
+    /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says whether a dirty
+    /// victim could be sent down. A dirty line that is not kept is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
-        if !room && self.tags.victim(line).is_some_and(|victim| victim.dirty) {
+        let register = self.mshrs.find(line).expect("only a missed line comes");
+        let (class, fate) = self.mshrs.missed(register);
+        let victim = if fate.keep { self.tags.victim(line) } else { Some(Victim { line, class, dirty: fate.dirty }) };
+        let victim = victim.filter(|victim| victim.dirty);
+        if victim.is_some() && !room {
             return Fill::Blocked;
         }
-        let register = self.mshrs.find(line).expect("only a missed line comes");
-        let released = self.mshrs.release(register, waiting);
-        let victim = self.tags.fill(line, released.class, released.dirty).filter(|victim| victim.dirty);
+        self.mshrs.release(register, waiting);
+        if fate.keep {
+            self.tags.fill(line, class, fate.dirty);
+        }
         if let Some(victim) = victim {
             self.counts[victim.class as usize].write_backs += 1;
         }
         Fill::Done { victim }
     }
 
-    /// Uses a line as if it had been accessed, and filled if it was not there: nothing is counted, and what goes is forgotten. A
-    /// line on its way stays that.
+    /// Uses a line as if it had been accessed, and filled if it was not there and is to be kept: nothing is counted, and what goes is
+    /// forgotten. A line on its way stays that.
     pub fn touch(&mut self, Touch { line, class, dirty }: Touch) {
-        if self.mshrs.find(line).is_none() && !self.tags.access(line, dirty) {
+        let keep = self.no_allocate.keeps(class, dirty);
+        if self.mshrs.find(line).is_none() && !self.tags.access(line, dirty) && keep {
             self.tags.fill(line, class, dirty);
         }
     }

@@ -1,5 +1,6 @@
 //! Caches and DRAM. This room knows addresses and classes of traffic, never rays: whoever waits for data is a number.
 
+pub mod allocation;
 pub mod bank;
 pub mod cache;
 pub mod dram;

@@ -3,24 +3,24 @@
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
+/// What becomes of a line when it comes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fate {
+    /// Whether an access that waits makes it dirty.
+    pub dirty: bool,
+    /// Whether an access that waits gives it a place.
+    pub keep: bool,
+}
+
 /// A line on its way.
 #[derive(Clone, Debug)]
 struct Register {
     line: LineAddr,
     class: TrafficClass,
-    dirty: bool,
+    fate: Fate,
     /// Accesses that wait, writes without an answer included.
     merged: usize,
     waiting: Vec<u32>,
-}
-
-/// What a released register held.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Released {
-    /// What the line is for.
-    pub class: TrafficClass,
-    /// Whether an access that waited writes it.
-    pub dirty: bool,
 }
 
 /// The registers of a cache.
@@ -41,7 +41,7 @@ impl MshrFile {
         let free = Register {
             line: LineAddr(u64::MAX),
             class: TrafficClass::Node,
-            dirty: false,
+            fate: Fate { dirty: false, keep: false },
             merged: 0,
             waiting: Vec::with_capacity(targets.min(64)),
         };
@@ -69,33 +69,37 @@ impl MshrFile {
     }
 
     /// Adds an access to a line on its way; false if the register has no target left.
-    pub fn merge(&mut self, id: RegisterId, write: bool, waiting: Option<u32>) -> bool {
+    pub fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
         let register = &mut self.registers[id.0];
         if register.merged == self.targets {
             return false;
         }
         register.merged += 1;
-        register.dirty |= write;
+        register.fate.dirty |= fate.dirty;
+        register.fate.keep |= fate.keep;
         register.waiting.extend(waiting);
         true
     }
 
     /// Takes a free register for `line`; the caller has asked [`MshrFile::is_full`].
-    pub fn allocate(&mut self, line: LineAddr, class: TrafficClass, write: bool, waiting: Option<u32>) {
+    pub fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
         let register = &mut self.registers[self.used];
-        (register.line, register.class, register.dirty, register.merged) = (line, class, write, 1);
+        (register.line, register.class, register.fate, register.merged) = (line, class, fate, 1);
         register.waiting.clear();
         register.waiting.extend(waiting);
         self.used += 1;
     }
 
-    /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
-    pub fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) -> Released {
+    /// What the line of a register is for, and what becomes of it.
+    pub fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
         let register = &self.registers[id.0];
-        waiting.extend_from_slice(&register.waiting);
-        let released = Released { class: register.class, dirty: register.dirty };
+        (register.class, register.fate)
+    }
+
+    /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
+    pub fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
+        waiting.extend_from_slice(&self.registers[id.0].waiting);
         self.used -= 1;
         self.registers.swap(id.0, self.used);
-        released
     }
 }

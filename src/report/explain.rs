@@ -119,11 +119,16 @@ pub const STATISTICS: &[Statistic] = &[
     stat(
         "machines.*.policies.*.caches.*.*.accesses",
         "accesses",
-        "lines asked of a kind of cache: hits + half_misses + misses",
+        "lines asked of a kind of cache: hits + half_misses + misses + passed_writes",
     ),
     stat("machines.*.policies.*.caches.*.*.hits", "accesses", "the line was there"),
     stat("machines.*.policies.*.caches.*.*.half_misses", "accesses", "the line was on its way already"),
     stat("machines.*.policies.*.caches.*.*.misses", "accesses", "the line was fetched from the level below"),
+    stat(
+        "machines.*.policies.*.caches.*.*.passed_writes",
+        "accesses",
+        "the line was not there, and a write that allocates none (`no_allocate`) went down to the level below",
+    ),
     stat(
         "machines.*.policies.*.caches.*.*.write_backs",
         "lines",

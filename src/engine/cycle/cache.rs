@@ -1,5 +1,6 @@
 //! A non-blocking cache as the rules say: tags, miss registers with their targets, counts.
 
+use crate::memory::allocation::NoAllocate;
 use crate::memory::tags::{TagArray, Victim};
 use crate::quantity::LineAddr;
 use crate::stats::{CacheCounts, TrafficClass};
@@ -10,7 +11,19 @@ struct Register<W> {
     line: LineAddr,
     class: TrafficClass,
     written: bool,
+    kept: bool,
     targets: Vec<W>,
+}
+
+/// An access to a line.
+#[derive(Clone, Copy, Debug)]
+pub struct Asked {
+    pub line: LineAddr,
+    pub class: TrafficClass,
+    pub write: bool,
+    /// Whether the line becomes dirty.
+    pub dirties: bool,
+    pub needs_data: bool,
 }
 
 /// What an access met.
@@ -19,6 +32,8 @@ pub enum Met {
     Hit,
     HalfMiss,
     Miss,
+    /// A write that allocates no line: it is to go down.
+    Passes,
     /// Something is missing that the access needs: nothing was done.
     Stop,
 }
@@ -36,6 +51,7 @@ pub struct Filled<W> {
 #[derive(Clone, Debug)]
 pub struct Cache<W> {
     tags: TagArray,
+    no_allocate: NoAllocate,
     registers: Vec<Register<W>>,
     most_registers: usize,
     most_targets: usize,
@@ -43,14 +59,17 @@ pub struct Cache<W> {
 }
 
 impl<W> Cache<W> {
-    pub fn new(tags: TagArray, most_registers: usize, most_targets: usize) -> Self {
-        Self { tags, registers: Vec::new(), most_registers, most_targets, counts: Default::default() }
+    pub fn new(tags: TagArray, no_allocate: NoAllocate, most_registers: usize, most_targets: usize) -> Self {
+        Self { tags, no_allocate, registers: Vec::new(), most_registers, most_targets, counts: Default::default() }
     }
 
-    /// Accesses `line` for `who`; `write` makes it dirty. `room` says whether a request can be sent down.
-    pub fn access(&mut self, line: LineAddr, class: TrafficClass, write: bool, room: bool, who: W) -> Met {
+    /// An access for `who`. `room` says whether a request can be sent down.
+    pub fn access(&mut self, asked: Asked, room: bool, who: W) -> Met {
+        let Asked { line, class, write, dirties, needs_data } = asked;
+        let unallocated = if write { self.no_allocate.writes } else { self.no_allocate.reads };
+        let allocates = !unallocated.contains(class);
         let counts = &mut self.counts[class as usize];
-        let met = if self.tags.access(line, write) {
+        let met = if self.tags.access(line, dirties) {
             counts.hits += 1;
             Met::Hit
         } else if let Some(register) = self.registers.iter_mut().find(|register| register.line == line) {
@@ -58,14 +77,21 @@ impl<W> Cache<W> {
                 return Met::Stop;
             }
             register.targets.push(who);
-            register.written |= write;
+            register.written |= dirties;
+            register.kept |= allocates;
             counts.half_misses += 1;
             Met::HalfMiss
+        } else if !allocates && !needs_data {
+            if !room {
+                return Met::Stop;
+            }
+            counts.passed_writes += 1;
+            Met::Passes
         } else {
             if self.registers.len() == self.most_registers || !room {
                 return Met::Stop;
             }
-            self.registers.push(Register { line, class, written: write, targets: vec![who] });
+            self.registers.push(Register { line, class, written: dirties, kept: allocates, targets: vec![who] });
             counts.misses += 1;
             Met::Miss
         };
@@ -73,19 +99,24 @@ impl<W> Cache<W> {
         met
     }
 
-    /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no `room`.
+    /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no `room`. A line that
+    /// is not to be kept is not put in, and goes down itself if it was written.
     pub fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
-        let dirty_victim = self.tags.victim(line).filter(|victim| victim.dirty);
+        let index = self.registers.iter().position(|register| register.line == line);
+        let index = index.expect("only a line that was missed comes");
+        let &Register { class, written, kept, .. } = &self.registers[index];
+        let goes = if kept { self.tags.victim(line) } else { Some(Victim { line, class, dirty: written }) };
+        let dirty_victim = goes.filter(|victim| victim.dirty);
         if dirty_victim.is_some() && !room {
             return None;
         }
-        let index = self.registers.iter().position(|register| register.line == line);
-        let register = self.registers.remove(index.expect("only a line that was missed comes"));
-        self.tags.fill(line, register.class, register.written);
+        if kept {
+            self.tags.fill(line, class, written);
+        }
         if let Some(victim) = dirty_victim {
             self.counts[victim.class as usize].write_backs += 1;
         }
-        Some(Filled { dirty_victim, waited: register.targets })
+        Some(Filled { dirty_victim, waited: self.registers.remove(index).targets })
     }
 
     /// A frame begins: lines from `first` on go.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::cache::{Cache, Met};
+use super::cache::{Asked, Cache, Met};
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::bank::BankedSpec;
 use crate::memory::dram::spec::DramSpec;
@@ -29,7 +29,7 @@ impl Bank {
             spec: *spec,
             dram: dram.clone(),
             line,
-            cache: Cache::new(spec.bank_tags(line), spec.mshrs.size(), spec.targets.size()),
+            cache: Cache::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.size(), spec.targets.size()),
             answers: VecDeque::new(),
             out: VecDeque::new(),
             moved: Default::default(),
@@ -74,14 +74,16 @@ impl Bank {
 
     fn access(&mut self, now: u64, wires: &mut Wires) {
         let Some(&Request { line, class, write, bytes, from }) = wires.to_bank[self.index].first(now) else { return };
-        match self.cache.access(line, class, write, self.out_has_room(), (!write).then_some(from)) {
+        let asked = Asked { line, class, write, dirties: write, needs_data: !write };
+        let met = self.cache.access(asked, self.out_has_room(), (!write).then_some(from));
+        match met {
             Met::Stop => return,
             Met::Hit if write => {}
             Met::Hit => self.answers.push_back((now + self.spec.latency.get(), from, line)),
             Met::HalfMiss => {}
-            Met::Miss => {
-                let bytes = Bytes(self.line);
-                self.out.push_back(Request { line, class, write: false, bytes, from: self.index });
+            Met::Miss | Met::Passes => {
+                let (bytes, write) = (Bytes(self.line), met == Met::Passes);
+                self.out.push_back(Request { line, class, write, bytes, from: self.index });
             }
         }
         wires.to_bank[self.index].take(now);

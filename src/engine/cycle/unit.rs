@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, VecDeque};
 
-use super::cache::{Cache, Met};
+use super::cache::{Asked, Cache, Met};
 use super::ray::Id;
 use super::wires::{Request, Wires};
 use crate::engine::tally::UnitTally;
@@ -66,7 +66,7 @@ impl Unit {
             last_began: None,
             line,
             writes,
-            cache: Cache::new(spec.tags(line), spec.mshrs.size(), spec.targets.size()),
+            cache: Cache::new(spec.tags(line), spec.no_allocate, spec.mshrs.size(), spec.targets.size()),
             out: VecDeque::new(),
             fetches: BTreeMap::new(),
             fetch_queue: VecDeque::new(),
@@ -165,7 +165,7 @@ impl Unit {
             return false;
         }
         let Some(&(id, element)) = self.ready.front() else { return false };
-        if let Some(element) = element.filter(|element| element.write && self.writes == WritePolicy::Through) {
+        if let Some(element) = element.filter(|element| element.write && self.writes.go_through(element.class)) {
             if !self.out_has_room() {
                 return false;
             }
@@ -212,9 +212,11 @@ impl Unit {
                 self.fetch_queue.pop_front();
                 continue;
             }
-            let dirties = element.write && self.writes == WritePolicy::Back;
-            match self.cache.access(line, element.class, dirties, room, id) {
+            let &mut Element { class, write, .. } = element;
+            let dirties = write && !self.writes.go_through(class);
+            match self.cache.access(Asked { line, class, write, dirties, needs_data: true }, room, id) {
                 Met::Stop => return,
+                Met::Passes => unreachable!("a ray waits for the data"),
                 Met::Hit => self.hits.push_back((now + self.spec.latency.get(), id)),
                 Met::HalfMiss => {}
                 Met::Miss => {

@@ -6,7 +6,7 @@ use super::calendar::Calendar;
 use crate::engine::tally::{BankTally, ChannelTally, PerClass};
 use crate::machine::MachineSpec;
 use crate::memory::bank::BankedSpec;
-use crate::memory::cache::{Cache, Fill, Lookup};
+use crate::memory::cache::{Access, Cache, Fill, Lookup};
 use crate::memory::dram::Dram;
 use crate::memory::l2::Home;
 use crate::memory::{PartId, Request, Touch, Wake};
@@ -127,14 +127,15 @@ impl Below {
         let bank = &mut self.banks[index];
         let at = at.max(bank.free_at);
         let Request { line, class, write, bytes, from } = request;
-        let reader = (!write).then_some(from.0);
-        match bank.cache.access(line, class, write, reader, true) {
+        let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
+        let lookup = bank.cache.access(line, class, access, reader, true);
+        match lookup {
             Lookup::Stalled => return bank.stalled.push_front(request),
             Lookup::Hit if !write => self.answer(index, from.0, line, at, calendar),
             Lookup::Hit | Lookup::Merged => {}
-            Lookup::Miss => {
+            Lookup::Miss | Lookup::Passed => {
                 let (bytes, from) = (self.line, PartId(index as u32));
-                bank.out.push_back(Request { line, class, write: false, bytes, from });
+                bank.out.push_back(Request { line, class, write: lookup == Lookup::Passed, bytes, from });
                 self.wake(index as u32, at, calendar);
             }
         }

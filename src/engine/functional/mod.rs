@@ -25,7 +25,6 @@ use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::pipeline::WritePolicy;
 use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Request};
@@ -388,7 +387,7 @@ impl Functional {
     fn begin(&mut self, id: u32, station: usize, at: u64) {
         let (begin, core) = (self.stations[station].operate(at), self.core(station));
         let ray = &mut self.rays[id as usize];
-        if ray.fetch.write && self.stations[station].writes == WritePolicy::Through {
+        if ray.fetch.write && self.stations[station].writes.go_through(ray.fetch.class) {
             // The fetch has moved on past the one line that an entry of a store lies in.
             let (line, class) = (LineAddr(ray.fetch.line.0 - 1), ray.fetch.class);
             let bytes = Bytes(ray.fetch.bytes.into());

@@ -92,13 +92,14 @@ impl Station {
 
     /// Goes on with a fetch in cycle `now`. `miss` is told lines to ask for, and when.
     pub fn access(&mut self, ray: u32, fetch: &mut Fetch, now: u64, mut miss: impl FnMut(LineAddr, u64)) -> Fetched {
-        let dirty = fetch.write && self.writes == WritePolicy::Back;
+        let access = self.writes.access(fetch.class, fetch.write);
         while fetch.left > 0 {
             if self.port_at < now {
                 (self.port_at, self.port_used) = (now, 0);
             }
-            match self.cache.access(fetch.line, fetch.class, dirty, Some(ray), true) {
+            match self.cache.access(fetch.line, fetch.class, access, Some(ray), true) {
                 Lookup::Stalled => return Fetched::Stalled,
+                Lookup::Passed => unreachable!("a ray waits for the data"),
                 Lookup::Hit => fetch.data_at = self.port_at + self.hit_latency,
                 Lookup::Merged => fetch.missing += 1,
                 Lookup::Miss => {

@@ -104,6 +104,9 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("half misses of the L2", |tally| {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.half_misses).sum()
     });
+    reached("writes past the L2", |tally| {
+        tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.passed_writes).sum()
+    });
     reached("merged reads", |tally| tally.stores.merged_reads);
     reached("merged writes", |tally| tally.stores.merged_writes);
     reached("reads that a first touch raises", |tally| tally.stores.raised_reads);

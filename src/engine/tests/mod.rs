@@ -1,4 +1,5 @@
 mod agreement;
+mod allocation;
 mod ideal;
 mod ladder;
 mod random;
@@ -411,7 +412,7 @@ fn violated_identities_are_found() {
             .unwrap();
     type Breakage = fn(&mut Tally);
     let broken: [(&str, Breakage); 6] = [
-        ("hits + half misses + misses", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
+        ("hits + half misses + misses + passed writes", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
         ("cycles of all causes", |t| t.units[Kind::Traversal as usize][1].causes[Cause::Busy as usize] += 1),
         ("row hits", |t| t.channels[0].counts.row_hits += 1),
         ("bytes between L2 and DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),

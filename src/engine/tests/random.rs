@@ -8,6 +8,7 @@ use crate::machine::MachineSpec;
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
+use crate::memory::allocation::{Classes, NoAllocate};
 use crate::memory::bank::BankedSpec;
 use crate::memory::cache::{CacheSpec, Release};
 use crate::memory::dram::mapping::{Field, Mapping};
@@ -38,21 +39,29 @@ fn contents() -> impl Strategy<Value = Contents> {
     prop_oneof![5 => Just(Contents::Tags), 1 => Just(Contents::Ideal)]
 }
 
+fn classes() -> impl Strategy<Value = Classes> {
+    let some = prop::sample::subsequence(TrafficClass::ALL.to_vec(), 0..=TrafficClass::ALL.len());
+    prop_oneof![3 => Just(Vec::new()), 2 => some].prop_map(Classes::from)
+}
+
 fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
     let release = prop_oneof![Just(Release::Together), Just(Release::OneByOne)];
-    let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200), release);
+    let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200), release, classes(), classes());
     (shape, 1..3u64, 1..4u64, 1..4u64, 1..4u64).prop_map(
-        move |((contents, ways, sets, replacement, latency, release), ports, mshrs, targets, queue)| CacheSpec {
-            contents,
-            bytes: num((line << ways) << sets),
-            ways: num(1 << ways),
-            replacement,
-            latency: num(latency),
-            ports: num(ports),
-            mshrs: num(mshrs),
-            targets: num(targets),
-            release,
-            queue: num(queue),
+        move |((contents, ways, sets, replacement, latency, release, reads, writes), ports, mshrs, targets, queue)| {
+            CacheSpec {
+                no_allocate: NoAllocate { reads, writes },
+                contents,
+                bytes: num((line << ways) << sets),
+                ways: num(1 << ways),
+                replacement,
+                latency: num(latency),
+                ports: num(ports),
+                mshrs: num(mshrs),
+                targets: num(targets),
+                release,
+                queue: num(queue),
+            }
         },
     )
 }
@@ -60,6 +69,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
 fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
     (cache(line), 0..3u32, latency(300)).prop_map(|(cache, banks, latency)| BankedSpec {
         contents: cache.contents,
+        no_allocate: cache.no_allocate,
         bytes: num(cache.bytes.get() << banks),
         ways: cache.ways,
         banks: pow(1 << banks),
@@ -74,7 +84,8 @@ fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
 /// One cache for all classes, or up to three that share them in any way that every layout of words allows.
 fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
     let shares = prop::collection::vec(0..3usize, TrafficClass::ALL.len());
-    let split = (banked(line), banked(line), banked(line), shares).prop_map(|(a, b, c, shares)| {
+    let banked = banked(line).boxed();
+    let split = (banked.clone(), banked.clone(), banked.clone(), shares).prop_map(|(a, b, c, shares)| {
         let home = |(index, cache): (usize, BankedSpec)| {
             // Classes that may share lines share a home.
             let share = |class| match class {
@@ -86,7 +97,7 @@ fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
         };
         L2Spec::Split([a, b, c].into_iter().enumerate().map(home).collect())
     });
-    prop_oneof![2 => banked(line).prop_map(L2Spec::Unified), 1 => split]
+    prop_oneof![2 => banked.prop_map(L2Spec::Unified), 1 => split]
 }
 
 fn model() -> impl Strategy<Value = Model> {
@@ -160,13 +171,18 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     ];
     let frame_end = prop_oneof![1 => Just(FrameEnd::List), 2 => Just(FrameEnd::Sweep), 2 => Just(FrameEnd::Epoch)];
     let register = prop_oneof![2 => Just(0), 2 => 1..4u64, 1 => Just(64)];
-    (1..4u64, 1..5u64, place, layout, any::<bool>(), register, frame_end).prop_map(
-        |(count, contexts, place, layout, back, register, frame_end)| ShadowCacheSpec {
+    let writes = prop_oneof![
+        2 => Just(WritePolicy::Back),
+        1 => Just(WritePolicy::Through),
+        1 => classes().prop_map(WritePolicy::ThroughFor)
+    ];
+    (1..4u64, 1..5u64, place, layout, writes, register, frame_end).prop_map(
+        |(count, contexts, place, layout, writes, register, frame_end)| ShadowCacheSpec {
             count: num(count),
             contexts: num(contexts),
             place,
             layout,
-            writes: if back { WritePolicy::Back } else { WritePolicy::Through },
+            writes,
             register: num(register),
             frame_end,
             ..ShadowCacheSpec::default()
