@@ -91,6 +91,9 @@ pub struct CacheCounts {
     /// Writes whose line was not there, and that allocate none: they went down.
     #[serde(default)]
     pub passed_writes: u64,
+    /// Accesses that had to wait for the next cycle, since their bank had made another: each once a cycle.
+    #[serde(default)]
+    pub bank_conflicts: u64,
     /// Dirty lines of the class that were written back.
     pub write_backs: u64,
 }

@@ -263,7 +263,7 @@ impl Bound {
         at_least(self.divisions * division.interval.get(), cores * division.count.get());
         for (unit, work) in self.kinds.iter().zip(&self.work) {
             at_least(work.operations * unit.interval, unit.count);
-            at_least(work.accesses, unit.count * unit.cache.ports.get());
+            at_least(work.accesses, unit.count * unit.cache.accesses_per_cycle());
             if let Some(contexts) = unit.contexts {
                 at_least(work.held, unit.count * contexts);
             }

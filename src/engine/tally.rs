@@ -154,6 +154,7 @@ pub fn sum_caches<'a>(caches: impl Iterator<Item = &'a PerClass<CacheCounts>>) -
         sum[class].half_misses += counts.half_misses;
         sum[class].misses += counts.misses;
         sum[class].passed_writes += counts.passed_writes;
+        sum[class].bank_conflicts += counts.bank_conflicts;
         sum[class].write_backs += counts.write_backs;
     }
     sum

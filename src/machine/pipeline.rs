@@ -7,7 +7,7 @@ use super::layout::Element;
 use super::links::{Links, take};
 use super::ray::{Ray, RayId};
 use crate::memory::allocation::Classes;
-use crate::memory::cache::{Access, Cache, CacheSpec, Fill, Lookup, Release};
+use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
@@ -72,6 +72,7 @@ pub struct Pipeline {
     out: VecDeque<Request>,
     out_places: usize,
     ports: u64,
+    banks: BanksInUse,
     hit_latency: u64,
     timing: Stages,
     /// The first cycle in which an operation can begin.
@@ -111,6 +112,7 @@ impl Pipeline {
             out: VecDeque::with_capacity(cache.queue.size()),
             out_places: cache.queue.size(),
             ports: cache.ports.get(),
+            banks: BanksInUse::none(cache),
             hit_latency: cache.latency.get(),
             timing,
             open_at: 0,
@@ -274,6 +276,7 @@ impl Pipeline {
             self.line_came(ray, rays);
             return false;
         }
+        self.banks.clear();
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
             let fetch = &mut rays[ray as usize].fetch;
@@ -292,6 +295,10 @@ impl Pipeline {
                 self.waiting += 1;
                 self.fetching.pop_front();
                 continue;
+            }
+            if !self.banks.take(fetch.line) {
+                self.cache.conflict(fetch.class);
+                return false;
             }
             let lookup = self.cache.access(fetch.line, fetch.class, access, Some(ray), room);
             match lookup {

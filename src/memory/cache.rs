@@ -8,7 +8,7 @@ use super::mshr::{Fate, MshrFile};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::LineAddr;
-use crate::ranged::Within;
+use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::{CacheCounts, TrafficClass};
 
 /// How accesses that wait in a miss register get their line when it has come.
@@ -40,6 +40,8 @@ pub struct CacheSpec {
     pub latency: Within<1, 1000>,
     /// Accesses a cycle.
     pub ports: Within<1, 16>,
+    /// Banks, in each of which one access a cycle can be made; without, every port reaches every line.
+    pub banks: Option<PowerOfTwo<1, 64>>,
     /// Miss registers.
     pub mshrs: Within<1, 1024>,
     /// Accesses that can wait in a miss register.
@@ -60,6 +62,7 @@ impl CacheSpec {
         no_allocate: NoAllocate::NONE,
         latency: Within::literal(1),
         ports: Within::literal(1),
+        banks: None,
         mshrs: Within::literal(8),
         targets: Within::literal(4),
         release: Release::Together,
@@ -72,6 +75,11 @@ impl CacheSpec {
             Contents::Tags => check_geometry(field, self.bytes.get(), self.ways.get(), 1, line, self.replacement),
             Contents::Ideal => Ok(()),
         }
+    }
+
+    /// Accesses that can be made in a cycle at most.
+    pub fn accesses_per_cycle(&self) -> u64 {
+        self.banks.map_or(self.ports.get(), |banks| banks.get().min(self.ports.get()))
     }
 
     /// The tags, empty.
@@ -209,6 +217,11 @@ impl Cache {
         lookup
     }
 
+    /// An access of `class` has to wait for its bank.
+    pub fn conflict(&mut self, class: TrafficClass) {
+        self.counts[class as usize].bank_conflicts += 1;
+    }
+
     /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says whether a dirty
     /// victim could be sent down. A dirty line that is not kept is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
@@ -251,5 +264,34 @@ impl Cache {
     /// Miss registers in use.
     pub fn misses_under_way(&self) -> usize {
         self.mshrs.len()
+    }
+}
+
+/// The banks of an L1 in one cycle.
+#[derive(Clone, Copy, Debug)]
+pub struct BanksInUse {
+    /// The number of banks, less one; `None` without banks.
+    mask: Option<u64>,
+    used: u64,
+}
+
+impl BanksInUse {
+    /// No bank is in use yet.
+    pub fn none(spec: &CacheSpec) -> Self {
+        Self { mask: spec.banks.map(|banks| banks.get() - 1), used: 0 }
+    }
+
+    /// A new cycle begins.
+    pub fn clear(&mut self) {
+        self.used = 0;
+    }
+
+    /// Takes the bank of `line`; false if it is in use.
+    pub fn take(&mut self, line: LineAddr) -> bool {
+        let Some(mask) = self.mask else { return true };
+        let bank = 1 << (line.0 & mask);
+        let free = self.used & bank == 0;
+        self.used |= bank;
+        free
     }
 }

@@ -130,6 +130,11 @@ pub const STATISTICS: &[Statistic] = &[
         "the line was not there, and a write that allocates none (`no_allocate`) went down to the level below",
     ),
     stat(
+        "machines.*.policies.*.caches.*.*.bank_conflicts",
+        "cycles",
+        "an access to an L1 with `banks` waited, since its bank had made another in the cycle",
+    ),
+    stat(
         "machines.*.policies.*.caches.*.*.write_backs",
         "lines",
         "dirty lines of the class that were displaced and written down",

@@ -62,6 +62,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
         half_misses: 20_000,
         misses: 980_000 - hits,
         passed_writes: 0,
+        bank_conflicts: 0,
         write_backs: 0,
     };
     let cycles = scaled(812_000_000.0);

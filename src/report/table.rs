@@ -5,7 +5,7 @@ use comfy_table::{CellAlignment, Table};
 use super::format::{bytes, change, exact, or_absent, percent, short};
 use super::summary::{FrameSummary, MachineRun, PolicySummary, Psnr, Summary};
 use crate::quantity::Bytes;
-use crate::stats::{Accuracy, Bounds, Cause, Limit, MachineStats};
+use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats};
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
@@ -164,8 +164,9 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
     let mut caches = Vec::new();
     for (cache, classes) in &stats.caches {
         for (class, counts) in classes {
-            let [accesses, half_misses, misses, write_backs] =
-                [counts.accesses, counts.half_misses, counts.misses, counts.write_backs].map(exact);
+            let CacheCounts { accesses, half_misses, misses, write_backs, bank_conflicts, .. } = *counts;
+            let [accesses, half_misses, misses, write_backs, bank_conflicts] =
+                [accesses, half_misses, misses, write_backs, bank_conflicts].map(exact);
             let hit_rate = or_absent(counts.hit_rate(), percent);
             caches.push(vec![
                 cache.clone(),
@@ -175,11 +176,12 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
                 half_misses,
                 misses,
                 write_backs,
+                bank_conflicts,
             ]);
         }
     }
     let caches = Grid {
-        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs"]),
+        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs", "bank conflicts"]),
         names: 2,
         rows: caches,
     };

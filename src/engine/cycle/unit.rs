@@ -191,6 +191,7 @@ impl Unit {
         if let Some(id) = self.in_rows.pop_front() {
             return self.line_came(id);
         }
+        let mut banks_in_use = Vec::new();
         for _ in 0..self.spec.ports.get() {
             let Some(&id) = self.fetch_queue.front() else { return };
             let room = self.out_has_room();
@@ -213,6 +214,14 @@ impl Unit {
                 continue;
             }
             let &mut Element { class, write, .. } = element;
+            if let Some(banks) = self.spec.banks {
+                let bank = line.0 % banks.get();
+                if banks_in_use.contains(&bank) {
+                    self.cache.counts[class as usize].bank_conflicts += 1;
+                    return;
+                }
+                banks_in_use.push(bank);
+            }
             let dirties = write && !self.writes.go_through(class);
             match self.cache.access(Asked { line, class, write, dirties, needs_data: true }, room, id) {
                 Met::Stop => return,

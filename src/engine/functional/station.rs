@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use crate::engine::tally::{PerClass, UnitTally};
 use crate::engine::work::KindSpec;
 use crate::machine::pipeline::{Past, WritePolicy};
-use crate::memory::cache::{Cache, Fill, Lookup};
+use crate::memory::cache::{BanksInUse, Cache, Fill, Lookup};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
 
@@ -56,6 +56,7 @@ pub struct Station {
     port_at: u64,
     port_used: u64,
     ports: u64,
+    banks: BanksInUse,
     hit_latency: u64,
     begin_at: u64,
     latency: u64,
@@ -79,6 +80,7 @@ impl Station {
             port_at: 0,
             port_used: 0,
             ports: spec.cache.ports.get(),
+            banks: BanksInUse::none(&spec.cache),
             hit_latency: spec.cache.latency.get(),
             begin_at: 0,
             latency: spec.latency,
@@ -95,7 +97,12 @@ impl Station {
         let access = self.writes.access(fetch.class, fetch.write);
         while fetch.left > 0 {
             if self.port_at < now {
-                (self.port_at, self.port_used) = (now, 0);
+                self.turn_to(now);
+            }
+            if !self.banks.take(fetch.line) {
+                self.cache.conflict(fetch.class);
+                self.turn_to(self.port_at + 1);
+                continue;
             }
             match self.cache.access(fetch.line, fetch.class, access, Some(ray), true) {
                 Lookup::Stalled => return Fetched::Stalled,
@@ -109,13 +116,19 @@ impl Station {
             }
             self.port_used += 1;
             if self.port_used == self.ports {
-                (self.port_at, self.port_used) = (self.port_at + 1, 0);
+                self.turn_to(self.port_at + 1);
             }
             fetch.line.0 += 1;
             fetch.left -= 1;
         }
         self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
         if fetch.missing == 0 { Fetched::At(fetch.data_at) } else { Fetched::Waits }
+    }
+
+    /// The ports and banks are free from cycle `at` on.
+    fn turn_to(&mut self, at: u64) {
+        (self.port_at, self.port_used) = (at, 0);
+        self.banks.clear();
     }
 
     /// An operation begins as soon as it can from cycle `at` on; gives when it begins.

@@ -107,6 +107,9 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("writes past the L2", |tally| {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.passed_writes).sum()
     });
+    reached("bank conflicts", |tally| {
+        tally.units.iter().flatten().flat_map(|unit| unit.cache).map(|it| it.bank_conflicts).sum()
+    });
     reached("merged reads", |tally| tally.stores.merged_reads);
     reached("merged writes", |tally| tally.stores.merged_writes);
     reached("reads that a first touch raises", |tally| tally.stores.raised_reads);

@@ -96,3 +96,37 @@ fn writes_end_in_an_ideal_cache() {
     assert!(l2.hits > 400 && l2.hits == l2.accesses, "{l2:?}");
     assert_eq!(stats.moved("dram").0, 0);
 }
+
+/// Two rays whose nodes are accessed in one cycle. Lines of 64 B: a node each.
+#[test]
+fn accesses_of_a_cycle_to_one_bank_conflict() {
+    for (banks, second, conflicts) in
+        [(None, 0, 0), (Some(1), 1, 1), (Some(2), 0, 1), (Some(2), 1, 0), (Some(2), 2, 1), (Some(4), 2, 0)]
+    {
+        let mut machine = ideal(1);
+        machine.dispatcher.per_cycle = num(2);
+        machine.traversal.count = num(1);
+        let cache = &mut machine.traversal.cache;
+        (cache.ports, cache.banks) = (num(2), banks.map(pow));
+        let rays = [0, second].map(|node| SyntheticRay::primary(nodes([node])));
+        let stats = on_all_rungs(&machine, &one_frame(&rays));
+        assert_eq!(stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts, conflicts, "{banks:?} {second}");
+    }
+}
+
+/// Of the two lines of a node, two banks hold one each, and one bank both.
+#[test]
+fn banks_limit_ports() {
+    let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();
+    for (banks, cycles_a_node) in [(1, 2), (2, 1)] {
+        let mut machine = ideal(3);
+        machine.line_bytes = pow(32);
+        machine.traversal.count = num(1);
+        (machine.traversal.cache.ports, machine.traversal.cache.banks) = (num(2), Some(pow(banks)));
+        let stats = on_all_rungs(&machine, &one_frame(&rays));
+        let least = 100 * 50 * cycles_a_node;
+        assert!(least <= stats.cycles.0 && stats.cycles.0 < least + 500, "{banks} banks: {} cycles", stats.cycles.0);
+        let conflicts = stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts;
+        assert_eq!(conflicts == 0, banks == 2, "{conflicts}");
+    }
+}

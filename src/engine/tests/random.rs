@@ -47,7 +47,8 @@ fn classes() -> impl Strategy<Value = Classes> {
 fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
     let release = prop_oneof![Just(Release::Together), Just(Release::OneByOne)];
     let shape = (contents(), 0..3u32, 0..4u32, replacement(), latency(200), release, classes(), classes());
-    (shape, 1..3u64, 1..4u64, 1..4u64, 1..4u64).prop_map(
+    let ports = (1..4u64, prop::option::of((0..3u32).prop_map(|bits| pow(1 << bits))));
+    (shape, ports, 1..4u64, 1..4u64, 1..4u64).prop_map(
         move |((contents, ways, sets, replacement, latency, release, reads, writes), ports, mshrs, targets, queue)| {
             CacheSpec {
                 no_allocate: NoAllocate { reads, writes },
@@ -56,7 +57,8 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
                 ways: num(1 << ways),
                 replacement,
                 latency: num(latency),
-                ports: num(ports),
+                ports: num(ports.0),
+                banks: ports.1,
                 mshrs: num(mshrs),
                 targets: num(targets),
                 release,
