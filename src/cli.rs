@@ -12,7 +12,7 @@ use clap::{Args, Parser, Subcommand};
 use umbrasim::engine::Fidelity;
 use umbrasim::experiment::dram_export::{DramExport, TraceFormat};
 use umbrasim::experiment::frames::FrameRange;
-use umbrasim::experiment::{self, Experiment, Overrides, paper, replay, run, stress, sweep, trace};
+use umbrasim::experiment::{self, Experiment, Overrides, identities, paper, replay, run, stress, sweep, trace};
 use umbrasim::machine::MachineSpec;
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
@@ -123,6 +123,18 @@ enum Command {
         #[arg(default_value = "configs/experiments/paper_table.ron")]
         config: PathBuf,
         /// Write all readings to this file too, as JSON
+        #[arg(long, value_name = "FILE")]
+        json: Option<PathBuf>,
+    },
+    /// Replay rays of one kind alone (primary, shadow, diffuse) on the T&I engine, beside its published table
+    ///
+    /// Holds two identities that tie the table's columns: utilisation is operations a ray times rays a second over the peak, and
+    /// DRAM bytes a ray follow from operations and hit rates. The command fails if the first is off by more than 3 points.
+    Identities {
+        /// The table's file
+        #[arg(default_value = "configs/experiments/identities.ron")]
+        config: PathBuf,
+        /// Write all rows to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
     },
@@ -269,6 +281,16 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print("\ndistance: root mean square of the differences of the four shares, in points")?;
             json.finish(&readings)?;
             Ok(u8::from(stop.load(Ordering::Relaxed)))
+        }
+        Command::Identities { config, json } => {
+            let stop = stop_on_interrupt()?;
+            let json = JsonFile::begin(json)?;
+            let (rows, published) = identities::identities(&config, &stop)?;
+            print(report::drawn(&identities::grid(&rows, &published)))?;
+            let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
+            print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;
+            json.finish(&rows)?;
+            Ok(u8::from(stop.load(Ordering::Relaxed) || worst > identities::MOST_GAP))
         }
         Command::Chart { reports, out } => {
             report::check_target(&out)?;

@@ -2,6 +2,7 @@
 
 pub mod dram_export;
 pub mod frames;
+pub mod identities;
 pub mod paper;
 mod progress;
 pub mod replay;

@@ -5,6 +5,7 @@
 //! culling, every policy's stream takes from it what that policy would have done, and the truth that culling is judged by
 //! is at hand for each shadow ray.
 
+mod alone;
 mod band;
 mod lane;
 mod shade;
@@ -16,6 +17,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::Xxh3Default;
 
+pub use self::alone::Alone;
 use self::band::Band;
 pub use self::lane::{LaneFrame, WrongDecisions};
 use self::shade::Shader;

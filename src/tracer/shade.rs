@@ -100,6 +100,16 @@ impl<'a> Shader<'a> {
         surface.ambient
     }
 
+    /// A ray from the surface in a direction whose density goes with the cosine of its angle to the normal (Malley's method, Pharr et
+    /// al., "Physically Based Rendering"); `at` are two numbers from 0 to 1.
+    pub fn diffuse_ray(&self, surface: &Surface<'_>, at: [f32; 2]) -> Ray {
+        let normal = surface.geometric;
+        let (tangent, other) = normal.any_orthonormal_pair();
+        let (radius, (sin, cos)) = (at[0].sqrt(), (std::f32::consts::TAU * at[1]).sin_cos());
+        let direction = tangent * (radius * cos) + other * (radius * sin) + normal * (1.0 - at[0]).max(0.0).sqrt();
+        Ray::new(surface.point + normal * self.offset, direction, f32::INFINITY)
+    }
+
     /// The shadow rays that the surface asks for: none if it sends back no light.
     pub fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
         let start = surface.point + surface.geometric * self.offset;

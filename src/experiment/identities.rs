@@ -1,0 +1,278 @@
+//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to throughput and
+//! hit rates to traffic.
+
+use std::convert::Infallible;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use serde::{Deserialize, Serialize};
+
+use super::{ExperimentError, beside, progress, read_machine};
+use crate::accel::AccelSpec;
+use crate::engine::{self, Fidelity, RunError};
+use crate::machine::MachineSpec;
+use crate::quantity::Resolution;
+use crate::report::Grid;
+use crate::report::format::percent;
+use crate::ron_file::{self, ConfigError};
+use crate::scene::spec::SceneSpec;
+use crate::stats::{CacheCounts, MachineStats};
+use crate::stream::{Item, RayKind, Step, Stop};
+use crate::tracer::{Alone, Tracer, TracerSpec};
+
+/// What is measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IdentitiesSpec {
+    /// The machine's file.
+    pub machine: PathBuf,
+    /// Scenes, each with a frame.
+    pub scenes: Vec<SceneFrame>,
+    /// Size of the pictures.
+    pub resolution: Resolution,
+    /// The acceleration structure.
+    pub accel: AccelSpec,
+    /// Published rows, to stand beside ours.
+    pub published: Vec<Row>,
+}
+
+/// A frame of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SceneFrame {
+    /// The scene's file.
+    pub scene: PathBuf,
+    /// The frame's number.
+    pub frame: u32,
+}
+
+/// A figure of each kind of units; of division units where they have one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PerUnit {
+    /// Traversal units.
+    pub traversal: f64,
+    /// List units.
+    pub list: f64,
+    /// Intersection units.
+    pub intersection: f64,
+    /// Division units.
+    #[serde(default)]
+    pub division: f64,
+}
+
+/// A row of the table.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// Scene and kind of rays.
+    pub name: String,
+    /// Share of cycles in which operations occupied the units.
+    pub utilization: PerUnit,
+    /// Hit rates of the L1s.
+    pub l1: PerUnit,
+    /// Hit rates of the L2, for each kind's class of traffic.
+    pub l2: PerUnit,
+    /// Operations a ray.
+    pub operations: PerUnit,
+    /// DRAM traffic in GB/s.
+    pub dram_gb_per_s: f64,
+    /// Millions of rays a second.
+    pub mrays_per_s: f64,
+    /// DRAM traffic in bytes a ray.
+    pub dram_bytes_per_ray: f64,
+}
+
+/// A row of ours, with what the identities say.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Measured {
+    /// The row.
+    pub row: Row,
+    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the peak rate.
+    pub utilization_gap: f64,
+    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units. Accesses to a
+    /// line that is on its way are no hits: the identity has them fetch it again.
+    pub bytes_by_identity: f64,
+    /// Bytes a ray that merging with a line on its way spares.
+    pub bytes_merged: f64,
+}
+
+/// Why nothing was measured.
+#[derive(Debug, thiserror::Error)]
+pub enum IdentitiesError {
+    /// A config or a scene is wrong.
+    #[error(transparent)]
+    Experiment(#[from] ExperimentError),
+    /// A replay failed.
+    #[error(transparent)]
+    Run(#[from] RunError<Infallible>),
+}
+
+/// The largest difference that a row may have ([`Measured::utilization_gap`]).
+pub const MOST_GAP: f64 = 0.03;
+
+/// Measures all scenes and kinds of rays; those done when `stop` became true.
+pub fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
+    let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
+    let machine = read_machine(&beside(path, &spec.machine)).map_err(ExperimentError::from)?;
+    let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
+    let mut rows = Vec::new();
+    for SceneFrame { scene, frame: number } in &spec.scenes {
+        let scene_path = beside(path, scene);
+        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(ExperimentError::from)?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(ExperimentError::from)?;
+        if *number >= scene.frame_count {
+            let what = format!("`frame` is {number}, but `{}` has {} frames", scene.name, scene.frame_count);
+            return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }).into());
+        }
+        let frame = scene.animation.frame(*number);
+        let tracer_spec = TracerSpec { accel: spec.accel, ..TracerSpec::default() };
+        let tracer = Tracer::new(&scene, &frame, spec.resolution, tracer_spec);
+        for kind in Alone::ALL {
+            if stop.load(Ordering::Relaxed) {
+                return Ok((rows, spec.published));
+            }
+            let (header, items) = tracer.alone(&frame, *number, kind);
+            let work = Work::of(&items, kind);
+            let stream = items.into_iter().map(Ok::<_, Infallible>);
+            let stats = engine::run(&machine, Fidelity::Event, &header, stream)?;
+            let name = format!("{}, {}", scene.name, format!("{kind:?}").to_lowercase());
+            rows.push(measured(name, &work, &stats, &machine));
+            bar.inc(1);
+        }
+    }
+    bar.finish_and_clear();
+    Ok((rows, spec.published))
+}
+
+/// What a stream asks for: rays of the kind, and operations.
+struct Work {
+    rays: f64,
+    operations: PerUnit,
+}
+
+impl Work {
+    fn of(items: &[Item], kind: Alone) -> Self {
+        let wanted = match kind {
+            Alone::Primary => RayKind::Primary,
+            Alone::Shadow => RayKind::Shadow,
+            Alone::Diffuse => RayKind::Reflection,
+        };
+        let mut work = Self { rays: 0.0, operations: PerUnit::default() };
+        let chunks = items.iter().filter_map(|item| if let Item::Rays(chunk) = item { Some(chunk) } else { None });
+        for ray in chunks.flat_map(|chunk| chunk.rays()).filter(|ray| ray.head.kind == wanted) {
+            work.rays += 1.0;
+            let done = &mut work.operations;
+            for step in ray.path() {
+                match step {
+                    Step::Node(_) => done.traversal += 1.0,
+                    Step::List(_) => done.list += 1.0,
+                    Step::Triangle { stop, .. } => {
+                        done.intersection += if stop == Stop::Plane { 1.0 } else { 2.0 };
+                        done.division += f64::from(u8::from(stop == Stop::Hit && kind != Alone::Shadow));
+                    }
+                    _ => {}
+                }
+            }
+        }
+        work
+    }
+}
+
+fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSpec) -> Measured {
+    let PerUnit { traversal, list, intersection, division } = work.operations;
+    let rays = work.rays.max(1.0);
+    let cycles = stats.cycles.0 as f64;
+    let busy = |unit| stats.utilization(unit).unwrap_or(0.0);
+    let utilization = PerUnit {
+        traversal: busy("traversal"),
+        list: busy("list"),
+        intersection: busy("intersection"),
+        division: busy("division"),
+    };
+    // Operations a ray x rays a cycle over the operations that all units can begin in a cycle.
+    let per_cycle = |operations: f64, count: u64, interval: u64| {
+        (operations / rays) * (rays / cycles) * interval as f64 / (machine.cores.get() * count) as f64
+    };
+    let MachineSpec { traversal: trv, list: lst, intersection: ist, division: div, .. } = machine;
+    let gaps = [
+        utilization.traversal - per_cycle(traversal, trv.count.get(), trv.interval.get()),
+        utilization.list - per_cycle(list, lst.count.get(), lst.interval.get()),
+        utilization.intersection - per_cycle(intersection, ist.count.get(), ist.interval.get()),
+        utilization.division - per_cycle(division, div.count.get(), div.interval.get()),
+    ];
+    let levels = [("l1_traversal", "node"), ("l1_list", "list"), ("l1_intersection", "triangle")];
+    let line = machine.line_bytes.get() as f64;
+    let (mut l1_rates, mut l2_rates, mut by_identity, mut fetched) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+    for (index, (l1, class)) in levels.into_iter().enumerate() {
+        let of_class = |cache: &str| {
+            let classes = stats.caches.get(cache).into_iter().flatten();
+            classes.filter(|(it, _)| it.name() == class).fold(CacheCounts::default(), |_, (_, counts)| *counts)
+        };
+        let l1 = of_class(l1);
+        let l2 = stats.caches.keys().filter(|name| name.starts_with("l2")).map(|name| of_class(name));
+        let l2 = l2.fold(CacheCounts::default(), |one, other| if other.accesses > 0 { other } else { one });
+        (l1_rates[index], l2_rates[index]) = (l1.hit_rate().unwrap_or(0.0), l2.hit_rate().unwrap_or(0.0));
+        by_identity += l1.accesses as f64 * (1.0 - l1_rates[index]) * (1.0 - l2_rates[index]) * line;
+        fetched += l2.misses as f64 * line;
+    }
+    let seconds = cycles / (stats.clock_mhz * 1e6);
+    let dram = stats.moved("dram").0 as f64;
+    let per_ray = |[traversal, list, intersection]: [f64; 3]| PerUnit { traversal, list, intersection, division: 0.0 };
+    Measured {
+        row: Row {
+            name,
+            utilization,
+            l1: per_ray(l1_rates),
+            l2: per_ray(l2_rates),
+            operations: PerUnit {
+                traversal: traversal / rays,
+                list: list / rays,
+                intersection: intersection / rays,
+                division: division / rays,
+            },
+            dram_gb_per_s: dram / seconds / 1e9,
+            mrays_per_s: rays / seconds / 1e6,
+            dram_bytes_per_ray: dram / rays,
+        },
+        utilization_gap: gaps.into_iter().map(f64::abs).fold(0.0, f64::max),
+        bytes_by_identity: by_identity / rays,
+        bytes_merged: (by_identity - fetched) / rays,
+    }
+}
+
+/// Our rows, then the published ones.
+pub fn grid(measured: &[Measured], published: &[Row]) -> Grid {
+    const HEAD: [&str; 9] = [
+        "rays",
+        "utilization T/L/I/D",
+        "L1 hits T/L/I",
+        "L2 hits T/L/I",
+        "operations T/L/I a ray",
+        "DRAM GB/s",
+        "Mrays/s",
+        "DRAM B/ray",
+        "by identity, merged",
+    ];
+    let shares = |unit: &PerUnit, division: bool| {
+        let all = [unit.traversal, unit.list, unit.intersection, unit.division];
+        all.iter().take(3 + usize::from(division)).map(|&share| percent(share)).collect::<Vec<_>>().join(" / ")
+    };
+    let row = |row: &Row, identity: String| {
+        let PerUnit { traversal, list, intersection, .. } = row.operations;
+        vec![
+            row.name.clone(),
+            shares(&row.utilization, true),
+            shares(&row.l1, false),
+            shares(&row.l2, false),
+            format!("{traversal:.1} / {list:.1} / {intersection:.1}"),
+            format!("{:.1}", row.dram_gb_per_s),
+            format!("{:.0}", row.mrays_per_s),
+            format!("{:.2}", row.dram_bytes_per_ray),
+            identity,
+        ]
+    };
+    let ours = measured.iter().map(|it| row(&it.row, format!("{:.2}, -{:.2}", it.bytes_by_identity, it.bytes_merged)));
+    let theirs = published.iter().map(|it| row(it, "-".into()));
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: ours.chain(theirs).collect() }
+}

@@ -1,0 +1,100 @@
+//! Rays of one kind alone, as the tables of ray-tracing hardware have them (Nah et al. 2011, table 11): no culling, nothing else.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::lane::Lane;
+use super::shade::Shader;
+use super::{BAND_ROWS, Tracer};
+use crate::accel::{Ray, Scope, Trail};
+use crate::culling::{PolicySpec, SceneFacts};
+use crate::quantity::LightId;
+use crate::scene::Frame;
+use crate::stream::{Decision, Header, Item, Outcome, RayHead, RayKind, Totals};
+
+/// A kind of rays. All begin at what pixels show, but for primary ones.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Alone {
+    /// From the camera.
+    Primary,
+    /// To all lights on the viewer's side, until something is met.
+    Shadow,
+    /// One from each pixel, in a direction that is as likely as a matt surface sends light there.
+    Diffuse,
+}
+
+impl Alone {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Primary, Self::Shadow, Self::Diffuse];
+}
+
+impl Tracer<'_> {
+    /// The stream of the rays of one kind in a frame. A ray that is not from the camera has a parent of no steps.
+    pub fn alone(&self, frame: &Frame, number: u32, kind: Alone) -> (Header, Vec<Item>) {
+        let off = PolicySpec::Off.build(SceneFacts::of(self.scene));
+        let world = self.accel.frame(self.scene, frame);
+        let shader = Shader::new(self.scene, frame, self.spec.render, self.offset as f32);
+        let (width, height) = (self.resolution.width, self.resolution.height);
+        let rows: Vec<_> = (0..height).step_by(BAND_ROWS as usize).collect();
+        let band = |&first: &u32| {
+            let mut lane = Lane::new(off.as_ref(), shader.light_count());
+            let (mut trail, nothing) = (Trail::default(), Trail::default());
+            for (x, y) in (first..(first + BAND_ROWS).min(height)).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let pixel = self.resolution.pixel(x, y);
+                let ray = frame.camera.ray(self.resolution, x, y);
+                let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3(), f32::INFINITY);
+                trail.clear();
+                let hit = world.closest(&ray, &mut trail);
+                let head = |kind, light, outcome, parent: usize| RayHead {
+                    kind,
+                    light,
+                    decision: Decision::Trace,
+                    outcome,
+                    pixel,
+                    parent: parent as u32,
+                };
+                let outcome = hit.map_or(Outcome::Miss, |hit| Outcome::Hit(hit.primitive));
+                let camera = head(RayKind::Primary, LightId(0), outcome, 0);
+                let place = lane.chunk.len();
+                let Some(hit) = hit.filter(|_| kind != Alone::Primary) else {
+                    if kind == Alone::Primary {
+                        lane.push(camera, trail.path());
+                    }
+                    continue;
+                };
+                lane.push(camera, nothing.path());
+                let surface = shader.surface(&ray, &hit);
+                if kind == Alone::Shadow {
+                    for shadow in shader.shadow_rays(&surface) {
+                        trail.clear();
+                        let dark = world.occluded(&shadow.ray, Scope::All, &mut trail).is_some();
+                        let outcome = if dark { Outcome::Dark } else { Outcome::Lit };
+                        let head = head(RayKind::Shadow, shadow.light, outcome, lane.chunk.len() - place);
+                        lane.push_shadow(head, trail.path(), dark, true);
+                    }
+                } else {
+                    let numbers = xxh3_64(&pixel.0.to_le_bytes());
+                    let unit = |bits: u64| (bits as u32) as f32 / 4_294_967_296.0;
+                    let ray = shader.diffuse_ray(&surface, [unit(numbers), unit(numbers >> 32)]);
+                    trail.clear();
+                    let hit = world.closest(&ray, &mut trail);
+                    let outcome = hit.map_or(Outcome::Miss, |hit| Outcome::Hit(hit.primitive));
+                    lane.push(head(RayKind::Reflection, LightId(0), outcome, 1), trail.path());
+                }
+            }
+            lane.finish()
+        };
+        let bands: Vec<_> = rows.par_iter().map(band).collect();
+        let mut items = vec![Item::Frame(world.info())];
+        let mut totals = Totals::default();
+        for (chunk, record) in bands {
+            totals += record.totals;
+            items.push(Item::Rays(Arc::new(chunk)));
+        }
+        items.push(Item::End { policy: Arc::default(), totals });
+        (self.header("Off", off.as_ref(), vec![number], "rays of one kind"), items)
+    }
+}
