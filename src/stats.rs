@@ -122,6 +122,28 @@ pub struct DramCounts {
     pub refreshes: u64,
 }
 
+/// What went through queues between parts of a kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct QueueCounts {
+    /// Entries that were put in.
+    pub entries: u64,
+    /// Cycles that they stood there, summed: over the run's cycles the mean number that stood there (Little 1961).
+    pub waited: u64,
+}
+
+/// How long traced rays of a kind took, policy steps included, from being handed over to being done.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LatencyCounts {
+    /// Rays.
+    pub rays: u64,
+    /// Their cycles, summed.
+    pub cycles: u64,
+    /// What they would have taken at least, alone and with every line at hand, policy steps left out.
+    pub unloaded: u64,
+    /// The longest.
+    pub most: u64,
+}
+
 /// From the least to the most, both included.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Range<T> {
@@ -190,6 +212,12 @@ pub struct MachineStats {
     pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
     /// Instances of every unit kind: the causes of a kind sum to `cycles` times this.
     pub unit_counts: BTreeMap<String, u64>,
+    /// Queues between parts, by who takes from them; of rungs that have queues.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub queues: BTreeMap<String, QueueCounts>,
+    /// Latencies by kind of rays; of rungs that know them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub latency: BTreeMap<String, LatencyCounts>,
     /// The DRAM's commands.
     pub dram: DramCounts,
     /// The DRAM's channels, part, page policy and address mapping, in words.

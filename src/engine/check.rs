@@ -1,7 +1,7 @@
 //! The identities that every run must keep.
 
 use super::RunError;
-use super::tally::{PerClass, Tally, UnitTally, sum_bytes, sum_caches};
+use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum_bytes, sum_caches};
 use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
@@ -78,6 +78,14 @@ pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     for causes in causes.filter(|_| tally.has_causes) {
         equal(|| "cycles of all causes of a unit".into(), causes.iter().sum(), tally.cycles)?;
     }
+    for (kind, loads) in QueueKind::ALL.into_iter().zip(&tally.queues) {
+        for (index, load) in loads.iter().enumerate() {
+            // Little's law, summed over the run: at its end all queues are empty.
+            let what = || format!("places taken a cycle in the queue of {} {index} against cycles waited", kind.name());
+            equal(what, load.occupied, load.waited)?;
+        }
+    }
+    equal(|| "rays that took less than their least latency".into(), tally.latencies.too_fast, 0)?;
     traffic(tally, machine)?;
     dram(tally, machine)
 }

@@ -14,7 +14,9 @@ use crate::machine::list::List;
 use crate::machine::pipeline::Pipeline;
 use crate::machine::shadow_cache::ShadowCache;
 use crate::machine::traversal::Traversal;
+use crate::memory::bank::Bank;
 use crate::memory::dram::command::ChannelLog;
+use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::stream::Header;
 
@@ -192,6 +194,14 @@ impl Engine for Event {
             dispatcher: self.dispatcher.causes.until(cycles),
             stores: Default::default(),
             units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
+            queues: [
+                self.links.lists.iter().map(Queue::load).collect(),
+                self.links.tests.iter().map(Queue::load).collect(),
+                self.links.divisions.iter().map(Queue::load).collect(),
+                l2.banks.iter().map(Bank::load).collect(),
+                (0..dram.channels()).map(|index| dram.load(index)).collect(),
+            ],
+            latencies: self.dispatcher.latencies,
             divisions: self.division.iter().map(|unit| unit.causes.until(cycles)).collect(),
             banks: banks.collect(),
             channels: (0..dram.channels()).map(channel).collect(),

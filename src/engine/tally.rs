@@ -6,8 +6,11 @@ use super::work::Kind;
 use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::source::StoreWork;
+use crate::machine::unloaded::RayLatencies;
+use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
-use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, TrafficClass};
+use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, QueueCounts, TrafficClass};
+use crate::stream::RayKind;
 
 /// Something a class of traffic, in the order of [`TrafficClass::ALL`].
 pub type PerClass<T> = [T; TrafficClass::ALL.len()];
@@ -51,6 +54,37 @@ pub struct ChannelTally {
     pub refresh_due: bool,
 }
 
+/// Who takes from a queue.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QueueKind {
+    /// List units.
+    List,
+    /// Intersection units.
+    Intersection,
+    /// Division units.
+    Division,
+    /// Banks of the L2.
+    L2,
+    /// Channels of the DRAM.
+    Dram,
+}
+
+impl QueueKind {
+    /// All kinds.
+    pub const ALL: [Self; 5] = [Self::List, Self::Intersection, Self::Division, Self::L2, Self::Dram];
+
+    /// The kind's name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+            Self::Intersection => "intersection",
+            Self::Division => "division",
+            Self::L2 => "l2",
+            Self::Dram => "dram",
+        }
+    }
+}
+
 /// What a whole run counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Tally {
@@ -64,6 +98,10 @@ pub struct Tally {
     pub dispatcher: PerCause,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
+    /// How full the queues were, by who takes from them.
+    pub queues: [Vec<Load>; QueueKind::ALL.len()],
+    /// How long rays took.
+    pub latencies: RayLatencies,
     /// Units, by kind.
     pub units: [Vec<UnitTally>; Kind::ALL.len()],
     /// The division units' cycles by cause.
@@ -127,6 +165,13 @@ impl Tally {
         stats.units.insert("division".into(), sum_causes(self.divisions.iter()));
         stats.unit_counts.insert("division".into(), self.divisions.len() as u64);
         stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));
+        for (kind, loads) in QueueKind::ALL.into_iter().zip(&self.queues).filter(|(_, loads)| !loads.is_empty()) {
+            let entries = loads.iter().map(|load| load.entries).sum();
+            let waited = loads.iter().map(|load| load.waited).sum();
+            stats.queues.insert(kind.name().into(), QueueCounts { entries, waited });
+        }
+        let known = RayKind::ALL.into_iter().zip(self.latencies.kinds).filter(|(_, counts)| counts.rays > 0);
+        stats.latency.extend(known.map(|(kind, counts)| (kind.name().to_owned(), counts)));
         if !self.has_causes {
             stats.units.values_mut().for_each(|causes| causes.retain(|&cause, _| cause == Cause::Busy));
         }

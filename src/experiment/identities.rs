@@ -276,3 +276,39 @@ pub fn grid(measured: &[Measured], published: &[Row]) -> Grid {
     let theirs = published.iter().map(|it| row(it, "-".into()));
     Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: ours.chain(theirs).collect() }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// All rows of the room, on each of the shipped machines with a kd-tree's units.
+    #[test]
+    fn the_identities_hold_and_both_engines_agree_on_every_kind_of_rays() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+        let scene: SceneSpec = ron_file::read(&root.join("scenes/room.ron")).unwrap();
+        let scene = scene.load(&root).unwrap();
+        let frame = scene.animation.frame(3);
+        let tables: IdentitiesSpec = ron_file::read(&root.join("experiments/identities.ron")).unwrap();
+        let tracer_spec = TracerSpec { accel: tables.accel, ..TracerSpec::default() };
+        let tracer = Tracer::new(&scene, &frame, Resolution { width: 40, height: 40 }, tracer_spec);
+        for name in ["tni_engine", "raycore", "small"] {
+            let machine = read_machine(&root.join(format!("machines/{name}.ron"))).unwrap();
+            for kind in Alone::ALL {
+                let (header, items) = tracer.alone(&frame, 3, kind);
+                let work = Work::of(&items, kind);
+                assert!(work.rays > 1000.0 && work.operations.list > work.rays / 2.0, "{kind:?}");
+                let [event, cycle] = [Fidelity::Event, Fidelity::Cycle].map(|fidelity| {
+                    let stream = items.iter().cloned().map(Ok::<_, Infallible>);
+                    engine::run(&machine, fidelity, &header, stream).unwrap()
+                });
+                assert_eq!(event, cycle, "{name}, {kind:?}");
+                let found = measured(String::new(), &work, &event, &machine);
+                assert!(found.utilization_gap < 1e-9, "{name}, {kind:?}: {}", found.utilization_gap);
+                // What the identity has fetched twice is what merging spares: nothing else moves.
+                let fetched = found.bytes_by_identity - found.bytes_merged;
+                assert!((fetched / found.row.dram_bytes_per_ray - 1.0).abs() < 1e-9, "{name}, {kind:?}: {fetched}");
+                assert!(found.bytes_merged >= 0.0);
+            }
+        }
+    }
+}

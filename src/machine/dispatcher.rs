@@ -10,6 +10,7 @@ use super::causes::Causes;
 use super::links::{Links, Parts};
 use super::ray::{Owner, RayId};
 use super::source::{FrameCounts, StreamFault, check_step, parents};
+use super::unloaded::{RayLatencies, Unloaded};
 use crate::memory::Wake;
 use crate::ranged::Within;
 use crate::stats::Cause;
@@ -134,6 +135,9 @@ pub struct Dispatcher {
     handed_over: Vec<u64>,
     frame: u32,
     rays: u64,
+    unloaded: Unloaded,
+    /// How long rays took.
+    pub latencies: RayLatencies,
     /// The unit's cycles.
     pub causes: Causes,
 }
@@ -157,6 +161,8 @@ impl Dispatcher {
             handed_over: vec![0; cores],
             frame: 0,
             rays: 0,
+            unloaded: Unloaded::new(machine),
+            latencies: RayLatencies::default(),
             causes: Causes::default(),
         }
     }
@@ -316,9 +322,14 @@ impl Dispatcher {
         ray.steps.extend_from_slice(source.packed_path());
         ray.steps.extend_from_slice(source.packed_policy());
         ray.path_end = source.packed_path().len();
+        (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch());
         for (index, &word) in ray.steps.iter().enumerate() {
             let step = check_step(word, &links.layout)?;
-            if index < ray.path_end && !step.is_traversal() {
+            if index >= ray.path_end {
+                continue;
+            }
+            ray.unloaded += self.unloaded.step(step, source.head.kind);
+            if !step.is_traversal() {
                 return Err(StreamFault::Ray { index: which.index as usize, fault: "has a policy step in its path" });
             }
         }
@@ -352,6 +363,7 @@ impl Dispatcher {
     fn ray_done(&mut self, id: RayId, at: u64, links: &mut Links<impl Wake>) {
         self.free.push_back(id);
         let ray = &links.rays[id as usize];
+        self.latencies.count(ray.kind, ray.decision, at - ray.handed_over, ray.unloaded);
         let totals = &mut links.replayed;
         match (ray.kind, ray.decision) {
             (RayKind::Primary, _) => totals.primary_rays += 1,

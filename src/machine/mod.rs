@@ -15,5 +15,6 @@ pub mod source;
 pub mod spec;
 pub mod stores;
 pub mod traversal;
+pub mod unloaded;
 
 pub use spec::{MachineSpec, SpecError};

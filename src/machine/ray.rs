@@ -55,6 +55,10 @@ pub struct Ray {
     pub chunk: u32,
     /// Its place in the chunk.
     pub index: u32,
+    /// When it was handed over.
+    pub handed_over: u64,
+    /// The least that it takes from then on.
+    pub unloaded: u64,
     /// Who works on it.
     pub owner: Owner,
     /// The list unit that has a context for it.
@@ -83,6 +87,8 @@ impl Default for Ray {
             decision: Decision::Trace,
             chunk: 0,
             index: 0,
+            handed_over: 0,
+            unloaded: 0,
             owner: Owner::ShadowCache(0),
             list: None,
             evaluating: 0,

@@ -8,7 +8,7 @@ use super::allocation::NoAllocate;
 use super::cache::{Access, Cache, Fill, Lookup, check_geometry};
 use super::dram::Dram;
 use super::mshr::MshrFile;
-use super::queue::Queue;
+use super::queue::{Load, Queue};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray};
 use super::{PartId, Request, Touch, Wake};
@@ -127,6 +127,11 @@ pub struct Bank {
 }
 
 impl Bank {
+    /// How full the queue of requests was.
+    pub fn load(&self) -> Load {
+        self.requests.load()
+    }
+
     /// Uses a line as if it had been accessed: nothing is counted.
     pub fn touch(&mut self, touch: Touch) {
         self.cache.touch(touch);

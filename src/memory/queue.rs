@@ -13,12 +13,34 @@ pub struct Queue<T> {
     last_taken: u64,
     taken_then: usize,
     waiting: Vec<PartId>,
+    load: Load,
+    /// Up to when `load` has counted places that are taken.
+    counted_to: u64,
+}
+
+/// How full a queue was.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Load {
+    /// Entries that were put in.
+    pub entries: u64,
+    /// Cycles from being put to being taken, summed over the entries that were taken.
+    pub waited: u64,
+    /// Places taken at the ends of cycles, summed.
+    pub occupied: u64,
 }
 
 impl<T: Copy> Queue<T> {
     /// An empty queue of `capacity` places.
     pub fn new(capacity: usize) -> Self {
-        Self { entries: VecDeque::with_capacity(capacity), capacity, last_taken: 0, taken_then: 0, waiting: Vec::new() }
+        Self {
+            entries: VecDeque::with_capacity(capacity),
+            capacity,
+            last_taken: 0,
+            taken_then: 0,
+            waiting: Vec::new(),
+            load: Load::default(),
+            counted_to: 0,
+        }
     }
 
     /// Whether a place can be used in cycle `now`.
@@ -27,9 +49,11 @@ impl<T: Copy> Queue<T> {
         self.entries.len() + freed_now < self.capacity
     }
 
-    /// Puts `entry`, to be taken from cycle `at` on. The caller has asked for room.
+    /// Puts `entry` in the cycle before `at`, to be taken from then on. The caller has asked for room.
     pub fn put(&mut self, entry: T, at: u64) {
         debug_assert!(self.entries.len() < self.capacity);
+        self.count_to(at - 1);
+        self.load.entries += 1;
         self.entries.push_back((at, entry));
     }
 
@@ -40,17 +64,28 @@ impl<T: Copy> Queue<T> {
 
     /// Takes the first entry in cycle `now`, and wakes who waits for a place.
     pub fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
-        let entry = self.first(now)?;
-        self.entries.pop_front();
-        self.freed(now, wake);
-        Some(entry)
+        self.first(now)?;
+        self.take_at(0, now, wake)
     }
 
     /// Takes entry `index` in cycle `now`, whatever stands before it.
     pub fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
-        let (_, entry) = self.entries.remove(index)?;
+        self.count_to(now);
+        let (at, entry) = self.entries.remove(index)?;
+        self.load.waited += now + 1 - at;
         self.freed(now, wake);
         Some(entry)
+    }
+
+    /// Counts the places that were taken at the ends of the cycles before `now`.
+    fn count_to(&mut self, now: u64) {
+        self.load.occupied += self.entries.len() as u64 * (now - self.counted_to);
+        self.counted_to = now;
+    }
+
+    /// How full the queue was, up to the last time that something was put or taken.
+    pub fn load(&self) -> Load {
+        self.load
     }
 
     fn freed(&mut self, now: u64, wake: &mut impl Wake) {

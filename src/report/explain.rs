@@ -144,7 +144,11 @@ pub const STATISTICS: &[Statistic] = &[
         "share",
         "hits / accesses of a kind of cache and a class; a half miss is no hit",
     ),
-    stat("machines.*.policies.*.units.*.busy", "cycles", "an operation began; summed over the units of the kind"),
+    stat(
+        "machines.*.policies.*.units.*.busy",
+        "cycles",
+        "an operation occupied the entry of the pipeline; summed over the units of the kind",
+    ),
     stat(
         "machines.*.policies.*.units.*.pipeline",
         "cycles",
@@ -159,6 +163,24 @@ pub const STATISTICS: &[Statistic] = &[
     stat("machines.*.policies.*.units.*.starved", "cycles", "no operation began: no ray is in the unit"),
     stat("machines.*.policies.*.unit_counts.*", "units", "instances of a kind: its causes sum to cycles times this"),
     stat("machines.*.policies.*.utilization.*", "share", "busy / (cycles x unit_counts) of a kind of unit"),
+    stat("machines.*.policies.*.queues.*.entries", "entries", "put into the queues in front of all parts of a kind"),
+    stat(
+        "machines.*.policies.*.queues.*.waited",
+        "cycles",
+        "that entries stood in these queues: over entries the mean wait, over the run's cycles the mean number that stood there",
+    ),
+    stat("machines.*.policies.*.latency.*.rays", "rays", "traced rays of a kind whose latency is known"),
+    stat(
+        "machines.*.policies.*.latency.*.cycles",
+        "cycles",
+        "from being handed over to being done, policy steps included; summed over the rays of the kind",
+    ),
+    stat(
+        "machines.*.policies.*.latency.*.unloaded",
+        "cycles",
+        "what these rays take at least, alone and with every line at hand, without policy steps",
+    ),
+    stat("machines.*.policies.*.latency.*.most", "cycles", "the longest latency of a ray of the kind"),
     stat("machines.*.policies.*.dram.reads", "commands", "lines read"),
     stat("machines.*.policies.*.dram.writes", "commands", "lines written"),
     stat("machines.*.policies.*.dram.row_hits", "commands", "column commands that found their row open"),

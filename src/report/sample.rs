@@ -10,7 +10,9 @@ use super::summary::{
 };
 use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
-use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, DramCounts, Limit, MachineStats, TrafficClass};
+use crate::stats::{
+    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, QueueCounts, TrafficClass,
+};
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
 
@@ -105,6 +107,11 @@ fn machine(share: f64, words: u64) -> MachineRun {
             ("shadow_cache".into(), unit(1, 0.04)),
         ]),
         unit_counts: BTreeMap::from([("traversal".into(), 4), ("intersection".into(), 1), ("shadow_cache".into(), 1)]),
+        queues: BTreeMap::from([("l2".into(), QueueCounts { entries: scaled(1e8), waited: scaled(4e8) })]),
+        latency: BTreeMap::from([(
+            "shadow".into(),
+            LatencyCounts { rays: 50_000_000, cycles: scaled(2e10), unloaded: scaled(1e10), most: 9_000 },
+        )]),
         dram: DramCounts {
             reads: 20_000_000,
             writes: 300_000,

@@ -9,6 +9,7 @@ use super::wires::Wires;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::source::{FrameCounts, StreamFault, check_step, parents};
+use crate::machine::unloaded::{RayLatencies, Unloaded};
 use crate::stats::Cause;
 use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
 
@@ -51,6 +52,8 @@ pub struct Host {
     /// Rays done, skipped ones not counted.
     pub rays: u64,
     pub causes: [u64; Cause::ALL.len()],
+    unloaded: Unloaded,
+    pub latencies: RayLatencies,
 }
 
 /// What the dispatcher's cycle means for others.
@@ -77,6 +80,8 @@ impl Host {
             last_in_turn: units - 1,
             rays: 0,
             causes: Default::default(),
+            unloaded: Unloaded::new(machine),
+            latencies: RayLatencies::default(),
         }
     }
 
@@ -188,6 +193,8 @@ impl Host {
         let Some(origin) = self.ready.front().or(self.primaries.front()).cloned() else { return Ok(false) };
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
         let mut ray = read_ray(origin, wires)?;
+        let steps = ray.path.iter().map(|&step| self.unloaded.step(step, ray.kind));
+        (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch() + steps.sum::<u64>());
         if ray.decision == Decision::Skip {
             let_in(id, ray, wires);
             wires.send_to_policy(now, id);
@@ -220,6 +227,7 @@ impl Host {
     fn ray_done(&mut self, id: Id, at: u64, wires: &mut Wires) {
         self.free_entries.push_back(id);
         let ray = wires.rays[id].take().expect("a ray that is done was under way");
+        self.latencies.count(ray.kind, ray.decision, at - ray.handed_over, ray.unloaded);
         let replayed = &mut wires.replayed;
         match ray.kind {
             RayKind::Primary => replayed.primary_rays += 1,
@@ -301,6 +309,8 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
         accessed: false,
         sender: Sender::ShadowCache(0),
         list: None,
+        handed_over: 0,
+        unloaded: 0,
         origin: Some(origin),
     })
 }

@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use crate::memory::queue::Load;
+
 /// A queue. What is put in can be taken `latency` cycles later; a place that is freed can be used in the next cycle.
 #[derive(Clone, Debug)]
 pub struct Link<T> {
@@ -11,12 +13,15 @@ pub struct Link<T> {
     put: Vec<(u64, T)>,
     /// Places that were free when the cycle began.
     free: usize,
+    /// The cycle.
+    now: u64,
+    load: Load,
 }
 
 impl<T> Link<T> {
     /// An empty queue of `places` places.
     pub fn new(places: usize, latency: u64) -> Self {
-        Self { places, latency, entries: VecDeque::new(), put: Vec::new(), free: places }
+        Self { places, latency, entries: VecDeque::new(), put: Vec::new(), free: places, now: 0, load: Load::default() }
     }
 
     /// An empty queue with a place for everything that can come.
@@ -43,7 +48,7 @@ impl<T> Link<T> {
     /// Takes the first entry, if that is possible in cycle `now`.
     pub fn take(&mut self, now: u64) -> Option<T> {
         self.first(now)?;
-        self.entries.pop_front().map(|(_, entry)| entry)
+        self.remove(0)
     }
 
     /// Entries in order that can be taken in cycle `now`.
@@ -58,13 +63,23 @@ impl<T> Link<T> {
 
     /// Takes entry `index`, whatever stands before it.
     pub fn remove(&mut self, index: usize) -> Option<T> {
-        self.entries.remove(index).map(|(_, entry)| entry)
+        let (at, entry) = self.entries.remove(index)?;
+        self.load.waited += self.now - (at - self.latency);
+        Some(entry)
     }
 
     /// The cycle ends: what was put is there, what was taken has left its place.
     pub fn settle(&mut self) {
+        self.load.entries += self.put.len() as u64;
         self.entries.extend(self.put.drain(..));
+        self.load.occupied += self.entries.len() as u64;
+        self.now += 1;
         self.free = self.places - self.entries.len();
+    }
+
+    /// How full it was.
+    pub fn load(&self) -> Load {
+        self.load
     }
 
     /// Whether nothing is there or was put.

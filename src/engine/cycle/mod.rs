@@ -24,6 +24,7 @@ use self::dram::Channel;
 use self::host::Host;
 use self::intersection::Intersection;
 use self::l2::Bank;
+use self::link::Link;
 use self::list::List;
 use self::shadow_cache::ShadowCache;
 use self::traversal::Traversal;
@@ -187,6 +188,14 @@ impl Engine for Cycle {
             dispatcher: self.host.causes,
             stores: Default::default(),
             units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
+            queues: [
+                self.wires.lists.iter().map(Link::load).collect(),
+                self.wires.tests.iter().map(Link::load).collect(),
+                self.wires.divisions.iter().map(Link::load).collect(),
+                self.wires.to_bank.iter().map(Link::load).collect(),
+                self.wires.to_channel.iter().map(Link::load).collect(),
+            ],
+            latencies: self.host.latencies,
             divisions: self.division.iter().map(|unit| unit.causes).collect(),
             banks: self.banks.iter().map(bank).collect(),
             channels: self.channels.iter().map(channel).collect(),

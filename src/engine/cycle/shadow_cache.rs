@@ -141,6 +141,8 @@ impl ShadowCache {
                 accessed: false,
                 sender: Sender::ShadowCache(self.index),
                 list: None,
+                handed_over: now,
+                unloaded: 0,
                 origin: None,
             });
             self.go_on(id, now, wires);

@@ -640,6 +640,8 @@ impl Engine for Functional {
             rays: self.done,
             dispatcher: busy(self.dispatches),
             units: Kind::ALL.map(units),
+            queues: Default::default(),
+            latencies: Default::default(),
             divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.below.banks(),
             channels: self.below.channels(cycles),

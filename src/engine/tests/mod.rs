@@ -9,7 +9,7 @@ mod words;
 use std::convert::Infallible;
 
 use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
-use super::tally::UnitTally;
+use super::tally::{QueueKind, UnitTally};
 use super::work::Kind;
 use super::*;
 use crate::machine::pipeline::WritePolicy;
@@ -411,7 +411,9 @@ fn violated_identities_are_found() {
         replay(&mut event::Event::new(&machine, &header()), &machine, items(one_frame(&bvh_like(1, 50, 12, 2))), None)
             .unwrap();
     type Breakage = fn(&mut Tally);
-    let broken: [(&str, Breakage); 6] = [
+    let broken: [(&str, Breakage); 8] = [
+        ("in the queue of l2 0 against cycles waited", |t| t.queues[QueueKind::L2 as usize][0].waited += 1),
+        ("less than their least latency", |t| t.latencies.too_fast += 1),
         ("hits + half misses + misses + passed writes", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
         ("cycles of all causes", |t| t.units[Kind::Traversal as usize][1].causes[Cause::Busy as usize] += 1),
         ("row hits", |t| t.channels[0].counts.row_hits += 1),

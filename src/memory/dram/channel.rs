@@ -6,7 +6,7 @@ use super::command::{ChannelLog, Column, Command};
 use super::mapping::Place;
 use super::part::{DramPart, Timing};
 use super::spec::{Clocks, DramSpec, Page};
-use crate::memory::queue::Queue;
+use crate::memory::queue::{Load, Queue};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
@@ -345,6 +345,11 @@ impl Channel {
     /// Requests and commands, if they are kept.
     pub fn log(&mut self) -> &mut ChannelLog {
         &mut self.log
+    }
+
+    /// How full the queue was.
+    pub fn load(&self) -> Load {
+        self.queue.load()
     }
 
     /// The state of the queue, for the report of a deadlock.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use crate::memory::queue::Queue;
+use crate::memory::queue::{Load, Queue};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
@@ -94,6 +94,11 @@ impl Channel {
     /// Bytes moved, by class.
     pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
         &self.moved
+    }
+
+    /// How full the queue was.
+    pub fn load(&self) -> Load {
+        self.queue.load()
     }
 
     /// The state of the queue, for the report of a deadlock.

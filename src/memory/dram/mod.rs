@@ -12,6 +12,7 @@ mod tests;
 
 use self::command::ChannelLog;
 use self::spec::{Clocks, DramSpec, Model};
+use super::queue::Load;
 use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
@@ -108,6 +109,14 @@ impl Dram {
         match &mut self.channels {
             Channels::Banks(channels) => channels.iter_mut().map(channel::Channel::log).collect(),
             Channels::Flat(_) => Vec::new(),
+        }
+    }
+
+    /// How full the queue of channel `index` was.
+    pub fn load(&self, index: usize) -> Load {
+        match &self.channels {
+            Channels::Banks(channels) => channels[index].load(),
+            Channels::Flat(channels) => channels[index].load(),
         }
     }
 
