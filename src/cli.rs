@@ -12,12 +12,13 @@ use clap::{Args, Parser, Subcommand};
 use umbrasim::engine::Fidelity;
 use umbrasim::experiment::dram_export::{DramExport, TraceFormat};
 use umbrasim::experiment::frames::FrameRange;
+use umbrasim::experiment::line_export::LineExport;
 use umbrasim::experiment::{self, Experiment, Overrides, identities, paper, replay, run, stress, sweep, trace};
 use umbrasim::machine::MachineSpec;
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
-use umbrasim::stream::{StreamReader, inspect};
+use umbrasim::stream::{Header, StreamReader, inspect};
 
 /// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
 #[derive(Parser)]
@@ -76,6 +77,8 @@ enum Command {
         json: Option<PathBuf>,
         #[command(flatten)]
         dram: DramArgs,
+        #[command(flatten)]
+        lines: LineArgs,
     },
     /// Compare an experiment's pictures and shadow decisions with the reference renderer's, without machines
     ///
@@ -195,6 +198,28 @@ impl DramArgs {
 }
 
 #[derive(Args)]
+#[command(next_help_heading = "Caches")]
+struct LineArgs {
+    /// Write the lines that a kind of L1 is asked for to this file, for a cache simulator
+    ///
+    /// In Dinero's form (`0 ADDRESS` reads, `1 ADDRESS` writes, hexadecimal), in the order of the stream: what one such cache would
+    /// see if each ray were done before the next one began. It depends on the machine's memory layout, not on its caches.
+    #[arg(long, value_name = "FILE")]
+    line_trace: Option<PathBuf>,
+    /// Which L1s: l1_traversal, l1_list, l1_intersection or l1_shadow_cache
+    #[arg(long, value_name = "NAME", default_value = "l1_traversal", requires = "line_trace")]
+    line_trace_cache: String,
+}
+
+impl LineArgs {
+    /// Begins the file that is wanted.
+    fn begin(&self, machine: &MachineSpec, header: &Header) -> Result<Option<LineExport>> {
+        let begin = |path: &PathBuf| LineExport::create(machine, header, &self.line_trace_cache, path);
+        Ok(self.line_trace.as_ref().map(begin).transpose()?)
+    }
+}
+
+#[derive(Args)]
 struct ExperimentArgs {
     /// The experiment's file, such as configs/experiments/quickstart.ron
     #[arg(value_name = "CONFIG")]
@@ -236,15 +261,16 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(output.display())?;
             Ok(0)
         }
-        Command::Replay { stream, machine, fidelity, json, dram } => {
+        Command::Replay { stream, machine, fidelity, json, dram, lines } => {
             let spec = experiment::read_machine(&machine)?;
             let reader = StreamReader::open(&stream)?;
             let policy = reader.header().policy.clone();
             let json = JsonFile::begin(json)?;
-            let mut export = dram.begin(&spec)?;
-            let stats = replay::replay_file(&spec, fidelity, reader, export.as_mut())?;
+            let (mut dram, mut lines) = (dram.begin(&spec)?, lines.begin(&spec, reader.header())?);
+            let stats = replay::replay_file(&spec, fidelity, reader, dram.as_mut(), lines.as_mut())?;
             print(report::replayed(&spec.name, &policy, &stats))?;
-            export.map_or(Ok(()), DramExport::finish)?;
+            dram.map_or(Ok(()), DramExport::finish)?;
+            lines.map_or(Ok(()), LineExport::finish)?;
             json.finish(&stats)?;
             Ok(0)
         }
@@ -303,8 +329,8 @@ pub fn execute(cli: Cli) -> Result<u8> {
             Ok(0)
         }
         Command::Explain { name, report } => {
-            let summary = report.map(|report| report::read_summary(&report.join(report::SUMMARY_FILE))).transpose()?;
-            let text = report::explain::explain(name.as_deref(), summary.as_ref()).map_err(anyhow::Error::msg)?;
+            let numbers = report.map(|report| report::read_numbers(&report.join(report::SUMMARY_FILE))).transpose()?;
+            let text = report::explain::explain(name.as_deref(), numbers.as_ref()).map_err(anyhow::Error::msg)?;
             print(text)?;
             Ok(0)
         }

@@ -245,6 +245,14 @@ impl MachineStats {
         self.bytes.get(level).into_iter().flat_map(|classes| classes.values()).copied().sum()
     }
 
+    /// Hits over accesses, a cache and class of traffic, where there are any.
+    pub fn hit_rates(&self) -> BTreeMap<String, BTreeMap<TrafficClass, f64>> {
+        let of = |classes: &BTreeMap<TrafficClass, CacheCounts>| {
+            classes.iter().filter_map(|(&class, counts)| Some((class, counts.hit_rate()?))).collect()
+        };
+        self.caches.iter().map(|(cache, classes)| (cache.clone(), of(classes))).collect()
+    }
+
     /// Rays a second of simulated time.
     pub fn rays_per_second(&self) -> f64 {
         self.rays as f64 / self.cycles.0 as f64 * self.clock_mhz * 1e6

@@ -118,8 +118,11 @@ fn the_ini_file_is_our_part() {
     assert_eq!(values["address_mapping"], "rochrabacobg");
 }
 
-/// Cases in which the two differ, by how many clocks ours is later for which requests, and why.
-const DIFFERENT: [(&str, &[(usize, i64)], &str); 4] = [
+/// A case, by how many clocks ours is later for which requests, and why.
+type Difference = (&'static str, &'static [(usize, i64)], &'static str);
+
+/// Cases in which the two differ.
+const DIFFERENT: [Difference; 4] = [
     (
         "activates_in_four_groups",
         &[

@@ -71,6 +71,11 @@ impl Fidelity {
     /// The rungs that need no numbers.
     pub const RUNGS: [Self; 4] = [Self::Bound, Self::Functional, Self::Event, Self::Cycle];
 
+    /// Whether it measures machines wherever their words are kept, and if they are free.
+    pub fn knows_all_placements(self) -> bool {
+        self.is_exact() || matches!(self, Self::Sampled { engine: Sampled::Event, .. })
+    }
+
     /// Whether its numbers are those of [`Fidelity::Cycle`].
     pub fn is_exact(self) -> bool {
         matches!(self, Self::Event | Self::Cycle)

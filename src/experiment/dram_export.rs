@@ -1,16 +1,15 @@
 //! What a replay asks of its DRAM, in files that other DRAM simulators read, and what its DRAM did.
 
-use std::fmt;
-use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 
 use clap::ValueEnum;
 
+use super::text_file::TextFile;
 use crate::engine::DramObserver;
 use crate::machine::MachineSpec;
 use crate::memory::dram::command::{Column, Command, LoggedCommand, LoggedRequest};
 use crate::memory::dram::part::DramPart;
-use crate::new_file::NewFile;
 
 /// Who is to read a trace of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -21,36 +20,10 @@ pub enum TraceFormat {
     Ramulator,
 }
 
-/// A file on its way that is written line by line.
-struct Lines {
-    path: PathBuf,
-    file: BufWriter<NewFile>,
-}
-
-impl Lines {
-    fn create(path: &Path) -> io::Result<Self> {
-        let file = NewFile::create(path).map_err(|error| cannot_write(path, &error))?;
-        Ok(Self { path: path.to_owned(), file: BufWriter::new(file) })
-    }
-
-    fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
-        writeln!(self.file, "{line}").map_err(|error| cannot_write(&self.path, &error))
-    }
-
-    fn finish(self) -> io::Result<()> {
-        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error);
-        file.and_then(NewFile::finish).map_err(|error| cannot_write(&self.path, &error))
-    }
-}
-
-fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
-    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
-}
-
 /// Writes the requests of a run, its DRAM's commands, or both, as they come.
 pub struct DramExport {
-    trace: Option<(TraceFormat, Lines)>,
-    commands: Option<Lines>,
+    trace: Option<(TraceFormat, TextFile)>,
+    commands: Option<TextFile>,
     part: DramPart,
     line: u64,
 }
@@ -65,8 +38,8 @@ impl DramExport {
         trace: Option<(TraceFormat, &Path)>,
         commands: Option<&Path>,
     ) -> io::Result<Self> {
-        let trace = trace.map(|(format, path)| Ok::<_, io::Error>((format, Lines::create(path)?))).transpose()?;
-        let mut commands = commands.map(Lines::create).transpose()?;
+        let trace = trace.map(|(format, path)| Ok::<_, io::Error>((format, TextFile::create(path)?))).transpose()?;
+        let mut commands = commands.map(TextFile::create).transpose()?;
         if let Some(file) = &mut commands {
             file.line(format_args!("clock,channel,command,bank_group,bank,row,column"))?;
         }
@@ -76,7 +49,7 @@ impl DramExport {
     /// Puts the files into their places.
     pub fn finish(self) -> io::Result<()> {
         self.trace.map_or(Ok(()), |(_, file)| file.finish())?;
-        self.commands.map_or(Ok(()), Lines::finish)
+        self.commands.map_or(Ok(()), TextFile::finish)
     }
 }
 

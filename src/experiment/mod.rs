@@ -3,14 +3,17 @@
 pub mod dram_export;
 pub mod frames;
 pub mod identities;
+pub mod line_export;
 pub mod paper;
 mod progress;
 pub mod replay;
 pub mod run;
 pub mod spec;
+mod split;
 pub mod stress;
 mod stress_models;
 pub mod sweep;
+mod text_file;
 pub mod trace;
 pub mod validation;
 

@@ -6,7 +6,9 @@ use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
 use super::dram_export::DramExport;
+use super::line_export::LineExport;
 use super::progress;
+use super::split::Role;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
@@ -28,6 +30,7 @@ pub struct Replays<'scope> {
 struct Replay<'scope> {
     policy: usize,
     machine: String,
+    role: Role,
     items: SyncSender<Item>,
     thread: ScopedJoinHandle<'scope, Result<Replayed, RunError<Infallible>>>,
 }
@@ -46,28 +49,30 @@ pub struct Finished {
     pub policy: usize,
     /// The machine's name.
     pub machine: String,
+    /// What it was replayed for.
+    pub role: Role,
     /// The result.
     pub result: Result<Replayed, RunError<Infallible>>,
 }
 
 impl<'scope> Replays<'scope> {
-    /// Starts a machine on the stream of a policy.
-    pub fn start<'env>(
+    /// Starts a machine, in a role, on the stream of a policy.
+    pub fn start(
         &mut self,
-        scope: &'scope Scope<'scope, 'env>,
-        name: &str,
-        machine: &'env MachineSpec,
+        scope: &'scope Scope<'scope, '_>,
+        (machine, role): (&MachineSpec, Role),
         fidelity: Fidelity,
         policy: usize,
         header: Header,
     ) {
+        let spec = role.machine(machine);
         let (items, received): (_, Receiver<Item>) = sync_channel(WAITING);
         let thread = scope.spawn(move || {
             let begin = Instant::now();
-            let stats = engine::run(machine, fidelity, &header, received.into_iter().map(Ok))?;
+            let stats = engine::run(&spec, fidelity, &header, received.into_iter().map(Ok))?;
             Ok(Replayed { stats, wall: begin.elapsed() })
         });
-        self.runs.push(Replay { policy, machine: name.to_owned(), items, thread });
+        self.runs.push(Replay { policy, machine: machine.name.clone(), role, items, thread });
     }
 
     /// Hands the next item of a policy's stream to all machines that replay it; waits while they are busy.
@@ -82,22 +87,23 @@ impl<'scope> Replays<'scope> {
     /// Ends all streams and waits for the results.
     pub fn finish(self) -> Vec<Finished> {
         let (threads, streams): (Vec<_>, Vec<_>) =
-            self.runs.into_iter().map(|run| ((run.policy, run.machine, run.thread), run.items)).unzip();
+            self.runs.into_iter().map(|run| ((run.policy, run.machine, run.role, run.thread), run.items)).unzip();
         drop(streams);
-        let join = |(policy, machine, thread): (usize, String, ScopedJoinHandle<'_, _>)| {
+        let join = |(policy, machine, role, thread): (usize, String, Role, ScopedJoinHandle<'_, _>)| {
             let result = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            Finished { policy, machine, result }
+            Finished { policy, machine, role, result }
         };
         threads.into_iter().map(join).collect()
     }
 }
 
-/// Replays a recorded stream on a machine, with what its DRAM is asked for and does written to files if they are wanted.
+/// Replays a recorded stream on a machine, while what its DRAM and a cache are asked for goes to files if they are wanted.
 pub fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
     reader: StreamReader,
-    export: Option<&mut DramExport>,
+    dram: Option<&mut DramExport>,
+    mut lines: Option<&mut LineExport>,
 ) -> Result<MachineStats, RunError<StreamError>> {
     let header = reader.header().clone();
     let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
@@ -105,10 +111,13 @@ pub fn replay_file(
         if matches!(item, Ok(Item::End { .. })) {
             bar.inc(1);
         }
+        if let (Some(lines), Ok(item)) = (&mut lines, item) {
+            lines.item(item);
+        }
     });
-    let stats = match export {
+    let stats = match dram {
         None => engine::run(machine, fidelity, &header, items),
-        Some(export) => engine::run_observed(machine, fidelity, &header, items, export),
+        Some(dram) => engine::run_observed(machine, fidelity, &header, items, dram),
     };
     bar.finish_and_clear();
     stats

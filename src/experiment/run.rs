@@ -1,11 +1,13 @@
 //! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures with
 //! the reference renderer, and sums everything up for a report.
 
+use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use super::replay::{Finished, Replays};
+use super::split::Role;
 use super::validation::{self, Validated, Words};
 use super::{Experiment, progress};
 use crate::culling::Policy;
@@ -15,9 +17,11 @@ use crate::named::Named;
 use crate::reference::Reference;
 use crate::report::Report;
 use crate::report::pictures::{Image, PictureInfo};
+use crate::report::split::Split;
 use crate::report::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
 };
+use crate::stats::MachineStats;
 use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
@@ -78,9 +82,12 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
     let machines = if machines { &experiment.machines } else { &none };
     let finished = std::thread::scope(|scope| {
         let mut replays = Replays::default();
-        for (name, machine) in machines.iter() {
+        let fidelity = experiment.spec.fidelity;
+        for (_, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
-                replays.start(scope, name, machine, experiment.spec.fidelity, policy, header.clone());
+                for role in roles(experiment, policy) {
+                    replays.start(scope, (machine, role), fidelity, policy, header.clone());
+                }
             }
         }
         for (index, &number) in experiment.frames.iter().enumerate() {
@@ -113,6 +120,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
             gathered.add(experiment, number, &lanes, validated);
             if replayed {
                 gathered.replayed.push(number);
+                gathered.totals.iter_mut().zip(&recorded).for_each(|(all, &frame)| *all += frame);
             }
             clock.reference += compared.elapsed();
             bar.inc(1);
@@ -128,6 +136,13 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
         return Err(RunFailure::Stopped);
     }
     gathered.report(experiment, &headers, finished, clock, begin)
+}
+
+/// What machines replay the stream of policy `policy` for.
+fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
+    let split = experiment.spec.split && experiment.spec.fidelity.knows_all_placements();
+    let other = if policy == experiment.off() { Role::WithoutUnit } else { Role::FreeWords };
+    std::iter::once(Role::AsItIs).chain(split.then_some(other))
 }
 
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
@@ -188,6 +203,8 @@ struct Gathered {
     frames: Vec<u32>,
     /// Those of them that the machines replayed.
     replayed: Vec<u32>,
+    /// By policy, what the machines replayed.
+    totals: Vec<Totals>,
     /// By policy, then frame.
     results: Vec<Vec<FrameResult>>,
     /// By policy, then light.
@@ -205,6 +222,7 @@ impl Gathered {
         Self {
             frames: Vec::new(),
             replayed: Vec::new(),
+            totals: vec![Totals::default(); policies],
             results: vec![Vec::new(); policies],
             wrong: vec![vec![WrongDecisions::default(); experiment.scene.light_count]; policies],
             first: Vec::new(),
@@ -245,6 +263,19 @@ impl Gathered {
         }
     }
 
+    /// What each policy that culls saved and paid on a machine, of what was measured of that.
+    fn split(&self, experiment: &Experiment, names: &[&str], measured: &[(usize, Role, MachineStats)]) -> Named<Split> {
+        let off = experiment.off();
+        let of = |policy: usize, role: Role| {
+            measured.iter().find(|it| (it.0, it.1) == (policy, role)).map(|(.., stats)| stats)
+        };
+        let split = |(policy, &name): (usize, &&str)| {
+            let all = [of(off, Role::WithoutUnit)?, of(policy, Role::FreeWords)?, of(policy, Role::AsItIs)?];
+            Some((name.to_owned(), Split::new(all, &self.totals[policy])))
+        };
+        names.iter().enumerate().filter(|&(policy, _)| policy != off).filter_map(split).collect()
+    }
+
     fn report(
         self,
         experiment: &Experiment,
@@ -269,21 +300,34 @@ impl Gathered {
         stage("machines".to_owned(), clock.machines, None);
 
         let mut machines: Named<MachineSummary> = Named::default();
-        for Finished { policy, machine, result } in finished {
+        let mut measured: BTreeMap<String, Vec<(usize, Role, MachineStats)>> = BTreeMap::new();
+        for Finished { policy, machine, role, result } in finished {
             let replayed = result.map_err(|source| RunFailure::Machine {
                 machine: machine.clone(),
                 policy: names[policy].to_owned(),
                 source: Box::new(source),
             })?;
-            stage(format!("{machine}, {}", names[policy]), replayed.wall, Some(replayed.stats.rays));
+            stage(format!("{machine}, {}{}", names[policy], role.suffix()), replayed.wall, Some(replayed.stats.rays));
+            measured.entry(machine.clone()).or_default().push((policy, role, replayed.stats.clone()));
+            if role != Role::AsItIs {
+                continue;
+            }
             let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
                 fidelity: experiment.spec.fidelity.to_string(),
                 frames: self.replayed.clone(),
                 policies: Named::default(),
+                split: Named::default(),
             });
             summary.policies.insert(names[policy], MachineRun::from(replayed.stats));
             machines.insert(machine, summary);
         }
+        let machines: Named<MachineSummary> = machines
+            .iter()
+            .map(|(name, machine)| {
+                let split = self.split(experiment, &names, measured.get(name).map_or(&[], Vec::as_slice));
+                (name, MachineSummary { split, ..machine.clone() })
+            })
+            .collect();
         stage("total".to_owned(), begin.elapsed(), None);
 
         let mut provenance: Named<String> = [("umbrasim", env!("CARGO_PKG_VERSION").to_owned())].into_iter().collect();

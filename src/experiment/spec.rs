@@ -39,12 +39,20 @@ pub struct ExperimentSpec {
     /// How the machines are replayed.
     #[serde(default)]
     pub fidelity: Fidelity,
+    /// Whether each machine also replays with words that cost nothing, and without culling and its unit, to tell what was saved from
+    /// what was paid. Rungs that do not know such machines leave it out.
+    #[serde(default = "yes")]
+    pub split: bool,
     /// Which of the traced frames the machines replay.
     #[serde(default = "all")]
     pub replay: FrameChoice,
     /// Which of the traced frames are compared with the reference renderer.
     #[serde(default = "all")]
     pub validate: FrameChoice,
+}
+
+fn yes() -> bool {
+    true
 }
 
 fn all() -> FrameChoice {

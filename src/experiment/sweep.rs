@@ -15,10 +15,10 @@ use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::frames::FrameRange;
+use super::split::{with_free_words, without_unit};
 use super::{Experiment, ExperimentError, Overrides, beside, progress};
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
-use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::named::Named;
 use crate::new_file::write_new;
 use crate::quantity::Resolution;
@@ -181,18 +181,6 @@ fn load(path: &Path) -> Result<(Experiment, Vec<Machine>), SweepError> {
     let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
     let machines = machines(path, &spec, &experiment)?;
     Ok((experiment, machines))
-}
-
-/// The machine as a stream without culling sees it: nothing reaches its shadow-cache units.
-fn without_unit(spec: &MachineSpec) -> MachineSpec {
-    MachineSpec { shadow_cache: ShadowCacheSpec::default(), ..spec.clone() }
-}
-
-/// The machine with words that cost nothing. Units and contexts stay: occlusion tests and decisions still need them.
-fn with_free_words(spec: &MachineSpec) -> MachineSpec {
-    let ShadowCacheSpec { count, latency, contexts, cache, .. } = spec.shadow_cache;
-    let unit = ShadowCacheSpec { count, latency, contexts, cache, place: Place::Free, ..ShadowCacheSpec::default() };
-    MachineSpec { shadow_cache: unit, ..spec.clone() }
 }
 
 /// All machines, in the order of the files.
@@ -374,6 +362,7 @@ fn run_all(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::machine::shadow_cache::Place;
 
     #[test]
     fn any_field_can_be_set_and_errors_say_what_is_allowed() {

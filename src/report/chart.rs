@@ -2,13 +2,13 @@
 
 use std::path::Path;
 
-use minijinja::{Environment, context};
+use minijinja::context;
 use serde::{Deserialize, Serialize};
 
 use super::format::{exact, or_absent, percent, short};
 use super::summary::{PolicySummary, Summary};
 use super::table::Grid;
-use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
 
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 1;
@@ -128,16 +128,8 @@ pub fn write_chart(target: &Path, chart: &ChartSummary) -> Result<(), ReportErro
 }
 
 fn page(chart: &ChartSummary, plot: &str) -> Result<String, minijinja::Error> {
-    let Grid { head, names, rows } = chart.grid();
-    let mut environment = Environment::new();
-    environment.add_template("chart.html", include_str!("chart.html"))?;
-    environment.get_template("chart.html")?.render(context! {
-        plot,
-        experiments => chart.experiments.clone(),
-        head,
-        names,
-        rows,
-    })
+    let context = context! { plot, experiments => chart.experiments.clone(), points => template::grid(chart.grid()) };
+    template::render("chart.html", include_str!("chart.html"), context)
 }
 
 #[cfg(test)]

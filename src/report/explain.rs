@@ -2,14 +2,14 @@
 
 use serde_json::Value;
 
-use super::summary::Summary;
 use super::table::{Grid, drawn};
 
 /// A number of `summary.json`, or a column of `frames.csv`.
 #[derive(Clone, Copy, Debug)]
 pub struct Statistic {
     /// Its path in `summary.json`; `*` stands for a name of the experiment's, a part of the machine, or a class of traffic.
-    /// What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`).
+    /// What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`), and what is declared of
+    /// what a policy saved and paid on a machine (`machines.*.split.*`) is there of each point of a sweep (`points.*`).
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -236,6 +236,55 @@ pub const STATISTICS: &[Statistic] = &[
         "B",
         "the least that is left if the answers of all shadow rays are known for nothing",
     ),
+    stat(
+        "machines.*.split.*.cycles.*",
+        "cycles",
+        "without culling (0), with the policy and words that cost nothing (1), as it is (2)",
+    ),
+    stat("machines.*.split.*.dram.*", "B", "DRAM bytes of the same three replays"),
+    stat(
+        "machines.*.split.*.saved",
+        "B",
+        "DRAM bytes that culling saves if words cost nothing, its own occlusion tests counted in",
+    ),
+    stat("machines.*.split.*.words", "B", "DRAM bytes of mode words, counters and occluder ids"),
+    stat(
+        "machines.*.split.*.interference",
+        "B",
+        "DRAM bytes of other classes that words drove out of caches; words + interference - saved is the change",
+    ),
+    stat(
+        "machines.*.split.*.extra_misses",
+        "accesses",
+        "misses of other classes, in all caches, that words that cost nothing do not cause",
+    ),
+    stat(
+        "machines.*.split.*.word_hit_rate",
+        "share",
+        "hits / accesses of words, counters and ids in the first cache that they meet",
+    ),
+    stat(
+        "machines.*.split.*.shadow_rays",
+        "rays",
+        "shadow rays that there are without culling, in the frames replayed",
+    ),
+    stat(
+        "machines.*.split.*.culled",
+        "share",
+        "those of them that were skipped or traced among dynamic triangles only",
+    ),
+    stat("machines.*.split.*.bytes_per_ray", "B/ray", "DRAM bytes a ray of the replay without culling"),
+    stat(
+        "machines.*.split.*.break_even",
+        "share",
+        "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / (bytes_per_ray x shadow_rays)",
+    ),
+    stat("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
+    stat(
+        "points.*.hit_rate.*.*",
+        "share",
+        "of a sweep's point: hits / accesses of a kind of cache and a class, as it is",
+    ),
     stat("machines.*.policies.*.dram_utilization", "share", "bytes moved / (dram_peak_bytes_per_cycle x cycles)"),
 ];
 
@@ -261,10 +310,17 @@ impl Statistic {
 
     /// Whether this is the declaration of the number at `path`.
     fn declares(&self, path: &[String]) -> bool {
+        let (mut own, mut path) = (self.name, path);
+        if let (Some(of_split), [points, _, of_point @ ..]) = (own.strip_prefix("machines.*.split.*."), path)
+            && points == "points"
+        {
+            (own, path) = (of_split, of_point);
+        }
         let one_frame = path.len() > 4 && path[0] == "policies" && path[2] == "frames";
         let skipped = if one_frame { 2..4 } else { 0..0 };
         let mut path = path.iter().enumerate().filter(|(index, _)| !skipped.contains(index)).map(|(_, part)| part);
-        self.parts().all(|part| path.next().is_some_and(|found| part == "*" || part == found)) && path.next().is_none()
+        own.split('.').all(|part| path.next().is_some_and(|found| part == "*" || part == found))
+            && path.next().is_none()
     }
 
     /// Whether somebody who asks for `name`, a path or the end of one, means this.
@@ -286,7 +342,7 @@ pub fn undeclared(summary: &Value) -> Vec<String> {
 
 /// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one; `Err` says
 /// what else is there when nothing is called so.
-pub fn explain(name: Option<&str>, report: Option<&Summary>) -> Result<String, String> {
+pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, String> {
     let meant = |statistic: &&Statistic| name.is_none_or(|name| statistic.is_meant(name));
     let meant: Vec<_> = STATISTICS.iter().filter(meant).collect();
     if meant.is_empty() {
@@ -303,8 +359,7 @@ pub fn explain(name: Option<&str>, report: Option<&Summary>) -> Result<String, S
         Grid { head: heads(&["statistic", "unit", "what it is"]), names: 3, rows: meant.iter().map(row).collect() };
     let Some(report) = report else { return Ok(drawn(&about)) };
     let mut found = Vec::new();
-    let summary = serde_json::to_value(report).map_err(|error| error.to_string())?;
-    numbers(&summary, &mut Vec::new(), &mut found);
+    numbers(report, &mut Vec::new(), &mut found);
     let of_meant = found.into_iter().filter(|(path, _)| meant.iter().any(|statistic| statistic.declares(path)));
     let rows = of_meant.map(|(path, number)| vec![path.join("."), number]).collect();
     let values = Grid { head: heads(&["in the report", "value"]), names: 1, rows };
@@ -327,6 +382,9 @@ mod tests {
         // The written sample is of an exact rung; what estimates add is in the one made for tests.
         let estimated = serde_json::to_value(crate::report::sample::sample(&[0]).summary).unwrap();
         numbers(&estimated, &mut Vec::new(), &mut found);
+        let sweep = serde_json::to_value(crate::report::sample::sweep()).unwrap();
+        assert_eq!(undeclared(&sweep), Vec::<String>::new());
+        numbers(&sweep, &mut Vec::new(), &mut found);
         let csv = std::fs::read_to_string(format!("{sample}/{FRAMES_FILE}")).unwrap();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();

@@ -9,10 +9,12 @@ pub mod format;
 mod page;
 pub mod pictures;
 pub mod plots;
+pub mod split;
 pub mod stress;
 pub mod summary;
 pub mod sweep;
 mod table;
+mod template;
 
 use std::fs;
 use std::io;
@@ -232,6 +234,16 @@ pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     match value.get("schema") {
         Some(found) if *found != SCHEMA => Err(ReportError::Schema { path: path.into(), found: found.to_string() }),
         _ => serde_json::from_slice(&text).map_err(broken),
+    }
+}
+
+/// Reads what the summary of a run or of a sweep holds.
+pub fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
+    let broken = |source| ReportError::Broken { path: path.into(), source };
+    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    match serde_json::from_slice::<sweep::SweepSummary>(&text) {
+        Ok(sweep) => serde_json::to_value(sweep).map_err(broken),
+        Err(_) => serde_json::to_value(read_summary(path)?).map_err(broken),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use minijinja::{Environment, Value, context};
+use minijinja::{Value, context};
 
 use super::findings;
 use super::format::{exact, or_absent, percent, short};
@@ -12,6 +12,7 @@ use super::pictures::{
 use super::plots::{Drawing, Section};
 use super::summary::{MachineSummary, PolicySummary, Psnr, Summary};
 use super::table::{self, Grid};
+use super::template::{self, grid};
 
 /// A picture and its PNG file.
 pub type PngPicture<'a> = (&'a PictureInfo, Vec<u8>);
@@ -33,11 +34,9 @@ pub fn page(
     let machine = |(name, machine): (&str, &MachineSummary)| {
         let plots = plots(&Section::Machine(name.into()));
         let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
-        context! { name, fidelity => machine.fidelity.as_str(), dram, plots }
+        context! { name, fidelity => machine.fidelity.as_str(), dram, plots, split => grid(table::split(machine)) }
     };
-    let mut environment = Environment::new();
-    environment.add_template("page.html", include_str!("page.html"))?;
-    environment.get_template("page.html")?.render(context! {
+    let context = context! {
         experiment => summary.experiment.as_str(),
         setting => findings::setting(summary),
         findings => findings::of_policies(summary).into_iter().map(|(name, text)| vec![name, text]).collect::<Vec<_>>(),
@@ -58,11 +57,8 @@ pub fn page(
         schema => summary.schema,
         provenance => summary.provenance.iter().map(|(name, value)| vec![name.to_owned(), value.clone()]).collect::<Vec<_>>(),
         wall => grid(wall(summary)),
-    })
-}
-
-fn grid(grid: Grid) -> Value {
-    context! { head => grid.head, names => grid.names, rows => grid.rows }
+    };
+    template::render("page.html", include_str!("page.html"), context)
 }
 
 /// Wall time and own speed a stage.

@@ -5,9 +5,11 @@ use std::collections::BTreeMap;
 use glam::Vec3;
 
 use super::pictures::{PictureInfo, PictureKind};
+use super::split::Split;
 use super::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
+use super::sweep::{Change, SweepPoint, SweepSummary};
 use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{
@@ -152,10 +154,21 @@ pub fn sample(frames: &[u32]) -> Report {
         .into_iter()
         .collect()
     };
-    let machines = [
-        ("small", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.11) }),
-        ("desktop", MachineSummary { fidelity: "event".into(), frames: frames.to_vec(), policies: runs(0.04) }),
-    ];
+    let summary = |gain: f64| {
+        let policies = runs(gain);
+        let measured = |policy: &str| policies.get(policy).map(|run| &run.stats);
+        let split = ["published", "last_occluder"].into_iter().filter_map(|policy| {
+            let free = machine(gain * 1.1, 0).stats;
+            Some((policy, Split::new([measured("off")?, &free, measured(policy)?], &published[0].totals)))
+        });
+        MachineSummary {
+            fidelity: "event".into(),
+            frames: frames.to_vec(),
+            split: split.collect(),
+            policies: policies.clone(),
+        }
+    };
+    let machines = [("small", summary(0.11)), ("desktop", summary(0.04))];
     let colors: Vec<Vec3> = (0..SIZE.pixels()).map(|pixel| Vec3::splat(pixel as f32 / SIZE.pixels() as f32)).collect();
     let render = pictures::render(SIZE, &colors);
     let classes: Vec<PixelVerdict> = (0..SIZE.pixels())
@@ -203,5 +216,20 @@ pub fn sample(frames: &[u32]) -> Report {
                 pictures::words(SIZE, &words, 0),
             ),
         ],
+    }
+}
+
+/// A sweep of two points.
+pub fn sweep() -> SweepSummary {
+    let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
+    let totals = frame(0, 0.2, 0).totals;
+    let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
+    let point = |changes| SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals);
+    SweepSummary {
+        experiment: "kitchen <sample>".into(),
+        scene: "kitchen".into(),
+        frames: vec![0, 16],
+        resolution: SIZE,
+        points: vec![point(Vec::new()), point(vec![change])],
     }
 }

@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use minijinja::{Environment, Value, context};
+use minijinja::{Value, context};
 use serde::{Deserialize, Serialize};
 
 use super::format::{exact, percent};
-use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
 use crate::quantity::Cycle;
 
 /// The version of the names in `summary.json`.
@@ -254,9 +254,7 @@ fn page(summary: &StressSummary, map: &str, over_frames: &str) -> Result<String,
             context! { name => case.name.as_str(), title => case.title.as_str(), models }
         })
         .collect();
-    let mut environment = Environment::new();
-    environment.add_template("stress.html", include_str!("stress.html"))?;
-    environment.get_template("stress.html")?.render(context! {
+    let context = context! {
         map,
         over_frames,
         broken => summary.broken(),
@@ -267,7 +265,8 @@ fn page(summary: &StressSummary, map: &str, over_frames: &str) -> Result<String,
         wrong_matters => names(|effect| effect.wrong_per_million.matters()),
         models => summary.models.iter().map(|model| model.name.clone()).collect::<Vec<_>>(),
         cases,
-    })
+    };
+    template::render("stress.html", include_str!("stress.html"), context)
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::pictures::PictureInfo;
+use super::split::Split;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::stats::{MachineStats, TrafficClass};
@@ -351,6 +352,9 @@ pub struct MachineSummary {
     pub frames: Vec<u32>,
     /// A run for each policy's stream.
     pub policies: Named<MachineRun>,
+    /// What each policy that culls saved and paid, where the replays for it were made.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub split: Named<Split>,
 }
 
 /// What a machine measured on the stream of one policy.
@@ -373,17 +377,13 @@ pub struct MachineRun {
 
 impl From<MachineStats> for MachineRun {
     fn from(stats: MachineStats) -> Self {
-        let rates = stats.caches.iter().map(|(cache, classes)| {
-            let known = classes.iter().filter_map(|(&class, counts)| Some((class, counts.hit_rate()?)));
-            (cache.clone(), known.collect())
-        });
         let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
         let dram = stats.dram;
         let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
         let moved = stats.bytes.get("dram").map(|classes| classes.values().map(|bytes| bytes.0).sum::<u64>());
         Self {
             rays_per_second: (stats.cycles.0 > 0).then(|| stats.rays_per_second()),
-            hit_rate: rates.collect(),
+            hit_rate: stats.hit_rates(),
             utilization: used.collect(),
             dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
             dram_utilization: moved.zip(peak).map(|(moved, peak)| moved as f64 / peak),

@@ -3,7 +3,8 @@
 use comfy_table::{CellAlignment, Table};
 
 use super::format::{bytes, change, exact, or_absent, percent, short};
-use super::summary::{FrameSummary, MachineRun, PolicySummary, Psnr, Summary};
+use super::split::Split;
+use super::summary::{FrameSummary, MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
 use crate::quantity::Bytes;
 use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats};
 
@@ -131,6 +132,18 @@ pub fn machines(summary: &Summary) -> Grid {
         }
     }
     Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
+}
+
+/// What each policy saved and paid on a machine.
+pub fn split(machine: &MachineSummary) -> Grid {
+    let row = |(policy, split): (&str, &Split)| {
+        std::iter::once(policy.to_owned()).chain(Split::COLUMNS.map(|(_, text)| text(split))).collect()
+    };
+    Grid {
+        head: std::iter::once("policy").chain(Split::COLUMNS.map(|(name, _)| name)).map(Into::into).collect(),
+        names: 1,
+        rows: machine.split.iter().map(row).collect(),
+    }
 }
 
 /// Nothing but a line under the header.

@@ -30,7 +30,7 @@ fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 
 /// The paths of all keys; names of things that are the experiment's stand as `NAME`.
 fn keys(value: &serde_json::Value, path: &str, found: &mut BTreeSet<String>) {
-    const BY_NAME: [&str; 5] = [".policies", ".machines", ".provenance", ".wall_seconds", "per_wall_second"];
+    const BY_NAME: [&str; 6] = [".policies", ".machines", ".split", ".provenance", ".wall_seconds", "per_wall_second"];
     match value {
         serde_json::Value::Object(map) => {
             let named = BY_NAME.iter().any(|end| path.ends_with(end));
@@ -172,6 +172,8 @@ fn plots_are_well_formed_and_the_same_twice() {
             "saving",
             "tradeoff",
             "wrong",
+            "split-small",
+            "split-desktop",
             "bytes-small",
             "bytes-desktop",
             "hit_rates-small",

@@ -68,7 +68,7 @@ fn a_dram_part() {
 #[test]
 fn a_typo() {
     insta::assert_snapshot!(experiment("resolution", "resolutoin"), @r"
-    error: tiny.ron:5:5: Unexpected field named `resolutoin` in `ExperimentSpec`, expected one of `name`, `scene`, `frames`, `resolution`, `tracer`, `policies`, `machines`, `fidelity`, `replay`, or `validate` instead
+    error: tiny.ron:5:5: Unexpected field named `resolutoin` in `ExperimentSpec`, expected one of `name`, `scene`, `frames`, `resolution`, `tracer`, `policies`, `machines`, `fidelity`, `split`, `replay`, or `validate` instead
        |
      5 |     resolutoin: (width: 16, height: 16),
        |     ^

@@ -9,6 +9,7 @@ mod dram_rows;
 mod hit_rates;
 mod over_frames;
 mod saving;
+mod split;
 pub mod stress;
 pub mod sweep;
 mod tradeoff;
@@ -23,8 +24,16 @@ use super::pictures::file_name;
 use super::summary::{MachineRun, MachineSummary, Summary};
 
 /// All plots, in the page's order.
-pub const PLOTS: [Plot; 7] =
-    [saving::PLOT, tradeoff::PLOT, wrong::PLOT, bytes::PLOT, hit_rates::PLOT, utilization::PLOT, dram_rows::PLOT];
+pub const PLOTS: [Plot; 8] = [
+    saving::PLOT,
+    tradeoff::PLOT,
+    wrong::PLOT,
+    split::PLOT,
+    bytes::PLOT,
+    hit_rates::PLOT,
+    utilization::PLOT,
+    dram_rows::PLOT,
+];
 
 /// A plot.
 pub struct Plot {

@@ -2,18 +2,19 @@
 
 use super::bars::{Bar, BarChart, Group, Segment};
 use super::canvas::{DrawError, class_color};
+use crate::quantity::Bytes;
 use crate::report::format::{change, or_absent, percent, words};
 use crate::report::sweep::{SweepPoint, SweepSummary};
 use crate::stats::TrafficClass;
 
 /// The plot.
 pub fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
-    let of_off = |point: &SweepPoint, bytes: u64| bytes as f64 / point.dram[0].0.max(1) as f64;
+    let of_off = |point: &SweepPoint, bytes: u64| bytes as f64 / point.split.dram[0].0.max(1) as f64;
     let mut groups: Vec<Group> = Vec::new();
     let mut seen: Vec<TrafficClass> = Vec::new();
     for point in &summary.points {
         let name = format!("{}, {}", point.machine, point.policy);
-        let segment = |&(class, bytes): &(TrafficClass, crate::quantity::Bytes)| {
+        let segment = |(&class, &bytes): (&TrafficClass, &Bytes)| {
             if !seen.contains(&class) {
                 seen.push(class);
             }
@@ -21,18 +22,18 @@ pub fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
         };
         let note = format!(
             "{}, cycles {}, hits {}",
-            or_absent(change(point.dram[0].0 as f64, point.dram[2].0 as f64), |it| it),
-            or_absent(change(point.cycles[0] as f64, point.cycles[2] as f64), |it| it),
-            or_absent(point.word_hit_rate, percent),
+            or_absent(change(point.split.dram[0].0 as f64, point.split.dram[2].0 as f64), |it| it),
+            or_absent(change(point.split.cycles[0] as f64, point.split.cycles[2] as f64), |it| it),
+            or_absent(point.split.word_hit_rate, percent),
         );
-        let bar = Bar { name: point.label(), segments: point.classes.iter().map(segment).collect(), note };
+        let bar = Bar { name: point.label(), segments: point.bytes.iter().map(segment).collect(), note };
         match groups.iter_mut().find(|group| group.name == name) {
             Some(group) => group.bars.push(bar),
             None => groups.push(Group { name, bars: vec![bar] }),
         }
     }
     seen.sort();
-    let most = summary.points.iter().map(|point| of_off(point, point.dram[2].0)).fold(1.0, f64::max);
+    let most = summary.points.iter().map(|point| of_off(point, point.split.dram[2].0)).fold(1.0, f64::max);
     let chart = BarChart {
         title: format!("DRAM traffic at every point, {}", summary.scene),
         subtitle: "bars: bytes by class; at their ends: change of bytes and of cycles against no culling, hit rate of words and counters".into(),

@@ -1,0 +1,60 @@
+//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were done before
+//! the next one began. It depends on the machine's memory layout, on no cache and no time.
+
+use super::work::{Holder, Kind, Work, stores_as_recorded};
+use crate::machine::layout::Layout;
+use crate::machine::{MachineSpec, SpecError};
+use crate::quantity::LineAddr;
+use crate::stream::{Decision, Header, Item, RayKind, Step};
+
+/// The line stream of the L1s of one kind of units.
+#[derive(Clone, Debug)]
+pub struct LineStream {
+    kind: Kind,
+    layout: Layout,
+}
+
+impl LineStream {
+    /// Of the L1s that reports call `cache`, for a stream that has not begun.
+    ///
+    /// # Errors
+    /// There are no such L1s, or the machine does not access stores as the stream records it.
+    pub fn new(machine: &MachineSpec, header: &Header, cache: &str) -> Result<Self, SpecError> {
+        let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.names().1 == cache) else {
+            let known = Kind::ALL.map(|kind| kind.names().1).join(", ");
+            return Err(SpecError::new(format!("there is no L1 called `{cache}`: {known} are")));
+        };
+        if !stores_as_recorded(machine) {
+            let what = "lines are known in the order of the stream only with `place: Own`, `register: 0` and `frame_end: List` of \
+                        `shadow_cache`";
+            return Err(SpecError::new(what));
+        }
+        Ok(Self { kind, layout: Layout::new(header, machine) })
+    }
+
+    /// The next item of the stream: `access` is told each line that it asks the cache for, and whether it is written.
+    pub fn item(&mut self, item: &Item, mut access: impl FnMut(LineAddr, bool)) {
+        match item {
+            Item::Frame(info) => self.layout.begin_frame(info),
+            Item::Rays(chunk) => {
+                for ray in chunk.rays() {
+                    if ray.head.decision != Decision::Skip {
+                        self.steps(ray.packed_path(), Holder::Traversal, ray.head.kind, &mut access);
+                    }
+                    self.steps(ray.packed_policy(), Holder::ShadowCache, ray.head.kind, &mut access);
+                }
+            }
+            Item::End { policy, .. } => self.steps(policy, Holder::ShadowCache, RayKind::Primary, &mut access),
+        }
+    }
+
+    fn steps(&self, words: &[u32], holder: Holder, ray: RayKind, access: &mut impl FnMut(LineAddr, bool)) {
+        let steps = words.iter().filter_map(|&word| Step::unpack(word));
+        for work in steps.map(|step| Work::of(step, holder, ray, &self.layout)).filter(|work| work.kind == self.kind) {
+            for element in work.elements() {
+                let (first, lines) = self.layout.lines(&element);
+                (first.0..first.0 + lines).for_each(|line| access(LineAddr(line), element.write));
+            }
+        }
+    }
+}

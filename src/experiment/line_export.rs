@@ -1,0 +1,56 @@
+//! The lines that a cache is asked for, in a file that cache simulators read.
+
+use std::io;
+use std::path::Path;
+
+use super::text_file::TextFile;
+use crate::engine::LineStream;
+use crate::machine::{MachineSpec, SpecError};
+use crate::stream::{Header, Item};
+
+/// Writes the line stream of an L1 in Dinero's form: `0 ADDRESS` for a read, `1 ADDRESS` for a write, in hexadecimal.
+pub struct LineExport {
+    lines: LineStream,
+    line_bytes: u64,
+    file: TextFile,
+    failed: Option<io::Error>,
+}
+
+/// Why lines cannot be exported.
+#[derive(Debug, thiserror::Error)]
+pub enum LineExportError {
+    /// There are none.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The file cannot be written.
+    #[error(transparent)]
+    File(#[from] io::Error),
+}
+
+impl LineExport {
+    /// Begins the file, for the L1s that reports call `cache`.
+    ///
+    /// # Errors
+    /// There is no such cache, or the file cannot be written.
+    pub fn create(machine: &MachineSpec, header: &Header, cache: &str, path: &Path) -> Result<Self, LineExportError> {
+        let lines = LineStream::new(machine, header, cache)?;
+        let file = TextFile::create(path)?;
+        Ok(Self { lines, line_bytes: machine.line_bytes.get(), file, failed: None })
+    }
+
+    /// The next item of the stream. What goes wrong is told by [`LineExport::finish`].
+    pub fn item(&mut self, item: &Item) {
+        let Self { lines, line_bytes, file, failed } = self;
+        lines.item(item, |line, write| {
+            if failed.is_none() {
+                *failed = file.line(format_args!("{} {:x}", u8::from(write), line.0 * *line_bytes)).err();
+            }
+        });
+    }
+
+    /// Puts the file into its place.
+    pub fn finish(self) -> io::Result<()> {
+        self.failed.map_or(Ok(()), Err)?;
+        self.file.finish()
+    }
+}

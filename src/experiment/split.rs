@@ -1,0 +1,47 @@
+//! The machines whose replays, beside that of a machine as it is, tell what culling saves from what its words cost.
+
+use crate::machine::MachineSpec;
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+
+/// The machine as a stream without culling sees it: nothing reaches its shadow-cache units.
+pub fn without_unit(spec: &MachineSpec) -> MachineSpec {
+    MachineSpec { shadow_cache: ShadowCacheSpec::default(), ..spec.clone() }
+}
+
+/// The machine with words that cost nothing. Units and contexts stay: occlusion tests and decisions still need them.
+pub fn with_free_words(spec: &MachineSpec) -> MachineSpec {
+    let ShadowCacheSpec { count, latency, contexts, cache, .. } = spec.shadow_cache;
+    let unit = ShadowCacheSpec { count, latency, contexts, cache, place: Place::Free, ..ShadowCacheSpec::default() };
+    MachineSpec { shadow_cache: unit, ..spec.clone() }
+}
+
+/// What a machine is replayed for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// It is measured as it is.
+    AsItIs,
+    /// With words that cost nothing.
+    FreeWords,
+    /// Without culling and without a unit for it: what the others are split against.
+    WithoutUnit,
+}
+
+impl Role {
+    /// The machine in this role.
+    pub fn machine(self, spec: &MachineSpec) -> MachineSpec {
+        match self {
+            Self::AsItIs => spec.clone(),
+            Self::FreeWords => with_free_words(spec),
+            Self::WithoutUnit => without_unit(spec),
+        }
+    }
+
+    /// What stands behind a policy's name, for stages of a run.
+    pub fn suffix(self) -> &'static str {
+        match self {
+            Self::AsItIs => "",
+            Self::FreeWords => ", words free",
+            Self::WithoutUnit => ", no unit",
+        }
+    }
+}

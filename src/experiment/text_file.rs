@@ -1,0 +1,36 @@
+//! A file on its way that is written line by line.
+
+use std::fmt;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::new_file::NewFile;
+
+/// The file. All errors name it.
+pub struct TextFile {
+    path: PathBuf,
+    file: BufWriter<NewFile>,
+}
+
+impl TextFile {
+    /// Begins the file that is to become `path`.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        let file = NewFile::create(path).map_err(|error| cannot_write(path, &error))?;
+        Ok(Self { path: path.to_owned(), file: BufWriter::new(file) })
+    }
+
+    /// Writes a line.
+    pub fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
+        writeln!(self.file, "{line}").map_err(|error| cannot_write(&self.path, &error))
+    }
+
+    /// Puts the file into its place.
+    pub fn finish(self) -> io::Result<()> {
+        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error);
+        file.and_then(NewFile::finish).map_err(|error| cannot_write(&self.path, &error))
+    }
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("cannot write {}: {error}", path.display()))
+}

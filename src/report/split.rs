@@ -1,0 +1,118 @@
+//! What culling saves and what its words cost: three replays of a machine tell the two apart.
+
+use serde::{Deserialize, Serialize};
+
+use super::format::{bytes, change, or_absent, percent, short};
+use crate::quantity::Bytes;
+use crate::stats::{MachineStats, TrafficClass};
+use crate::stream::Totals;
+
+/// A policy on a machine, measured three times: without culling, with words that cost nothing, and as it is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Split {
+    /// Cycles without culling, with free words, and as it is.
+    pub cycles: [u64; 3],
+    /// DRAM bytes of the same three.
+    pub dram: [Bytes; 3],
+    /// DRAM bytes that culling saved, words not counted: first less second.
+    pub saved: i64,
+    /// DRAM bytes of the words' own classes.
+    pub words: u64,
+    /// DRAM bytes of other classes that the words drove out of caches.
+    pub interference: i64,
+    /// Misses of other classes in all caches that are not there with free words.
+    pub extra_misses: i64,
+    /// Hits over accesses of words and counters in the first cache that they meet; none without one.
+    pub word_hit_rate: Option<f64>,
+    /// Shadow rays asked for, and the share of them that was skipped or traced among dynamic objects only.
+    pub shadow_rays: u64,
+    /// See above.
+    pub culled: f64,
+    /// DRAM bytes a ray without culling.
+    pub bytes_per_ray: f64,
+    /// The share of shadow rays that must be culled to save what the words cost, at that many bytes a ray.
+    pub break_even: Option<f64>,
+}
+
+const WORDS: [TrafficClass; 3] = [TrafficClass::ModeWord, TrafficClass::PixelCounter, TrafficClass::OccluderId];
+
+fn dram(stats: &MachineStats, of: impl Fn(TrafficClass) -> bool) -> u64 {
+    let classes = stats.bytes.get("dram").into_iter().flatten();
+    classes.filter(|(class, _)| of(**class)).map(|(_, bytes)| bytes.0).sum()
+}
+
+/// A column of a table of splits: its header, and its text.
+type Column = (&'static str, fn(&Split) -> String);
+
+impl Split {
+    /// The split of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
+    pub fn new([off, free, real]: [&MachineStats; 3], totals: &Totals) -> Self {
+        let all = |stats| Bytes(dram(stats, |_| true));
+        let others = |stats| dram(stats, |class| !WORDS.contains(&class)) as i64;
+        let other_misses = |stats: &MachineStats| -> i64 {
+            let classes = stats.caches.values().flatten().filter(|(class, _)| !WORDS.contains(class));
+            classes.map(|(_, counts)| counts.misses as i64).sum()
+        };
+        let word_hit_rate = ["l1_shadow_cache", "l1_intersection", "l2"].into_iter().find_map(|cache| {
+            let classes = real.caches.get(cache)?.iter().filter(|(class, _)| WORDS.contains(class));
+            let (hits, accesses) = classes.fold((0, 0), |sum, (_, it)| (sum.0 + it.hits, sum.1 + it.accesses));
+            (accesses > 0).then_some(hits as f64 / accesses as f64)
+        });
+        let words = dram(real, |class| WORDS.contains(&class));
+        let (saved, interference) = (others(off) - others(free), others(real) - others(free));
+        let bytes_per_ray = all(off).0 as f64 / off.rays.max(1) as f64;
+        let culled = totals.shadow_rays_skipped + totals.shadow_rays_dynamic_only;
+        let possible = bytes_per_ray * totals.shadow_rays as f64;
+        Self {
+            cycles: [off, free, real].map(|stats| stats.cycles.0),
+            dram: [off, free, real].map(all),
+            saved,
+            words,
+            interference,
+            extra_misses: other_misses(real) - other_misses(free),
+            word_hit_rate,
+            shadow_rays: totals.shadow_rays,
+            culled: culled as f64 / totals.shadow_rays.max(1) as f64,
+            bytes_per_ray,
+            break_even: (possible > 0.0).then(|| (words as i64 + interference) as f64 / possible),
+        }
+    }
+
+    /// The columns of a table for people.
+    pub const COLUMNS: [Column; 9] = [
+        ("cycles", |it| or_absent(change(it.cycles[0] as f64, it.cycles[2] as f64), |it| it)),
+        ("DRAM", |it| or_absent(change(it.dram[0].0 as f64, it.dram[2].0 as f64), |it| it)),
+        ("saved", |it| signed(it.saved)),
+        ("words", |it| bytes(Bytes(it.words))),
+        ("interference", |it| signed(it.interference)),
+        ("extra misses", |it| short(it.extra_misses as f64).replace('-', "\u{2212}")),
+        ("word hits", |it| or_absent(it.word_hit_rate, percent)),
+        ("culled", |it| percent(it.culled)),
+        ("break-even", |it| or_absent(it.break_even, percent)),
+    ];
+
+    /// The columns of a CSV.
+    pub const FIELDS: [Column; 15] = [
+        ("cycles_off", |it| it.cycles[0].to_string()),
+        ("cycles_free_words", |it| it.cycles[1].to_string()),
+        ("cycles", |it| it.cycles[2].to_string()),
+        ("dram_bytes_off", |it| it.dram[0].to_string()),
+        ("dram_bytes_free_words", |it| it.dram[1].to_string()),
+        ("dram_bytes", |it| it.dram[2].to_string()),
+        ("saved_bytes", |it| it.saved.to_string()),
+        ("word_bytes", |it| it.words.to_string()),
+        ("interference_bytes", |it| it.interference.to_string()),
+        ("extra_misses", |it| it.extra_misses.to_string()),
+        ("word_hit_rate", |it| it.word_hit_rate.map_or_else(String::new, |rate| rate.to_string())),
+        ("shadow_rays", |it| it.shadow_rays.to_string()),
+        ("culled_share", |it| it.culled.to_string()),
+        ("dram_bytes_per_ray_off", |it| it.bytes_per_ray.to_string()),
+        ("break_even_share", |it| it.break_even.map_or_else(String::new, |share| share.to_string())),
+    ];
+}
+
+/// An amount of data that may be below zero.
+pub fn signed(value: i64) -> String {
+    let sign = if value < 0 { "\u{2212}" } else { "" };
+    format!("{sign}{}", bytes(Bytes(value.unsigned_abs())))
+}
