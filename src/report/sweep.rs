@@ -126,7 +126,8 @@ fn hit_rates(summary: &SweepSummary) -> Vec<(String, Grid)> {
         let head = NAMES.into_iter().map(str::to_owned).chain(named).collect();
         (words(cache), Grid { head, names: 3, rows: summary.points.iter().map(row).collect() })
     };
-    let caches: BTreeSet<&String> = summary.points.iter().flat_map(|point| point.hit_rate.keys()).collect();
+    let used = summary.points.iter().flat_map(|point| &point.hit_rate).filter(|(_, rates)| !rates.is_empty());
+    let caches: BTreeSet<&String> = used.map(|(cache, _)| cache).collect();
     caches.into_iter().map(of_cache).collect()
 }
 
