@@ -69,7 +69,7 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
-        /// The rung: Bound, Functional, Event, Cycle (plain, slow, the same numbers), or Sampled(engine: Event, rate: 0.05)
+        /// The rung: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), or Sampled(engine: Event, rate: 0.05)
         #[arg(long, value_name = "RUNG", default_value_t)]
         fidelity: Fidelity,
         /// Write all measurements to this file too, as JSON

@@ -22,6 +22,7 @@ pub struct Lines(Vec<u64>);
 
 impl Lines {
     /// Touches a line; whether it is the first time.
+    #[inline]
     pub fn touch(&mut self, line: u64) -> bool {
         let word = (line / 64) as usize;
         if word >= self.0.len() {
@@ -216,7 +217,10 @@ impl Bound {
         let counted = &mut self.work[work.kind as usize];
         counted.operations += operations;
         counted.all_operations += operations;
-        work.elements().for_each(|element| self.touch(work.kind, &element));
+        self.touch(work.kind, &work.first);
+        if let Some(second) = &work.second {
+            self.touch(work.kind, second);
+        }
         if matches!(work.kind, Kind::List | Kind::Intersection) {
             self.work[work.kind as usize].held += held;
         }

@@ -48,6 +48,8 @@ pub enum Sampled {
 pub enum Fidelity {
     /// Closed forms that no machine can beat.
     Bound,
+    /// Exact contents of caches in an order that stands for the machine's, and time by what is free when.
+    Profile,
     /// Real tags and DRAM, units that are times from which on they are free.
     Functional,
     /// A part acts only in cycles in which it has something to do: the rules of MODEL.md, fast.
@@ -69,7 +71,7 @@ pub enum Fidelity {
 
 impl Fidelity {
     /// The rungs that need no numbers.
-    pub const RUNGS: [Self; 4] = [Self::Bound, Self::Functional, Self::Event, Self::Cycle];
+    pub const RUNGS: [Self; 5] = [Self::Bound, Self::Profile, Self::Functional, Self::Event, Self::Cycle];
 
     /// Whether it measures machines wherever their words are kept, and if they are free.
     pub fn knows_all_placements(self) -> bool {
@@ -87,6 +89,7 @@ impl fmt::Display for Fidelity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Bound => f.write_str("Bound"),
+            Self::Profile => f.write_str("Profile"),
             Self::Functional => f.write_str("Functional"),
             Self::Event => f.write_str("Event"),
             Self::Cycle => f.write_str("Cycle"),
@@ -107,7 +110,7 @@ impl FromStr for Fidelity {
     fn from_str(text: &str) -> Result<Self, String> {
         ron::from_str(text).map_err(|error| {
             format!(
-                "`{text}` is no fidelity ({}): Bound, Functional, Event, Cycle and Sampled(engine: Event, rate: 0.05) are",
+                "`{text}` is no fidelity ({}): Bound, Profile, Functional, Event, Cycle and Sampled(engine: Event, rate: 0.05) are",
                 error.code
             )
         })
@@ -126,7 +129,7 @@ mod tests {
             assert_eq!(fidelity.to_string().parse(), Ok(fidelity));
         }
         for text in ["", "event", "Sampled", "Sampled(engine: Cycle, rate: 0.1)", "Sampled(engine: Event, rate: 0)"] {
-            assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Functional, Event"), "{text}");
+            assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Profile, Functional, Event"), "{text}");
         }
     }
 }

@@ -3,12 +3,15 @@
 mod bound;
 mod check;
 mod cycle;
+mod dispatch;
 mod event;
 mod feed;
 mod fidelity;
 mod functional;
+mod host;
 mod lines;
 mod observe;
+mod profile;
 pub mod sampling;
 mod tally;
 #[cfg(test)]
@@ -107,12 +110,16 @@ pub fn run<E>(
     machine.check_stream(header)?;
     match fidelity {
         Fidelity::Bound => bound::run(machine, header, items),
-        Fidelity::Functional | Fidelity::Sampled { engine: Sampled::Functional, .. }
+        Fidelity::Profile | Fidelity::Functional | Fidelity::Sampled { engine: Sampled::Functional, .. }
             if !stores_as_recorded(machine) =>
         {
-            let what = "`Functional` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, Event \
-                        and Cycle are allowed";
+            let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with \
+                        others, Event and Cycle are allowed";
             Err(SpecError::new(what).into())
+        }
+        Fidelity::Profile => {
+            let stats = whole(&mut profile::Profile::new(machine, header), machine, header, items, None)?;
+            Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
         Fidelity::Functional => {
             let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items, None)?;

@@ -17,6 +17,13 @@ pub type PerClass<T> = [T; TrafficClass::ALL.len()];
 /// Cycles a cause, at the places of their discriminants.
 pub type PerCause = [u64; Cause::ALL.len()];
 
+/// So many busy cycles; of others nothing is known.
+pub fn busy(cycles: u64) -> PerCause {
+    let mut causes = PerCause::default();
+    causes[Cause::Busy as usize] = cycles;
+    causes
+}
+
 /// What a unit with an L1 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct UnitTally {

@@ -17,6 +17,16 @@ pub enum Holder {
     ShadowCache,
 }
 
+impl Holder {
+    /// The kind of units that it is.
+    pub fn kind(self) -> Kind {
+        match self {
+            Self::Traversal => Kind::Traversal,
+            Self::ShadowCache => Kind::ShadowCache,
+        }
+    }
+}
+
 /// Kinds of units, in the order of [`super::tally::Tally::units`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
@@ -123,12 +133,10 @@ pub struct Work {
 
 impl Work {
     /// What `step` of a ray of kind `ray` asks for while `holder` has the ray.
+    #[inline]
     pub fn of(step: Step, holder: Holder, ray: RayKind, layout: &Layout) -> Self {
         let one = |kind, first| Self { kind, first, second: None, divides: false };
-        let holders = match holder {
-            Holder::Traversal => Kind::Traversal,
-            Holder::ShadowCache => Kind::ShadowCache,
-        };
+        let holders = holder.kind();
         match (step, holder) {
             (Step::Node(node), _) => one(holders, layout.node(node)),
             (Step::Triangle { slot, stop }, _) => Self {
@@ -149,10 +157,5 @@ impl Work {
     /// Operations begun for the step.
     pub fn operations(&self) -> u64 {
         1 + u64::from(self.second.is_some())
-    }
-
-    /// The elements in order.
-    pub fn elements(&self) -> impl Iterator<Item = Element> + use<> {
-        [Some(self.first), self.second].into_iter().flatten()
     }
 }

@@ -49,6 +49,7 @@ impl Array {
         self.static_count + self.dynamic_count
     }
 
+    #[inline]
     fn addr(&self, index: u32) -> Addr {
         let index = u64::from(index);
         Addr(match index.checked_sub(self.static_count) {
@@ -122,6 +123,7 @@ impl Layout {
     }
 
     /// The lines that `element` lies in: the first, and how many.
+    #[inline]
     pub fn lines(&self, element: &Element) -> (LineAddr, u64) {
         let first = element.addr.0 >> self.line_shift;
         let last = (element.addr.0 + element.bytes - 1) >> self.line_shift;
@@ -129,6 +131,7 @@ impl Layout {
     }
 
     /// Checks that what `step` names exists.
+    #[inline]
     pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
         let (what, index, len) = match step {
             Step::Node(NodeId(index)) => ("node", index, self.nodes.len()),
@@ -147,21 +150,25 @@ impl Layout {
     }
 
     /// The node.
+    #[inline]
     pub fn node(&self, NodeId(index): NodeId) -> Element {
         self.element(&self.nodes, index, TrafficClass::Node, false)
     }
 
     /// The list entry.
+    #[inline]
     pub fn list_entry(&self, ListId(index): ListId) -> Element {
         self.element(&self.lists, index, TrafficClass::List, false)
     }
 
     /// The first part of a triangle record.
+    #[inline]
     pub fn plane(&self, TriangleSlot(index): TriangleSlot) -> Element {
         Element { bytes: PLANE_BYTES, ..self.element(&self.triangles, index, TrafficClass::Triangle, false) }
     }
 
     /// The second part of a triangle record.
+    #[inline]
     pub fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
         let record = self.element(&self.triangles, index, TrafficClass::Triangle, false);
         Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
@@ -188,6 +195,7 @@ impl Layout {
         &self.stores
     }
 
+    #[inline]
     fn element(&self, array: &Array, index: u32, class: TrafficClass, write: bool) -> Element {
         Element { addr: array.addr(index), bytes: array.element, class, write }
     }

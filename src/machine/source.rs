@@ -95,6 +95,7 @@ pub fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
 }
 
 /// The step that `word` stands for, if it is one and what it names exists.
+#[inline]
 pub fn check_step(word: u32, layout: &Layout) -> Result<Step, StreamFault> {
     let step = Step::unpack(word).ok_or(StreamFault::NotAStep(word))?;
     layout.check(step)?;

@@ -42,9 +42,10 @@ impl State {
     }
 
     /// Line `way` of set number `set`, whose lines are `lines`, was used.
+    #[inline]
     pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
-            Self::Order { on_use: true } => lines[..=way].rotate_right(1),
+            Self::Order { on_use: true } => to_front(lines, way),
             Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
             Self::Order { on_use: false } | Self::Random { .. } => {}
         }
@@ -53,7 +54,7 @@ impl State {
     /// Line `way` of set number `set`, whose lines are `lines`, was filled.
     pub(super) fn filled(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
-            Self::Order { .. } => lines[..=way].rotate_right(1),
+            Self::Order { .. } => to_front(lines, way),
             Self::Tree { bits } => point_away(&mut bits[set], way, lines.len()),
             Self::Random { fills, .. } => *fills += 1,
         }
@@ -73,6 +74,16 @@ impl State {
             Self::Random { seed, fills } => (mix(seed ^ mix(*fills)) % ways as u64) as usize,
         }
     }
+}
+
+/// Brings line `way` to the front. Most uses are of the first few lines.
+#[inline]
+fn to_front(lines: &mut [u64], way: usize) {
+    let line = lines[way];
+    for place in (0..way).rev() {
+        lines[place + 1] = lines[place];
+    }
+    lines[0] = line;
 }
 
 /// Sets the bits on the way from the root to `way` so that they point to the other side.

@@ -84,6 +84,7 @@ impl TagArray {
     }
 
     /// Uses `line`, which makes it dirty if `write`; whether it was there.
+    #[inline]
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
         if self.is_ideal() {
             return true;

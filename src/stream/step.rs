@@ -86,6 +86,7 @@ impl Step {
     }
 
     /// The step that `word` stands for; `None` if its tag is of no step.
+    #[inline]
     pub fn unpack(word: u32) -> Option<Self> {
         const STOPS: [Stop; 3] = [Stop::Plane, Stop::Edges, Stop::Hit];
         const STORES: [Store; 3] = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
@@ -108,6 +109,7 @@ impl Step {
     }
 
     /// The entry of a store that the step is of.
+    #[inline]
     pub fn entry(self) -> Option<(Store, u32)> {
         match self {
             Self::Read { store, index } | Self::Write { store, index } | Self::Update { store, index } => {
@@ -123,6 +125,7 @@ impl Step {
     }
 
     /// Whether a ray's path can hold the step.
+    #[inline]
     pub fn is_traversal(self) -> bool {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })
     }

@@ -7,30 +7,25 @@
 
 mod below;
 mod calendar;
-mod host;
 mod station;
-
-use std::collections::VecDeque;
-use std::sync::Arc;
 
 use self::below::{Answer, Below};
 use self::calendar::Calendar;
-use self::host::{Host, Place, Pulled, check_steps};
 use self::station::{Fetch, Fetched, Station};
+use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
-use super::tally::{PerCause, Tally};
+use super::tally::{Tally, busy};
 use super::work::{Holder, Kind, Work};
 use super::{Engine, RunError};
 use crate::machine::MachineSpec;
-use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::source::{FrameCounts, StoreWork, StreamFault};
+use crate::machine::source::StoreWork;
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::{Cause, TrafficClass};
-use crate::stream::{Decision, Header, RayKind, Step, Totals};
+use crate::stats::TrafficClass;
+use crate::stream::{Header, Step};
 
 /// What a ray does at its next event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,15 +43,8 @@ enum Stage {
 /// A ray in flight, or a step of a frame's end.
 #[derive(Clone, Debug)]
 struct Ray {
-    steps: Vec<u32>,
-    path_end: usize,
-    next: usize,
-    kind: RayKind,
-    decision: Decision,
-    place: Place,
     holder: Holder,
-    /// Its traversal unit, and the shadow-cache unit that holds it.
-    unit: u32,
+    /// The shadow-cache unit that holds it.
     policy_unit: u32,
     /// The unit that performs the step, and whether it is another than the holder.
     station: u32,
@@ -72,14 +60,7 @@ struct Ray {
 
 impl Ray {
     const IDLE: Self = Self {
-        steps: Vec::new(),
-        path_end: 0,
-        next: 0,
-        kind: RayKind::Primary,
-        decision: Decision::Trace,
-        place: Place { chunk: 0, index: 0 },
         holder: Holder::Traversal,
-        unit: 0,
         policy_unit: 0,
         station: 0,
         away: false,
@@ -97,46 +78,17 @@ impl Ray {
             data_at: 0,
         },
     };
-
-    /// The next step of what its holder does; `None` after the last.
-    fn step(&self) -> Option<Step> {
-        let end = if self.holder == Holder::Traversal { self.path_end } else { self.steps.len() };
-        (self.next < end)
-            .then(|| Step::unpack(self.steps[self.next]).expect("steps are checked when a ray is handed out"))
-    }
-}
-
-/// Where the stream stands.
-#[derive(Clone, Debug)]
-enum Phase {
-    Between,
-    Open,
-    Closing(Arc<Vec<u32>>, Totals),
-    /// So many of the end's steps are begun, so many done.
-    Ending(Arc<Vec<u32>>, Totals, usize, usize),
-    Finished,
 }
 
 /// The machine, simplified.
 pub(super) struct Functional {
-    dispatcher: DispatcherSpec,
     division: DivisionSpec,
     cores: usize,
     line: Bytes,
     layout: Layout,
-    host: Host,
-    phase: Phase,
-    frame: u32,
-    pool: usize,
+    dispatch: Dispatch,
     /// The pool, then the entries for steps of a frame's end.
     rays: Vec<Ray>,
-    free: VecDeque<u32>,
-    free_entries: VecDeque<u32>,
-    free_slots: Vec<u64>,
-    next_in_turn: usize,
-    dispatch_at: u64,
-    dispatched_then: u64,
-    dispatches: u64,
     /// Units, by kind.
     stations: Vec<Station>,
     first_of_kind: [usize; Kind::ALL.len() + 1],
@@ -144,56 +96,38 @@ pub(super) struct Functional {
     divisions: Vec<(u64, u64)>,
     below: Below,
     calendar: Calendar,
-    replayed: Totals,
-    done: u64,
-    /// Whether a ray may be handed out that could not be.
-    freed: bool,
+    /// Whether the end of shading is in the calendar.
+    shading: bool,
     waiting: Vec<u32>,
 }
 
 impl Functional {
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let line = machine.line_bytes.get();
-        let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
-        let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
+        let cores = machine.cores.size();
         let (mut stations, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let spec = kind.spec(machine);
             stations.extend((0..spec.count).map(|_| Station::new(&spec, line)));
             first_of_kind[index + 1] = stations.len();
         }
+        let dispatch = Dispatch::new(machine);
+        let flights = dispatch.flights.len();
         Self {
-            dispatcher: machine.dispatcher,
             division: machine.division,
             cores,
             divisions: vec![(0, 0); cores * machine.division.count.size()],
-            pool,
             line: Bytes(line),
             layout: Layout::new(header, machine),
-            host: Host::default(),
-            phase: Phase::Between,
-            frame: 0,
-            rays: vec![Ray::IDLE; pool + entries],
-            free: (0..pool as u32).collect(),
-            free_entries: (pool as u32..(pool + entries) as u32).collect(),
-            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
-            next_in_turn: 0,
-            dispatch_at: 0,
-            dispatched_then: 0,
-            dispatches: 0,
+            rays: vec![Ray::IDLE; flights],
+            dispatch,
             stations,
             first_of_kind,
-            below: Below::new(machine, (pool + entries + 1) as u32),
+            below: Below::new(machine, flights as u32 + 1),
             calendar: Calendar::new(),
-            replayed: Totals::default(),
-            done: 0,
-            freed: false,
+            shading: false,
             waiting: Vec::new(),
         }
-    }
-
-    fn pool(&self) -> usize {
-        self.pool
     }
 
     /// The event at which parents' shading ends.
@@ -215,10 +149,9 @@ impl Functional {
 
     /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
     fn shadow_cache(&self, id: u32) -> usize {
-        let ray = &self.rays[id as usize];
         let units = self.of_kind(Kind::ShadowCache);
-        let entry = ray.steps.get(ray.next).filter(|_| !ray.undecided);
-        let entry = entry.and_then(|&word| Step::unpack(word)).and_then(Step::entry);
+        let step = self.dispatch.flights[id as usize].step(Holder::ShadowCache);
+        let entry = step.filter(|_| !self.rays[id as usize].undecided).and_then(Step::entry);
         let number = entry.map_or(u64::from(id), |(store, index)| self.layout.line_of(store, index).0);
         units.start + (number % units.len() as u64) as usize
     }
@@ -230,7 +163,7 @@ impl Functional {
         match ray.stage {
             Stage::Step => self.step(id, now),
             Stage::Second => {
-                let second = self.work(ray).second.expect("a second operation has something to fetch");
+                let second = self.work(id).second.expect("a second operation has something to fetch");
                 self.rays[id as usize].operations_left = 0;
                 self.fetch(id, station, &second, now);
             }
@@ -243,24 +176,25 @@ impl Functional {
     }
 
     /// What the ray's step asks for.
-    fn work(&self, ray: &Ray) -> Work {
-        let step = ray.step().expect("a ray that works has a step");
-        Work::of(step, ray.holder, ray.kind, &self.layout)
+    fn work(&self, id: u32) -> Work {
+        let (flight, holder) = (&self.dispatch.flights[id as usize], self.rays[id as usize].holder);
+        let step = flight.step(holder).expect("a ray that works has a step");
+        Work::of(step, holder, flight.kind, &self.layout)
     }
 
     /// The holder looks at the ray's next step.
     fn step(&mut self, id: u32, now: u64) {
-        let ray = &mut self.rays[id as usize];
-        let Some(step) = ray.step() else {
+        let (ray, flight) = (&mut self.rays[id as usize], &self.dispatch.flights[id as usize]);
+        let Some(step) = flight.step(ray.holder) else {
             return match ray.holder {
                 Holder::Traversal => self.retire(id, now),
                 Holder::ShadowCache => self.leave_policy(id, now),
             };
         };
-        let work = Work::of(step, ray.holder, ray.kind, &self.layout);
+        let work = Work::of(step, ray.holder, flight.kind, &self.layout);
         (ray.operations_left, ray.divides) = (work.second.is_some().into(), work.divides);
         let from = match ray.holder {
-            Holder::Traversal => ray.unit as usize,
+            Holder::Traversal => flight.unit as usize,
             Holder::ShadowCache => {
                 let (unit, home) = (ray.policy_unit as usize, self.shadow_cache(id));
                 if step.entry().is_some() && home != unit {
@@ -270,13 +204,13 @@ impl Functional {
                 unit
             }
         };
-        let away = !self.of_kind(work.kind).contains(&from);
+        let away = work.kind != self.rays[id as usize].holder.kind();
         self.rays[id as usize].away = away;
         if !away {
             self.fetch(id, from, &work.first, now);
         } else {
             let units = self.of_kind(work.kind);
-            let home = (id as usize).checked_sub(self.pool()).unwrap_or(id as usize);
+            let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
             let a_core = units.len() / self.cores;
             let first = units.start + self.core(from) * a_core;
             let sender = &mut self.stations[from];
@@ -301,7 +235,7 @@ impl Functional {
 
     fn take_on(&mut self, id: u32, station: usize, at: u64) {
         if !self.of_kind(Kind::ShadowCache).contains(&station) {
-            let first = self.work(&self.rays[id as usize]).first;
+            let first = self.work(id).first;
             return self.fetch(id, station, &first, at);
         }
         let ray = &mut self.rays[id as usize];
@@ -413,47 +347,39 @@ impl Functional {
             if ray.away {
                 (ray.stage, at) = (Stage::Back, at + 1);
             }
-            count(&mut self.replayed, ray.step().expect("a ray that works has a step"), ray.holder, ray.kind);
-            ray.next += 1;
+            self.dispatch.performed(id);
         }
         self.calendar.put(at, id);
     }
 
     /// The ray's path is done.
     fn retire(&mut self, id: u32, now: u64) {
-        let ray = &mut self.rays[id as usize];
-        self.free_slots[ray.unit as usize] += 1;
-        self.freed = true;
-        if ray.path_end < ray.steps.len() {
-            ray.stage = Stage::Policy;
+        self.dispatch.left_slot(id);
+        if self.dispatch.flights[id as usize].has_policy() {
+            self.rays[id as usize].stage = Stage::Policy;
             self.calendar.put(now + 1, id);
         } else {
-            self.ray_done(id, now);
+            self.done(id, now);
         }
     }
 
     /// The ray's policy steps are done, or a step of the frame's end is.
     fn leave_policy(&mut self, id: u32, now: u64) {
         self.leave(self.rays[id as usize].policy_unit as usize, now + 1);
-        if (id as usize) < self.pool() {
-            return self.ray_done(id, now);
-        }
-        self.free_entries.push_back(id);
-        self.freed = true;
-        if let Phase::Ending(_, _, _, done) = &mut self.phase {
-            *done += 1;
-        }
+        self.done(id, now);
     }
 
-    fn ray_done(&mut self, id: u32, now: u64) {
-        self.free.push_back(id);
-        self.freed = true;
-        let ray = &self.rays[id as usize];
-        count_ray(&mut self.replayed, ray.kind, ray.decision);
-        self.done += u64::from(ray.decision != Decision::Skip);
-        let shaded = now + self.dispatcher.shading_cycles.get();
-        if self.host.done(ray.place, shaded) {
-            self.calendar.put(shaded, self.shading_ends());
+    fn done(&mut self, id: u32, now: u64) {
+        self.dispatch.done(id, now);
+        self.await_shading();
+    }
+
+    fn await_shading(&mut self) {
+        if !self.shading
+            && let Some(at) = self.dispatch.next_shaded()
+        {
+            self.shading = true;
+            self.calendar.put(at, self.shading_ends());
         }
     }
 
@@ -468,138 +394,28 @@ impl Functional {
     }
 
     fn hand_out_all<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
-        loop {
-            match &mut self.phase {
-                Phase::Between | Phase::Open if self.host.wants_rays() => match self.host.pull(feed)? {
-                    Pulled::Rays => {}
-                    Pulled::Frame(info) => {
-                        self.layout.begin_frame(&info);
-                        let first = self.layout.dynamic_part();
-                        self.stations.iter_mut().for_each(|station| station.drop_from(first));
-                        self.below.drop_from(first);
-                        (self.phase, self.frame) = (Phase::Open, info.number);
-                    }
-                    Pulled::End(steps, totals) => {
-                        check_steps(&steps, &self.layout)?;
-                        self.phase = Phase::Closing(steps, totals);
-                    }
-                    Pulled::Nothing => self.phase = Phase::Finished,
-                },
-                Phase::Closing(steps, totals) if self.host.is_empty() && self.free.len() == self.pool => {
-                    self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
+        while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
+            let (id, at, holder, stage) = match given {
+                Given::Frame => {
+                    let first = self.layout.dynamic_part();
+                    self.stations.iter_mut().for_each(|station| station.drop_from(first));
+                    self.below.drop_from(first);
+                    continue;
                 }
-                Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
-                    let machine = std::mem::take(&mut self.replayed);
-                    let stores = StoreWork::default();
-                    feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
-                    self.phase = Phase::Between;
-                }
-                Phase::Ending(steps, _, begun, _) => {
-                    let Some(&step) = steps.get(*begun) else { return Ok(()) };
-                    let Some(id) = self.free_entries.pop_front() else { return Ok(()) };
-                    *begun += 1;
-                    let ray = &mut self.rays[id as usize];
-                    (ray.path_end, ray.next, ray.undecided, ray.holder) = (0, 0, false, Holder::ShadowCache);
-                    ray.steps.clear();
-                    ray.steps.push(step);
-                    self.arrive(id, self.shadow_cache(id), at + 1);
-                }
-                _ => {
-                    if !self.hand_out(at)? {
-                        return Ok(());
-                    }
-                }
-            }
+                Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
+                Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
+            };
+            let ray = &mut self.rays[id as usize];
+            (ray.holder, ray.stage, ray.undecided) = (holder, stage, matches!(given, Given::Skipped(..)));
+            self.calendar.put(at, id);
         }
-    }
-
-    /// Hands out the next ray; whether there was one, and a place for it.
-    fn hand_out(&mut self, at: u64) -> Result<bool, StreamFault> {
-        let Some(place) = self.host.candidate() else { return Ok(false) };
-        let Some(&id) = self.free.front() else { return Ok(false) };
-        let source = self.host.chunk(place).ray(place.index as usize);
-        let skipped = source.head.decision == Decision::Skip;
-        let units = self.free_slots.len();
-        let (cores, a_core) = (self.cores, units / self.cores);
-        let unit = |turn: usize| turn % cores * a_core + turn / cores;
-        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
-        let turn = if skipped { None } else { in_turn.find(|&turn| self.free_slots[unit(turn)] > 0) };
-        if !skipped && turn.is_none() {
-            return Ok(false);
-        }
-        let ray = &mut self.rays[id as usize];
-        ray.steps.clear();
-        ray.steps.extend_from_slice(source.packed_path());
-        ray.steps.extend_from_slice(source.packed_policy());
-        check_steps(&ray.steps, &self.layout)?;
-        if source.path().any(|step| !step.is_traversal()) {
-            return Err(StreamFault::Ray { index: place.index as usize, fault: "has a policy step in its path" });
-        }
-        (ray.path_end, ray.next, ray.place) = (source.packed_path().len(), 0, place);
-        (ray.kind, ray.decision, ray.undecided) = (source.head.kind, source.head.decision, skipped);
-        (ray.unit, ray.holder) = (u32::MAX, Holder::Traversal);
-        if self.dispatch_at < at {
-            (self.dispatch_at, self.dispatched_then) = (at, 0);
-        } else if self.dispatched_then == self.dispatcher.per_cycle.get() * self.cores as u64 {
-            (self.dispatch_at, self.dispatched_then) = (self.dispatch_at + 1, 0);
-        }
-        self.dispatched_then += 1;
-        self.dispatches += u64::from(self.dispatched_then == 1);
-        match turn {
-            None => {
-                ray.stage = Stage::Policy;
-                self.calendar.put(self.dispatch_at + 1, id);
-            }
-            Some(turn) => {
-                let unit = unit(turn);
-                (ray.unit, ray.stage) = (unit as u32, Stage::Step);
-                self.free_slots[unit] -= 1;
-                self.next_in_turn = (turn + 1) % units;
-                self.calendar.put(self.dispatch_at + self.dispatcher.latency.get(), id);
-            }
-        }
-        self.free.pop_front();
-        self.host.handed_out();
-        Ok(true)
+        Ok(())
     }
 
     fn is_over(&self) -> bool {
-        matches!(self.phase, Phase::Finished)
+        self.dispatch.is_over()
             && self.below.is_idle()
             && self.stations.iter().all(|station| station.misses_under_way() == 0)
-    }
-}
-
-/// So many busy cycles; of others nothing is known.
-fn busy(cycles: u64) -> PerCause {
-    let mut causes = PerCause::default();
-    causes[Cause::Busy as usize] = cycles;
-    causes
-}
-
-/// Counts a step that was performed.
-fn count(totals: &mut Totals, step: Step, holder: Holder, kind: RayKind) {
-    match (step, holder, kind) {
-        (_, Holder::ShadowCache, _) => totals.count_policy(std::iter::once(step)),
-        (Step::List(_), ..) => totals.list_reads += 1,
-        (Step::Node(_), _, RayKind::Shadow) => totals.shadow_node_visits += 1,
-        (Step::Node(_), ..) => totals.node_visits += 1,
-        (_, _, RayKind::Shadow) => totals.shadow_triangle_tests += 1,
-        _ => totals.triangle_tests += 1,
-    }
-}
-
-/// Counts a ray that is done.
-fn count_ray(totals: &mut Totals, kind: RayKind, decision: Decision) {
-    match kind {
-        RayKind::Primary => totals.primary_rays += 1,
-        RayKind::Reflection | RayKind::Refraction => totals.secondary_rays += 1,
-        RayKind::Shadow => totals.shadow_rays += 1,
-    }
-    match decision {
-        Decision::Trace => {}
-        Decision::DynamicOnly => totals.shadow_rays_dynamic_only += 1,
-        Decision::Skip => totals.shadow_rays_skipped += 1,
     }
 }
 
@@ -614,20 +430,21 @@ impl Engine for Functional {
                 if event < rays {
                     self.ray(event, now);
                 } else if event == shading_ends {
-                    self.host.shaded(now);
-                    self.freed = true;
+                    self.shading = false;
+                    self.dispatch.shaded(now);
+                    self.await_shading();
                 } else if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
                     self.line_came(answer, now);
                 }
             }
-            if std::mem::take(&mut self.freed) {
+            if std::mem::take(&mut self.dispatch.freed) {
                 self.dispatch(now + 1, feed)?;
             }
             if self.is_over() {
                 return Ok(now + 1);
             }
         }
-        let queues = format!("rays in flight {}", self.pool() - self.free.len());
+        let queues = format!("rays in flight {}", self.dispatch.in_flight());
         Err(RunError::Deadlock { cycle: 0, queues })
     }
 
@@ -637,8 +454,8 @@ impl Engine for Functional {
             cycles,
             has_causes: false,
             stores: StoreWork::default(),
-            rays: self.done,
-            dispatcher: busy(self.dispatches),
+            rays: self.dispatch.rays_done,
+            dispatcher: busy(self.dispatch.busy),
             units: Kind::ALL.map(units),
             queues: Default::default(),
             latencies: Default::default(),

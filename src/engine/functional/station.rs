@@ -3,12 +3,12 @@
 
 use std::collections::VecDeque;
 
-use crate::engine::tally::{PerClass, UnitTally};
+use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::engine::work::KindSpec;
 use crate::machine::pipeline::{Past, WritePolicy};
 use crate::memory::cache::{BanksInUse, Cache, Fill, Lookup};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::{Cause, TrafficClass};
+use crate::stats::TrafficClass;
 
 /// A fetch under way: like the machine's, but it can be asked when its data are there.
 #[derive(Clone, Copy, Debug)]
@@ -171,10 +171,8 @@ impl Station {
 
     /// What was counted: no cause but `Busy` is known.
     pub fn tally(&self) -> UnitTally {
-        let mut causes = [0; Cause::ALL.len()];
-        causes[Cause::Busy as usize] = self.operations * self.interval;
         UnitTally {
-            causes,
+            causes: busy(self.operations * self.interval),
             cache: *self.cache.counts(),
             requested: self.requested,
             written_through: self.written_through,

@@ -32,14 +32,15 @@ fn shipped(name: &str) -> MachineSpec {
 
 /// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
 #[test]
-fn the_functional_rung_does_the_same_work_on_any_machine() {
+fn rungs_without_cycles_do_the_same_work_on_any_machine() {
     check_many(200, (machines(), streams()), |(mut machine, stream)| {
         let unit = &mut machine.shadow_cache;
         (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
         if unit.cache.contents == Contents::Ideal {
             unit.writes = WritePolicy::Back;
         }
-        let [functional, event] = ["Functional", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
+        let [profile, functional, event] =
+            ["Profile", "Functional", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
         let work = |stats: &MachineStats| {
             let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();
             let l1s = stats.caches.iter().filter(|(name, _)| name.starts_with("l1"));
@@ -47,26 +48,30 @@ fn the_functional_rung_does_the_same_work_on_any_machine() {
             let asked: Vec<_> = stats.bytes.iter().filter(|(name, _)| name.starts_with("l1")).collect();
             format!("{:?}", (stats.rays, &busy[1..], accesses, asked))
         };
-        if work(&functional) == work(&event) {
+        if [&profile, &functional].iter().all(|stats| work(stats) == work(&event)) {
             Ok(())
         } else {
-            Err(format!("Functional {}\nEvent {}", work(&functional), work(&event)))
+            Err(format!("Profile {}\nFunctional {}\nEvent {}", work(&profile), work(&functional), work(&event)))
         }
     });
 }
 
 #[test]
-fn the_functional_rung_is_close_on_the_recorded_stream() {
+fn rungs_without_cycles_are_close_on_the_recorded_stream() {
     let (header, stream) = quickstart();
     for name in ["small", "desktop"] {
         let machine = shipped(name);
-        let [functional, event] = ["Functional", "Event"].map(|rung| on(&machine, &header, rung, &stream));
-        assert_eq!(functional.accuracy, Accuracy::Bounded);
-        let apart = |a: u64, b: u64| (a as f64 / b as f64 - 1.0).abs();
-        assert!(apart(functional.cycles.0, event.cycles.0) < 0.03, "{name}: {} {}", functional.cycles, event.cycles);
-        for level in ["l2", "dram"] {
-            let [ours, theirs] = [&functional, &event].map(|stats| stats.moved(level).0);
-            assert!(apart(ours, theirs) < 0.03, "{name}, {level}: {ours} {theirs}");
+        let event = on(&machine, &header, "Event", &stream);
+        // On `small` the DRAM's bus is busy for six tenths of the time here: that is where the profile rung is weakest.
+        for (rung, most) in [("Profile", 0.1), ("Functional", 0.03)] {
+            let found = on(&machine, &header, rung, &stream);
+            assert_eq!(found.accuracy, Accuracy::Bounded);
+            let apart = |a: u64, b: u64| (a as f64 / b as f64 - 1.0).abs();
+            assert!(apart(found.cycles.0, event.cycles.0) < most, "{rung}, {name}: {} {}", found.cycles, event.cycles);
+            for level in ["l2", "dram"] {
+                let [ours, theirs] = [&found, &event].map(|stats| stats.moved(level).0);
+                assert!(apart(ours, theirs) < 0.03, "{rung}, {name}, {level}: {ours} {theirs}");
+            }
         }
     }
 }

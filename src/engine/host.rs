@@ -1,11 +1,10 @@
-//! Which ray comes next: the dispatcher's order without its cycles.
+//! The stream's rays as they become known: which one comes next, without cycles.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::engine::RunError;
-use crate::engine::feed::Feed;
-use crate::machine::layout::Layout;
+use super::RunError;
+use super::feed::Feed;
 use crate::machine::source::{StreamFault, parents};
 use crate::stream::{Chunk, FrameInfo, Item, Totals};
 
@@ -163,13 +162,13 @@ impl Host {
         }
     }
 
+    /// When the next parent's shading ends.
+    pub fn next_shaded(&self) -> Option<u64> {
+        self.shading.front().map(|&(at, _)| at)
+    }
+
     /// Whether no ray is known that was not handed out.
     pub fn is_empty(&self) -> bool {
         self.candidate().is_none() && self.shading.is_empty()
     }
-}
-
-/// The packed steps of `words`, all of them checked to be steps of things that are there.
-pub fn check_steps(words: &[u32], layout: &Layout) -> Result<(), StreamFault> {
-    words.iter().try_for_each(|&word| crate::machine::source::check_step(word, layout).map(drop))
 }

@@ -1,0 +1,106 @@
+//! Who acts in which cycle: each of a few numbered ones has at most one appointment. A wheel of lists, threaded through the
+//! numbers, with a heap for what lies beyond.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+/// Cycles that the wheel looks ahead, a power of two.
+const HORIZON: u64 = 1024;
+const WORDS: usize = HORIZON as usize / 64;
+const NONE: u32 = u32::MAX;
+
+/// The agenda.
+#[derive(Clone, Debug)]
+pub struct Agenda {
+    now: u64,
+    /// The first and the last of a cycle.
+    lists: Vec<(u32, u32)>,
+    /// Who comes after each.
+    next: Vec<u32>,
+    occupied: [u64; WORDS],
+    /// When, the how-manieth, who.
+    later: BinaryHeap<Reverse<(u64, u64, u32)>>,
+    put: u64,
+}
+
+impl Agenda {
+    /// Empty, in cycle 0, for numbers below `count`.
+    pub fn new(count: usize) -> Self {
+        Self {
+            now: 0,
+            lists: vec![(NONE, NONE); HORIZON as usize],
+            next: vec![NONE; count],
+            occupied: [0; WORDS],
+            later: BinaryHeap::new(),
+            put: 0,
+        }
+    }
+
+    /// `who`, who has no appointment, acts in cycle `at`, which is not over.
+    #[inline]
+    pub fn put(&mut self, at: u64, who: u32) {
+        debug_assert!(at >= self.now);
+        if at - self.now >= HORIZON {
+            self.put += 1;
+            return self.later.push(Reverse((at, self.put, who)));
+        }
+        let slot = (at % HORIZON) as usize;
+        let (first, last) = &mut self.lists[slot];
+        self.next[who as usize] = NONE;
+        if *first == NONE {
+            *first = who;
+            self.occupied[slot / 64] |= 1 << (slot % 64);
+        } else {
+            self.next[*last as usize] = who;
+        }
+        *last = who;
+    }
+
+    /// The next who acts in this cycle.
+    #[inline]
+    pub fn take(&mut self) -> Option<u32> {
+        let slot = (self.now % HORIZON) as usize;
+        let (first, _) = &mut self.lists[slot];
+        if *first == NONE {
+            return None;
+        }
+        let who = *first;
+        *first = self.next[who as usize];
+        if *first == NONE {
+            self.occupied[slot / 64] &= !(1 << (slot % 64));
+        }
+        Some(who)
+    }
+
+    /// Goes on to the next cycle in which anyone acts; `None` if nobody does.
+    pub fn turn(&mut self) -> Option<u64> {
+        let near = self.first_occupied();
+        let far = self.later.peek().map(|&Reverse((at, ..))| at);
+        self.now = match (near, far) {
+            (Some(near), Some(far)) => near.min(far),
+            (near, far) => near.or(far)?,
+        };
+        while let Some(&Reverse((at, _, who))) = self.later.peek()
+            && at == self.now
+        {
+            self.later.pop();
+            self.put(at, who);
+        }
+        Some(self.now)
+    }
+
+    fn first_occupied(&self) -> Option<u64> {
+        let start = (self.now % HORIZON) as usize;
+        let in_word = |step: usize| {
+            let word = (start / 64 + step) % WORDS;
+            let bits = match step {
+                0 => self.occupied[word] & !0 << (start % 64),
+                WORDS => self.occupied[word] & !(!0 << (start % 64)),
+                _ => self.occupied[word],
+            };
+            (bits != 0).then(|| (word * 64 + bits.trailing_zeros() as usize) as u64)
+        };
+        let slot = (0..=WORDS).find_map(in_word)?;
+        Some(self.now + (slot + HORIZON - start as u64) % HORIZON)
+    }
+}

@@ -1,0 +1,146 @@
+//! The L2: banks with real tags that take an access a cycle, in front of the DRAM.
+
+use super::dram::Dram;
+use super::level::{Found, Level};
+use super::slots::Slots;
+use crate::engine::tally::{BankTally, ChannelTally, PerClass};
+use crate::machine::MachineSpec;
+use crate::memory::bank::BankedSpec;
+use crate::memory::cache::Access;
+use crate::memory::l2::Home;
+use crate::memory::tags::Victim;
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::TrafficClass;
+
+/// A bank of the L2.
+#[derive(Clone, Debug)]
+struct Bank {
+    level: Level,
+    latency: u64,
+    accesses: Slots,
+    /// Until when the first of its queue waits for a register or target, and all behind it.
+    stalled_until: u64,
+    moved: PerClass<Bytes>,
+    reads: PerClass<u64>,
+}
+
+/// Everything below the L1s.
+#[derive(Clone, Debug)]
+pub struct Memory {
+    /// Banks of all cores, and how many a core has.
+    banks: Vec<Bank>,
+    of_core: usize,
+    homes: [Home; TrafficClass::ALL.len()],
+    dram: Dram,
+    line: Bytes,
+}
+
+impl Memory {
+    /// The memory of `machine`, empty.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let line = machine.line_bytes.get();
+        let bank = |spec: &BankedSpec| Bank {
+            level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get()),
+            latency: spec.latency.get(),
+            accesses: Slots::new(1),
+            stalled_until: 0,
+            moved: PerClass::default(),
+            reads: PerClass::default(),
+        };
+        let l2 = machine.l2.caches();
+        Self {
+            banks: (0..machine.cores.size())
+                .flat_map(|_| l2.iter().flat_map(|(_, spec)| (0..spec.banks.get()).map(|_| bank(spec))))
+                .collect(),
+            of_core: machine.l2.banks() as usize,
+            homes: machine.l2.homes(),
+            dram: Dram::new(&machine.dram, machine.clock_mhz.get(), line),
+            line: Bytes(line),
+        }
+    }
+
+    /// An L1 of core `core` asks for a line in cycle `at`; gives when it comes.
+    pub fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, at: u64) -> u64 {
+        let bytes = self.line;
+        let (bank, ready) = self.access(core, line, class, false, bytes, at);
+        let bank = &mut self.banks[bank];
+        bank.reads[class as usize] += 1;
+        ready + bank.latency + 1
+    }
+
+    /// An L1 sends `bytes` of a line down in cycle `at`.
+    pub fn write(&mut self, core: usize, line: LineAddr, class: TrafficClass, bytes: Bytes, at: u64) {
+        self.access(core, line, class, true, bytes, at);
+    }
+
+    /// The bank, and when it has the line.
+    fn access(
+        &mut self,
+        core: usize,
+        line: LineAddr,
+        class: TrafficClass,
+        write: bool,
+        bytes: Bytes,
+        at: u64,
+    ) -> (usize, u64) {
+        let index = core * self.of_core + self.homes[class as usize].bank(line);
+        let Self { banks, dram, .. } = self;
+        let bank = &mut banks[index];
+        bank.moved[class as usize] += bytes;
+        let asked = bank.accesses.take(bank.stalled_until.max(at + 1));
+        let access = if write { Access::Write } else { Access::Read };
+        let mut gone = |victim: Victim, at| {
+            dram.request(victim.line, victim.class, true, at);
+        };
+        let (at, found) = bank.level.access(line, class, access, !write, asked, &mut gone);
+        if at > asked {
+            bank.stalled_until = at;
+        }
+        let ready = match found {
+            Found::Hit => at,
+            Found::Coming(ready) => ready.max(at),
+            Found::Missing => {
+                let ready = dram.request(line, class, false, at) + 1;
+                bank.level.expect(line, class, access, ready);
+                ready
+            }
+            Found::Passed => {
+                dram.request(line, class, true, at);
+                at
+            }
+        };
+        (index, ready)
+    }
+
+    /// Everything under way comes to its end.
+    pub fn settle(&mut self) {
+        let Self { banks, dram, .. } = self;
+        for bank in banks {
+            bank.level.arrive(u64::MAX, &mut |victim, at| {
+                dram.request(victim.line, victim.class, true, at);
+            });
+        }
+    }
+
+    /// When everything under way has come to its end.
+    pub fn settled_at(&self) -> u64 {
+        let banks = self.banks.iter().map(|bank| bank.level.settled_at().max(bank.accesses.end()));
+        banks.max().unwrap_or(0).max(self.dram.settled_at())
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.banks.iter_mut().for_each(|bank| bank.level.drop_from(first));
+    }
+
+    /// What the banks counted.
+    pub fn banks(&self) -> Vec<BankTally> {
+        let tally = |bank: &Bank| BankTally { cache: *bank.level.counts(), moved: bank.moved, reads: bank.reads };
+        self.banks.iter().map(tally).collect()
+    }
+
+    /// What the channels counted in a run of `cycles`.
+    pub fn channels(&self, cycles: u64) -> Vec<ChannelTally> {
+        self.dram.tally(cycles)
+    }
+}

@@ -1,0 +1,375 @@
+//! The profile rung: exact contents of all caches, accessed in an order that stands for the machine's, and time by what is free when.
+//!
+//! A ray's step is one event, at which everything is decided: when a unit is free, which levels have the line, when it comes, and so
+//! when the ray goes on. Rays in flight are limited as in the machine and overtake each other where they wait for lines, which is
+//! what the order of accesses hangs on. Left out of MODEL.md's rules, beside what [`super::functional`] leaves out: an operation takes its
+//! place in the pipeline when it asks for data, not when it has them; the DRAM serves requests to a bank nearly as they come.
+
+mod agenda;
+mod dram;
+mod level;
+mod memory;
+mod slots;
+mod unit;
+
+use self::agenda::Agenda;
+use self::memory::Memory;
+use self::unit::Unit;
+use super::dispatch::{Dispatch, Given};
+use super::feed::Feed;
+use super::tally::{Tally, busy};
+use super::work::{Holder, Kind, Work};
+use super::{Engine, RunError};
+use crate::machine::MachineSpec;
+use crate::machine::division::DivisionSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::source::StoreWork;
+use crate::memory::dram::command::ChannelLog;
+use crate::stream::{Header, Step};
+
+/// What a ray does when it acts next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Its holder looks at its next step.
+    Step,
+    /// The first operation of its step begins, at a unit that its holder sent it to.
+    First,
+    /// The second does.
+    Second,
+    /// It comes back from a unit that its holder sent it to.
+    Back,
+    /// It comes to a shadow-cache unit.
+    Policy,
+}
+
+/// Where a ray is.
+#[derive(Clone, Copy, Debug)]
+struct Whereabouts {
+    stage: Stage,
+    holder: Holder,
+    /// The shadow-cache unit that holds it, and the unit that it was sent to.
+    policy_unit: u32,
+    away: u32,
+    /// Whether the shadow-cache unit's decision is still to come.
+    undecided: bool,
+}
+
+/// The machine, simplified.
+pub(super) struct Profile {
+    division: DivisionSpec,
+    cores: usize,
+    layout: Layout,
+    dispatch: Dispatch,
+    rays: Vec<Whereabouts>,
+    /// Units, by kind.
+    units: Vec<Unit>,
+    first_of_kind: [usize; Kind::ALL.len() + 1],
+    /// Of each division unit, when it can begin the next operation, and how many it began.
+    divisions: Vec<(u64, u64)>,
+    memory: Memory,
+    agenda: Agenda,
+    /// Whether the end of shading is on the agenda, under the number after all rays'.
+    shading: bool,
+}
+
+impl Profile {
+    pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
+        let line = machine.line_bytes.get();
+        let (mut units, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
+        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+            let spec = kind.spec(machine);
+            let core = |unit| (unit * machine.cores.get() / spec.count) as usize;
+            units.extend((0..spec.count).map(|unit| Unit::new(&spec, core(unit), line)));
+            first_of_kind[index + 1] = units.len();
+        }
+        let dispatch = Dispatch::new(machine);
+        let rays = dispatch.flights.len();
+        let idle =
+            Whereabouts { stage: Stage::Step, holder: Holder::Traversal, policy_unit: 0, away: 0, undecided: false };
+        Self {
+            division: machine.division,
+            cores: machine.cores.size(),
+            divisions: vec![(0, 0); machine.cores.size() * machine.division.count.size()],
+            layout: Layout::new(header, machine),
+            dispatch,
+            rays: vec![idle; rays],
+            units,
+            first_of_kind,
+            memory: Memory::new(machine),
+            agenda: Agenda::new(rays + 1),
+            shading: false,
+        }
+    }
+
+    fn of_kind(&self, kind: Kind) -> std::ops::Range<usize> {
+        self.first_of_kind[kind as usize]..self.first_of_kind[kind as usize + 1]
+    }
+
+    /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
+    fn shadow_cache(&self, id: u32) -> usize {
+        let units = self.of_kind(Kind::ShadowCache);
+        if units.len() == 1 {
+            return units.start;
+        }
+        let step = self.dispatch.flights[id as usize].step(Holder::ShadowCache);
+        let entry = step.filter(|_| !self.rays[id as usize].undecided).and_then(Step::entry);
+        let number = entry.map_or(u64::from(id), |(store, index)| self.layout.line_of(store, index).0);
+        units.start + (number % units.len() as u64) as usize
+    }
+
+    /// The ray acts in cycle `now`.
+    fn act(&mut self, id: u32, now: u64) {
+        match self.rays[id as usize].stage {
+            Stage::Step => self.step(id, now),
+            Stage::First => self.first(id, now),
+            Stage::Second => self.second(id, now),
+            Stage::Back => {
+                self.leave(self.rays[id as usize].away as usize, now);
+                self.step(id, now);
+            }
+            Stage::Policy => self.arrive(id, self.shadow_cache(id), now),
+        }
+    }
+
+    /// The holder looks at the ray's next step.
+    fn step(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        ray.stage = Stage::Step;
+        let flight = &self.dispatch.flights[id as usize];
+        let Some(step) = flight.step(ray.holder) else { return self.leave_holder(id, now) };
+        let holder = match ray.holder {
+            Holder::Traversal => flight.unit as usize,
+            Holder::ShadowCache => ray.policy_unit as usize,
+        };
+        let work = Work::of(step, ray.holder, flight.kind, &self.layout);
+        if work.kind != ray.holder.kind() {
+            return self.send(id, holder, work.kind, now);
+        }
+        if step.entry().is_some() && self.shadow_cache(id) != holder {
+            self.leave(holder, now + 1);
+            return self.arrive(id, self.shadow_cache(id), now + 1);
+        }
+        if let Some(end) = self.perform(id, holder, &work.first, now) {
+            self.dispatch.performed(id);
+            self.agenda.put(end, id);
+        }
+    }
+
+    /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts again then.
+    #[inline]
+    fn perform(&mut self, id: u32, unit: usize, element: &Element, at: u64) -> Option<u64> {
+        let Self { units, memory, layout, agenda, .. } = self;
+        let performer = &mut units[unit];
+        let waited = performer.stalled.front() == Some(&id);
+        if !waited && !performer.stalled.is_empty() {
+            performer.stalled.push_back(id);
+            return None;
+        }
+        match performer.perform(element, at, layout, memory) {
+            Ok(end) => {
+                if waited {
+                    performer.stalled.pop_front();
+                    performer.stalled.front().iter().for_each(|&&next| agenda.put(at, next));
+                }
+                Some(end)
+            }
+            Err(until) => {
+                if !waited {
+                    performer.stalled.push_back(id);
+                }
+                agenda.put(until, id);
+                None
+            }
+        }
+    }
+
+    /// The ray goes to the unit of another kind that performs its step.
+    fn send(&mut self, id: u32, from: usize, kind: Kind, now: u64) {
+        let units = self.of_kind(kind);
+        let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
+        let a_core = units.len() / self.cores;
+        let sender = &mut self.units[from];
+        let at = now.max(sender.send_at);
+        sender.send_at = at + 1;
+        let first = units.start + sender.core() * a_core;
+        self.arrive(id, first + home % a_core, at + 1);
+    }
+
+    /// A ray comes to a unit in cycle `at`, or later, when there is a context.
+    fn arrive(&mut self, id: u32, unit: usize, at: u64) {
+        self.rays[id as usize].away = unit as u32;
+        let arrived = &mut self.units[unit];
+        if arrived.contexts == 0 {
+            return arrived.arriving.push_back(id);
+        }
+        arrived.contexts -= 1;
+        let at = at.max(arrived.arrive_at);
+        arrived.arrive_at = at + 1;
+        let ray = &mut self.rays[id as usize];
+        if !(self.first_of_kind[Kind::ShadowCache as usize]..).contains(&unit) {
+            return self.first(id, at);
+        }
+        (ray.holder, ray.policy_unit, ray.stage) = (Holder::ShadowCache, unit as u32, Stage::Step);
+        if std::mem::take(&mut ray.undecided) {
+            let end = self.units[unit].decide(at);
+            self.agenda.put(end, id);
+        } else {
+            self.step(id, at);
+        }
+    }
+
+    /// A context is free.
+    fn leave(&mut self, unit: usize, now: u64) {
+        self.units[unit].contexts += 1;
+        if let Some(next) = self.units[unit].arriving.pop_front() {
+            self.arrive(next, unit, now);
+        }
+    }
+
+    /// What the ray's step asks for, away from its holder.
+    fn work_away(&self, id: u32) -> Work {
+        let (flight, holder) = (&self.dispatch.flights[id as usize], self.rays[id as usize].holder);
+        let step = flight.step(holder).expect("a ray that was sent away has a step");
+        Work::of(step, holder, flight.kind, &self.layout)
+    }
+
+    fn first(&mut self, id: u32, at: u64) {
+        let work = self.work_away(id);
+        self.rays[id as usize].stage = Stage::First;
+        let unit = self.rays[id as usize].away as usize;
+        let Some(end) = self.perform(id, unit, &work.first, at) else { return };
+        if work.second.is_some() {
+            self.rays[id as usize].stage = Stage::Second;
+            self.agenda.put(end, id);
+        } else {
+            self.go_back(id, &work, end);
+        }
+    }
+
+    fn second(&mut self, id: u32, at: u64) {
+        let work = self.work_away(id);
+        let second = work.second.expect("a second operation has something to fetch");
+        let unit = self.rays[id as usize].away as usize;
+        let Some(end) = self.perform(id, unit, &second, at) else { return };
+        self.go_back(id, &work, end);
+    }
+
+    fn go_back(&mut self, id: u32, work: &Work, mut end: u64) {
+        let ray = &mut self.rays[id as usize];
+        if work.divides {
+            let (core, a_core) = (self.units[ray.away as usize].core(), self.divisions.len() / self.cores);
+            let (open_at, begun) = &mut self.divisions[core * a_core + id as usize % a_core];
+            let begin = end.max(*open_at);
+            (*open_at, *begun) = (begin + self.division.interval.get(), *begun + 1);
+            end = begin + self.division.latency.get();
+        }
+        ray.stage = Stage::Back;
+        self.dispatch.performed(id);
+        self.agenda.put(end + 1, id);
+    }
+
+    /// The ray has no more steps where it is.
+    fn leave_holder(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        match ray.holder {
+            Holder::ShadowCache => {
+                let unit = ray.policy_unit as usize;
+                self.leave(unit, now + 1);
+            }
+            Holder::Traversal => {
+                self.dispatch.left_slot(id);
+                if self.dispatch.flights[id as usize].has_policy() {
+                    ray.stage = Stage::Policy;
+                    return self.agenda.put(now + 1, id);
+                }
+            }
+        }
+        self.dispatch.done(id, now);
+        self.await_shading();
+    }
+
+    fn await_shading(&mut self) {
+        if !self.shading
+            && let Some(at) = self.dispatch.next_shaded()
+        {
+            self.shading = true;
+            self.agenda.put(at, self.rays.len() as u32);
+        }
+    }
+
+    /// Hands out what can be in cycle `at`.
+    fn hand_out<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
+        while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
+            let (id, at, holder, stage) = match given {
+                Given::Frame => {
+                    let first = self.layout.dynamic_part();
+                    self.units.iter_mut().for_each(|unit| unit.drop_from(first));
+                    self.memory.drop_from(first);
+                    continue;
+                }
+                Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
+                Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
+            };
+            let undecided = matches!(given, Given::Skipped(..));
+            self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
+            self.agenda.put(at, id);
+        }
+        Ok(())
+    }
+
+    /// Everything under way comes to its end; gives when that is.
+    fn settle(&mut self, now: u64) -> u64 {
+        let units = self.units.iter().map(Unit::settled_at).max().unwrap_or(0);
+        self.units.iter_mut().for_each(|unit| unit.settle(&mut self.memory));
+        let end = now.max(units).max(self.memory.settled_at());
+        self.memory.settle();
+        end.max(self.memory.settled_at())
+    }
+}
+
+impl Engine for Profile {
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
+        let shading_ends = self.rays.len() as u32;
+        let mut last = 0;
+        self.hand_out(0, feed)?;
+        while let Some(now) = self.agenda.turn() {
+            while let Some(id) = self.agenda.take() {
+                if id == shading_ends {
+                    self.shading = false;
+                    self.dispatch.shaded(now);
+                    self.await_shading();
+                } else {
+                    self.act(id, now);
+                }
+            }
+            last = now;
+            if std::mem::take(&mut self.dispatch.freed) {
+                self.hand_out(now + 1, feed)?;
+            }
+        }
+        if !self.dispatch.is_over() {
+            let queues = format!("rays in flight {}", self.dispatch.in_flight());
+            return Err(RunError::Deadlock { cycle: last, queues });
+        }
+        Ok(self.settle(last) + 1)
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let units = |kind| self.units[self.of_kind(kind)].iter().map(Unit::tally).collect();
+        Tally {
+            cycles,
+            has_causes: false,
+            stores: StoreWork::default(),
+            rays: self.dispatch.rays_done,
+            dispatcher: busy(self.dispatch.busy),
+            units: Kind::ALL.map(units),
+            divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
+            banks: self.memory.banks(),
+            channels: self.memory.channels(cycles),
+        }
+    }
+
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,148 @@
+//! A unit as a time from which on it is free: an operation takes its place in the pipeline when it asks for its data.
+
+use std::collections::VecDeque;
+
+use super::level::{Found, Level};
+use super::memory::Memory;
+use crate::engine::tally::{PerClass, UnitTally, busy};
+use crate::engine::work::KindSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::pipeline::{Past, WritePolicy};
+use crate::memory::cache::Access;
+use crate::memory::tags::Victim;
+use crate::quantity::{Bytes, LineAddr};
+
+/// The unit.
+#[derive(Clone, Debug)]
+pub struct Unit {
+    level: Level,
+    line: Bytes,
+    ports: u64,
+    hit_latency: u64,
+    latency: u64,
+    interval: u64,
+    core: usize,
+    writes: WritePolicy,
+    free_at: u64,
+    /// When the next ray can come in, when the next can be sent on to another unit.
+    pub arrive_at: u64,
+    pub send_at: u64,
+    /// Contexts that are free, many where they are not limited, and who waits for one.
+    pub contexts: u64,
+    pub arriving: VecDeque<u32>,
+    /// Rays that wait for a miss register, that one first which is on the agenda.
+    pub stalled: VecDeque<u32>,
+    operations: u64,
+    requested: PerClass<Bytes>,
+    written_through: PerClass<Past>,
+}
+
+impl Unit {
+    /// A unit of a kind in core `core`, empty.
+    pub fn new(spec: &KindSpec, core: usize, line: u64) -> Self {
+        Self {
+            level: Level::new(
+                spec.cache.tags(line),
+                spec.cache.no_allocate,
+                spec.cache.mshrs.get(),
+                spec.cache.targets.get(),
+            ),
+            line: Bytes(line),
+            ports: spec.cache.accesses_per_cycle(),
+            hit_latency: spec.cache.latency.get(),
+            latency: spec.latency,
+            interval: spec.interval,
+            core,
+            writes: spec.writes,
+            free_at: 0,
+            arrive_at: 0,
+            send_at: 0,
+            contexts: spec.contexts.unwrap_or(u64::MAX),
+            arriving: VecDeque::new(),
+            stalled: VecDeque::new(),
+            operations: 0,
+            requested: PerClass::default(),
+            written_through: PerClass::default(),
+        }
+    }
+
+    /// An operation on `element`, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
+    /// register is free only then.
+    pub fn perform(&mut self, element: &Element, at: u64, layout: &Layout, memory: &mut Memory) -> Result<u64, u64> {
+        let (first, lines) = layout.lines(element);
+        let (class, access) = (element.class, self.writes.access(element.class, element.write));
+        let mut at = at.max(self.free_at);
+        let mut data_at = at;
+        let (size, core) = (self.line, self.core);
+        let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
+        if let Some(until) = self.level.full_until(first, at, &mut gone) {
+            return Err(until);
+        }
+        for line in first.0..first.0 + lines {
+            let line = LineAddr(line);
+            let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
+            let (when, found) = self.level.access(line, class, access, true, at, &mut gone);
+            let came = match found {
+                Found::Hit => when + self.hit_latency,
+                Found::Coming(at) => at,
+                Found::Passed => unreachable!("a ray waits for the data"),
+                Found::Missing => {
+                    let comes = memory.read(core, line, class, when);
+                    self.level.expect(line, class, access, comes);
+                    comes
+                }
+            };
+            (at, data_at) = (when, data_at.max(came));
+        }
+        self.free_at = at + lines.div_ceil(self.ports).max(self.interval);
+        self.operations += 1;
+        self.requested[class as usize] += Bytes(element.bytes);
+        if access == Access::WriteThrough {
+            let through = &mut self.written_through[class as usize];
+            through.count += 1;
+            through.bytes += Bytes(element.bytes);
+            memory.write(core, first, class, Bytes(element.bytes), data_at);
+        }
+        Ok(data_at + self.latency)
+    }
+
+    /// An operation without data; gives when it ends.
+    pub fn decide(&mut self, at: u64) -> u64 {
+        let at = at.max(self.free_at);
+        self.free_at = at + self.interval;
+        self.operations += 1;
+        at + self.latency
+    }
+
+    /// The core that the unit is of.
+    pub fn core(&self) -> usize {
+        self.core
+    }
+
+    /// Everything under way comes to its end.
+    pub fn settle(&mut self, memory: &mut Memory) {
+        let (size, core) = (self.line, self.core);
+        self.level.arrive(u64::MAX, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
+    }
+
+    /// When the last line under way comes.
+    pub fn settled_at(&self) -> u64 {
+        self.level.settled_at().max(self.free_at)
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr) {
+        self.level.drop_from(first);
+    }
+
+    /// What was counted: no cause but `Busy` is known.
+    pub fn tally(&self) -> UnitTally {
+        UnitTally {
+            causes: busy(self.operations * self.interval),
+            cache: *self.level.counts(),
+            requested: self.requested,
+            written_through: self.written_through,
+            read_straight: PerClass::default(),
+        }
+    }
+}
