@@ -9,11 +9,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
 
-use umbrasim::engine::Fidelity;
+use umbrasim::engine::{Fidelity, ReuseOf, Share};
 use umbrasim::experiment::dram_export::{DramExport, TraceFormat};
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::line_export::LineExport;
-use umbrasim::experiment::{self, Experiment, Overrides, identities, paper, replay, run, stress, sweep, trace};
+use umbrasim::experiment::{
+    self, Experiment, Overrides, identities, ladder_map, paper, replay, reuse, run, stress, sweep, trace,
+};
 use umbrasim::machine::MachineSpec;
 use umbrasim::new_file::NewFile;
 use umbrasim::quantity::Resolution;
@@ -79,6 +81,35 @@ enum Command {
         dram: DramArgs,
         #[command(flatten)]
         lines: LineArgs,
+    },
+    /// Measure, in one pass, how a recorded ray stream would miss in caches of all sizes
+    ///
+    /// The stream is replayed as by the rung Profile; what each cache of the machine is asked for gives reuse distances, and these
+    /// the misses of LRU caches of 1 kB to 16 MB in its place, by class of traffic: a table, `reuse.csv` and a plot.
+    Profile {
+        /// The stream's file, from `umbrasim trace`
+        stream: PathBuf,
+        /// The machine's file, such as configs/machines/small.ron
+        #[arg(long, value_name = "FILE")]
+        machine: PathBuf,
+        /// Measure a share of the lines only, chosen by a hash [example: 0.01]
+        #[arg(long, value_name = "SHARE")]
+        sample: Option<Share>,
+        /// With a sample: lines that are always in it, those that are asked for most often
+        #[arg(long, value_name = "LINES", default_value_t = 4096)]
+        hot: usize,
+        /// Where the report goes
+        #[arg(long, value_name = "DIR", default_value = "reports/profile")]
+        out: PathBuf,
+    },
+    /// Sweep streams made to order over what the rungs of the ladder rest on, and map where each breaks
+    ///
+    /// Skew, footprint, coherence, caches, rays in flight, miss registers and bursts: how far each rung is from Event, as a
+    /// table of the worst, `ladder.csv` and a heat map.
+    LadderMap {
+        /// Where the map goes
+        #[arg(long, value_name = "DIR", default_value = "reports/ladder_map")]
+        out: PathBuf,
     },
     /// Compare an experiment's pictures and shadow decisions with the reference renderer's, without machines
     ///
@@ -272,6 +303,24 @@ pub fn execute(cli: Cli) -> Result<u8> {
             dram.map_or(Ok(()), DramExport::finish)?;
             lines.map_or(Ok(()), LineExport::finish)?;
             json.finish(&stats)?;
+            Ok(0)
+        }
+        Command::Profile { stream, machine, sample, hot, out } => {
+            report::check_target(&out)?;
+            let spec = experiment::read_machine(&machine)?;
+            let of = sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot });
+            let summary = reuse::reuse(&spec, of, &stream)?;
+            print(report::drawn(&report::reuse::grid(&summary)))?;
+            report::reuse::write_reuse(&out, &summary)?;
+            print(out.join(report::PLOTS_FOLDER).join(report::reuse::PLOT_FILE).display())?;
+            Ok(0)
+        }
+        Command::LadderMap { out } => {
+            report::check_target(&out)?;
+            let map = ladder_map::run();
+            print(report::drawn(&report::ladder_map::grid(&map)))?;
+            report::ladder_map::write_map(&out, &map)?;
+            print(out.join(report::PLOTS_FOLDER).join(report::ladder_map::PLOT_FILE).display())?;
             Ok(0)
         }
         Command::Stress { out } => {

@@ -26,6 +26,7 @@ use self::feed::{Feed, Whole};
 pub use self::fidelity::{Fidelity, Sampled, Share};
 pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
+use self::profile::curves::{Curves, Heat};
 use self::sampling::{Plan, Sample};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
@@ -34,7 +35,7 @@ use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::Violation;
 use crate::memory::dram::spec::Model;
-use crate::stats::{Accuracy, MachineStats};
+use crate::stats::{Accuracy, MachineStats, ReuseLevel};
 use crate::stream::{Header, Item};
 
 /// Why a run ended without a result. `E` is the error of who reads the stream.
@@ -110,18 +111,13 @@ pub fn run<E>(
     machine.check_stream(header)?;
     match fidelity {
         Fidelity::Bound => bound::run(machine, header, items),
-        Fidelity::Profile | Fidelity::Functional | Fidelity::Sampled { engine: Sampled::Functional, .. }
-            if !stores_as_recorded(machine) =>
-        {
-            let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with \
-                        others, Event and Cycle are allowed";
-            Err(SpecError::new(what).into())
-        }
         Fidelity::Profile => {
+            check_stores(machine)?;
             let stats = whole(&mut profile::Profile::new(machine, header), machine, header, items, None)?;
             Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
         Fidelity::Functional => {
+            check_stores(machine)?;
             let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items, None)?;
             Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
@@ -130,11 +126,64 @@ pub fn run<E>(
         Fidelity::Sampled { engine, rate, seed } => {
             let mut sample = Sample::new(machine, header, Plan::new(rate.get(), machine, seed), items);
             match engine {
-                Sampled::Functional => sampled(&mut functional::Functional::new(machine, header), machine, &mut sample),
+                Sampled::Functional => {
+                    check_stores(machine)?;
+                    sampled(&mut functional::Functional::new(machine, header), machine, &mut sample)
+                }
                 Sampled::Event => sampled(&mut event::Event::new(machine, header), machine, &mut sample),
             }
         }
     }
+}
+
+/// Whose reuse is measured.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ReuseOf {
+    /// All lines'.
+    Everything,
+    /// That of a share by a hash, and of so many of the hottest.
+    Sample {
+        /// The share.
+        rate: Share,
+        /// Lines that are in the sample whatever their hash.
+        hot: usize,
+    },
+}
+
+/// Replays a stream as [`Fidelity::Profile`] does and measures reuse distances on the way: what the machine measured, and misses of
+/// caches of all sizes. `read` begins to read the stream: once, and for a sample once before that, to find the hottest lines.
+pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
+    machine: &MachineSpec,
+    of: ReuseOf,
+    header: &Header,
+    read: impl Fn() -> Result<I, E>,
+) -> Result<(MachineStats, Vec<ReuseLevel>), RunError<E>> {
+    machine.check()?;
+    machine.check_stream(header)?;
+    check_stores(machine)?;
+    let sample = match of {
+        ReuseOf::Everything => None,
+        ReuseOf::Sample { rate, hot } => {
+            let mut heat = Heat::new(machine, header);
+            for item in read().map_err(RunError::Source)? {
+                heat.add(&item.map_err(RunError::Source)?);
+            }
+            Some((rate.get(), heat.hottest(hot)))
+        }
+    };
+    let mut engine = profile::Profile::watched(machine, header, Curves::new(machine, sample));
+    let stats = whole(&mut engine, machine, header, read().map_err(RunError::Source)?, None)?;
+    Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
+}
+
+/// Rungs without cycles know one way to access stores.
+fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
+    if stores_as_recorded(machine) {
+        return Ok(());
+    }
+    let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
+                Event and Cycle are allowed";
+    Err(SpecError::new(what))
 }
 
 /// Replays everything, within the bounds of every machine.

@@ -158,4 +158,9 @@ impl Work {
     pub fn operations(&self) -> u64 {
         1 + u64::from(self.second.is_some())
     }
+
+    /// The elements in order.
+    pub fn elements(&self) -> impl Iterator<Item = Element> + use<> {
+        [Some(self.first), self.second].into_iter().flatten()
+    }
 }

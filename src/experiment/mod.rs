@@ -3,10 +3,12 @@
 pub mod dram_export;
 pub mod frames;
 pub mod identities;
+pub mod ladder_map;
 pub mod line_export;
 pub mod paper;
 mod progress;
 pub mod replay;
+pub mod reuse;
 pub mod run;
 pub mod spec;
 mod split;

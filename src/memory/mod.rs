@@ -8,6 +8,7 @@ pub mod l2;
 pub mod mshr;
 pub mod queue;
 pub mod replacement;
+pub mod reuse;
 pub mod tags;
 
 use crate::quantity::{Bytes, LineAddr};

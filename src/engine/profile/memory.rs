@@ -3,6 +3,7 @@
 use super::dram::Dram;
 use super::level::{Found, Level};
 use super::slots::Slots;
+use super::watch::Watch;
 use crate::engine::tally::{BankTally, ChannelTally, PerClass};
 use crate::machine::MachineSpec;
 use crate::memory::bank::BankedSpec;
@@ -26,7 +27,9 @@ struct Bank {
 
 /// Everything below the L1s.
 #[derive(Clone, Debug)]
-pub struct Memory {
+pub struct Memory<W> {
+    /// Is told of every access.
+    pub watch: W,
     /// Banks of all cores, and how many a core has.
     banks: Vec<Bank>,
     of_core: usize,
@@ -35,9 +38,9 @@ pub struct Memory {
     line: Bytes,
 }
 
-impl Memory {
+impl<W: Watch> Memory<W> {
     /// The memory of `machine`, empty.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub fn new(machine: &MachineSpec, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let bank = |spec: &BankedSpec| Bank {
             level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get()),
@@ -49,6 +52,7 @@ impl Memory {
         };
         let l2 = machine.l2.caches();
         Self {
+            watch,
             banks: (0..machine.cores.size())
                 .flat_map(|_| l2.iter().flat_map(|(_, spec)| (0..spec.banks.get()).map(|_| bank(spec))))
                 .collect(),
@@ -84,6 +88,7 @@ impl Memory {
         at: u64,
     ) -> (usize, u64) {
         let index = core * self.of_core + self.homes[class as usize].bank(line);
+        self.watch.l2(core, line, class);
         let Self { banks, dram, .. } = self;
         let bank = &mut banks[index];
         bank.moved[class as usize] += bytes;
@@ -112,11 +117,11 @@ impl Memory {
         (index, ready)
     }
 
-    /// Everything under way comes to its end.
-    pub fn settle(&mut self) {
+    /// What comes up to cycle `at` has come.
+    pub fn settle(&mut self, at: u64) {
         let Self { banks, dram, .. } = self;
         for bank in banks {
-            bank.level.arrive(u64::MAX, &mut |victim, at| {
+            bank.level.arrive(at, &mut |victim, at| {
                 dram.request(victim.line, victim.class, true, at);
             });
         }
@@ -128,8 +133,10 @@ impl Memory {
         banks.max().unwrap_or(0).max(self.dram.settled_at())
     }
 
-    /// A frame begins: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    /// A frame begins in cycle `at`: lines from `first` on go.
+    pub fn drop_from(&mut self, first: LineAddr, at: u64) {
+        self.settle(at);
+        self.watch.drop_from(first);
         self.banks.iter_mut().for_each(|bank| bank.level.drop_from(first));
     }
 

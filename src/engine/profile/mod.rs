@@ -6,15 +6,18 @@
 //! place in the pipeline when it asks for data, not when it has them; the DRAM serves requests to a bank nearly as they come.
 
 mod agenda;
+pub(super) mod curves;
 mod dram;
 mod level;
 mod memory;
 mod slots;
 mod unit;
+mod watch;
 
 use self::agenda::Agenda;
 use self::memory::Memory;
 use self::unit::Unit;
+use self::watch::Watch;
 use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
 use super::tally::{Tally, busy};
@@ -55,7 +58,7 @@ struct Whereabouts {
 }
 
 /// The machine, simplified.
-pub(super) struct Profile {
+pub(super) struct Profile<W = ()> {
     division: DivisionSpec,
     cores: usize,
     layout: Layout,
@@ -66,7 +69,7 @@ pub(super) struct Profile {
     first_of_kind: [usize; Kind::ALL.len() + 1],
     /// Of each division unit, when it can begin the next operation, and how many it began.
     divisions: Vec<(u64, u64)>,
-    memory: Memory,
+    memory: Memory<W>,
     agenda: Agenda,
     /// Whether the end of shading is on the agenda, under the number after all rays'.
     shading: bool,
@@ -74,12 +77,21 @@ pub(super) struct Profile {
 
 impl Profile {
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
+        Self::watched(machine, header, ())
+    }
+}
+
+impl<W: Watch> Profile<W> {
+    /// The machine, whose accesses `watch` is told of.
+    pub(super) fn watched(machine: &MachineSpec, header: &Header, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let (mut units, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
         for (index, kind) in Kind::ALL.into_iter().enumerate() {
             let spec = kind.spec(machine);
             let core = |unit| (unit * machine.cores.get() / spec.count) as usize;
-            units.extend((0..spec.count).map(|unit| Unit::new(&spec, core(unit), line)));
+            for unit in 0..spec.count {
+                units.push(Unit::new(&spec, units.len(), core(unit), line));
+            }
             first_of_kind[index + 1] = units.len();
         }
         let dispatch = Dispatch::new(machine);
@@ -95,7 +107,7 @@ impl Profile {
             rays: vec![idle; rays],
             units,
             first_of_kind,
-            memory: Memory::new(machine),
+            memory: Memory::new(machine, watch),
             agenda: Agenda::new(rays + 1),
             shading: false,
         }
@@ -303,8 +315,8 @@ impl Profile {
             let (id, at, holder, stage) = match given {
                 Given::Frame => {
                     let first = self.layout.dynamic_part();
-                    self.units.iter_mut().for_each(|unit| unit.drop_from(first));
-                    self.memory.drop_from(first);
+                    self.units.iter_mut().for_each(|unit| unit.drop_from(first, at, &mut self.memory));
+                    self.memory.drop_from(first, at);
                     continue;
                 }
                 Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
@@ -317,17 +329,22 @@ impl Profile {
         Ok(())
     }
 
+    /// Who was told of accesses.
+    pub(super) fn into_watch(self) -> W {
+        self.memory.watch
+    }
+
     /// Everything under way comes to its end; gives when that is.
     fn settle(&mut self, now: u64) -> u64 {
         let units = self.units.iter().map(Unit::settled_at).max().unwrap_or(0);
-        self.units.iter_mut().for_each(|unit| unit.settle(&mut self.memory));
+        self.units.iter_mut().for_each(|unit| unit.settle(u64::MAX, &mut self.memory));
         let end = now.max(units).max(self.memory.settled_at());
-        self.memory.settle();
+        self.memory.settle(u64::MAX);
         end.max(self.memory.settled_at())
     }
 }
 
-impl Engine for Profile {
+impl<W: Watch> Engine for Profile<W> {
     fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
         let shading_ends = self.rays.len() as u32;
         let mut last = 0;
@@ -363,6 +380,8 @@ impl Engine for Profile {
             rays: self.dispatch.rays_done,
             dispatcher: busy(self.dispatch.busy),
             units: Kind::ALL.map(units),
+            queues: Default::default(),
+            latencies: Default::default(),
             divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.memory.banks(),
             channels: self.memory.channels(cycles),

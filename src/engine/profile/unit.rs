@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::level::{Found, Level};
 use super::memory::Memory;
+use super::watch::Watch;
 use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::engine::work::KindSpec;
 use crate::machine::layout::{Element, Layout};
@@ -22,6 +23,7 @@ pub struct Unit {
     latency: u64,
     interval: u64,
     core: usize,
+    number: usize,
     writes: WritePolicy,
     free_at: u64,
     /// When the next ray can come in, when the next can be sent on to another unit.
@@ -38,8 +40,8 @@ pub struct Unit {
 }
 
 impl Unit {
-    /// A unit of a kind in core `core`, empty.
-    pub fn new(spec: &KindSpec, core: usize, line: u64) -> Self {
+    /// Unit `number` of all, of a kind in core `core`, empty.
+    pub fn new(spec: &KindSpec, number: usize, core: usize, line: u64) -> Self {
         Self {
             level: Level::new(
                 spec.cache.tags(line),
@@ -53,6 +55,7 @@ impl Unit {
             latency: spec.latency,
             interval: spec.interval,
             core,
+            number,
             writes: spec.writes,
             free_at: 0,
             arrive_at: 0,
@@ -68,7 +71,13 @@ impl Unit {
 
     /// An operation on `element`, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
     /// register is free only then.
-    pub fn perform(&mut self, element: &Element, at: u64, layout: &Layout, memory: &mut Memory) -> Result<u64, u64> {
+    pub fn perform<W: Watch>(
+        &mut self,
+        element: &Element,
+        at: u64,
+        layout: &Layout,
+        memory: &mut Memory<W>,
+    ) -> Result<u64, u64> {
         let (first, lines) = layout.lines(element);
         let (class, access) = (element.class, self.writes.access(element.class, element.write));
         let mut at = at.max(self.free_at);
@@ -80,6 +89,7 @@ impl Unit {
         }
         for line in first.0..first.0 + lines {
             let line = LineAddr(line);
+            memory.watch.l1(self.number, line, class);
             let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
             let (when, found) = self.level.access(line, class, access, true, at, &mut gone);
             let came = match found {
@@ -119,10 +129,10 @@ impl Unit {
         self.core
     }
 
-    /// Everything under way comes to its end.
-    pub fn settle(&mut self, memory: &mut Memory) {
+    /// What comes up to cycle `at` has come.
+    pub fn settle<W: Watch>(&mut self, at: u64, memory: &mut Memory<W>) {
         let (size, core) = (self.line, self.core);
-        self.level.arrive(u64::MAX, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
+        self.level.arrive(at, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
     }
 
     /// When the last line under way comes.
@@ -130,8 +140,9 @@ impl Unit {
         self.level.settled_at().max(self.free_at)
     }
 
-    /// A frame begins: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    /// A frame begins in cycle `at`: lines from `first` on go.
+    pub fn drop_from<W: Watch>(&mut self, first: LineAddr, at: u64, memory: &mut Memory<W>) {
+        self.settle(at, memory);
         self.level.drop_from(first);
     }
 

@@ -1,0 +1,251 @@
+//! Misses of caches of all sizes at once, from the reuse distances of what each of a machine's caches is asked for.
+
+use std::sync::Arc;
+
+use super::watch::Watch;
+use crate::engine::work::{Holder, Kind, Work};
+use crate::machine::MachineSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::memory::reuse::{Sample, Sampled, Stack};
+use crate::quantity::LineAddr;
+use crate::stats::{ReuseCurve, ReuseLevel, TrafficClass};
+use crate::stream::{Header, Item, RayKind, Step};
+
+/// Distances by their number of bits: a cache of `2^n` lines hits those of `n` bits and less.
+const BITS: usize = 33;
+
+#[derive(Clone, Debug)]
+enum Distances {
+    Exact(Stack),
+    Sampled(Sample),
+}
+
+impl Distances {
+    fn touch(&mut self, line: u32) -> Option<Sampled> {
+        match self {
+            Self::Exact(stack) => {
+                Some(Sampled { distance: stack.touch(line, 0).map(|[distance]| distance), weight: 1.0 })
+            }
+            Self::Sampled(sample) => sample.touch(line),
+        }
+    }
+
+    fn drop_from(&mut self, first: u32) {
+        match self {
+            Self::Exact(stack) => stack.drop_from(first),
+            Self::Sampled(sample) => sample.drop_from(first),
+        }
+    }
+}
+
+/// What a class's accesses met.
+#[derive(Clone, Copy, Debug)]
+struct Met {
+    accesses: u64,
+    first: f64,
+    by_bits: [f64; BITS],
+    in_sets: f64,
+}
+
+/// Caches of a kind.
+#[derive(Clone, Debug)]
+struct Level {
+    name: String,
+    caches: Vec<Distances>,
+    bytes: u64,
+    ways: u64,
+    /// By distance, the share of lines that a set of the cache as it is still holds.
+    held: Vec<f64>,
+    met: [Met; TrafficClass::ALL.len()],
+}
+
+impl Level {
+    fn new(name: String, caches: usize, bytes: u64, ways: u64, line: u64, distances: &Distances) -> Self {
+        let nothing = Met { accesses: 0, first: 0.0, by_bits: [0.0; BITS], in_sets: 0.0 };
+        Self {
+            name,
+            caches: vec![distances.clone(); caches],
+            bytes,
+            ways,
+            held: held((bytes / (line * ways)).max(1), ways),
+            met: [nothing; TrafficClass::ALL.len()],
+        }
+    }
+
+    fn touch(&mut self, cache: usize, line: LineAddr, class: TrafficClass) {
+        let met = &mut self.met[class as usize];
+        met.accesses += 1;
+        let Some(Sampled { distance, weight }) = self.caches[cache].touch(line.0 as u32) else { return };
+        match distance {
+            None => met.first += weight,
+            Some(distance) => {
+                met.by_bits[(u64::BITS - distance.leading_zeros()) as usize] += weight;
+                met.in_sets += weight * self.held.get(distance as usize).copied().unwrap_or(0.0);
+            }
+        }
+    }
+
+    fn curves(&self, line: u64) -> ReuseLevel {
+        let curve = |met: &Met| {
+            let hits = |size: u64| met.by_bits[..=(size / line).ilog2() as usize].iter().sum::<f64>();
+            let sampled: f64 = met.first + met.by_bits.iter().sum::<f64>();
+            ReuseCurve {
+                accesses: met.accesses,
+                sampled,
+                first_touches: met.first,
+                misses: ReuseCurve::sizes().map(|size| sampled - hits(size)).collect(),
+                misses_in_sets: sampled - met.in_sets,
+            }
+        };
+        let classes = TrafficClass::ALL.into_iter().zip(&self.met).filter(|(_, met)| met.accesses > 0);
+        ReuseLevel {
+            name: self.name.clone(),
+            caches: self.caches.len() as u64,
+            bytes: self.bytes,
+            ways: self.ways,
+            classes: classes.map(|(class, met)| (class, curve(met))).collect(),
+        }
+    }
+}
+
+/// By distance, the probability that less than `ways` of so many other lines fell into a line's own of `sets` sets (Smith 1978; Hill and
+/// Smith 1989), as far as there is any.
+fn held(sets: u64, ways: u64) -> Vec<f64> {
+    let into = 1.0 / sets as f64;
+    // Of the lines so far, the probability that 0, 1, ... fell into the set.
+    let mut fell = vec![0.0; ways as usize];
+    fell[0] = 1.0;
+    let mut held = Vec::new();
+    loop {
+        let sum: f64 = fell.iter().sum();
+        if sum < 1e-9 {
+            return held;
+        }
+        held.push(sum);
+        for count in (0..fell.len()).rev() {
+            let before = if count > 0 { fell[count - 1] } else { 0.0 };
+            fell[count] = fell[count] * (1.0 - into) + before * into;
+        }
+    }
+}
+
+/// Watches all caches of a machine. Each is given what the caches above it, as the machine has them, ask for.
+#[derive(Clone, Debug)]
+pub struct Curves {
+    line: u64,
+    /// L1s by kind, then the caches of the L2.
+    levels: Vec<Level>,
+    /// Of each unit of all, its kind and its number in that.
+    units: Vec<(usize, usize)>,
+    homes: [usize; TrafficClass::ALL.len()],
+}
+
+impl Curves {
+    /// The caches of `machine`; with `sample`, a share of the lines, and those that the second marks.
+    pub fn new(machine: &MachineSpec, sample: Option<(f64, Arc<[bool]>)>) -> Self {
+        let line = machine.line_bytes.get();
+        let distances = match sample {
+            None => Distances::Exact(Stack::default()),
+            Some((rate, hot)) => Distances::Sampled(Sample::new(rate, hot)),
+        };
+        let (mut levels, mut units) = (Vec::new(), Vec::new());
+        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+            let (spec, name) = (kind.spec(machine), kind.names().1.to_owned());
+            units.extend((0..spec.count as usize).map(|unit| (index, unit)));
+            let (bytes, ways) = (spec.cache.bytes.get(), spec.cache.ways.get());
+            levels.push(Level::new(name, spec.count as usize, bytes, ways, line, &distances));
+        }
+        for (name, cache) in machine.l2.caches() {
+            let (bytes, ways) = (cache.bytes.get(), cache.ways.get());
+            levels.push(Level::new(name, machine.cores.size(), bytes, ways, line, &distances));
+        }
+        let homes = TrafficClass::ALL.map(|class| Kind::ALL.len() + machine.l2.home(class));
+        Self { line, levels, units, homes }
+    }
+
+    /// What was found.
+    pub fn levels(&self) -> Vec<ReuseLevel> {
+        self.levels.iter().map(|level| level.curves(self.line)).filter(|level| !level.classes.is_empty()).collect()
+    }
+}
+
+impl Watch for Curves {
+    fn l1(&mut self, unit: usize, line: LineAddr, class: TrafficClass) {
+        let (level, cache) = self.units[unit];
+        self.levels[level].touch(cache, line, class);
+    }
+
+    fn l2(&mut self, core: usize, line: LineAddr, class: TrafficClass) {
+        self.levels[self.homes[class as usize]].touch(core, line, class);
+    }
+
+    fn drop_from(&mut self, first: LineAddr) {
+        let caches = self.levels.iter_mut().flat_map(|level| &mut level.caches);
+        caches.for_each(|cache| cache.drop_from(first.0 as u32));
+    }
+}
+
+/// How often a stream asks for each line.
+#[derive(Clone, Debug)]
+pub struct Heat {
+    layout: Layout,
+    touches: Vec<u32>,
+}
+
+impl Heat {
+    /// Of a stream that has not begun.
+    pub fn new(machine: &MachineSpec, header: &Header) -> Self {
+        Self { layout: Layout::new(header, machine), touches: Vec::new() }
+    }
+
+    /// The stream's next item.
+    pub fn add(&mut self, item: &Item) {
+        match item {
+            Item::Frame(info) => self.layout.begin_frame(info),
+            Item::Rays(chunk) => {
+                for ray in chunk.rays() {
+                    ray.path().for_each(|step| self.step(step, Holder::Traversal, ray.head.kind));
+                    ray.policy().for_each(|step| self.step(step, Holder::ShadowCache, ray.head.kind));
+                }
+            }
+            Item::End { policy, .. } => {
+                Step::unpack_all(policy).for_each(|step| self.step(step, Holder::ShadowCache, RayKind::Primary));
+            }
+        }
+    }
+
+    fn step(&mut self, step: Step, holder: Holder, ray: RayKind) {
+        let work = Work::of(step, holder, ray, &self.layout);
+        self.touch(&work.first);
+        work.second.iter().for_each(|second| self.touch(second));
+    }
+
+    fn touch(&mut self, element: &Element) {
+        let line = self.layout.lines(element).0.0 as usize;
+        if line >= self.touches.len() {
+            self.touches.resize(line + 1, 0);
+        }
+        self.touches[line] = self.touches[line].saturating_add(1);
+    }
+
+    /// Marks the `count` lines that are asked for most often; of equals the first.
+    pub fn hottest(&self, count: usize) -> Arc<[bool]> {
+        let mut lines: Vec<usize> = (0..self.touches.len()).filter(|&line| self.touches[line] > 0).collect();
+        lines.sort_by_key(|&line| std::cmp::Reverse(self.touches[line]));
+        let mut hot = vec![false; self.touches.len()];
+        lines.into_iter().take(count).for_each(|line| hot[line] = true);
+        hot.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sets_hold_what_the_binomial_law_says() {
+        assert_eq!(held(1, 4), [1.0; 4]);
+        assert_eq!(held(4, 1)[..3], [1.0, 0.75, 0.5625]);
+        assert_eq!(held(2, 2)[..4], [1.0, 1.0, 0.75, 0.5]);
+    }
+}

@@ -1,0 +1,299 @@
+//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from `Event`.
+
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use indicatif::ProgressBar;
+use rayon::prelude::*;
+
+use super::progress;
+use crate::engine::{self, Fidelity, ReuseOf, Share};
+use crate::machine::MachineSpec;
+use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
+use crate::ranged::Within;
+use crate::report::ladder_map::{Axis, Figure, LadderMap, Point, Row};
+use crate::scene::builtin::shapes::hash;
+use crate::stats::{Accuracy, MachineStats};
+use crate::stream::{
+    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, StoreEntries, Structure, Totals,
+};
+
+/// Rays of a stream, and of a chunk of it.
+const RAYS: u64 = 16_384;
+const CHUNK: u64 = 4096;
+/// Steps of a ray: nodes, then triangles.
+const NODES: u64 = 20;
+const TRIANGLES: u64 = 3;
+/// How many times as long the rays of a burst are.
+const BURST: u64 = 10;
+/// The share that is sampled, and how many different samples are tried.
+const RATE: f64 = 0.25;
+const SEEDS: u64 = 5;
+/// The share of lines whose reuse is measured, and the hottest that are always among them.
+const LINES: f64 = 0.05;
+const HOT: usize = 256;
+
+/// A stream and the machine that replays it.
+#[derive(Clone, Debug)]
+struct Case {
+    /// Exponent of the law by which lines are popular (Zipf): 0 is all alike.
+    skew: f64,
+    /// Bytes of nodes, and of triangles a quarter of that.
+    footprint: u64,
+    /// The probability that a step is that of the ray before.
+    coherence: f64,
+    /// Rays in the middle of the stream that are longer.
+    burst: u64,
+    machine: MachineSpec,
+}
+
+impl Default for Case {
+    fn default() -> Self {
+        Self { skew: 0.8, footprint: 512 << 10, coherence: 0.8, burst: 0, machine: MachineSpec::default() }
+    }
+}
+
+/// Draws numbers below a count, the first most often.
+struct Popular {
+    /// Sums of the weights.
+    sums: Vec<f64>,
+    /// Which number has which place.
+    order: Vec<u32>,
+}
+
+impl Popular {
+    fn new(count: u64, skew: f64) -> Self {
+        let mut sum = 0.0;
+        let weight = |place: u64| {
+            sum += (place as f64).powf(-skew);
+            sum
+        };
+        let sums = (1..=count).map(weight).collect();
+        let mut order: Vec<u32> = (0..count as u32).collect();
+        order.sort_by(|&a, &b| hash(u64::from(a)).total_cmp(&hash(u64::from(b))));
+        Self { sums, order }
+    }
+
+    fn draw(&self, dice: f64) -> u32 {
+        let sought = dice * self.sums[self.sums.len() - 1];
+        self.order[self.sums.partition_point(|&sum| sum <= sought).min(self.order.len() - 1)]
+    }
+}
+
+impl Case {
+    fn lines(&self) -> u64 {
+        self.footprint / Structure::Bvh2.node_bytes()
+    }
+
+    fn header(&self) -> Header {
+        let lines = self.lines() as u32;
+        Header {
+            scene: "made to order".into(),
+            frames: vec![0],
+            resolution: Resolution { width: 128, height: 128 },
+            policy: "none".into(),
+            structure: Structure::Bvh2,
+            lights: 0,
+            static_primitives: lines,
+            primitives: lines,
+            static_nodes: lines,
+            static_slots: lines.div_ceil(3),
+            static_list_entries: 0,
+            stores: StoreEntries::default(),
+            input_hash: 0,
+            records: Vec::new().into(),
+        }
+    }
+
+    /// One frame of primary rays.
+    fn stream(&self) -> Vec<Item> {
+        let nodes = Popular::new(self.lines(), self.skew);
+        let slots = Popular::new(self.lines().div_ceil(3), self.skew);
+        let mut dice = 0;
+        let mut throw = move || {
+            dice += 1;
+            hash(dice)
+        };
+        let info = FrameInfo { number: 0, dynamic_nodes: 0, dynamic_slots: 0, dynamic_list_entries: 0 };
+        let (mut items, mut totals, mut chunk) = (vec![Item::Frame(info)], Totals::default(), Chunk::default());
+        let mut path: Vec<u32> = Vec::new();
+        for ray in 0..RAYS {
+            let begin = (RAYS - self.burst) / 2;
+            let times = if (begin..begin + self.burst).contains(&ray) { BURST } else { 1 };
+            let before = std::mem::take(&mut path);
+            for step in 0..times * (NODES + TRIANGLES) {
+                let kept = before.get(step as usize).filter(|_| throw() < self.coherence);
+                let mut drawn = || match step % (NODES + TRIANGLES) < NODES {
+                    true => Step::Node(NodeId(nodes.draw(throw()))),
+                    false => Step::Triangle { slot: TriangleSlot(slots.draw(throw())), stop: Stop::Edges },
+                };
+                path.push(kept.copied().unwrap_or_else(|| drawn().pack()));
+            }
+            let head = RayHead {
+                kind: RayKind::Primary,
+                light: LightId(0),
+                decision: Decision::Trace,
+                outcome: Outcome::Hit(PrimitiveId(0)),
+                pixel: PixelId(ray as u32),
+                parent: 0,
+            };
+            chunk.push(head, &path, &[]);
+            totals.count(&chunk.ray(chunk.len() - 1));
+            if (ray + 1) % CHUNK == 0 {
+                items.push(Item::Rays(Arc::new(std::mem::take(&mut chunk))));
+            }
+        }
+        items.push(Item::End { policy: Arc::new(Vec::new()), totals });
+        items
+    }
+}
+
+/// A number that is known to be allowed.
+fn within<const LEAST: u64, const MOST: u64>(value: u64) -> Within<LEAST, MOST> {
+    Within::new(value).expect("the sweep stays within what is allowed")
+}
+
+/// A point of an axis: its value in words, and the case.
+type Made = (String, Case);
+
+/// The axes with their points; all else is as in the default case.
+fn axes() -> Vec<(&'static str, Vec<Made>)> {
+    fn points<T: Copy + ToString>(values: &[T], set: impl Fn(&mut Case, T)) -> Vec<Made> {
+        let point = |&value: &T| {
+            let mut case = Case::default();
+            set(&mut case, value);
+            (value.to_string(), case)
+        };
+        values.iter().map(point).collect()
+    }
+    vec![
+        ("skew", points(&[0.0, 0.5, 0.8, 1.0, 1.2, 1.5], |case, skew| case.skew = skew)),
+        ("footprint, kB", points(&[8, 32, 128, 512, 2048, 8192], |case, size: u64| case.footprint = size << 10)),
+        ("coherence", points(&[0.0, 0.5, 0.8, 0.9, 0.95, 0.99], |case, it| case.coherence = it)),
+        (
+            "L1, kB",
+            points(&[1, 2, 8, 32, 128], |case, size: u64| {
+                case.machine.traversal.cache.bytes = within(size << 10);
+                case.machine.intersection.cache.bytes = within(size << 10);
+            }),
+        ),
+        (
+            "rays a unit",
+            points(&[1, 4, 20, 64, 256], |case, rays: u64| {
+                case.machine.traversal.rays = within(rays);
+                case.machine.dispatcher.rays = within(4 * rays + 48);
+            }),
+        ),
+        (
+            "miss registers",
+            points(&[1, 2, 8, 32], |case, registers: u64| {
+                case.machine.traversal.cache.mshrs = within(registers);
+                case.machine.intersection.cache.mshrs = within(registers);
+            }),
+        ),
+        ("burst, rays", points(&[0, 256, 1024, 4096], |case, rays: u64| case.burst = rays)),
+    ]
+}
+
+/// Runs everything.
+pub fn run() -> LadderMap {
+    let axes = axes();
+    let bar = progress::bar(axes.iter().map(|(_, points)| points.len()).sum(), "points").with_message("ladder");
+    let axis = |(name, points): &(&str, Vec<Made>)| Axis {
+        name: (*name).into(),
+        points: points.par_iter().map(|(value, case)| point(value, case, &bar)).collect(),
+    };
+    let map = LadderMap { rows: rows(), axes: axes.iter().map(axis).collect() };
+    bar.finish_and_clear();
+    map
+}
+
+/// What is compared, in the order of [`point`].
+fn rows() -> Vec<String> {
+    [
+        "Bound".into(),
+        "Profile".into(),
+        "Functional".into(),
+        format!("Sampled, {RATE}"),
+        "distances".into(),
+        format!("{} % + {HOT} hot", LINES * 100.0),
+        format!("{} % of lines", LINES * 100.0),
+    ]
+    .into()
+}
+
+fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
+    let (header, items) = (case.header(), case.stream());
+    let read = || items.iter().cloned().map(Ok::<_, Infallible>);
+    let on = |fidelity| {
+        engine::run(&case.machine, fidelity, &header, read())
+            .unwrap_or_else(|error| panic!("{fidelity} cannot replay what was made to order: {error}"))
+    };
+    let share = |share| Share::new(share).expect("a share");
+    let event = on(Fidelity::Event);
+    let exact =
+        |stats: &MachineStats| Row { errors: Figure::ALL.map(|figure| figure.error(stats, &event)), covered: None };
+    let sampled = || {
+        let (mut worst, mut covered) = ([None; Figure::ALL.len()], 0);
+        for seed in 0..SEEDS {
+            let engine = engine::Sampled::Event;
+            let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed });
+            for (worst, figure) in worst.iter_mut().zip(Figure::ALL) {
+                let error = figure.error(&stats, &event);
+                if error.map(f64::abs) > worst.map(f64::abs) {
+                    *worst = error;
+                }
+            }
+            if let Accuracy::Estimated { cycles, .. } = stats.accuracy {
+                covered += u32::from((event.cycles.0 as f64 / stats.cycles.0 as f64 - 1.0).abs() <= cycles);
+            }
+        }
+        Row { errors: worst, covered: Some(covered) }
+    };
+    let reuse = |of| {
+        let (_, levels) = engine::reuse(&case.machine, of, &header, || Ok::<_, Infallible>(read()))
+            .unwrap_or_else(|error| panic!("reuse of what was made to order: {error}"));
+        let level = levels.iter().find(|level| level.name == "l1_traversal");
+        let misses = level.and_then(|level| level.miss_ratio_in_sets());
+        let errors = Figure::ALL.map(|figure| misses.and_then(|ratio| figure.error_of_ratio(ratio, &event)));
+        Row { errors, covered: None }
+    };
+    let rows = vec![
+        exact(&on(Fidelity::Bound)),
+        exact(&on(Fidelity::Profile)),
+        exact(&on(Fidelity::Functional)),
+        sampled(),
+        reuse(ReuseOf::Everything),
+        reuse(ReuseOf::Sample { rate: share(LINES), hot: HOT }),
+        reuse(ReuseOf::Sample { rate: share(LINES), hot: 0 }),
+    ];
+    bar.inc(1);
+    Point { value: value.into(), cycles: event.cycles, rows, seeds: SEEDS as u32 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn popular_numbers_are_drawn_by_their_law() {
+        let even = Popular::new(4, 0.0);
+        let drawn: std::collections::BTreeSet<u32> = (0..4).map(|at| even.draw(at as f64 / 4.0 + 0.1)).collect();
+        assert_eq!(drawn.len(), 4);
+        let steep = Popular::new(1000, 2.0);
+        // The first has 1 / (pi^2 / 6) of the weight.
+        assert_eq!(steep.draw(0.0), steep.draw(0.6));
+        assert_ne!(steep.draw(0.0), steep.draw(0.62));
+    }
+
+    #[test]
+    fn a_point_compares_every_row() {
+        let case = Case { footprint: 8 << 10, ..Case::default() };
+        let point = point("8", &case, &ProgressBar::hidden());
+        assert_eq!(point.rows.len(), rows().len());
+        // All lines fit the L1s and the L2: first touches only.
+        let [bound, profile, ..] = point.rows.as_slice() else { panic!("rows") };
+        assert!(bound.errors[Figure::Cycles as usize].is_some_and(|error| error < 0.0));
+        assert!(profile.errors[Figure::DramBytes as usize].is_some_and(|error| error.abs() < 1e-12));
+    }
+}

@@ -1,0 +1,210 @@
+//! Reuse (stack) distances: how many other lines were touched since a line was touched last (Mattson et al. 1970). An LRU cache of `n`
+//! lines without sets hits if the distance is less than `n`, so one pass answers for all sizes.
+
+use std::sync::Arc;
+
+use super::replacement::mix;
+
+/// Touches of a word of bits, and of a block of words.
+const WORD: usize = 64;
+const BLOCK: usize = 64 * WORD;
+/// A line that was not touched.
+const NEVER: u32 = u32::MAX;
+
+/// Of each time, whether a line was touched then last: by words and blocks of them.
+#[derive(Clone, Debug, Default)]
+struct Bits {
+    words: Vec<u64>,
+    blocks: Vec<u32>,
+}
+
+impl Bits {
+    fn new(blocks: usize) -> Self {
+        Self { words: vec![0; blocks * (BLOCK / WORD)], blocks: vec![0; blocks] }
+    }
+
+    fn set(&mut self, time: usize) {
+        self.words[time / WORD] |= 1 << (time % WORD);
+        self.blocks[time / BLOCK] += 1;
+    }
+
+    fn clear(&mut self, time: usize) {
+        self.words[time / WORD] &= !(1 << (time % WORD));
+        self.blocks[time / BLOCK] -= 1;
+    }
+
+    fn has(&self, time: usize) -> bool {
+        self.words[time / WORD] >> (time % WORD) & 1 == 1
+    }
+
+    /// Bits after `time`.
+    fn since(&self, time: usize) -> u64 {
+        let (word, block) = (time / WORD, time / BLOCK);
+        let end = (block + 1) * (BLOCK / WORD);
+        let in_word = u64::from((self.words[word] & !1 << (time % WORD)).count_ones());
+        let in_block: u64 = self.words[word + 1..end].iter().map(|word| u64::from(word.count_ones())).sum();
+        in_word + in_block + self.blocks[block + 1..].iter().map(|&ones| u64::from(ones)).sum::<u64>()
+    }
+}
+
+/// The stack of one cache. Lines are of one or several groups; distances are counted group by group.
+#[derive(Clone, Debug)]
+pub struct Stack<const GROUPS: usize = 1> {
+    /// The last touch of each line.
+    last: Vec<u32>,
+    /// The line that was touched at each time.
+    line: Vec<u32>,
+    bits: [Bits; GROUPS],
+}
+
+impl<const GROUPS: usize> Default for Stack<GROUPS> {
+    fn default() -> Self {
+        Self { last: Vec::new(), line: Vec::new(), bits: std::array::from_fn(|_| Bits::default()) }
+    }
+}
+
+impl<const GROUPS: usize> Stack<GROUPS> {
+    /// Touches `line`, which is of `group`; gives the other lines of each group that were touched since it was last, or nothing if it is the
+    /// first time.
+    pub fn touch(&mut self, line: u32, group: usize) -> Option<[u64; GROUPS]> {
+        if self.line.len() == self.bits[0].words.len() * WORD {
+            self.make_room();
+        }
+        let (now, index) = (self.line.len(), line as usize);
+        if index >= self.last.len() {
+            self.last.resize(index + 1, NEVER);
+        }
+        let before = std::mem::replace(&mut self.last[index], now as u32);
+        self.line.push(line);
+        let distance = (before != NEVER).then(|| {
+            let since = std::array::from_fn(|group| self.bits[group].since(before as usize));
+            self.bits[group].clear(before as usize);
+            since
+        });
+        self.bits[group].set(now);
+        distance
+    }
+
+    /// Times begin anew: only those are kept, in their order, at which a line was touched last, and at least as many are free.
+    fn make_room(&mut self) {
+        let group = |time: usize| (0..GROUPS).find(|&group| self.bits[group].has(time));
+        let kept: Vec<(u32, usize)> =
+            (0..self.line.len()).filter_map(|time| group(time).map(|group| (self.line[time], group))).collect();
+        let blocks = (2 * kept.len() / BLOCK) + 1;
+        self.bits = std::array::from_fn(|_| Bits::new(blocks));
+        self.line.clear();
+        for (time, (line, group)) in kept.into_iter().enumerate() {
+            self.last[line as usize] = time as u32;
+            self.bits[group].set(time);
+            self.line.push(line);
+        }
+    }
+
+    /// Forgets lines from `first` on, as if they had never been touched.
+    pub fn drop_from(&mut self, first: u32) {
+        for last in self.last.iter_mut().skip(first as usize).filter(|last| **last != NEVER) {
+            let time = std::mem::replace(last, NEVER) as usize;
+            let group = (0..GROUPS).find(|&group| self.bits[group].has(time));
+            self.bits[group.expect("a line that was touched is of a group")].clear(time);
+        }
+    }
+}
+
+/// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), beside some that are always there: the first nodes of a
+/// hierarchy are touched by every ray, and a sample that has one of them, or none, would be far off.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    rate: f64,
+    hot: Arc<[bool]>,
+    stack: Stack<2>,
+}
+
+/// What a touch of a line in the sample stands for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampled {
+    /// The estimated distance; none for a first touch.
+    pub distance: Option<u64>,
+    /// Touches that it stands for.
+    pub weight: f64,
+}
+
+impl Sample {
+    /// A share `rate` of the lines, and all lines that `hot` marks.
+    pub fn new(rate: f64, hot: Arc<[bool]>) -> Self {
+        Self { rate, hot, stack: Stack::default() }
+    }
+
+    /// Touches `line`; nothing if it is not in the sample.
+    pub fn touch(&mut self, line: u32) -> Option<Sampled> {
+        if self.hot.get(line as usize).is_some_and(|&hot| hot) {
+            return Some(Sampled { distance: self.estimate(line, 0), weight: 1.0 });
+        }
+        let hash = mix(u64::from(line)) as f64 / 2f64.powi(64);
+        (hash < self.rate).then(|| Sampled { distance: self.estimate(line, 1), weight: 1.0 / self.rate })
+    }
+
+    fn estimate(&mut self, line: u32, group: usize) -> Option<u64> {
+        let [hot, others] = self.stack.touch(line, group)?;
+        Some(hot + (others as f64 / self.rate) as u64)
+    }
+
+    /// Forgets lines from `first` on.
+    pub fn drop_from(&mut self, first: u32) {
+        self.stack.drop_from(first);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::memory::replacement::Policy;
+    use crate::memory::tags::TagArray;
+    use crate::quantity::LineAddr;
+    use crate::stats::TrafficClass;
+
+    #[test]
+    fn a_sample_of_everything_is_exact_with_and_without_hot_lines() {
+        for hot in [vec![], vec![true; 16]] {
+            let (mut sample, mut stack) = (Sample::new(1.0, hot.into()), Stack::<1>::default());
+            for line in (0..4000u64).map(|at| (mix(at) % 200) as u32) {
+                let distance = stack.touch(line, 0).map(|[distance]| distance);
+                assert_eq!(sample.touch(line), Some(Sampled { distance, weight: 1.0 }));
+            }
+        }
+    }
+
+    proptest! {
+        /// Against a list that is searched, with lines that are dropped on the way.
+        #[test]
+        fn distances_are_those_of_a_list(touches in prop::collection::vec((0..300u32, 0..200u32), 1..12_000)) {
+            let (mut stack, mut list) = (Stack::<1>::default(), Vec::new());
+            for (line, dice) in touches {
+                // Half of the touches are of few lines.
+                let line = if dice % 2 == 0 { line % 8 } else { line };
+                let place = list.iter().rev().position(|&other| other == line);
+                prop_assert_eq!(stack.touch(line, 0), place.map(|place| [place as u64]));
+                list.retain(|&other| other != line);
+                list.push(line);
+                if dice == 77 {
+                    stack.drop_from(40);
+                    list.retain(|&line| line < 40);
+                }
+            }
+        }
+
+        /// An LRU set hits where the distance is less than its ways.
+        #[test]
+        fn misses_are_those_of_a_set(lines in prop::collection::vec(0..64u32, 1..2000), ways in 1..64usize) {
+            let (mut stack, mut tags) = (Stack::<1>::default(), TagArray::new(1, ways, 0, Policy::Lru));
+            for line in lines {
+                let hit = tags.access(LineAddr(line.into()), false);
+                if !hit {
+                    tags.fill(LineAddr(line.into()), TrafficClass::Node, false);
+                }
+                prop_assert_eq!(stack.touch(line, 0).is_some_and(|[distance]| distance < ways as u64), hit);
+            }
+        }
+    }
+}
