@@ -111,14 +111,45 @@ pub fn extensions() -> Extensions {
 }
 
 fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
-    let start = error.span.start;
+    let what = error.code.to_string();
+    let (line, column) = named_field(&what, text).unwrap_or((error.span.start.line, error.span.start.col));
     Place {
         path: path.into(),
-        line: start.line,
-        column: start.col,
-        source_line: text.lines().nth(start.line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
-        what: error.code.to_string(),
+        line,
+        column,
+        source_line: text.lines().nth(line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
+        what,
     }
+}
+
+/// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``: an error of several values is found at
+/// their end only.
+fn named_field(what: &str, text: &str) -> Option<(usize, usize)> {
+    let (path, _) = what.strip_prefix('`')?.split_once('`')?;
+    let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());
+    let mut names = path.split('.').peekable();
+    for (number, line) in lines.enumerate() {
+        let mut from = 0;
+        while let Some(&name) = names.peek()
+            && let Some(at) = field_at(&line[from..], name)
+        {
+            names.next();
+            if names.peek().is_none() {
+                return Some((number + 1, line[..from + at].chars().count() + 1));
+            }
+            from += at + name.len();
+        }
+    }
+    None
+}
+
+/// Where a field of this name begins in a line.
+fn field_at(line: &str, name: &str) -> Option<usize> {
+    let is_field = |&(at, _): &(usize, &str)| {
+        let inside = |letter: char| letter.is_alphanumeric() || letter == '_';
+        !line[..at].ends_with(inside) && line[at + name.len()..].trim_start().starts_with(':')
+    };
+    line.match_indices(name).find(is_field).map(|(at, _)| at)
 }
 
 #[cfg(test)]
@@ -158,6 +189,15 @@ mod tests {
          2 |     ways: 65,
            |           ^
         ");
+    }
+
+    #[test]
+    fn an_error_that_names_a_field_is_shown_there() {
+        let text = "// rc: 1\n(\n    rc: 3,\n    timing: (rcd: 4, rc : 5),\n)";
+        assert_eq!(named_field("`timing.rc` is 5: 6 is allowed", text), Some((4, 22)));
+        assert_eq!(named_field("`rc` is 3: 6 is allowed", text), Some((3, 5)));
+        assert_eq!(named_field("`rp` is 3: 6 is allowed", text), None);
+        assert_eq!(named_field("3 is not allowed: `rc`", text), None);
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::memory::dram::spec::Model;
 use crate::memory::l2::Home;
 use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, Cycle, LineAddr};
-use crate::stats::{Bounds, Cause, Limit, MachineStats, Range, TrafficClass};
+use crate::stats::{Accuracy, Bounds, Cause, Limit, MachineStats, Range, TrafficClass};
 use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step};
 
 /// Lines that were touched.
@@ -381,6 +381,7 @@ pub(super) fn run<E>(
     }
     let limit = oracle.bounds();
     Ok(MachineStats {
+        accuracy: Accuracy::Bounded,
         bounds: Some(bound.bounds()),
         oracle: Some(Limit { cycles: limit.cycles.least, dram_bytes: limit.dram_bytes.least }),
         ..bound.stats()

@@ -60,9 +60,33 @@ fn a_dram_part() {
      45 |         part: "lpddr4.ron",
         |                ^
     "#);
-    insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.rc` is 100: at least ras + rp = 102 is allowed");
-    insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed");
-    insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @"error: small.ron: the DRAM part LPDDR4-3200: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take");
+    insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @r#"
+    error: small.ron:45:16: lpddr4_3200.ron:13:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
+        |
+     13 |         cl: 28, cwl: 14, rcd: 29, rp: 34, ras: 68, rc: 100,
+        |                                                    ^
+        |
+     45 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @r#"
+    error: small.ron:45:16: lpddr4_3200.ron:15:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
+        |
+     15 |         rtp: 12, wr: 29, wtr_s: 8, wtr_l: 16,
+        |                          ^
+        |
+     45 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
+    insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @r#"
+    error: small.ron:45:16: lpddr4_3200.ron:17:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
+        |
+     17 |         refi: 900, rfc: 288,
+        |         ^
+        |
+     45 |         part: "lpddr4_3200.ron",
+        |                ^
+    "#);
 }
 
 #[test]

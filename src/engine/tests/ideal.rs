@@ -4,6 +4,7 @@ use super::*;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::spec::Model;
 use crate::memory::tags::Contents;
+use crate::stats::Accuracy;
 
 /// The machine `configs/machines/ideal.ron` with L1s of `latency` cycles.
 fn ideal(latency: u64) -> MachineSpec {
@@ -20,6 +21,8 @@ fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
     let on = |rung| run(machine, rung, &header(), items(stream.to_vec())).unwrap_or_else(|error| panic!("{error}"));
     let [event, cycle, functional] = [Fidelity::Event, Fidelity::Cycle, Fidelity::Functional].map(on);
     assert_eq!(event, cycle);
+    let bound = on(Fidelity::Bound);
+    assert_eq!((bound.accuracy, bound.bounds), (Accuracy::Bounded, event.bounds));
     assert_eq!((event.rays, &event.caches["l1_traversal"]), (functional.rays, &functional.caches["l1_traversal"]));
     event
 }

@@ -1,13 +1,14 @@
 //! DRAM parts: organisation and timing as a data sheet has them, a file each in `configs/dram`.
 
-use serde::{Deserialize, Serialize};
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::ranged::{PowerOfTwo, Within};
 
 /// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
-/// would be wrong.
+/// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at the line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub struct DramPart {
     /// The part's name in reports.
     pub name: String,
@@ -25,6 +26,20 @@ pub struct DramPart {
     pub burst_clocks: Within<1, 64>,
     /// Timing.
     pub timing: Timing,
+}
+
+impl<'de> Deserialize<'de> for DramPart {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let part = Self::deserialize(from)?;
+        part.check_values().map_err(D::Error::custom)?;
+        Ok(part)
+    }
+}
+
+impl Serialize for DramPart {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
 }
 
 /// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l` between
@@ -120,13 +135,19 @@ impl DramPart {
 
     /// Checks what single fields cannot; `line` is the line size in bytes.
     pub(super) fn check(&self, line: u64) -> Result<(), String> {
-        let (burst, row, groups) = (self.burst_bytes, self.row_bytes, self.bank_groups.get());
+        let (burst, row) = (self.burst_bytes, self.row_bytes);
         if burst.get() > line {
             return Err(format!("`burst_bytes` is {burst}: up to the line size, {line}, is allowed"));
         }
         if row.get() < line {
             return Err(format!("`row_bytes` is {row}: at least the line size, {line}, is allowed"));
         }
+        self.check_values()
+    }
+
+    /// Checks that the values do not contradict each other.
+    fn check_values(&self) -> Result<(), String> {
+        let groups = self.bank_groups.get();
         if self.banks.get() < groups {
             return Err(format!("`banks` is {}: at least one a group, {groups}, is allowed", self.banks));
         }

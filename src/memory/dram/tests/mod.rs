@@ -1,5 +1,6 @@
 mod channel;
 mod legality;
+mod stream;
 
 use super::part::Timing;
 use super::spec::DramSpec;
