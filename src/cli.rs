@@ -14,7 +14,7 @@ use umbrasim::experiment::dram_export::{DramExport, TraceFormat};
 use umbrasim::experiment::frames::FrameRange;
 use umbrasim::experiment::line_export::LineExport;
 use umbrasim::experiment::{
-    self, Experiment, Overrides, identities, ladder_map, paper, replay, reuse, run, stress, sweep, trace,
+    self, Experiment, Overrides, identities, ladder_map, paper, pareto, replay, reuse, run, stress, sweep, trace,
 };
 use umbrasim::machine::MachineSpec;
 use umbrasim::new_file::NewFile;
@@ -71,9 +71,12 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
-        /// The rung: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), or Sampled(engine: Event, rate: 0.05)
+        /// The rung: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), Sampled(engine: Event, rate: 0.05), or Auto(error: 0.02)
         #[arg(long, value_name = "RUNG", default_value_t)]
         fidelity: Fidelity,
+        /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share [example: 1%]
+        #[arg(long, value_name = "SHARE")]
+        target_error: Option<Share>,
         /// Write all measurements to this file too, as JSON
         #[arg(long, value_name = "FILE")]
         json: Option<PathBuf>,
@@ -140,6 +143,21 @@ enum Command {
         #[arg(default_value = "configs/experiments/sweep_words.ron")]
         config: PathBuf,
         /// Where streams, points and the report go [default: reports/, the name of the sweep's file]
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Replay the same streams by every rung, and chart the error of each against its speed
+    ///
+    /// The report has a table (`pareto.csv`), a chart and a page: errors of cycles, of L2 and DRAM bytes and of what policies save, mean
+    /// and worst, beside what the rungs claim; which rung none beats; and where one puts policies or machines in a wrong order.
+    Pareto {
+        /// The comparison's file
+        #[arg(default_value = "configs/experiments/pareto.ron")]
+        config: PathBuf,
+        /// What the rungs are held to, in place of the file's: Event or Cycle
+        #[arg(long, value_name = "RUNG")]
+        truth: Option<Fidelity>,
+        /// Where the report goes [default: reports/, the name of the comparison's file]
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
@@ -292,14 +310,17 @@ pub fn execute(cli: Cli) -> Result<u8> {
             print(output.display())?;
             Ok(0)
         }
-        Command::Replay { stream, machine, fidelity, json, dram, lines } => {
+        Command::Replay { stream, machine, fidelity, target_error, json, dram, lines } => {
             let spec = experiment::read_machine(&machine)?;
-            let reader = StreamReader::open(&stream)?;
-            let policy = reader.header().policy.clone();
+            let fidelity = match target_error {
+                Some(target) => fidelity.with_target_error(target).map_err(anyhow::Error::msg)?,
+                None => fidelity,
+            };
+            let header = StreamReader::open(&stream)?.header().clone();
             let json = JsonFile::begin(json)?;
-            let (mut dram, mut lines) = (dram.begin(&spec)?, lines.begin(&spec, reader.header())?);
-            let stats = replay::replay_file(&spec, fidelity, reader, dram.as_mut(), lines.as_mut())?;
-            print(report::replayed(&spec.name, &policy, &stats))?;
+            let (mut dram, mut lines) = (dram.begin(&spec)?, lines.begin(&spec, &header)?);
+            let stats = replay::replay_file(&spec, fidelity, &stream, dram.as_mut(), lines.as_mut())?;
+            print(report::replayed(&spec.name, &header.policy, &stats))?;
             dram.map_or(Ok(()), DramExport::finish)?;
             lines.map_or(Ok(()), LineExport::finish)?;
             json.finish(&stats)?;
@@ -339,6 +360,17 @@ pub fn execute(cli: Cli) -> Result<u8> {
             let summary = sweep::sweep(&config, &out, &stop)?;
             print(report::drawn(&report::sweep::grid(&summary)))?;
             report::sweep::write_sweep(&out, &summary)?;
+            print(out.join(report::PAGE_FILE).display())?;
+            Ok(0)
+        }
+        Command::Pareto { config, truth, out } => {
+            let name = config.file_stem().context("the comparison's file has no name")?;
+            let out = out.unwrap_or_else(|| Path::new("reports").join(name));
+            report::check_target(&out)?;
+            let stop = stop_on_interrupt()?;
+            let (summary, timings) = pareto::pareto(&config, truth, &stop)?;
+            print(report::drawn(&summary.grid(&timings)))?;
+            report::pareto::write_pareto(&out, &summary, &timings)?;
             print(out.join(report::PAGE_FILE).display())?;
             Ok(0)
         }

@@ -231,13 +231,73 @@ pub enum Accuracy {
     Estimated {
         /// Of the cycles.
         cycles: f64,
+        /// Of the bytes between the L1s and the L2.
+        l2_bytes: f64,
         /// Of the bytes of the DRAM.
         dram_bytes: f64,
+        /// Share of the windows that were measured.
+        rate: f64,
     },
     /// Nothing is known but that the truth lies within [`MachineStats::bounds`].
     Bounded,
     /// Nothing is known.
     Unknown,
+}
+
+impl Accuracy {
+    /// The largest of the shares, if there are any.
+    pub fn widest(&self) -> Option<f64> {
+        match *self {
+            Self::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some(cycles.max(l2_bytes).max(dram_bytes)),
+            Self::Exact | Self::Bounded | Self::Unknown => None,
+        }
+    }
+
+    /// Whether all shares that are known are at most `target`, and nothing else is known to be off.
+    pub fn is_within(&self, target: f64) -> bool {
+        *self == Self::Exact || self.widest().is_some_and(|widest| widest <= target)
+    }
+}
+
+/// What a stream needs of a machine's model, as a pilot found.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Needs {
+    /// The error that was asked for.
+    pub target: f64,
+    /// Share of the pixels in the pilot; as many were held back.
+    pub pilot_share: f64,
+    /// What each part that can be left out is worth.
+    pub parts: Vec<PartNeed>,
+    /// The models that were tried, the cheapest first; the last is the one that was taken.
+    pub models: Vec<ModelCheck>,
+}
+
+/// What a part of the machine is worth: the pilot's figures change by these shares without it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PartNeed {
+    /// The part.
+    pub part: String,
+    /// Cycles.
+    pub cycles: Option<f64>,
+    /// Bytes between L1s and L2.
+    pub l2_bytes: Option<f64>,
+    /// DRAM bytes.
+    pub dram_bytes: Option<f64>,
+    /// Whether it was kept.
+    pub kept: bool,
+}
+
+/// How a model did.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ModelCheck {
+    /// The model.
+    pub model: String,
+    /// The largest error of its cycles and bytes on the pilot; of a sample, half its widest interval.
+    pub error: Option<f64>,
+    /// The same on what was held back.
+    pub held_back: Option<f64>,
+    /// Whether it will do.
+    pub passes: bool,
 }
 
 /// What one machine measured on one stream.
@@ -277,6 +337,9 @@ pub struct MachineStats {
     /// Half the widths of the 95 % intervals of estimated figures, by their path: `bytes.l2.node`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub half_widths: BTreeMap<String, f64>,
+    /// What the stream needs; where somebody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub needs: Option<Needs>,
     /// What no machine can leave.
     #[serde(default)]
     pub bounds: Option<Bounds>,

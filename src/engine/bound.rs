@@ -34,11 +34,6 @@ impl Lines {
         new
     }
 
-    /// Whether a line was touched.
-    pub fn holds(&self, line: u64) -> bool {
-        self.0.get((line / 64) as usize).is_some_and(|word| word >> (line % 64) & 1 == 1)
-    }
-
     /// Forgets lines from `first` on.
     pub fn forget_from(&mut self, first: u64) {
         let word = (first / 64) as usize;

@@ -1,6 +1,7 @@
 //! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
 
 use super::feed::Feed;
+use super::sampling::Warming;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::{Due, Wheel};
 use super::work::Kind;
@@ -94,6 +95,16 @@ impl Event {
         self.shadow_cache.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
     }
 
+    /// All caches hold from now on what the warm ones do.
+    fn hold(&mut self, warm: &Warming) {
+        let l1 = |kind: Kind, index: usize| &warm.l1s(kind)[index];
+        self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
+        self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));
+        self.intersection.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Intersection, i)));
+        self.shadow_cache.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::ShadowCache, i)));
+        self.links.l2.banks.iter_mut().zip(warm.banks()).for_each(|(bank, cache)| bank.hold(cache));
+    }
+
     fn is_idle(&self) -> bool {
         self.pipelines().into_iter().flatten().all(Pipeline::is_idle)
             && self.links.l2.banks.iter().all(|bank| bank.is_idle())
@@ -145,6 +156,7 @@ impl Engine for Event {
             }
             if due.next(0, 1).is_some() {
                 let events = self.dispatcher.tick(now, &mut || feed.next(), &mut self.links)?;
+                feed.chunks_over(events.chunks_over);
                 if let Some(counts) = events.frame_over {
                     feed.frame_over(&counts)?;
                 }
@@ -153,8 +165,10 @@ impl Engine for Event {
                 }
             }
             if feed.marks() {
-                let lines = feed.taken(&self.tally(now + 1));
-                self.links.l2.touch(&lines);
+                let tally = self.tally(now + 1);
+                if let Some(warm) = feed.mark(&tally) {
+                    self.hold(warm);
+                }
             }
             self.tick_units(now, &due);
             if feed.hears() {

@@ -1,10 +1,10 @@
 //! What an engine is fed with: the stream's items, all of them or a sample.
 
+use super::sampling::Warming;
 use super::tally::Tally;
 use super::{RunError, check};
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::machine::source::{FrameCounts, StoreWork};
-use crate::memory::Touch;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 
@@ -26,15 +26,17 @@ pub(super) trait Feed<E> {
         Ok(())
     }
 
-    /// Whether [`Feed::taken`] is to be called at the end of the cycle.
+    /// The last rays of so many chunks are done.
+    fn chunks_over(&mut self, _: usize) {}
+
+    /// Whether [`Feed::mark`] is to be called at the end of the cycle.
     fn marks(&self) -> bool {
         false
     }
 
-    /// Items were taken, and so much was counted up to then. Gives lines that the L2 is to hold as if they had been accessed in
-    /// this order.
-    fn taken(&mut self, _: &Tally) -> Vec<Touch> {
-        Vec::new()
+    /// So much was counted up to now. Gives what the caches are to hold from now on, if that is something else.
+    fn mark(&mut self, _: &Tally) -> Option<&Warming> {
+        None
     }
 }
 

@@ -30,8 +30,14 @@ impl Share {
 impl FromStr for Share {
     type Err = String;
 
+    /// Reads `0.01` or `1%`.
     fn from_str(text: &str) -> Result<Self, String> {
-        Self::new(text.parse().map_err(|_| format!("`{text}` is not a number"))?)
+        let number =
+            |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{text}` is no number, such as 0.01 or 1%"));
+        Self::new(match text.strip_suffix('%') {
+            Some(percent) => number(percent)? / 100.0,
+            None => number(text)?,
+        })
     }
 }
 
@@ -48,6 +54,16 @@ pub enum Sampled {
     Functional,
     /// As [`Fidelity::Event`].
     Event,
+}
+
+impl Sampled {
+    /// The rung that replays everything as this one does a sample.
+    pub fn whole(self) -> Fidelity {
+        match self {
+            Self::Functional => Fidelity::Functional,
+            Self::Event => Fidelity::Event,
+        }
+    }
 }
 
 /// How a machine is replayed, from the cheapest to the plainest.
@@ -74,6 +90,14 @@ pub enum Fidelity {
         /// Which rays.
         #[serde(default)]
         seed: u64,
+        /// If it is set, sampling goes on until all intervals are within this share, and the rate is where it begins.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        target_error: Option<Share>,
+    },
+    /// The cheapest of the others that a pilot finds close enough, on a machine without the parts that make no difference.
+    Auto {
+        /// The error that cycles and bytes may have.
+        error: Share,
     },
 }
 
@@ -83,12 +107,33 @@ impl Fidelity {
 
     /// Whether it measures machines wherever their words are kept, and if they are free.
     pub fn knows_all_placements(self) -> bool {
-        self.is_exact() || matches!(self, Self::Sampled { engine: Sampled::Event, .. })
+        self.is_exact() || matches!(self, Self::Sampled { engine: Sampled::Event, .. } | Self::Auto { .. })
     }
+
+    /// Where sampling towards a target begins.
+    const FIRST_RATE: Share = Share(0.02);
 
     /// Whether its numbers are those of [`Fidelity::Cycle`].
     pub fn is_exact(self) -> bool {
         matches!(self, Self::Event | Self::Cycle)
+    }
+
+    /// The same, sampled until all intervals are within `target`; the error says what can be.
+    pub fn with_target_error(self, target: Share) -> Result<Self, String> {
+        let (engine, rate, seed) = match self {
+            Self::Event => (Sampled::Event, Self::FIRST_RATE, 0),
+            Self::Functional => (Sampled::Functional, Self::FIRST_RATE, 0),
+            Self::Sampled { engine, rate, seed, .. } => (engine, rate, seed),
+            Self::Bound | Self::Profile | Self::Cycle | Self::Auto { .. } => {
+                return Err(format!("`{self}` is not sampled: a target error goes with Event, Functional and Sampled"));
+            }
+        };
+        Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
+    }
+
+    /// Whether the stream is read more than once.
+    pub fn takes_passes(self) -> bool {
+        matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
     }
 }
 
@@ -101,13 +146,17 @@ impl fmt::Display for Fidelity {
             Self::Functional => f.write_str("Functional"),
             Self::Event => f.write_str("Event"),
             Self::Cycle => f.write_str("Cycle"),
-            Self::Sampled { engine, rate, seed } => {
+            Self::Sampled { engine, rate, seed, target_error } => {
                 write!(f, "Sampled(engine: {engine:?}, rate: {}", rate.get())?;
                 if *seed != 0 {
                     write!(f, ", seed: {seed}")?;
                 }
+                if let Some(target) = target_error {
+                    write!(f, ", target_error: {}", target.get())?;
+                }
                 f.write_str(")")
             }
+            Self::Auto { error } => write!(f, "Auto(error: {})", error.get()),
         }
     }
 }
@@ -116,9 +165,10 @@ impl FromStr for Fidelity {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        ron::from_str(text).map_err(|error| {
+        let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
+        options.from_str(text).map_err(|error| {
             format!(
-                "`{text}` is no fidelity ({}): Bound, Profile, Functional, Event, Cycle and Sampled(engine: Event, rate: 0.05) are",
+                "`{text}` is no fidelity ({}): Bound, Profile, Functional, Event, Cycle, Sampled(engine: Event, rate: 0.05) and Auto(error: 0.02) are",
                 error.code
             )
         })
@@ -131,8 +181,9 @@ mod tests {
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        let sampled = |engine, seed| Fidelity::Sampled { engine, rate: Share(0.05), seed };
-        let all = [sampled(Sampled::Event, 0), sampled(Sampled::Functional, 7)];
+        let sampled = |engine, seed, target_error| Fidelity::Sampled { engine, rate: Share(0.05), seed, target_error };
+        let all = [sampled(Sampled::Event, 0, None), sampled(Sampled::Functional, 7, Some(Share(0.01)))];
+        let all = all.into_iter().chain([Fidelity::Auto { error: Share(0.02) }]);
         for fidelity in Fidelity::RUNGS.into_iter().chain(all) {
             assert_eq!(fidelity.to_string().parse(), Ok(fidelity));
         }

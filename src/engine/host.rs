@@ -67,6 +67,8 @@ pub struct Host {
     /// Parents being shaded, and until when.
     shading: VecDeque<(u64, Place)>,
     in_frame: bool,
+    /// Chunks of which the last ray was done, to be told.
+    pub chunks_over: usize,
 }
 
 impl Host {
@@ -144,6 +146,7 @@ impl Host {
             self.shading.push_back((at, place));
         } else if active.left == 0 {
             self.chunks[place.chunk as usize] = None;
+            self.chunks_over += 1;
         }
         parent
     }

@@ -1,5 +1,6 @@
 //! Replays a ray stream on a machine.
 
+mod auto;
 mod bound;
 mod check;
 mod cycle;
@@ -27,7 +28,7 @@ pub use self::fidelity::{Fidelity, Sampled, Share};
 pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
-use self::sampling::{Plan, Sample};
+use self::sampling::{Findings, Plan, Sample};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
 use crate::machine::source::{StoreWork, StreamFault};
@@ -76,6 +77,9 @@ pub enum RunError<E> {
     /// Whoever watches the run has failed.
     #[error(transparent)]
     Observer(io::Error),
+    /// The fidelity takes several passes over a stream, and this one can be read once.
+    #[error("a target error takes several passes over the stream, which can be read only once here")]
+    Passes,
     /// Nothing moves.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
     Deadlock {
@@ -123,15 +127,11 @@ pub fn run<E>(
         }
         Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, None),
         Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
-        Fidelity::Sampled { engine, rate, seed } => {
-            let mut sample = Sample::new(machine, header, Plan::new(rate.get(), machine, seed), items);
-            match engine {
-                Sampled::Functional => {
-                    check_stores(machine)?;
-                    sampled(&mut functional::Functional::new(machine, header), machine, &mut sample)
-                }
-                Sampled::Event => sampled(&mut event::Event::new(machine, header), machine, &mut sample),
-            }
+        Fidelity::Sampled { target_error: Some(_), .. } | Fidelity::Auto { .. } => Err(RunError::Passes),
+        Fidelity::Sampled { engine, rate, seed, .. } => {
+            let plan = Plan::new(rate.get(), machine, seed);
+            let (findings, last) = sampled(engine, machine, header, plan.clone(), items)?;
+            Ok(findings.estimate(&last, plan.rate()))
         }
     }
 }
@@ -184,6 +184,62 @@ fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
     let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
                 Event and Cycle are allowed";
     Err(SpecError::new(what))
+}
+
+/// As [`run`], of a stream that can be read more than once: `open` begins it at one of its frames, counted from 0. With a target error
+/// the number of windows that were measured doubles from pass to pass, until the intervals of cycles and of the bytes of L2 and DRAM are
+/// within the target; where that would take half of them or more, everything is replayed.
+pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
+    machine: &MachineSpec,
+    fidelity: Fidelity,
+    header: &Header,
+    mut open: impl FnMut(usize) -> Result<I, E>,
+) -> Result<MachineStats, RunError<E>> {
+    machine.check()?;
+    machine.check_stream(header)?;
+    let mut open = |frame| open(frame).map_err(RunError::Source);
+    match fidelity {
+        Fidelity::Auto { error } => auto::auto(machine, error, header, &mut open),
+        Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
+            let plan = Plan::new(rate.get(), machine, seed);
+            let stats = sample_until(engine, machine, header, plan, target, &mut open)?;
+            if stats.accuracy.is_within(target.get()) {
+                return Ok(stats);
+            }
+            run(machine, engine.whole(), header, open(0)?)
+        }
+        _ => run(machine, fidelity, header, open(0)?),
+    }
+}
+
+/// Windows from which on the width of an interval tells how many are needed.
+const TELLING: usize = 24;
+
+/// Samples with more and more windows, as long as the target may be reached with half of them.
+fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
+    engine: Sampled,
+    machine: &MachineSpec,
+    header: &Header,
+    mut plan: Plan,
+    target: Share,
+    open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
+) -> Result<MachineStats, RunError<E>> {
+    let mut findings = Findings::default();
+    loop {
+        let (found, last) = sampled(engine, machine, header, plan.clone(), open(0)?)?;
+        findings.join(found);
+        let stats = findings.estimate(&last, plan.rate());
+        // Intervals shrink with the root of the number of windows.
+        let shrink = match stats.accuracy.widest() {
+            Some(widest) if findings.measured.len() >= TELLING => (widest / target.get()).powi(2),
+            _ => 2.0,
+        };
+        let is_enough = stats.accuracy.is_within(target.get());
+        if is_enough || plan.rate() * shrink.max(2.0) > 0.5 {
+            return Ok(stats);
+        }
+        plan.draws = plan.draws.end..2 * plan.draws.end;
+    }
 }
 
 /// Replays everything, within the bounds of every machine.
@@ -248,14 +304,30 @@ fn replay<E>(
     Ok(tally)
 }
 
-/// Replays a sample and estimates the whole.
-fn sampled<E, I: Iterator<Item = Result<Item, E>>>(
-    engine: &mut impl Engine,
+/// Replays a sample; what was found in it, and what the engine counted in the end.
+fn sampled<E>(
+    engine: Sampled,
     machine: &MachineSpec,
-    sample: &mut Sample<'_, I>,
-) -> Result<MachineStats, RunError<E>> {
-    let cycles = engine.run(sample)?;
-    Ok(sample.estimate(&engine.tally(cycles).stats(machine)))
+    header: &Header,
+    plan: Plan,
+    items: impl Iterator<Item = Result<Item, E>>,
+) -> Result<(Findings, MachineStats), RunError<E>> {
+    fn with<E, I: Iterator<Item = Result<Item, E>>>(
+        mut engine: impl Engine,
+        machine: &MachineSpec,
+        mut sample: Sample<'_, I>,
+    ) -> Result<(Findings, MachineStats), RunError<E>> {
+        let cycles = engine.run(&mut sample)?;
+        Ok((sample.findings, engine.tally(cycles).stats(machine)))
+    }
+    if engine == Sampled::Functional {
+        check_stores(machine)?;
+    }
+    let sample = Sample::new(machine, header, plan, items);
+    match engine {
+        Sampled::Functional => with(functional::Functional::new(machine, header), machine, sample),
+        Sampled::Event => with(event::Event::new(machine, header), machine, sample),
+    }
 }
 
 /// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.

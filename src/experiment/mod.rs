@@ -6,6 +6,7 @@ pub mod identities;
 pub mod ladder_map;
 pub mod line_export;
 pub mod paper;
+pub mod pareto;
 mod progress;
 pub mod replay;
 pub mod reuse;

@@ -1,6 +1,7 @@
 //! Machines at work on streams while these are traced: a thread each, fed through a short queue.
 
-use std::convert::Infallible;
+use std::cell::RefCell;
+use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
@@ -12,7 +13,7 @@ use super::split::Role;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item, StreamError, StreamReader};
+use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
 /// A machine that was told nothing more will come, or that has failed.
 #[derive(Debug)]
@@ -32,7 +33,7 @@ struct Replay<'scope> {
     machine: String,
     role: Role,
     items: SyncSender<Item>,
-    thread: ScopedJoinHandle<'scope, Result<Replayed, RunError<Infallible>>>,
+    thread: ScopedJoinHandle<'scope, Result<Replayed, RunError<StreamError>>>,
 }
 
 /// What a machine measured, and how long that took.
@@ -52,7 +53,7 @@ pub struct Finished {
     /// What it was replayed for.
     pub role: Role,
     /// The result.
-    pub result: Result<Replayed, RunError<Infallible>>,
+    pub result: Result<Replayed, RunError<StreamError>>,
 }
 
 impl<'scope> Replays<'scope> {
@@ -69,7 +70,13 @@ impl<'scope> Replays<'scope> {
         let (items, received): (_, Receiver<Item>) = sync_channel(WAITING);
         let thread = scope.spawn(move || {
             let begin = Instant::now();
-            let stats = engine::run(&spec, fidelity, &header, received.into_iter().map(Ok))?;
+            let stats = if fidelity.takes_passes() {
+                let folder = tempfile::tempdir().map_err(temporary).map_err(RunError::Source)?;
+                let file = record(&header, received, &folder.path().join("stream.rays")).map_err(RunError::Source)?;
+                engine::run_passes(&spec, fidelity, &header, |frame| open_at(&file, frame))?
+            } else {
+                engine::run(&spec, fidelity, &header, received.into_iter().map(Ok))?
+            };
             Ok(Replayed { stats, wall: begin.elapsed() })
         });
         self.runs.push(Replay { policy, machine: machine.name.clone(), role, items, thread });
@@ -97,27 +104,54 @@ impl<'scope> Replays<'scope> {
     }
 }
 
-/// Replays a recorded stream on a machine, while what its DRAM and a cache are asked for goes to files if they are wanted.
+fn temporary(source: std::io::Error) -> StreamError {
+    StreamError::Io { path: std::env::temp_dir(), doing: "write", source }
+}
+
+fn open_at(path: &Path, frame: usize) -> Result<StreamReader, StreamError> {
+    let mut reader = StreamReader::open(path)?;
+    reader.seek_frame(frame)?;
+    Ok(reader)
+}
+
+/// Writes a stream that is to be read more than once at `path`.
+fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<PathBuf, StreamError> {
+    let mut writer = StreamWriter::create(path, header)?;
+    items.into_iter().try_for_each(|item| writer.write(&item))?;
+    writer.finish()?;
+    Ok(path.into())
+}
+
+/// Replays the recorded stream `path` on a machine, while what its DRAM and a cache are asked for goes to files if they
+/// are wanted.
 pub fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
-    reader: StreamReader,
+    path: &Path,
     dram: Option<&mut DramExport>,
-    mut lines: Option<&mut LineExport>,
+    lines: Option<&mut LineExport>,
 ) -> Result<MachineStats, RunError<StreamError>> {
-    let header = reader.header().clone();
+    let header = StreamReader::open(path).map_err(RunError::Source)?.header().clone();
     let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
-    let items = reader.inspect(|item| {
-        if matches!(item, Ok(Item::End { .. })) {
-            bar.inc(1);
-        }
-        if let (Some(lines), Ok(item)) = (&mut lines, item) {
-            lines.item(item);
-        }
-    });
+    let lines = RefCell::new(lines);
+    let open = |first| {
+        bar.reset();
+        let told = |item: &Result<Item, StreamError>| {
+            if matches!(item, Ok(Item::End { .. })) {
+                bar.inc(1);
+            }
+            if let (Some(lines), Ok(item)) = (lines.borrow_mut().as_mut(), item) {
+                lines.item(item);
+            }
+        };
+        Ok(open_at(path, first)?.inspect(told))
+    };
     let stats = match dram {
-        None => engine::run(machine, fidelity, &header, items),
-        Some(dram) => engine::run_observed(machine, fidelity, &header, items, dram),
+        None => engine::run_passes(machine, fidelity, &header, open),
+        Some(dram) => {
+            let items = open(0).map_err(RunError::Source)?;
+            engine::run_observed(machine, fidelity, &header, items, dram)
+        }
     };
     bar.finish_and_clear();
     stats

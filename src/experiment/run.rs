@@ -2,7 +2,6 @@
 //! the reference renderer, and sums everything up for a report.
 
 use std::collections::BTreeMap;
-use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -22,7 +21,7 @@ use crate::report::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
 };
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item, Step, Totals};
+use crate::stream::{Header, Item, Step, StreamError, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
@@ -36,7 +35,7 @@ pub enum RunFailure {
         /// The policy's name.
         policy: String,
         /// What happened.
-        source: Box<RunError<Infallible>>,
+        source: Box<RunError<StreamError>>,
     },
     /// A stream's records don't give the tracer's counts: an error in the simulator.
     #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]

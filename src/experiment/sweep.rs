@@ -113,10 +113,17 @@ struct Replay {
 }
 
 /// A recorded stream and what the tracer counted in it.
-struct Recorded {
-    path: PathBuf,
-    header: Header,
+pub(super) struct Recorded {
+    pub path: PathBuf,
+    pub header: Header,
     totals: Totals,
+}
+
+impl Recorded {
+    /// Its rays, skipped ones included.
+    pub fn rays(&self) -> u64 {
+        self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
+    }
 }
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
@@ -258,7 +265,7 @@ fn plain(text: &str) -> Result<Value, String> {
 }
 
 /// Records the streams of all policies, or takes those that are there and of the same inputs.
-fn record(experiment: &Experiment, folder: &Path, stop: &AtomicBool) -> Result<Vec<Recorded>, SweepError> {
+pub(super) fn record(experiment: &Experiment, folder: &Path, stop: &AtomicBool) -> Result<Vec<Recorded>, SweepError> {
     let scene = &experiment.scene;
     let first = scene.animation.frame(experiment.frames[0]);
     let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);

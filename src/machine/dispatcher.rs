@@ -113,6 +113,8 @@ pub struct Events {
     pub frame_began: bool,
     /// A frame is over.
     pub frame_over: Option<FrameCounts>,
+    /// Chunks of which the last ray was done.
+    pub chunks_over: usize,
 }
 
 /// The dispatcher.
@@ -180,7 +182,7 @@ impl Dispatcher {
         }
         for index in 0..links.done.len() {
             let id = links.done[index];
-            self.ray_done(id, now - 1, links);
+            events.chunks_over += usize::from(self.ray_done(id, now - 1, links));
         }
         links.done.clear();
         if let Phase::Ending(totals) = self.phase
@@ -359,8 +361,8 @@ impl Dispatcher {
         Ok(true)
     }
 
-    /// Ray `id` was done in cycle `at`.
-    fn ray_done(&mut self, id: RayId, at: u64, links: &mut Links<impl Wake>) {
+    /// Ray `id` was done in cycle `at`; whether it was the last of its chunk.
+    fn ray_done(&mut self, id: RayId, at: u64, links: &mut Links<impl Wake>) -> bool {
         self.free.push_back(id);
         let ray = &links.rays[id as usize];
         self.latencies.count(ray.kind, ray.decision, at - ray.handed_over, ray.unloaded);
@@ -387,9 +389,11 @@ impl Dispatcher {
             let parent = ChunkRay { chunk: ray.chunk, index: ray.index };
             self.shading.push_back((at + self.spec.shading_cycles.get(), parent));
         }
-        if active.left == 0 {
+        let last = active.left == 0;
+        if last {
             self.chunks[ray.chunk as usize] = None;
         }
+        last
     }
 
     /// Begins the frame's end when all its rays are done.

@@ -347,6 +347,11 @@ impl Pipeline {
         self.cache.drop_from(first);
     }
 
+    /// The L1 holds from now on what `cache` does.
+    pub fn hold(&mut self, cache: &Cache) {
+        self.cache.hold(cache);
+    }
+
     /// Whether nothing is on its way to the L2.
     pub fn is_idle(&self) -> bool {
         self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()

@@ -11,7 +11,7 @@ use super::mshr::MshrFile;
 use super::queue::{Load, Queue};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray};
-use super::{PartId, Request, Touch, Wake};
+use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::TrafficClass;
@@ -132,9 +132,9 @@ impl Bank {
         self.requests.load()
     }
 
-    /// Uses a line as if it had been accessed: nothing is counted.
-    pub fn touch(&mut self, touch: Touch) {
-        self.cache.touch(touch);
+    /// Its tags hold from now on what `cache` does.
+    pub fn hold(&mut self, cache: &Cache) {
+        self.cache.hold(cache);
     }
 
     /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.

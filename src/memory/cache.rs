@@ -2,7 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Touch;
 use super::allocation::NoAllocate;
 use super::mshr::{Fate, MshrFile};
 use super::replacement::Policy;
@@ -242,13 +241,25 @@ impl Cache {
         Fill::Done { victim }
     }
 
-    /// Uses a line as if it had been accessed, and filled if it was not there and is to be kept: nothing is counted, and what goes is
-    /// forgotten. A line on its way stays that.
-    pub fn touch(&mut self, Touch { line, class, dirty }: Touch) {
-        let keep = self.no_allocate.keeps(class, dirty);
-        if self.mshrs.find(line).is_none() && !self.tags.access(line, dirty) && keep {
-            self.tags.fill(line, class, dirty);
+    /// Accesses `line` without time, and fills it if it is not there and is to be kept: whether it was, and a dirty line that went. Nothing
+    /// is counted.
+    pub fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
+        let dirty = access == Access::Write;
+        if self.tags.access(line, dirty) {
+            return (true, None);
         }
+        let victim = if self.no_allocate.keeps(class, access != Access::Read) {
+            self.tags.fill(line, class, dirty)
+        } else {
+            Some(Victim { line, class, dirty })
+        };
+        (false, victim.filter(|victim| victim.dirty))
+    }
+
+    /// Holds from now on what `other` does, but for lines that are on their way.
+    pub fn hold(&mut self, other: &Self) {
+        self.tags.clone_from(&other.tags);
+        self.mshrs.lines().for_each(|line| self.tags.drop_line(line));
     }
 
     /// Drops all lines from `first` on.

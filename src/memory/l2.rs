@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::bank::{Bank, BankedSpec};
-use super::{PartId, Request, Touch, Wake};
+use super::{PartId, Request, Wake};
 use crate::named::Named;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
@@ -140,12 +140,5 @@ impl L2 {
     pub fn put(&mut self, core: u32, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         self.banks[core as usize * self.of_core + self.homes[request.class as usize].bank(request.line)]
             .put(request, now, wake)
-    }
-
-    /// Uses lines as if they had been accessed, by all cores: nothing is counted.
-    pub fn touch(&mut self, lines: &[Touch]) {
-        for banks in self.banks.chunks_mut(self.of_core) {
-            lines.iter().for_each(|&touch| banks[self.homes[touch.class as usize].bank(touch.line)].touch(touch));
-        }
     }
 }

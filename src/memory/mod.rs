@@ -33,17 +33,6 @@ pub struct Request {
     pub from: PartId,
 }
 
-/// A line that a cache is to hold as if it had been accessed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Touch {
-    /// The line.
-    pub line: LineAddr,
-    /// What it is for.
-    pub class: TrafficClass,
-    /// Whether it is dirty.
-    pub dirty: bool,
-}
-
 /// Wakes parts at later cycles; the engine's scheduler is one.
 pub trait Wake {
     /// Part `part` has, or may have, something to do in cycle `at`.

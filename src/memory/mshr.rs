@@ -53,6 +53,11 @@ impl MshrFile {
         self.registers[..self.used].iter().position(|register| register.line == line).map(RegisterId)
     }
 
+    /// The lines on their way.
+    pub fn lines(&self) -> impl Iterator<Item = LineAddr> {
+        self.registers[..self.used].iter().map(|register| register.line)
+    }
+
     /// Whether no register is free.
     pub fn is_full(&self) -> bool {
         self.used == self.registers.len()

@@ -126,6 +126,13 @@ impl TagArray {
         unpack(displaced)
     }
 
+    /// Drops a line, dirty or not, if it is there.
+    pub fn drop_line(&mut self, line: LineAddr) {
+        let set = self.set(line);
+        let ways = &mut self.lines[set * self.ways..][..self.ways];
+        ways.iter_mut().filter(|packed| **packed >> LINE_SHIFT == line.0).for_each(|packed| *packed = EMPTY);
+    }
+
     /// Drops all lines from `first` on, dirty or not.
     pub fn drop_from(&mut self, first: LineAddr) {
         for packed in &mut self.lines {

@@ -8,6 +8,7 @@ mod findings;
 pub mod format;
 pub mod ladder_map;
 mod page;
+pub mod pareto;
 pub mod pictures;
 pub mod plots;
 pub mod reuse;

@@ -10,7 +10,7 @@ use super::pictures::{
     NO_WORD, OCCLUSION_MODES, PictureInfo, PictureKind, Rgb, SHADOW_MODES, SHOWN_VERDICTS, word_color,
 };
 use super::plots::{Drawing, Section};
-use super::summary::{MachineSummary, PolicySummary, Psnr, Summary};
+use super::summary::{MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
 use super::table::{self, Grid};
 use super::template::{self, grid};
 
@@ -34,7 +34,18 @@ pub fn page(
     let machine = |(name, machine): (&str, &MachineSummary)| {
         let plots = plots(&Section::Machine(name.into()));
         let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
-        context! { name, fidelity => machine.fidelity.as_str(), dram, plots, split => grid(table::split(machine)) }
+        let needs = |(policy, run): (&str, &MachineRun)| {
+            let needs = run.stats.needs.as_ref()?;
+            let [target, pilot] = [needs.target, needs.pilot_share].map(percent);
+            Some(context! {
+                policy, target, pilot,
+                taken => needs.models.last().map(|taken| taken.model.as_str()),
+                parts => grid(table::parts(needs)),
+                models => grid(table::models(needs)),
+            })
+        };
+        let needs: Vec<Value> = machine.policies.iter().filter_map(needs).collect();
+        context! { name, fidelity => machine.fidelity.as_str(), dram, plots, needs, split => grid(table::split(machine)) }
     };
     let context = context! {
         experiment => summary.experiment.as_str(),

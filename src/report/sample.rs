@@ -13,7 +13,8 @@ use super::sweep::{Change, SweepPoint, SweepSummary};
 use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, QueueCounts, TrafficClass,
+    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
+    QueueCounts, TrafficClass,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -125,8 +126,25 @@ fn machine(share: f64, words: u64) -> MachineRun {
         dram_organization:
             "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
         dram_peak_bytes_per_cycle: Some(12.8),
-        accuracy: Accuracy::Estimated { cycles: 0.01, dram_bytes: 0.02 },
+        accuracy: Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.015, dram_bytes: 0.02, rate: 0.05 },
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
+        needs: Some(Needs {
+            target: 0.02,
+            pilot_share: 0.002,
+            parts: vec![PartNeed {
+                part: "L2".into(),
+                cycles: Some(-0.2),
+                l2_bytes: Some(0.001),
+                dram_bytes: Some(-1.0),
+                kept: true,
+            }],
+            models: vec![ModelCheck {
+                model: "Functional".into(),
+                error: Some(0.007),
+                held_back: Some(0.009),
+                passes: true,
+            }],
+        }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
     })

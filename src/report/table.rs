@@ -6,7 +6,7 @@ use super::format::{bytes, change, exact, or_absent, percent, short};
 use super::split::Split;
 use super::summary::{FrameSummary, MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
 use crate::quantity::Bytes;
-use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats};
+use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats, ModelCheck, Needs, PartNeed};
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
@@ -215,15 +215,20 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
         rows: units.collect(),
     };
     let dram = format!("DRAM: {}", stats.dram_organization);
-    [drawn(&sum), trust(stats), dram, drawn(&caches), drawn(&units)].join("\n\n")
+    let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
+    let rest = [dram, drawn(&caches), drawn(&units)];
+    [drawn(&sum), trust(stats)].into_iter().chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
 }
 
 /// How far from the truth the numbers may be, and what no machine can leave.
 fn trust(stats: &MachineStats) -> String {
     let error = match stats.accuracy {
         Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
-        Accuracy::Estimated { cycles, dram_bytes } => {
-            format!("within {} (cycles) and {} (DRAM), at 95 %", percent(cycles), percent(dram_bytes))
+        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
+            let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);
+            format!(
+                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured"
+            )
         }
         Accuracy::Bounded => "not known, but within the bounds".to_owned(),
         Accuracy::Unknown => "unknown".to_owned(),
@@ -246,6 +251,33 @@ fn trust(stats: &MachineStats) -> String {
         ));
     }
     lines.join("\n")
+}
+
+/// What each part of the machine is worth on a stream.
+pub fn parts(needs: &Needs) -> Grid {
+    let signed = |share: Option<f64>| or_absent(share.and_then(|it| change(1.0, 1.0 + it)), |it| it);
+    let row = |it: &PartNeed| {
+        let [cycles, l2, dram] = [it.cycles, it.l2_bytes, it.dram_bytes].map(signed);
+        vec![it.part.clone(), if it.kept { "kept" } else { "left out" }.into(), cycles, l2, dram]
+    };
+    Grid {
+        head: ["without", "", "cycles", "L2 bytes", "DRAM bytes"].map(Into::into).to_vec(),
+        names: 2,
+        rows: needs.parts.iter().map(row).collect(),
+    }
+}
+
+/// Which models were tried on a stream; the last was taken.
+pub fn models(needs: &Needs) -> Grid {
+    let row = |it: &ModelCheck| {
+        let verdict = if it.passes { "close enough" } else { "not close enough" };
+        vec![it.model.clone(), verdict.into(), or_absent(it.error, percent), or_absent(it.held_back, percent)]
+    };
+    Grid {
+        head: ["model", "", "error", "on what was held back"].map(Into::into).to_vec(),
+        names: 2,
+        rows: needs.models.iter().map(row).collect(),
+    }
 }
 
 /// A table for the terminal, without a line's end at the end.

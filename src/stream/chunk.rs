@@ -184,7 +184,7 @@ impl Chunk {
     }
 
     /// All rays in order.
-    pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray<'_>> {
+    pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray<'_>> + Clone {
         (0..self.len()).map(|index| self.ray(index))
     }
 }

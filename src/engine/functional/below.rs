@@ -9,7 +9,7 @@ use crate::memory::bank::BankedSpec;
 use crate::memory::cache::{Access, Cache, Fill, Lookup};
 use crate::memory::dram::Dram;
 use crate::memory::l2::Home;
-use crate::memory::{PartId, Request, Touch, Wake};
+use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
@@ -228,12 +228,9 @@ impl Below {
         }
     }
 
-    /// The L2s use lines as if they had been accessed: nothing is counted.
-    pub fn touch(&mut self, lines: &[Touch]) {
-        for &touch in lines {
-            let index = self.homes[touch.class as usize].bank(touch.line);
-            self.banks.chunks_mut(self.of_core).for_each(|banks| banks[index].cache.touch(touch));
-        }
+    /// The L2's tags hold from now on what `banks` do.
+    pub fn hold(&mut self, banks: &[Cache]) {
+        self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.cache.hold(cache));
     }
 
     /// A frame begins: lines from `first` on go.

@@ -387,8 +387,12 @@ impl Functional {
     fn dispatch<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
         self.hand_out_all(at, feed)?;
         if feed.marks() {
-            let lines = feed.taken(&self.tally(at + 1));
-            self.below.touch(&lines);
+            let tally = self.tally(at + 1);
+            if let Some(warm) = feed.mark(&tally) {
+                let l1s = Kind::ALL.into_iter().flat_map(|kind| warm.l1s(kind));
+                self.stations.iter_mut().zip(l1s).for_each(|(station, l1)| station.hold(l1));
+                self.below.hold(warm.banks());
+            }
         }
         Ok(())
     }

@@ -159,6 +159,11 @@ impl Station {
         }
     }
 
+    /// The L1 holds from now on what `cache` does.
+    pub fn hold(&mut self, cache: &Cache) {
+        self.cache.hold(cache);
+    }
+
     /// A frame begins: lines from `first` on go.
     pub fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);

@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::stats::MachineStats;
 
 /// Fields that are no counters of the run.
-const FIXED: [&str; 5] = ["unit_counts", "bounds", "oracle", "accuracy", "half_widths"];
+const FIXED: [&str; 7] = ["unit_counts", "bounds", "oracle", "accuracy", "half_widths", "needs", "most"];
 
 /// All counters by their path in a report: `bytes.l2.node`.
 pub fn of(stats: &MachineStats) -> BTreeMap<String, f64> {

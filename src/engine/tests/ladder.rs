@@ -5,7 +5,7 @@ use std::path::Path;
 use super::random::{machines, streams};
 use super::synthetic::header;
 use super::*;
-use crate::engine::sampling::estimate::{Total, estimate};
+use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::memory::tags::Contents;
 use crate::ron_file;
@@ -83,7 +83,7 @@ fn a_sample_of_everything_is_everything() {
     for engine in ["Functional", "Event"] {
         let whole = on(&machine, &header, engine, &stream);
         let sampled = on(&machine, &header, &format!("Sampled(engine: {engine}, rate: 1.0)"), &stream);
-        assert_eq!(sampled.accuracy, Accuracy::Estimated { cycles: 0.0, dram_bytes: 0.0 });
+        assert_eq!(sampled.accuracy, Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 });
         // The last write-backs come after the last window.
         assert!(whole.cycles.0 - sampled.cycles.0 < 500, "{} {}", whole.cycles, sampled.cycles);
         assert_eq!((sampled.rays, &sampled.bytes["l1_traversal"]), (whole.rays, &whole.bytes["l1_traversal"]));
@@ -91,37 +91,130 @@ fn a_sample_of_everything_is_everything() {
     }
 }
 
+/// A sample of everything, whatever the shadow-cache units do otherwise than recorded.
+#[test]
+fn any_machine_can_be_sampled() {
+    check_many(100, (machines(), streams()), |(machine, stream)| {
+        let whole = on(&machine, &header(), "Event", &stream);
+        let sampled = on(&machine, &header(), "Sampled(engine: Event, rate: 1.0)", &stream);
+        let work = |stats: &MachineStats| {
+            let accesses =
+                |name| stats.caches[name].iter().map(|(class, it)| (*class, it.accesses)).collect::<Vec<_>>();
+            (stats.rays, accesses("l1_traversal"), accesses("l1_shadow_cache"))
+        };
+        if work(&whole) == work(&sampled) {
+            Ok(())
+        } else {
+            Err(format!("whole {:?}\nsampled {:?}", work(&whole), work(&sampled)))
+        }
+    });
+}
+
+#[test]
+fn auto_is_as_close_as_was_asked_and_says_what_it_took() {
+    let (header, stream) = quickstart();
+    let open = |frame: usize| {
+        let begins = |(_, item): &(usize, &Item)| matches!(item, Item::Frame(_));
+        let first = stream.iter().enumerate().filter(begins).nth(frame).map_or(stream.len(), |(at, _)| at);
+        Ok::<_, std::convert::Infallible>(stream[first..].iter().cloned().map(Ok))
+    };
+    for name in ["small", "desktop"] {
+        let machine = shipped(name);
+        let event = on(&machine, &header, "Event", &stream);
+        for (target, least_taken) in [("0.000001", "Event"), ("0.05", "")] {
+            let auto = format!("Auto(error: {target})").parse().unwrap();
+            let found = run_passes(&machine, auto, &header, open).unwrap();
+            let needs = found.needs.as_ref().unwrap();
+            let taken = needs.models.last().unwrap();
+            println!("{name}: {needs:#?}");
+            assert!(taken.passes && taken.model.contains(least_taken), "{taken:?}");
+            let apart = |a: u64, b: u64| (a as f64 / b as f64 - 1.0).abs();
+            let limit: f64 = target.parse().unwrap();
+            assert!(
+                apart(found.cycles.0, event.cycles.0) <= limit,
+                "{name}, {target}: {} {}",
+                found.cycles,
+                event.cycles
+            );
+            assert!(apart(found.moved("dram").0, event.moved("dram").0) <= limit, "{name}, {target}");
+        }
+        // A stream that can be read once is refused.
+        let auto = Fidelity::Auto { error: Share::new(0.02).unwrap() };
+        assert!(matches!(run(&machine, auto, &header, items(stream.clone())), Err(RunError::Passes)));
+    }
+}
+
+/// All windows of the recorded stream on `small`, in strata of 20.
+fn census() -> (Population, Vec<Window>) {
+    let (header, stream) = quickstart();
+    let mut machine = shipped("small");
+    // The stream is short: a small pool makes for many windows.
+    machine.dispatcher.rays = num(16);
+    let plan = Plan { stratum: 2, draws: 0..2, pixels: 16, seed: 0 };
+    let (findings, _) = sampled(Sampled::Event, &machine, &header, plan, items(stream)).unwrap();
+    let windows = findings.measured;
+    let mut population = Population::default();
+    for (at, window) in windows.iter().enumerate() {
+        population.strata.resize(at / STRATUM + 1, 0);
+        population.strata[at / STRATUM] += 1;
+        population.add(&window.known);
+    }
+    (population, windows)
+}
+
+const STRATUM: usize = 20;
+
+/// The windows that a pass and those before it measure.
+fn drawn(windows: &[Window], draws: usize, seed: u64) -> Vec<Window> {
+    let plan = Plan { stratum: STRATUM, draws: 0..draws, pixels: 0, seed };
+    let measured = |at: usize| plan.measures(at / STRATUM)[at % STRATUM];
+    let sample = windows.iter().enumerate().filter(|&(at, _)| measured(at));
+    sample.map(|(at, window)| Window { stratum: at / STRATUM, ..window.clone() }).collect()
+}
+
+fn truth(windows: &[Window], name: &str) -> f64 {
+    windows.iter().map(|window| window.measured.get(name).copied().unwrap_or(0.0)).sum()
+}
+
 /// The truth lies within the 95 % intervals in 93 to 97 % of 1000 samples of windows that were all measured.
 #[test]
 fn intervals_cover_the_truth_as_often_as_they_say() {
-    let (header, stream) = quickstart();
-    let machine = shipped("small");
-    let plan = Plan { stratum: 2, rays: 128, warm_up: 1, seed: 0 };
-    let mut census = Sample::new(&machine, &header, plan, items(stream));
-    event::Event::new(&machine, &header).run(&mut census).unwrap();
-    let windows = census.measured;
+    let (population, windows) = census();
     assert!(windows.len() > 200, "{}", windows.len());
-    let stratum = 20;
-    let mut population = sampling::estimate::Population::default();
-    for (at, window) in windows.iter().enumerate() {
-        population.strata.resize(at / stratum + 1, 0);
-        population.strata[at / stratum] += 1;
-        population.known.iter_mut().zip(window.known).for_each(|(sum, known)| *sum += known);
-    }
-    for name in ["cycles", "dram.reads"] {
-        let truth: f64 = windows.iter().map(|window| window.measured.get(name).copied().unwrap_or(0.0)).sum();
-        let mut covered = 0;
-        for seed in 0..1000 {
-            let plan = Plan { stratum, rays: 0, warm_up: 0, seed };
-            let sample: Vec<_> = windows
-                .iter()
-                .enumerate()
-                .filter(|&(at, _)| plan.measures(at))
-                .map(|(at, window)| sampling::estimate::Window { stratum: at / stratum, ..window.clone() })
-                .collect();
-            let Total { total, half_width } = estimate(&population, &sample)[name];
-            covered += u32::from((total - truth).abs() <= half_width.unwrap());
+    let names = ["cycles", "dram.reads", "=bytes.l2", "caches.l1_traversal.node.misses"];
+    let mut covered = names.map(|_| 0);
+    let mut widths = names.map(|_| 0.0);
+    for seed in 0..1000 {
+        let found = estimate(&population, &drawn(&windows, 2, seed));
+        for (at, name) in names.into_iter().enumerate() {
+            let Total { total, half_width } = found[name];
+            covered[at] += u32::from((total - truth(&windows, name)).abs() <= half_width.unwrap());
+            widths[at] += half_width.unwrap() / truth(&windows, name) / 1000.0;
         }
+    }
+    println!("{names:?}: {covered:?} of 1000, mean half widths {widths:.3?}");
+    for (name, covered) in names.into_iter().zip(covered) {
         assert!((930..=970).contains(&covered), "{name}: {covered} of 1000");
+    }
+}
+
+/// The same where sampling goes on until the interval is within a target: windows double from look to look, and whoever stops does so
+/// since the interval came out narrow, which it may have done by chance.
+#[test]
+fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
+    let (population, windows) = census();
+    let truth = truth(&windows, "cycles");
+    for target in [0.02, 0.03, 0.05, 0.1] {
+        let (mut covered, mut stopped) = (0, 0);
+        for seed in 0..500 {
+            let found = |draws| estimate(&population, &drawn(&windows, draws, seed))["cycles"];
+            let first = [2, 4, 8].into_iter().map(found).find(|found| found.share().unwrap() <= target);
+            if let Some(Total { total, half_width }) = first {
+                stopped += 1;
+                covered += u32::from((total - truth).abs() <= half_width.unwrap());
+            }
+        }
+        println!("target {target}: {covered} of {stopped} that stopped");
+        assert!(f64::from(covered) >= 0.93 * f64::from(stopped), "target {target}: {covered} of {stopped}");
     }
 }

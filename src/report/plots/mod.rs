@@ -9,6 +9,7 @@ mod dram_rows;
 mod hit_rates;
 pub mod ladder_map;
 mod over_frames;
+pub mod pareto;
 pub mod reuse;
 mod saving;
 mod split;

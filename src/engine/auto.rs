@@ -1,0 +1,198 @@
+//! No more than a stream needs: a pilot tells which parts of the machine matter and which rung is close enough, another part of the stream
+//! checks that, and only then is everything replayed, by the cheapest model that has passed.
+
+use std::sync::Arc;
+
+use super::sampling::Plan;
+use super::work::stores_as_recorded;
+use super::{Fidelity, RunError, Sampled, Share, TELLING, run, sample_until};
+use crate::machine::MachineSpec;
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::memory::dram::spec::Model;
+use crate::memory::l2::L2Spec;
+use crate::memory::tags::Contents;
+use crate::quantity::Bytes;
+use crate::ranged::Within;
+use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
+use crate::stream::{Chunk, Header, Item, RayKind, Totals};
+
+/// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost a few hundredths of one replay of all.
+const PILOT: u64 = 500;
+/// Pixels of the pilot at least.
+const LEAST_PIXELS: u64 = 512;
+/// Windows with which sampling begins: enough for the regression, and for a variance that can be trusted.
+const FIRST_WINDOWS: f64 = TELLING as f64;
+/// The share of windows with which it begins at least, and with which it is still worth while.
+const LEAST_RATE: f64 = 0.005;
+const MOST_RATE: f64 = 0.25;
+
+/// A part of the machine, and the machine without what it costs.
+type Part = (&'static str, fn(&mut MachineSpec));
+
+/// The parts that can be left out, a line each.
+const PARTS: [Part; 8] = [
+    ("L1s of traversal units", |machine| machine.traversal.cache.contents = Contents::Ideal),
+    ("L1s of list units", |machine| machine.list.cache.contents = Contents::Ideal),
+    ("L1s of intersection units", |machine| machine.intersection.cache.contents = Contents::Ideal),
+    ("L1s of shadow-cache units", |machine| machine.shadow_cache.cache.contents = Contents::Ideal),
+    ("bank conflicts of L1s", |machine| {
+        let MachineSpec { traversal, list, intersection, shadow_cache, .. } = machine;
+        let caches = [&mut traversal.cache, &mut list.cache, &mut intersection.cache, &mut shadow_cache.cache];
+        caches.into_iter().for_each(|cache| cache.banks = None);
+    }),
+    ("L2", |machine| match &mut machine.l2 {
+        L2Spec::Unified(cache) => cache.contents = Contents::Ideal,
+        L2Spec::Split(homes) => homes.values_mut().for_each(|home| home.cache.contents = Contents::Ideal),
+    }),
+    ("banks, rows and refresh of the DRAM", |machine| {
+        let bytes = machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get());
+        let a_channel = bytes.map(|bytes| (bytes / machine.dram.channels.get() as f64).round().max(1.0) as u64);
+        let part = &machine.dram.part;
+        let clocks = part.timing.rcd.get() + part.timing.cl.get();
+        let latency = machine.dram.clocks(machine.clock_mhz.get()).cycle_after(clocks).max(1);
+        let bytes_per_cycle = a_channel.and_then(|bytes| Within::new(bytes).ok());
+        if let Ok(latency) = Within::new(latency) {
+            machine.dram.model = Model::Flat { latency, bytes_per_cycle };
+        }
+    }),
+    ("stores of the culling policy", |machine| {
+        let ShadowCacheSpec { count, latency, contexts, cache, .. } = machine.shadow_cache;
+        machine.shadow_cache =
+            ShadowCacheSpec { count, latency, contexts, cache, place: Place::Free, ..ShadowCacheSpec::default() };
+    }),
+];
+
+/// Replays a stream with an error of cycles and of L2 and DRAM bytes that is to be within `target`; `open` begins the stream at one of its
+/// frames.
+pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
+    machine: &MachineSpec,
+    target: Share,
+    header: &Header,
+    open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
+) -> Result<MachineStats, RunError<E>> {
+    let (frames, pixels) = (header.frames.len(), header.resolution.pixels() as u64);
+    let wanted = (frames as u64 * pixels / PILOT).max(LEAST_PIXELS).min(pixels / 4) as usize;
+    let third = pixels as usize / 3;
+    let pilot = piece(open(frames / 3)?, third, wanted).map_err(RunError::Source)?;
+    let held_back = piece(open(2 * frames / 3)?, 2 * third, wanted).map_err(RunError::Source)?;
+    let on = |machine: &MachineSpec, rung, piece: &[Item]| run(machine, rung, header, piece.iter().cloned().map(Ok));
+
+    let truth = Figures::of(&on(machine, Fidelity::Event, &pilot)?);
+    let mut needs = Needs {
+        target: target.get(),
+        pilot_share: wanted as f64 / (frames as u64 * pixels) as f64,
+        ..Needs::default()
+    };
+    let share = target.get() / PARTS.len() as f64;
+    let mut reduced = machine.clone();
+    for (part, leave_out) in PARTS {
+        let mut without = machine.clone();
+        leave_out(&mut without);
+        if without == *machine {
+            continue;
+        }
+        let effect = Figures::of(&on(&without, Fidelity::Event, &pilot)?).against(&truth);
+        let kept = effect.iter().flatten().any(|effect| effect.abs() > share);
+        if !kept {
+            leave_out(&mut reduced);
+        }
+        let [cycles, l2_bytes, dram_bytes] = effect;
+        needs.parts.push(PartNeed { part: part.into(), cycles, l2_bytes, dram_bytes, kept });
+    }
+
+    let checked = Figures::of(&on(machine, Fidelity::Event, &held_back)?);
+    let off = |machine: &MachineSpec, rung, piece: &[Item], truth: &Figures| {
+        Ok::<_, RunError<E>>(Figures::of(&on(machine, rung, piece)?).worst_against(truth))
+    };
+    if off(&reduced, Fidelity::Event, &held_back, &checked)? > target.get() / 2.0 {
+        needs.parts.iter_mut().for_each(|part| part.kept = true);
+        reduced = machine.clone();
+    }
+    // The pilot is small: a model has to be well within the target there.
+    let tried = |machine: &MachineSpec, rung: Fidelity| {
+        let error = off(machine, rung, &pilot, &truth)?;
+        let is_near = error <= target.get() / 2.0;
+        let again = if is_near { Some(off(machine, rung, &held_back, &checked)?) } else { None };
+        let passes = again.is_some_and(|again| again <= target.get());
+        Ok::<_, RunError<E>>(ModelCheck { model: rung.to_string(), error: Some(error), held_back: again, passes })
+    };
+    // Some rungs know stores as recorded only.
+    let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
+    let cheap = [(Some(&reduced), Fidelity::Bound), (recorded, Fidelity::Profile)];
+    for (machine, rung) in cheap.into_iter().filter_map(|(machine, rung)| Some((machine?, rung))) {
+        let check = tried(machine, rung)?;
+        needs.models.push(check.clone());
+        if check.passes {
+            return Ok(MachineStats { needs: Some(needs), ..run(machine, rung, header, open(0)?)? });
+        }
+    }
+    // Sampling costs less than either engine, and tells its own error.
+    let windows = (frames as u64 * pixels) as f64 / Plan::pixels_of_window(machine) as f64;
+    let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
+    if rate <= MOST_RATE {
+        let sampled = sample_until(Sampled::Event, &reduced, header, Plan::new(rate, machine, 0), target, open)?;
+        let (error, passes) = (sampled.accuracy.widest(), sampled.accuracy.is_within(target.get()));
+        needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
+        if passes {
+            return Ok(MachineStats { needs: Some(needs), ..sampled });
+        }
+    }
+    if let Some(machine) = recorded {
+        let functional = tried(machine, Fidelity::Functional)?;
+        needs.models.push(functional.clone());
+        if functional.passes {
+            return Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Functional, header, open(0)?)? });
+        }
+    }
+    let model = Fidelity::Event.to_string();
+    needs.models.push(ModelCheck { model, error: Some(0.0), held_back: Some(0.0), passes: true });
+    Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Event, header, open(0)?)? })
+}
+
+/// Cycles, bytes of the L2, bytes of the DRAM.
+struct Figures([f64; 3]);
+
+impl Figures {
+    fn of(stats: &MachineStats) -> Self {
+        let l2 = stats.bytes.keys().filter(|level| level.starts_with("l2")).map(|level| stats.moved(level));
+        Self([stats.cycles.0, l2.sum::<Bytes>().0, stats.moved("dram").0].map(|figure| figure as f64))
+    }
+
+    /// Changes as shares of `truth`, where there is one.
+    fn against(&self, truth: &Self) -> [Option<f64>; 3] {
+        std::array::from_fn(|at| (truth.0[at] > 0.0).then(|| self.0[at] / truth.0[at] - 1.0))
+    }
+
+    fn worst_against(&self, truth: &Self) -> f64 {
+        self.against(truth).into_iter().flatten().fold(0.0, |worst, change| worst.max(change.abs()))
+    }
+}
+
+/// A stream of `wanted` pixels of the frame that `items` begins with, from the `first` one on.
+fn piece<E>(items: impl Iterator<Item = Result<Item, E>>, first: usize, wanted: usize) -> Result<Vec<Item>, E> {
+    let (mut piece, mut totals, mut passed) = (Vec::new(), Totals::default(), 0);
+    for item in items {
+        match item? {
+            Item::Frame(info) => piece.push(Item::Frame(info)),
+            Item::Rays(chunk) => {
+                let mut part = Chunk::default();
+                for ray in chunk.rays() {
+                    passed += usize::from(ray.head.kind == RayKind::Primary);
+                    if (first + 1..=first + wanted).contains(&passed) {
+                        totals.count(&ray);
+                        part.push(ray.head, ray.packed_path(), ray.packed_policy());
+                    }
+                }
+                if !part.is_empty() {
+                    piece.push(Item::Rays(Arc::new(part)));
+                }
+                if passed > first + wanted {
+                    break;
+                }
+            }
+            Item::End { .. } => break,
+        }
+    }
+    piece.push(Item::End { policy: Arc::new(Vec::new()), totals });
+    Ok(piece)
+}

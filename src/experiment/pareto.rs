@@ -1,0 +1,169 @@
+//! Speed against accuracy: every rung of the ladder replays the same streams, and is held to the truth.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+use serde::Deserialize;
+
+use super::frames::FrameRange;
+use super::sweep::{Recorded, SweepError, record};
+use super::{Experiment, Overrides, beside, progress, read_machine};
+use crate::culling::PolicySpec;
+use crate::engine::{self, Fidelity};
+use crate::machine::MachineSpec;
+use crate::quantity::Resolution;
+use crate::report::pareto::{Figures, Measured, ParetoSummary, Run, Timing};
+use crate::ron_file::{self, ConfigError};
+use crate::stats::MachineStats;
+use crate::stream::StreamReader;
+
+/// A comparison as its RON file says it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ParetoSpec {
+    /// Experiments whose scenes and policies are used, relative to this file.
+    experiments: Vec<Source>,
+    /// The machines' files.
+    machines: Vec<PathBuf>,
+    /// The rungs that are compared.
+    rungs: Vec<Fidelity>,
+    /// What they are held to.
+    #[serde(default)]
+    truth: Fidelity,
+}
+
+/// An experiment, and what differs from its file.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Source {
+    file: PathBuf,
+    #[serde(default)]
+    frames: Option<FrameRange>,
+    #[serde(default)]
+    resolution: Option<Resolution>,
+    /// Names of its policies that take part; all if there are none. `Off` always does.
+    #[serde(default)]
+    policies: Vec<String>,
+}
+
+/// A comparison and all that its files name.
+pub struct Comparison {
+    /// The experiments, with the policies that take part.
+    pub experiments: Vec<Experiment>,
+    /// The machines.
+    pub machines: Vec<MachineSpec>,
+    /// The truth, then the rungs that are held to it.
+    pub rungs: Vec<Fidelity>,
+}
+
+impl Comparison {
+    /// Reads the comparison of the file `path`, with another truth if there is one.
+    pub fn load(path: &Path, truth: Option<Fidelity>) -> Result<Self, SweepError> {
+        let spec: ParetoSpec = ron_file::read(path)?;
+        let truth = truth.unwrap_or(spec.truth);
+        let wrong = |what: String| ConfigError::Content { path: path.into(), what };
+        if !truth.is_exact() {
+            return Err(wrong(format!("`truth` is {truth}: Event and Cycle are allowed")).into());
+        }
+        let experiments = spec.experiments.iter().map(|source| source.load(path)).collect::<Result<Vec<_>, _>>()?;
+        let machines = spec.machines.iter().map(|file| read_machine(&beside(path, file)));
+        let machines = machines.collect::<Result<Vec<_>, _>>()?;
+        for (count, what) in
+            [(experiments.len(), "experiments"), (machines.len(), "machines"), (spec.rungs.len(), "rungs")]
+        {
+            if count == 0 {
+                return Err(wrong(format!("`{what}` is empty: at least one is needed")).into());
+            }
+        }
+        Ok(Self { experiments, machines, rungs: std::iter::once(truth).chain(spec.rungs).collect() })
+    }
+}
+
+/// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
+pub fn pareto(
+    path: &Path,
+    truth: Option<Fidelity>,
+    stop: &AtomicBool,
+) -> Result<(ParetoSummary, Vec<Timing>), SweepError> {
+    let Comparison { experiments, machines, rungs } = Comparison::load(path, truth)?;
+    let truth = rungs[0];
+    let mut timings: Vec<Timing> =
+        rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, rays: 0 }).collect();
+    let streams: usize = experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
+    let mut runs = Vec::new();
+    let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
+    for experiment in &experiments {
+        let folder = tempfile::tempdir().map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
+        let recorded = record(experiment, folder.path(), stop)?;
+        for machine in &machines {
+            for (policy, stream) in recorded.iter().enumerate() {
+                let mut measured = Vec::new();
+                // One after another: their times are compared.
+                for (rung, timing) in rungs.iter().zip(&mut timings) {
+                    let begin = Instant::now();
+                    let stats = replay(machine, *rung, stream, stop)?;
+                    timing.seconds += begin.elapsed().as_secs_f64();
+                    timing.rays += stream.rays();
+                    measured.push(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy });
+                    bar.inc(1);
+                }
+                let truth = measured.remove(0).figures;
+                runs.push(Run {
+                    scene: experiment.scene.name.clone(),
+                    machine: machine.name.clone(),
+                    clock_mhz: machine.clock_mhz.get(),
+                    policy: stream.header.policy.clone(),
+                    is_baseline: policy == experiment.off(),
+                    truth,
+                    rungs: measured,
+                });
+            }
+        }
+    }
+    bar.finish_and_clear();
+    let names = rungs.iter().skip(1).map(Fidelity::to_string).collect();
+    Ok((ParetoSummary::new(truth.to_string(), names, runs), timings))
+}
+
+impl Source {
+    fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution };
+        let mut experiment = Experiment::load(&beside(path, &self.file), overrides)?;
+        let policies = &experiment.spec.policies;
+        if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {
+            let known: Vec<_> = policies.iter().map(|(name, _)| format!("`{name}`")).collect();
+            let what = format!("{} has no policy `{unknown}`; it has {}", self.file.display(), known.join(", "));
+            return Err(ConfigError::Content { path: path.into(), what }.into());
+        }
+        let takes_part = |&(name, policy): &(&str, &PolicySpec)| {
+            self.policies.is_empty() || *policy == PolicySpec::Off || self.policies.iter().any(|wanted| wanted == name)
+        };
+        experiment.spec.policies =
+            policies.iter().filter(takes_part).map(|(name, policy)| (name.to_owned(), policy.clone())).collect();
+        Ok(experiment)
+    }
+}
+
+fn replay(
+    machine: &MachineSpec,
+    rung: Fidelity,
+    stream: &Recorded,
+    stop: &AtomicBool,
+) -> Result<MachineStats, SweepError> {
+    // A replay that is stopped ends as a stream that is cut off does, and is thrown away.
+    let open = |frame| {
+        let mut reader = StreamReader::open(&stream.path)?;
+        reader.seek_frame(frame)?;
+        Ok(reader.take_while(|_| !stop.load(Ordering::Relaxed)))
+    };
+    let stats = engine::run_passes(machine, rung, &stream.header, open);
+    if stop.load(Ordering::Relaxed) {
+        return Err(SweepError::Stopped);
+    }
+    stats.map_err(|source| SweepError::Machine {
+        machine: machine.name.clone(),
+        policy: stream.header.policy.clone(),
+        source: Box::new(source),
+    })
+}

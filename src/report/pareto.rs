@@ -1,0 +1,417 @@
+//! Speed against accuracy of the rungs of the ladder: tables, a chart and a page. Times differ from run to run, and lie apart from all
+//! that does not.
+
+use std::path::Path;
+
+use minijinja::context;
+use serde::{Deserialize, Serialize};
+
+use super::format::{or_absent, percent, short};
+use super::table::Grid;
+use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
+use crate::stats::{Accuracy, MachineStats};
+
+/// The version of the names in `summary.json`.
+const SCHEMA: u32 = 1;
+/// The file with a row for each run and rung.
+const RUNS_FILE: &str = "pareto.csv";
+/// The file with times.
+const TIMINGS_FILE: &str = "timings.json";
+
+/// What every rung found, and how far off it was.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParetoSummary {
+    /// The version of these names.
+    pub schema: u32,
+    /// The rung that the others are held to.
+    pub truth: String,
+    /// The policies, in the order in which they first occur.
+    pub policies: Vec<String>,
+    /// What the rungs are off by, in the order of the file.
+    pub rungs: Vec<Rung>,
+    /// All runs.
+    pub runs: Vec<Run>,
+}
+
+/// How far off a rung is, over all runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rung {
+    /// Its name.
+    pub name: String,
+    /// Error of the cycles, as a share of the truth.
+    pub cycles: Option<Spread>,
+    /// Error of the bytes between L1s and L2.
+    pub l2_bytes: Option<Spread>,
+    /// Error of the DRAM bytes.
+    pub dram_bytes: Option<Spread>,
+    /// Error of the share of cycles that a policy saves.
+    pub saving: Option<Spread>,
+    /// Half the widths that it claims for cycles, for L2 and for DRAM bytes, at 95 %, on average.
+    pub claimed: Option<[f64; 3]>,
+    /// Of the figures with an interval, how many lay in it, and how many there are.
+    pub within: Option<[usize; 2]>,
+    /// Where it puts two policies or two machines in another order than the truth does.
+    pub disagreements: Vec<String>,
+}
+
+/// Mean and largest of some errors.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// The mean.
+    pub mean: f64,
+    /// The largest.
+    pub worst: f64,
+}
+
+impl Spread {
+    fn of(errors: impl Iterator<Item = f64>) -> Option<Self> {
+        let errors: Vec<f64> = errors.collect();
+        let worst = errors.iter().copied().reduce(f64::max)?;
+        Some(Self { mean: errors.iter().sum::<f64>() / errors.len() as f64, worst })
+    }
+}
+
+/// A machine on the stream of a policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The scene.
+    pub scene: String,
+    /// The machine.
+    pub machine: String,
+    /// The machine's clock.
+    pub clock_mhz: u64,
+    /// The policy.
+    pub policy: String,
+    /// Whether savings are measured against it.
+    pub is_baseline: bool,
+    /// The truth.
+    pub truth: Figures,
+    /// What each rung found.
+    pub rungs: Vec<Measured>,
+}
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Cycles.
+    pub cycles: u64,
+    /// Bytes between L1s and L2.
+    pub l2_bytes: u64,
+    /// Bytes of the DRAM.
+    pub dram_bytes: u64,
+}
+
+impl Figures {
+    /// From a run's statistics.
+    pub fn of(stats: &MachineStats) -> Self {
+        let l2 = stats.bytes.keys().filter(|level| level.starts_with("l2"));
+        Self {
+            cycles: stats.cycles.0,
+            l2_bytes: l2.map(|level| stats.moved(level).0).sum(),
+            dram_bytes: stats.moved("dram").0,
+        }
+    }
+
+    fn all(self) -> [f64; 3] {
+        [self.cycles, self.l2_bytes, self.dram_bytes].map(|figure| figure as f64)
+    }
+}
+
+/// What a rung found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// The figures.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// What it says of their error.
+    pub accuracy: Accuracy,
+}
+
+impl Measured {
+    /// Half the widths of its intervals over the figures.
+    fn claimed(&self) -> Option<[f64; 3]> {
+        match self.accuracy {
+            Accuracy::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some([cycles, l2_bytes, dram_bytes]),
+            Accuracy::Exact | Accuracy::Bounded | Accuracy::Unknown => None,
+        }
+    }
+}
+
+/// How long a rung took for all runs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Timing {
+    /// The rung.
+    pub rung: String,
+    /// Wall time, reading of the streams included.
+    pub seconds: f64,
+    /// Rays of the streams.
+    pub rays: u64,
+}
+
+impl Timing {
+    /// Rays of the stream a second of wall time.
+    pub fn speed(&self) -> f64 {
+        self.rays as f64 / self.seconds.max(1e-9)
+    }
+}
+
+impl ParetoSummary {
+    /// Compares the runs.
+    pub fn new(truth: String, rungs: Vec<String>, runs: Vec<Run>) -> Self {
+        let mut policies: Vec<String> = Vec::new();
+        for run in &runs {
+            if !policies.contains(&run.policy) {
+                policies.push(run.policy.clone());
+            }
+        }
+        let rungs = rungs.into_iter().enumerate().map(|(index, name)| Rung::new(name, index, &runs)).collect();
+        Self { schema: SCHEMA, truth, policies, rungs, runs }
+    }
+
+    /// The rungs, with their speed, that none beats in both speed and mean error of `figure`.
+    pub fn frontier(&self, timings: &[Timing], figure: fn(&Rung) -> Option<Spread>) -> Vec<bool> {
+        let points: Vec<_> =
+            self.rungs.iter().zip(timings.iter().skip(1)).map(|(rung, it)| (it.speed(), figure(rung))).collect();
+        let truth = timings.first().map(|truth| (truth.speed(), Some(Spread { mean: 0.0, worst: 0.0 })));
+        let beaten = |&(speed, error): &(f64, Option<Spread>)| {
+            let Some(error) = error else { return true };
+            points.iter().chain(&truth).any(|(other_speed, other)| {
+                other.is_some_and(|other| {
+                    *other_speed >= speed
+                        && other.mean <= error.mean
+                        && (*other_speed > speed || other.mean < error.mean)
+                })
+            })
+        };
+        points.iter().map(|point| !beaten(point)).collect()
+    }
+
+    /// A row a rung.
+    pub fn grid(&self, timings: &[Timing]) -> Grid {
+        const HEAD: [&str; 10] = [
+            "rung",
+            "rays/s",
+            "times the truth's speed",
+            "cycles",
+            "L2",
+            "DRAM",
+            "saving",
+            "claimed (cycles, L2, DRAM)",
+            "within",
+            "other orders",
+        ];
+        let truth = timings.first().map_or(1.0, Timing::speed);
+        let spread =
+            |spread: Option<Spread>| or_absent(spread, |it| format!("{} ({})", percent(it.mean), percent(it.worst)));
+        let of_truth = std::iter::once({
+            let mut row = vec![self.truth.clone(), short(truth), "1".into()];
+            row.resize(HEAD.len(), "\u{2013}".into());
+            row
+        });
+        let row = |(rung, timing): (&Rung, &Timing)| {
+            vec![
+                rung.name.clone(),
+                short(timing.speed()),
+                format!("{:.1}", timing.speed() / truth),
+                spread(rung.cycles),
+                spread(rung.l2_bytes),
+                spread(rung.dram_bytes),
+                spread(rung.saving),
+                or_absent(rung.claimed, |it| it.map(percent).join(", ")),
+                or_absent(rung.within, |[within, all]| format!("{within} of {all}")),
+                rung.disagreements.len().to_string(),
+            ]
+        };
+        let rows = of_truth.chain(self.rungs.iter().zip(timings.iter().skip(1)).map(row)).collect();
+        Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows }
+    }
+}
+
+fn off_by(found: f64, truth: f64) -> Option<f64> {
+    (truth > 0.0).then(|| (found / truth - 1.0).abs())
+}
+
+impl Rung {
+    fn new(name: String, index: usize, runs: &[Run]) -> Self {
+        let figure = |figure: usize| {
+            let error = |run: &Run| off_by(run.rungs[index].figures.all()[figure], run.truth.all()[figure]);
+            Spread::of(runs.iter().filter_map(error))
+        };
+        let baseline = |run: &Run| {
+            runs.iter().find(|other| other.is_baseline && other.scene == run.scene && other.machine == run.machine)
+        };
+        let saving = |run: &Run| {
+            let off = baseline(run).filter(|_| !run.is_baseline)?;
+            let saved = |with: Figures, without: Figures| 1.0 - with.cycles as f64 / without.cycles.max(1) as f64;
+            Some((saved(run.rungs[index].figures, off.rungs[index].figures) - saved(run.truth, off.truth)).abs())
+        };
+        let intervals: Vec<(bool, f64, usize)> = runs
+            .iter()
+            .filter_map(|run| Some((run, run.rungs[index].claimed()?)))
+            .flat_map(|(run, claimed)| {
+                let (found, truth) = (run.rungs[index].figures.all(), run.truth.all());
+                (0..3).map(move |it| ((found[it] - truth[it]).abs() <= claimed[it] * found[it], claimed[it], it))
+            })
+            .collect();
+        let claimed = |figure: usize| {
+            let of_figure = || intervals.iter().filter(move |(_, _, it)| *it == figure);
+            of_figure().map(|(_, claimed, _)| claimed).sum::<f64>() / of_figure().count() as f64
+        };
+        Self {
+            name,
+            cycles: figure(0),
+            l2_bytes: figure(1),
+            dram_bytes: figure(2),
+            saving: Spread::of(runs.iter().filter_map(saving)),
+            claimed: (!intervals.is_empty()).then(|| [claimed(0), claimed(1), claimed(2)]),
+            within: (!intervals.is_empty())
+                .then(|| [intervals.iter().filter(|(within, ..)| *within).count(), intervals.len()]),
+            disagreements: disagreements(index, runs),
+        }
+    }
+}
+
+/// Pairs of runs that differ in the policy only, or in the machine only, and whose times a rung puts in another order than the truth.
+fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
+    let time = |figures: Figures, run: &Run| figures.cycles as f64 / run.clock_mhz as f64;
+    let mut found = Vec::new();
+    for (at, a) in runs.iter().enumerate() {
+        for b in &runs[at + 1..] {
+            let [same_machine, same_policy] = [a.machine == b.machine, a.policy == b.policy];
+            if a.scene != b.scene || same_machine == same_policy {
+                continue;
+            }
+            let truth = time(a.truth, a).total_cmp(&time(b.truth, b));
+            let order = time(a.rungs[index].figures, a).total_cmp(&time(b.rungs[index].figures, b));
+            if order != truth {
+                let (of, one, other) = if same_machine {
+                    (format!("on `{}`", a.machine), &a.policy, &b.policy)
+                } else {
+                    (format!("under `{}`", a.policy), &a.machine, &b.machine)
+                };
+                let apart = percent((time(a.truth, a) / time(b.truth, b) - 1.0).abs());
+                found.push(format!("{} {of}: `{one}` and `{other}`, which are {apart} apart", a.scene));
+            }
+        }
+    }
+    found
+}
+
+fn csv(summary: &ParetoSummary) -> Result<Vec<u8>, csv::Error> {
+    let mut csv = csv::Writer::from_writer(Vec::new());
+    csv.write_record([
+        "scene",
+        "machine",
+        "policy",
+        "rung",
+        "cycles",
+        "l2_bytes",
+        "dram_bytes",
+        "true_cycles",
+        "true_l2_bytes",
+        "true_dram_bytes",
+        "claimed_cycles",
+        "claimed_l2_bytes",
+        "claimed_dram_bytes",
+    ])?;
+    for run in &summary.runs {
+        for (rung, measured) in summary.rungs.iter().zip(&run.rungs) {
+            let mut row = vec![run.scene.clone(), run.machine.clone(), run.policy.clone(), rung.name.clone()];
+            for Figures { cycles, l2_bytes, dram_bytes } in [measured.figures, run.truth] {
+                row.extend([cycles, l2_bytes, dram_bytes].map(|figure| figure.to_string()));
+            }
+            let claimed = measured.claimed().map(|claimed| claimed.map(|share| share.to_string()));
+            row.extend(claimed.unwrap_or_default());
+            csv.write_record(row)?;
+        }
+    }
+    csv.into_inner().map_err(|error| error.into_error().into())
+}
+
+/// Writes the report at `target`, in the place of an earlier one if there is one, complete or not at all.
+pub fn write_pareto(target: &Path, summary: &ParetoSummary, timings: &[Timing]) -> Result<(), ReportError> {
+    replace(target, |dir| {
+        let json = |text: Result<Vec<u8>, _>| text.map_err(ReportError::Summary);
+        put(&dir.join(SUMMARY_FILE), &json(serde_json::to_vec_pretty(summary))?)?;
+        put(&dir.join(TIMINGS_FILE), &json(serde_json::to_vec_pretty(timings))?)?;
+        put(&dir.join(RUNS_FILE), &csv(summary).map_err(ReportError::Table)?)?;
+        let plot = plots::pareto::draw(summary, timings).map_err(ReportError::Plot)?;
+        put(&dir.join(PLOTS_FOLDER).join("pareto.svg"), plot.as_bytes())?;
+        let page = page(summary, timings, &plot).map_err(ReportError::Page)?;
+        put(&dir.join(PAGE_FILE), page.as_bytes())
+    })
+}
+
+fn page(summary: &ParetoSummary, timings: &[Timing], plot: &str) -> Result<String, minijinja::Error> {
+    let differ = summary.rungs.iter().filter(|rung| !rung.disagreements.is_empty());
+    let orders: Vec<_> = differ
+        .map(|rung| context! { name => rung.name.clone(), disagreements => rung.disagreements.clone() })
+        .collect();
+    let context = context! {
+        plot, orders,
+        rungs => template::grid(summary.grid(timings)),
+        truth => summary.truth.as_str(),
+        runs => summary.runs.len(),
+    };
+    template::render("pareto.html", include_str!("pareto.html"), context)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(policy: &str, truth: u64, found: u64) -> Run {
+        let figures = |cycles| Figures { cycles, l2_bytes: 100, dram_bytes: 0 };
+        Run {
+            scene: "room".into(),
+            machine: "small".into(),
+            clock_mhz: 500,
+            policy: policy.into(),
+            is_baseline: policy == "Off",
+            truth: figures(truth),
+            rungs: vec![Measured {
+                figures: figures(found),
+                accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1 },
+            }],
+        }
+    }
+
+    fn summary() -> (ParetoSummary, Vec<Timing>) {
+        let runs = vec![run("Off", 1000, 1020), run("A", 980, 1100)];
+        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, rays: 1000 };
+        (ParetoSummary::new("Event".into(), vec!["B".into()], runs), vec![timing("Event", 2.0), timing("B", 1.0)])
+    }
+
+    #[test]
+    fn errors_orders_and_intervals_are_told() {
+        let (summary, timings) = summary();
+        let rung = &summary.rungs[0];
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        let cycles = rung.cycles.unwrap();
+        close(cycles.worst, 1100.0 / 980.0 - 1.0);
+        close(cycles.mean, (0.02 + 1100.0 / 980.0 - 1.0) / 2.0);
+        assert_eq!(rung.dram_bytes, None);
+        // Of six figures that are claimed one lies outside: the cycles of `A`.
+        assert_eq!(rung.within, Some([5, 6]));
+        close(rung.saving.unwrap().worst, 1100.0 / 1020.0 - 0.98);
+        assert_eq!(rung.disagreements, ["room on `small`: `Off` and `A`, which are 2.0 % apart"]);
+        assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [true]);
+        let slow = [timings[0].clone(), Timing { seconds: 3.0, ..timings[1].clone() }];
+        assert_eq!(summary.frontier(&slow, |rung| rung.cycles), [false]);
+    }
+
+    #[test]
+    fn the_report_has_every_part() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("pareto");
+        let (summary, timings) = summary();
+        (0..2).for_each(|_| write_pareto(&target, &summary, &timings).unwrap());
+        let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
+        assert_eq!(serde_json::from_slice::<ParetoSummary>(&text).unwrap().runs, summary.runs);
+        let page = std::fs::read_to_string(target.join(PAGE_FILE)).unwrap();
+        for part in ["<svg", "within", "2.0 % apart"] {
+            assert!(page.contains(part), "{part}");
+        }
+        assert_eq!(std::fs::read_to_string(target.join(RUNS_FILE)).unwrap().lines().count(), 3);
+    }
+}
