@@ -85,6 +85,8 @@ pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
             equal(what, load.occupied, load.waited)?;
         }
     }
+    let through = |kind: QueueKind| tally.queues[kind as usize].iter().map(|load| load.entries).sum();
+    equal(|| "rays into and out of the FIFOs".into(), through(QueueKind::Dispatcher), through(QueueKind::Host))?;
     equal(|| "rays that took less than their least latency".into(), tally.latencies.too_fast, 0)?;
     traffic(tally, machine)?;
     dram(tally, machine)

@@ -1,4 +1,4 @@
-//! The dispatcher without its cycles: rays in flight, and which one, or which step of a frame's end, goes where next. Rungs that
+//! The dispatcher without its cycles: the in FIFO, rays in flight, and which one, or which step of a frame's end, goes where next. Rungs that
 //! know parts as times from which on they are free share it.
 
 use std::collections::VecDeque;
@@ -101,6 +101,9 @@ enum Phase {
 pub struct Dispatch {
     spec: DispatcherSpec,
     host: Host,
+    /// The in FIFO, and how long it is.
+    waiting: VecDeque<Place>,
+    places: usize,
     phase: Phase,
     frame: u32,
     /// The pool, then the entries for steps of a frame's end.
@@ -133,6 +136,8 @@ impl Dispatch {
         Self {
             spec: machine.dispatcher,
             host: Host::default(),
+            waiting: VecDeque::new(),
+            places: cores * machine.dispatcher.in_fifo.size(),
             phase: Phase::Between,
             frame: 0,
             flights: vec![Flight::IDLE; pool + entries],
@@ -184,7 +189,13 @@ impl Dispatch {
                     }
                     Pulled::Nothing => self.phase = Phase::Finished,
                 },
-                Phase::Closing(steps, totals) if self.host.is_empty() && self.free.len() == self.pool => {
+                _ if self.waiting.len() < self.places && self.host.candidate().is_some() => {
+                    self.waiting.extend(self.host.candidate());
+                    self.host.handed_out();
+                }
+                Phase::Closing(steps, totals)
+                    if self.host.is_empty() && self.waiting.is_empty() && self.free.len() == self.pool =>
+                {
                     self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
                 }
                 Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
@@ -210,7 +221,7 @@ impl Dispatch {
 
     /// Hands out the next ray, if there is one and a place for it.
     fn hand_out(&mut self, at: u64, layout: &Layout) -> Result<Option<Given>, StreamFault> {
-        let Some(place) = self.host.candidate() else { return Ok(None) };
+        let Some(&place) = self.waiting.front() else { return Ok(None) };
         let Some(&id) = self.free.front() else { return Ok(None) };
         let source = self.host.chunk(place).ray(place.index as usize);
         let skipped = source.head.decision == Decision::Skip;
@@ -241,7 +252,7 @@ impl Dispatch {
         self.given_then += 1;
         self.busy += u64::from(self.given_then == 1);
         self.free.pop_front();
-        self.host.handed_out();
+        self.waiting.pop_front();
         Ok(Some(match turn {
             None => Given::Skipped(id, self.last_at + 1),
             Some(turn) => {
@@ -290,7 +301,8 @@ impl Dispatch {
             Decision::Skip => totals.shadow_rays_skipped += 1,
         }
         self.rays_done += u64::from(flight.decision != Decision::Skip);
-        self.host.done(flight.place, now + self.spec.shading_cycles.get());
+        // A cycle in each FIFO.
+        self.host.done(flight.place, now + 2 + self.spec.shading_cycles.get());
     }
 
     /// When the next parent's shading ends.

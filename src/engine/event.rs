@@ -209,6 +209,8 @@ impl Engine for Event {
             stores: Default::default(),
             units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
             queues: [
+                vec![self.dispatcher.load()],
+                vec![self.links.done.load()],
                 self.links.lists.iter().map(Queue::load).collect(),
                 self.links.tests.iter().map(Queue::load).collect(),
                 self.links.divisions.iter().map(Queue::load).collect(),

@@ -64,6 +64,10 @@ pub struct ChannelTally {
 /// Who takes from a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum QueueKind {
+    /// The dispatcher, from the in FIFO.
+    Dispatcher,
+    /// The host, from the out FIFO.
+    Host,
     /// List units.
     List,
     /// Intersection units.
@@ -78,11 +82,14 @@ pub enum QueueKind {
 
 impl QueueKind {
     /// All kinds.
-    pub const ALL: [Self; 5] = [Self::List, Self::Intersection, Self::Division, Self::L2, Self::Dram];
+    pub const ALL: [Self; 7] =
+        [Self::Dispatcher, Self::Host, Self::List, Self::Intersection, Self::Division, Self::L2, Self::Dram];
 
     /// The kind's name in reports.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Dispatcher => "in_fifo",
+            Self::Host => "out_fifo",
             Self::List => "list",
             Self::Intersection => "intersection",
             Self::Division => "division",
@@ -105,7 +112,7 @@ pub struct Tally {
     pub dispatcher: PerCause,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
-    /// How full the queues were, by who takes from them.
+    /// How full the queues were, by who takes from them; the FIFOs to and from the host first.
     pub queues: [Vec<Load>; QueueKind::ALL.len()],
     /// How long rays took.
     pub latencies: RayLatencies,
@@ -176,6 +183,12 @@ impl Tally {
             let entries = loads.iter().map(|load| load.entries).sum();
             let waited = loads.iter().map(|load| load.waited).sum();
             stats.queues.insert(kind.name().into(), QueueCounts { entries, waited });
+        }
+        // A ray goes through both FIFOs.
+        let rays: u64 = self.queues[..2].iter().flatten().map(|load| load.entries).sum();
+        if rays > 0 {
+            let bytes = Bytes(rays * machine.dispatcher.ray_bytes.get());
+            stats.bytes.insert("fifos".into(), [(TrafficClass::Ray, bytes)].into());
         }
         let known = RayKind::ALL.into_iter().zip(self.latencies.kinds).filter(|(_, counts)| counts.rays > 0);
         stats.latency.extend(known.map(|(kind, counts)| (kind.name().to_owned(), counts)));

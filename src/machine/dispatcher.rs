@@ -1,23 +1,24 @@
-//! The ray dispatcher: takes rays from the stream, hands them over when they are ready, and knows when they are done.
+//! The ray dispatcher: takes rays from the host, hands them over to the units, and gives their results back.
 
 use std::collections::VecDeque;
-use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
 use super::MachineSpec;
 use super::causes::Causes;
+use super::host::{ChunkRay, Host, Phase};
 use super::links::{Links, Parts};
 use super::ray::{Owner, RayId};
-use super::source::{FrameCounts, StreamFault, check_step, parents};
+use super::source::{FrameCounts, StreamFault, check_step};
 use super::unloaded::{RayLatencies, Unloaded};
 use crate::memory::Wake;
+use crate::memory::queue::{Load, Queue};
 use crate::ranged::Within;
 use crate::stats::Cause;
-use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
+use crate::stream::{Decision, Item, RayKind};
 
-/// The dispatcher. The defaults are the T&I engine's (Nah et al. 2011, section 4: 128 rays in the input buffer, one handed over a
-/// cycle); the latency is its reciprocal of 16 cycles and a box test of 8; shading is assumed.
+/// The dispatcher. The defaults are the T&I engine's (Nah et al. 2011, section 4: rays of 128 bytes, one
+/// handed over a cycle; its FIFOs have 128 places); the latency is its reciprocal of 16 cycles and a box test of 8; shading is assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct DispatcherSpec {
@@ -27,7 +28,13 @@ pub struct DispatcherSpec {
     pub per_cycle: Within<1, 64>,
     /// Cycles from the hand-over to the traversal unit.
     pub latency: Within<1, 10_000>,
-    /// Cycles from a ray that is done to its children.
+    /// Rays a core that can wait to be handed over.
+    pub in_fifo: Within<1, 65_536>,
+    /// Rays a core that are done and can wait for the host.
+    pub out_fifo: Within<1, 65_536>,
+    /// Bytes of a ray in a FIFO.
+    pub ray_bytes: Within<1, 4096>,
+    /// Cycles from the host's taking a ray's results to its children.
     pub shading_cycles: Within<1, 1_000_000>,
 }
 
@@ -37,73 +44,12 @@ impl Default for DispatcherSpec {
             rays: const { Within::literal(128) },
             per_cycle: const { Within::literal(1) },
             latency: const { Within::literal(24) },
+            in_fifo: const { Within::literal(16) },
+            out_fifo: const { Within::literal(16) },
+            ray_bytes: const { Within::literal(128) },
             shading_cycles: const { Within::literal(100) },
         }
     }
-}
-
-/// A ray of a chunk in memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct ChunkRay {
-    chunk: u32,
-    index: u32,
-}
-
-/// A chunk of which some rays are not done.
-#[derive(Clone, Debug)]
-struct ActiveChunk {
-    chunk: Arc<Chunk>,
-    /// Ray `i` has the children `children[first_child[i]..first_child[i + 1]]`.
-    first_child: Vec<u32>,
-    children: Vec<u32>,
-    primaries: Vec<u32>,
-    left: usize,
-}
-
-impl ActiveChunk {
-    fn new(chunk: Arc<Chunk>) -> Result<Self, StreamFault> {
-        let count = chunk.len();
-        let parents = parents(&chunk)?;
-        let mut primaries = Vec::new();
-        let mut first_child = vec![0u32; count + 2];
-        for (index, &parent) in parents.iter().enumerate() {
-            if index as u32 == parent {
-                primaries.push(parent);
-            } else {
-                first_child[parent as usize + 2] += 1;
-            }
-        }
-        // Counts become beginnings, shifted by one; filling moves each beginning to its end, the next one's beginning.
-        for index in 1..first_child.len() {
-            first_child[index] += first_child[index - 1];
-        }
-        let mut children = vec![0; count - primaries.len()];
-        for (index, &parent) in parents.iter().enumerate().filter(|&(index, &parent)| index as u32 != parent) {
-            let place = &mut first_child[parent as usize + 1];
-            children[*place as usize] = index as u32;
-            *place += 1;
-        }
-        Ok(Self { chunk, first_child, children, primaries, left: count })
-    }
-
-    fn children(&self, index: u32) -> &[u32] {
-        &self.children[self.first_child[index as usize] as usize..self.first_child[index as usize + 1] as usize]
-    }
-}
-
-/// Where the dispatcher stands in the stream.
-#[derive(Clone, Debug)]
-enum Phase {
-    /// Before a frame.
-    Between,
-    /// In a frame.
-    Open,
-    /// All of the frame's rays are known.
-    Closing(Arc<Vec<u32>>, Totals),
-    /// The end's steps are under way, or done in this cycle.
-    Ending(Totals),
-    /// After the last frame.
-    Finished,
 }
 
 /// What happened in a cycle that concerns others.
@@ -122,12 +68,9 @@ pub struct Events {
 pub struct Dispatcher {
     spec: DispatcherSpec,
     pool: usize,
-    phase: Phase,
-    chunks: Vec<Option<ActiveChunk>>,
-    /// The chunk whose primary rays are handed over, and how many were.
-    current: Option<(u32, usize)>,
-    ready: VecDeque<ChunkRay>,
-    shading: VecDeque<(u64, ChunkRay)>,
+    /// The host.
+    host: Host,
+    waiting: Queue<ChunkRay>,
     free: VecDeque<RayId>,
     free_slots: Vec<u64>,
     cores: usize,
@@ -135,7 +78,6 @@ pub struct Dispatcher {
     next_in_turn: usize,
     /// Rays that each core got in this cycle.
     handed_over: Vec<u64>,
-    frame: u32,
     rays: u64,
     unloaded: Unloaded,
     /// How long rays took.
@@ -151,17 +93,13 @@ impl Dispatcher {
         Self {
             spec: machine.dispatcher,
             pool: machine.pool() as usize,
-            phase: Phase::Between,
-            chunks: Vec::new(),
-            current: None,
-            ready: VecDeque::new(),
-            shading: VecDeque::new(),
+            host: Host::new(machine.dispatcher.shading_cycles.get()),
+            waiting: Queue::new(cores * machine.dispatcher.in_fifo.size()),
             free: (0..machine.pool() as RayId).collect(),
             free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
             cores,
             next_in_turn: 0,
             handed_over: vec![0; cores],
-            frame: 0,
             rays: 0,
             unloaded: Unloaded::new(machine),
             latencies: RayLatencies::default(),
@@ -180,117 +118,59 @@ impl Dispatcher {
         for unit in links.freed.drain(..) {
             self.free_slots[unit as usize] += 1;
         }
-        for index in 0..links.done.len() {
-            let id = links.done[index];
-            events.chunks_over += usize::from(self.ray_done(id, now - 1, links));
+        let width = self.spec.per_cycle.get() * self.cores as u64;
+        for _ in 0..width {
+            let Some(id) = links.done.take(now, &mut links.clock) else { break };
+            events.chunks_over += usize::from(self.take_results(id, now, links));
         }
-        links.done.clear();
-        if let Phase::Ending(totals) = self.phase
+        if let Phase::Ending(totals) = self.host.phase
             && std::mem::take(&mut links.frame_over)
         {
-            self.phase = Phase::Between;
+            self.host.phase = Phase::Between;
             let machine = std::mem::take(&mut links.replayed);
             let stores = std::mem::take(&mut links.stores);
-            events.frame_over = Some(FrameCounts { frame: self.frame, tracer: totals, machine, stores });
+            events.frame_over = Some(FrameCounts { frame: self.host.frame, tracer: totals, machine, stores });
         }
-        events.frame_began = self.pull(next, links)?;
-        while let Some(&(at, parent)) = self.shading.front()
-            && at <= now
-        {
-            self.shading.pop_front();
-            let Some(chunk) = &self.chunks[parent.chunk as usize] else {
-                unreachable!("a chunk stays while it has rays")
-            };
-            self.ready.extend(chunk.children(parent.index).iter().map(|&index| ChunkRay { index, ..parent }));
-        }
-        let mut busy = 0;
+        events.frame_began = self.host.pull(next, links)?;
+        self.host.shade(now);
         self.handed_over.fill(0);
-        for _ in 0..self.spec.per_cycle.get() * self.cores as u64 {
+        let mut busy = false;
+        for _ in 0..width {
             if !self.hand_over(now, links)? {
                 break;
             }
-            busy = 1;
-            self.pull(next, links)?;
+            busy = true;
+        }
+        for _ in 0..width {
+            if !self.waiting.has_room(now) {
+                break;
+            }
+            let Some(ray) = self.host.next() else { break };
+            self.waiting.put(ray, now + 1);
+            self.host.pull(next, links)?;
         }
         self.close(now, links);
-        let more = self.candidate().is_some();
-        let idle = match (more, self.shading.is_empty()) {
-            (true, _) => Cause::Blocked,
-            (false, false) => Cause::Pipeline,
-            (false, true) => Cause::Starved,
+        let idle = match (self.waiting.first(now), self.host.shading_ends()) {
+            (Some(_), _) => Cause::Blocked,
+            (None, None) if self.waiting.is_empty() => Cause::Starved,
+            (None, _) => Cause::Pipeline,
         };
-        self.causes.cycle(now, busy, idle);
-        if busy > 0 && more {
-            links.clock.wake(Parts::DISPATCHER, now + 1);
-        }
-        if let Some(&(at, _)) = self.shading.front() {
-            links.clock.wake(Parts::DISPATCHER, at);
-        }
+        self.causes.cycle(now, u64::from(busy), idle);
+        self.wake(now, busy, links);
         Ok(events)
     }
 
-    /// Takes items from the stream until a primary ray can be taken, or the frame has no more; whether a frame began.
-    fn pull<E: From<StreamFault>>(
-        &mut self,
-        next: &mut impl FnMut() -> Result<Option<Item>, E>,
-        links: &mut Links<impl Wake>,
-    ) -> Result<bool, E> {
-        let mut began = false;
-        while self.current.is_none() && matches!(self.phase, Phase::Between | Phase::Open) {
-            let item = next()?;
-            let found = match &item {
-                None => "its end",
-                Some(Item::Frame(_)) => "a frame's beginning",
-                Some(Item::Rays(_)) => "rays",
-                Some(Item::End { .. }) => "a frame's end",
-            };
-            match (&self.phase, item) {
-                (Phase::Between, None) => self.phase = Phase::Finished,
-                (Phase::Between, Some(Item::Frame(frame))) => {
-                    links.layout.begin_frame(&frame);
-                    links.drop_dynamic_lines();
-                    (self.phase, self.frame, began) = (Phase::Open, frame.number, true);
-                }
-                (Phase::Between, _) => return Err(StreamFault::Order { found, expected: "a frame's beginning" }.into()),
-                (_, Some(Item::Rays(chunk))) => self.load(chunk)?,
-                (_, Some(Item::End { policy, totals })) => {
-                    for &word in policy.iter() {
-                        check_step(word, &links.layout)?;
-                    }
-                    self.phase = Phase::Closing(policy, totals);
-                }
-                _ => return Err(StreamFault::Order { found, expected: "rays or a frame's end" }.into()),
-            }
+    /// Announces the cycles in which there is something to do.
+    fn wake(&self, now: u64, busy: bool, links: &mut Links<impl Wake>) {
+        // What was put now can be taken next; places freed now can be used next.
+        let put = self.waiting.last_at().is_some_and(|at| at > now);
+        let more = busy && (!self.waiting.is_empty() || self.host.has_rays());
+        if put || more || self.host.has_rays() && self.waiting.has_room(now + 1) || !links.done.is_empty() {
+            links.clock.wake(Parts::DISPATCHER, now + 1);
         }
-        Ok(began)
-    }
-
-    fn load(&mut self, chunk: Arc<Chunk>) -> Result<(), StreamFault> {
-        if chunk.is_empty() {
-            return Ok(());
+        if let Some(at) = self.host.shading_ends() {
+            links.clock.wake(Parts::DISPATCHER, at.max(now + 1));
         }
-        let chunk = Some(ActiveChunk::new(chunk)?);
-        let free = self.chunks.iter().position(Option::is_none);
-        let place = free.unwrap_or(self.chunks.len());
-        if free.is_some() {
-            self.chunks[place] = chunk;
-        } else {
-            self.chunks.push(chunk);
-        }
-        self.current = Some((place as u32, 0));
-        Ok(())
-    }
-
-    fn chunk(&self, place: u32) -> &ActiveChunk {
-        self.chunks[place as usize].as_ref().expect("a chunk stays while it has rays that are not done")
-    }
-
-    /// The ray to be handed over next.
-    fn candidate(&self) -> Option<ChunkRay> {
-        self.ready.front().copied().or_else(|| {
-            let (chunk, taken) = self.current?;
-            Some(ChunkRay { chunk, index: self.chunk(chunk).primaries[taken] })
-        })
     }
 
     /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
@@ -311,9 +191,9 @@ impl Dispatcher {
 
     /// Hands over the next ray; whether there was one, and a place for it.
     fn hand_over(&mut self, now: u64, links: &mut Links<impl Wake>) -> Result<bool, StreamFault> {
-        let Some(which) = self.candidate() else { return Ok(false) };
+        let Some(which) = self.waiting.first(now) else { return Ok(false) };
         let Some(&id) = self.free.front() else { return Ok(false) };
-        let source = self.chunk(which.chunk).chunk.ray(which.index as usize);
+        let source = self.host.ray(which);
         let skipped = source.head.decision == Decision::Skip;
         let turn = if skipped { None } else { self.free_unit() };
         if !skipped && turn.is_none() {
@@ -352,20 +232,15 @@ impl Dispatcher {
             }
         }
         self.free.pop_front();
-        if self.ready.pop_front().is_none()
-            && let Some((chunk, taken)) = self.current
-        {
-            let more = taken + 1 < self.chunk(chunk).primaries.len();
-            self.current = more.then_some((chunk, taken + 1));
-        }
+        self.waiting.take(now, &mut links.clock);
         Ok(true)
     }
 
-    /// Ray `id` was done in cycle `at`; whether it was the last of its chunk.
-    fn ray_done(&mut self, id: RayId, at: u64, links: &mut Links<impl Wake>) -> bool {
+    /// The host takes the results of ray `id` in cycle `now`; whether it was the last of its chunk.
+    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) -> bool {
         self.free.push_back(id);
         let ray = &links.rays[id as usize];
-        self.latencies.count(ray.kind, ray.decision, at - ray.handed_over, ray.unloaded);
+        self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
         let totals = &mut links.replayed;
         match (ray.kind, ray.decision) {
             (RayKind::Primary, _) => totals.primary_rays += 1,
@@ -381,36 +256,24 @@ impl Dispatcher {
             }
         }
         self.rays += u64::from(ray.decision != Decision::Skip);
-        let Some(active) = &mut self.chunks[ray.chunk as usize] else {
-            unreachable!("a chunk stays while it has rays")
-        };
-        active.left -= 1;
-        if !active.children(ray.index).is_empty() {
-            let parent = ChunkRay { chunk: ray.chunk, index: ray.index };
-            self.shading.push_back((at + self.spec.shading_cycles.get(), parent));
-        }
-        let last = active.left == 0;
-        if last {
-            self.chunks[ray.chunk as usize] = None;
-        }
-        last
+        self.host.take(ChunkRay { chunk: ray.chunk, index: ray.index }, now)
     }
 
     /// Begins the frame's end when all its rays are done.
     fn close(&mut self, now: u64, links: &mut Links<impl Wake>) {
-        let quiet = self.candidate().is_none() && self.shading.is_empty() && self.in_flight() == 0;
-        let Phase::Closing(steps, totals) = &self.phase else { return };
-        if !quiet {
+        let Phase::Closing(steps, totals) = &self.host.phase else { return };
+        let host_is_done = !self.host.has_rays() && self.host.shading_ends().is_none();
+        if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 {
             return;
         }
         if !links.begin_end(steps, now) {
             links.frame_over = true;
             links.clock.wake(Parts::DISPATCHER, now + 1);
         }
-        self.phase = Phase::Ending(*totals);
+        self.host.phase = Phase::Ending(*totals);
     }
 
-    /// Rays handed over and not done.
+    /// Rays handed over whose results the host has not taken.
     pub fn in_flight(&self) -> usize {
         self.pool - self.free.len()
     }
@@ -423,7 +286,7 @@ impl Dispatcher {
 
     /// Whether the stream is at its end.
     pub fn is_finished(&self) -> bool {
-        matches!(self.phase, Phase::Finished)
+        matches!(self.host.phase, Phase::Finished)
     }
 
     /// Rays done so far, skipped ones not counted.
@@ -431,14 +294,20 @@ impl Dispatcher {
         self.rays
     }
 
+    /// How full the in FIFO was.
+    pub fn load(&self) -> Load {
+        self.waiting.load()
+    }
+
     /// The state of the queues, for the report of a deadlock.
     pub fn queues(&self) -> String {
         format!(
-            "rays in flight {}/{}, ready {}, being shaded {}, free slots {}",
+            "rays in flight {}/{}, in FIFO {}/{}, {}, free slots {}",
             self.in_flight(),
             self.pool,
-            self.ready.len(),
-            self.shading.len(),
+            self.waiting.len(),
+            self.waiting.capacity(),
+            self.host.queues(),
             self.free_slots.iter().sum::<u64>()
         )
     }

@@ -173,8 +173,8 @@ pub struct Links<W> {
     pub back_in_policy: Vec<Inbox<RayId>>,
     /// Retired and skipped rays, and those of other units, to each shadow-cache unit.
     pub retired: Vec<Inbox<RayId>>,
-    /// Rays that are done, to the dispatcher.
-    pub done: Vec<RayId>,
+    /// The out FIFO: rays that are done, to the host.
+    pub done: Queue<RayId>,
     /// Traversal units in which a slot was freed, to the dispatcher.
     pub freed: Vec<u32>,
     /// The frame's end, to each shadow-cache unit: from when on, and its steps.
@@ -222,7 +222,7 @@ impl<W: Wake> Links<W> {
             divisions: vec![Queue::new(spec.division.queue.size()); parts.division as usize],
             back_in_policy: vec![Inbox::new(); parts.shadow_cache as usize],
             retired: vec![Inbox::new(); parts.shadow_cache as usize],
-            done: Vec::new(),
+            done: Queue::new(parts.cores as usize * spec.dispatcher.out_fifo.size()),
             freed: Vec::new(),
             frame_end: vec![None; parts.shadow_cache as usize],
             units_at_the_end: 0,
@@ -303,10 +303,13 @@ impl<W: Wake> Links<W> {
         self.clock.wake(part, now + 1);
     }
 
-    /// A ray is done.
-    pub fn done(&mut self, ray: RayId, now: u64) {
-        self.done.push(ray);
-        self.clock.wake(Parts::DISPATCHER, now + 1);
+    /// A ray is done and goes to the out FIFO, if that has a place; else `from` is woken when it has.
+    pub fn send_out(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
+        let sent = send(&mut self.done, ray, (from, Parts::DISPATCHER), now, &mut self.clock);
+        if sent {
+            self.rays[ray as usize].done = now;
+        }
+        sent
     }
 
     /// Sends a ray to the shadow-cache unit where it begins.

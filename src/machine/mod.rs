@@ -3,6 +3,7 @@
 pub mod causes;
 pub mod dispatcher;
 pub mod division;
+pub mod host;
 pub mod intersection;
 pub mod layout;
 pub mod links;

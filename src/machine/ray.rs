@@ -57,7 +57,9 @@ pub struct Ray {
     pub index: u32,
     /// When it was handed over.
     pub handed_over: u64,
-    /// The least that it takes from then on.
+    /// When it was done.
+    pub done: u64,
+    /// The least that it takes from being handed over on.
     pub unloaded: u64,
     /// Who works on it.
     pub owner: Owner,
@@ -88,6 +90,7 @@ impl Default for Ray {
             chunk: 0,
             index: 0,
             handed_over: 0,
+            done: 0,
             unloaded: 0,
             owner: Owner::ShadowCache(0),
             list: None,

@@ -103,6 +103,8 @@ pub struct ShadowCache {
     register: Register,
     /// Rays that wait to go to an intersection unit.
     leaving: VecDeque<RayId>,
+    /// Rays that are done and wait for the out FIFO.
+    done: VecDeque<RayId>,
     contexts: usize,
     free: usize,
     /// The first entry after the pool's: steps of a frame's end use the entries from here on.
@@ -126,6 +128,7 @@ impl ShadowCache {
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
             register: Register::new(spec.register.size()),
             leaving: VecDeque::new(),
+            done: VecDeque::new(),
             contexts: spec.contexts.size(),
             free: spec.contexts.size(),
             first_entry,
@@ -152,8 +155,12 @@ impl ShadowCache {
         if free_at_start {
             self.take_on(now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
         let part = self.pipeline.part();
+        while self.done.front().is_some_and(|&id| links.send_out(id, part, now)) {
+            self.done.pop_front();
+            self.free += 1;
+        }
+        let began = self.pipeline.begin(now, &links.rays);
         let core = self.pipeline.core();
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
             Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
@@ -162,7 +169,7 @@ impl ShadowCache {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
         if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
@@ -294,10 +301,10 @@ impl ShadowCache {
     }
 
     fn finish(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
-        self.free += 1;
         if id < self.first_entry {
-            return links.done(id, now);
+            return self.done.push_back(id);
         }
+        self.free += 1;
         self.free_entries.push_back(id);
         if let Some(ending) = &mut self.ending {
             ending.left -= 1;

@@ -49,6 +49,8 @@ pub struct Traversal {
     pub pipeline: Pipeline,
     /// Rays that wait to go to a list or intersection unit.
     leaving: VecDeque<RayId>,
+    /// Rays that are done and wait for the out FIFO.
+    done: VecDeque<RayId>,
 }
 
 impl Traversal {
@@ -58,7 +60,7 @@ impl Traversal {
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         let core = links.parts.core(part);
         let pipeline = Pipeline::new(part, core, &spec.cache, stages, line, WritePolicy::Back);
-        Self { index, pipeline, leaving: VecDeque::new() }
+        Self { index, pipeline, leaving: VecDeque::new(), done: VecDeque::new() }
     }
 
     /// Cycle `now`.
@@ -79,8 +81,12 @@ impl Traversal {
         while let Some(ray) = take(&mut links.dispatched[self.index as usize], now) {
             self.route(ray, now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
         let (core, part) = (self.pipeline.core(), self.pipeline.part());
+        while self.done.front().is_some_and(|&id| links.send_out(id, part, now)) {
+            self.done.pop_front();
+            links.freed.push(self.index);
+        }
+        let began = self.pipeline.begin(now, &links.rays);
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].path_step() {
             Some(Step::List(_)) => links.send_to_list(id, core, part, now),
             _ => links.send_to_test(id, core, part, now),
@@ -88,7 +94,7 @@ impl Traversal {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(self.pipeline.part(), now + 1);
         }
@@ -106,13 +112,12 @@ impl Traversal {
             }
             Some(_) => self.leaving.push_back(id),
             None => {
-                let has_policy = ray.has_policy();
-                links.freed.push(self.index);
-                if has_policy {
+                if ray.has_policy() {
+                    links.freed.push(self.index);
                     links.send_to_shadow_cache(id, now);
                     links.clock.wake(super::links::Parts::DISPATCHER, now + 1);
                 } else {
-                    links.done(id, now);
+                    self.done.push_back(id);
                 }
             }
         }

@@ -95,9 +95,11 @@ impl Host {
         while let Some(unit) = wires.freed_slots.take(now) {
             self.free_slots[unit] += 1;
         }
-        while let Some(id) = wires.done.take(now) {
-            // What is seen in this cycle was done in the one before.
-            self.ray_done(id, now - 1, wires);
+        let width = self.spec.per_cycle.get() * self.cores as u64;
+        for _ in 0..width {
+            if let Some(id) = wires.out_fifo.take(now) {
+                self.take_results(id, now, wires);
+            }
         }
         if wires.frame_over.take(now).is_some()
             && let Phase::AtTheEnd { totals: tracer } = self.phase
@@ -117,16 +119,23 @@ impl Host {
         }
         let mut handed_over = 0;
         let mut to_core = vec![0; self.cores];
-        while handed_over < self.spec.per_cycle.get() * self.cores as u64 && self.hand_over(now, &mut to_core, wires)? {
+        while handed_over < width && self.hand_over(now, &mut to_core, wires)? {
             handed_over += 1;
+        }
+        for _ in 0..width {
+            if !wires.in_fifo.has_room() {
+                break;
+            }
+            let Some(origin) = self.ready.pop_front().or_else(|| self.primaries.pop_front()) else { break };
+            wires.in_fifo.put(now, origin);
             self.read_on(next, wires)?;
         }
         self.begin_end(now, wires);
         let cause = if handed_over > 0 {
             Cause::Busy
-        } else if !self.ready.is_empty() || !self.primaries.is_empty() {
+        } else if wires.in_fifo.first(now).is_some() {
             Cause::Blocked
-        } else if !self.shading.is_empty() {
+        } else if !wires.in_fifo.is_empty() || !self.shading.is_empty() {
             Cause::Pipeline
         } else {
             Cause::Starved
@@ -190,7 +199,7 @@ impl Host {
     /// Hands over the next ray, if there is one and nothing is missing; whether that was so. `to_core` says how many each core got
     /// in this cycle.
     fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
-        let Some(origin) = self.ready.front().or(self.primaries.front()).cloned() else { return Ok(false) };
+        let Some(origin) = wires.in_fifo.first(now).cloned() else { return Ok(false) };
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
         let mut ray = read_ray(origin, wires)?;
         let steps = ray.path.iter().map(|&step| self.unloaded.step(step, ray.kind));
@@ -217,17 +226,15 @@ impl Host {
             let_in(id, ray, wires);
         }
         self.free_entries.pop_front();
-        if self.ready.pop_front().is_none() {
-            self.primaries.pop_front();
-        }
+        wires.in_fifo.take(now);
         Ok(true)
     }
 
-    /// Ray `id` was done in cycle `at`.
-    fn ray_done(&mut self, id: Id, at: u64, wires: &mut Wires) {
+    /// The host takes the results of ray `id` in cycle `now`.
+    fn take_results(&mut self, id: Id, now: u64, wires: &mut Wires) {
         self.free_entries.push_back(id);
         let ray = wires.rays[id].take().expect("a ray that is done was under way");
-        self.latencies.count(ray.kind, ray.decision, at - ray.handed_over, ray.unloaded);
+        self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
         let replayed = &mut wires.replayed;
         match ray.kind {
             RayKind::Primary => replayed.primary_rays += 1,
@@ -244,15 +251,15 @@ impl Host {
         }
         let origin = ray.origin.expect("a ray of the pool is of the stream");
         if !origin.group.children[origin.index].is_empty() {
-            self.shading.push_back((at + self.spec.shading_cycles.get(), origin));
+            self.shading.push_back((now + self.spec.shading_cycles.get(), origin));
         }
     }
 
-    /// Step 3.
+    /// Step 5.
     fn begin_end(&mut self, now: u64, wires: &mut Wires) {
         let Phase::AllKnown { end, totals } = &self.phase else { return };
         let rays_to_come = !self.primaries.is_empty() || !self.ready.is_empty() || !self.shading.is_empty();
-        if rays_to_come || self.in_flight() > 0 {
+        if rays_to_come || !wires.in_fifo.is_empty() || self.in_flight() > 0 {
             return;
         }
         let steps = wires.words.end(end, &wires.layout);
@@ -268,11 +275,12 @@ impl Host {
         matches!(self.phase, Phase::Finished)
     }
 
-    pub fn queues(&self) -> String {
+    pub fn queues(&self, wires: &Wires) -> String {
         format!(
-            "rays in flight {}/{}, ready {}, being shaded {}, free slots {:?}",
+            "rays in flight {}/{}, in FIFO {}, ready {}, being shaded {}, free slots {:?}",
             self.in_flight(),
             self.pool,
+            wires.in_fifo.len(),
             self.ready.len(),
             self.shading.len(),
             self.free_slots
@@ -310,6 +318,7 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
         sender: Sender::ShadowCache(0),
         list: None,
         handed_over: 0,
+        done: 0,
         unloaded: 0,
         origin: Some(origin),
     })

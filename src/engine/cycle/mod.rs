@@ -132,7 +132,7 @@ impl Cycle {
 
     fn queues(&self) -> String {
         let wires = &self.wires;
-        let mut lines = vec![format!("dispatcher: {}", self.host.queues())];
+        let mut lines = vec![format!("dispatcher: {}", self.host.queues(wires))];
         let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
         self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
         self.list.iter().enumerate().for_each(|(i, unit)| list("list", i, unit.queues(wires)));
@@ -189,6 +189,8 @@ impl Engine for Cycle {
             stores: Default::default(),
             units: self.units().map(|units| units.into_iter().map(Unit::tally).collect()),
             queues: [
+                vec![self.wires.in_fifo.load()],
+                vec![self.wires.out_fifo.load()],
                 self.wires.lists.iter().map(Link::load).collect(),
                 self.wires.tests.iter().map(Link::load).collect(),
                 self.wires.divisions.iter().map(Link::load).collect(),

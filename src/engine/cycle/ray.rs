@@ -45,6 +45,7 @@ pub struct Ray {
     pub list: Option<usize>,
     /// When it was handed over, and the least that it takes from then on.
     pub handed_over: u64,
+    pub done: u64,
     pub unloaded: u64,
     /// `None` for a step of a frame's end.
     pub origin: Option<Origin>,

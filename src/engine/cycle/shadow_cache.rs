@@ -15,6 +15,8 @@ pub struct ShadowCache {
     spec: ShadowCacheSpec,
     pub unit: Unit,
     leaving: VecDeque<Id>,
+    /// Rays that wait for the out FIFO.
+    done: VecDeque<Id>,
     in_work: usize,
     /// Entries of the dispatcher's pool; those for a frame's end follow.
     pool: usize,
@@ -47,6 +49,7 @@ impl ShadowCache {
             spec: *spec,
             unit: Unit::new(l1, &spec.cache, pace, line, writes),
             leaving: VecDeque::new(),
+            done: VecDeque::new(),
             in_work: 0,
             pool,
             free_entries: (first..first + contexts).collect(),
@@ -80,6 +83,12 @@ impl ShadowCache {
         if a_context_was_free {
             self.take_on(now, wires);
         }
+        while let Some(&id) = self.done.front()
+            && wires.send_out(now, id)
+        {
+            self.done.pop_front();
+            self.in_work -= 1;
+        }
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
         if let Some(&id) = self.leaving.front() {
@@ -93,7 +102,7 @@ impl ShadowCache {
             }
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty());
     }
 
     fn operation_ended(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -142,6 +151,7 @@ impl ShadowCache {
                 sender: Sender::ShadowCache(self.index),
                 list: None,
                 handed_over: now,
+                done: 0,
                 unloaded: 0,
                 origin: None,
             });
@@ -229,11 +239,10 @@ impl ShadowCache {
     }
 
     fn ray_done(&mut self, id: Id, now: u64, wires: &mut Wires) {
-        self.in_work -= 1;
         if id < self.pool {
-            wires.done.put(now, id);
-            return;
+            return self.done.push_back(id);
         }
+        self.in_work -= 1;
         wires.rays[id] = None;
         self.free_entries.push_back(id);
         self.end_left = self.end_left.map(|left| left - 1);

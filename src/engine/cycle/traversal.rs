@@ -14,13 +14,15 @@ pub struct Traversal {
     pub unit: Unit,
     /// Rays that leave for list or intersection units.
     leaving: VecDeque<Id>,
+    /// Rays that wait for the out FIFO.
+    done: VecDeque<Id>,
 }
 
 impl Traversal {
     pub fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
         let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
         let unit = Unit::new(index, &spec.cache, pace, line, WritePolicy::Back);
-        Self { index, unit, leaving: VecDeque::new() }
+        Self { index, unit, leaving: VecDeque::new(), done: VecDeque::new() }
     }
 
     pub fn tick(&mut self, now: u64, wires: &mut Wires) {
@@ -40,6 +42,12 @@ impl Traversal {
         while let Some(id) = wires.dispatched[self.index].take(now) {
             self.next_step(id, now, wires);
         }
+        while let Some(&id) = self.done.front()
+            && wires.send_out(now, id)
+        {
+            self.done.pop_front();
+            wires.freed_slots.put(now, self.index);
+        }
         let began = self.unit.begin(now, &wires.layout);
         self.unit.access(now);
         if let Some(&id) = self.leaving.front() {
@@ -52,7 +60,7 @@ impl Traversal {
             }
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty());
     }
 
     fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -62,11 +70,11 @@ impl Traversal {
             Some(_) => self.leaving.push_back(id),
             None => {
                 if ray.policy.is_empty() {
-                    wires.done.put(now, id);
+                    self.done.push_back(id);
                 } else {
                     wires.send_to_policy(now, id);
+                    wires.freed_slots.put(now, self.index);
                 }
-                wires.freed_slots.put(now, self.index);
             }
         }
     }

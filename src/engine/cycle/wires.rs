@@ -1,7 +1,7 @@
 //! All links between the parts, and what all parts can see.
 
 use super::link::Link;
-use super::ray::{Id, Ray, Sender};
+use super::ray::{Id, Origin, Ray, Sender};
 use super::words::Words;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
@@ -66,8 +66,9 @@ pub struct Wires {
     pub retired: Vec<Link<Id>>,
     /// A frame's end and its steps to each shadow-cache unit.
     pub frame_end: Vec<Link<Vec<Step>>>,
-    /// To the dispatcher: rays that are done.
-    pub done: Link<Id>,
+    /// From the host to the dispatcher, and, of rays that are done, to the host.
+    pub in_fifo: Link<Origin>,
+    pub out_fifo: Link<Id>,
     /// To the dispatcher: units in which a slot was freed.
     pub freed_slots: Link<usize>,
     /// To the dispatcher: the frame is over.
@@ -122,7 +123,8 @@ impl Wires {
             test_left: links(tests, Link::unbounded),
             retired: links(policies, || Link::new(pool, 1)),
             frame_end: links(policies, Link::unbounded),
-            done: Link::unbounded(),
+            in_fifo: Link::new(cores * spec.dispatcher.in_fifo.size(), 1),
+            out_fifo: Link::new(cores * spec.dispatcher.out_fifo.size(), 1),
             freed_slots: Link::unbounded(),
             frame_over: Link::unbounded(),
             to_bank,
@@ -158,7 +160,8 @@ impl Wires {
         all(&mut self.from_dram);
         all(&mut self.retired);
         all(&mut self.frame_end);
-        self.done.settle();
+        self.in_fifo.settle();
+        self.out_fifo.settle();
         self.freed_slots.settle();
         self.frame_over.settle();
     }
@@ -236,6 +239,16 @@ impl Wires {
             self.list_left[list].put(now, ());
             self.give_back(now, id);
         }
+    }
+
+    /// A ray is done and goes to the out FIFO, if that has a place.
+    pub fn send_out(&mut self, now: u64, id: Id) -> bool {
+        let room = self.out_fifo.has_room();
+        if room {
+            self.out_fifo.put(now, id);
+            self.ray(id).done = now;
+        }
+        room
     }
 
     /// A ray goes back to the traversal or shadow-cache unit that has a place for it.

@@ -66,10 +66,10 @@ fn miss_latency(machine: &MachineSpec) -> u64 {
     4 + dram + machine.l2.caches()[0].1.latency.get()
 }
 
-/// Cycles before the first ray is at its unit, and from its retirement to the end of the run: to the dispatcher, to
-/// the frame's end, and the last cycle itself.
+/// Cycles before the first ray is at its unit, and from its retirement to the end of the run: through both FIFOs, to the frame's
+/// end, and the last cycle itself.
 fn frame_latency(machine: &MachineSpec) -> u64 {
-    machine.dispatcher.latency.get() + 3
+    machine.dispatcher.latency.get() + 4
 }
 
 #[test]
@@ -176,8 +176,9 @@ fn a_skipped_ray_costs_one_operation_and_no_traversal() {
     let primary = SyntheticRay::primary(nodes([0]));
     let alone = replayed(&machine, one_frame(std::slice::from_ref(&primary)));
     let stats = replayed(&machine, one_frame(&[primary, SyntheticRay::shadow(1, Decision::Skip, Vec::new())]));
-    // The child is ready `shading_cycles` after its parent is done, one cycle less than the dispatcher's next cycle.
-    let child = machine.dispatcher.shading_cycles.get() + 1 + machine.shadow_cache.latency.get();
+    // Through the out FIFO, shaded, through the in FIFO, to the unit.
+    let ways = 3;
+    let child = machine.dispatcher.shading_cycles.get() + ways + machine.shadow_cache.latency.get();
     assert_eq!(stats.cycles.0, alone.cycles.0 + child);
     assert_eq!((stats.rays, stats.bytes["l1_traversal"][&TrafficClass::Node].0), (1, 64));
     assert_eq!(stats.units["shadow_cache"][&Cause::Busy], 1);
@@ -321,7 +322,7 @@ fn an_error_of_the_source_comes_through() {
 /// A machine with everything as small as it can be.
 fn tiny() -> MachineSpec {
     let mut machine = MachineSpec::default();
-    machine.dispatcher.rays = num(1);
+    (machine.dispatcher.rays, machine.dispatcher.in_fifo, machine.dispatcher.out_fifo) = (num(1), num(1), num(1));
     machine.traversal.count = num(1);
     machine.traversal.rays = num(1);
     (machine.list.count, machine.list.lists, machine.list.queue) = (num(1), num(1), num(1));
@@ -400,7 +401,7 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     engine.dispatcher.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
     let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
-    assert!(error.contains("dispatcher: rays in flight 0/128, ready 0"), "{error}");
+    assert!(error.contains("dispatcher: rays in flight 0/128, in FIFO 1/16, ready 0"), "{error}");
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
 

@@ -171,7 +171,7 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
         Just(StoreLayout::Record),
         Just(StoreLayout::Tagged)
     ];
-    let frame_end = prop_oneof![1 => Just(FrameEnd::List), 2 => Just(FrameEnd::Sweep), 2 => Just(FrameEnd::Epoch)];
+    let frame_end = prop_oneof![1 => Just(FrameEnd::List), 3 => Just(FrameEnd::Sweep), 3 => Just(FrameEnd::Epoch)];
     let register = prop_oneof![2 => Just(0), 2 => 1..4u64, 1 => Just(64)];
     let writes = prop_oneof![
         2 => Just(WritePolicy::Back),
@@ -205,7 +205,8 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let cache = || cache(line).boxed();
     let caches = (cache(), cache(), cache(), cache(), l2(line).boxed());
     let intervals = prop::collection::vec(prop_oneof![3 => Just(1), 1 => 1..40u64], 5);
-    let more = (1..4u64, 1..5u64, 1..4u64, 1..4u64, 1..4u64, prop_oneof![2 => Just(1), 1 => 2..4u64]);
+    let cores = prop_oneof![2 => Just(1), 1 => 2..4u64];
+    let more = (1..4u64, 1..5u64, 1..4u64, 1..4u64, 1..4u64, cores, 1..6u64, 1..4u64);
     let rest = (50..4000u64, words(), 1..4000u64, (intervals, more, latency(300)));
     (counts, latencies, caches, dram(line).boxed(), rest).prop_map(
         move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
@@ -235,6 +236,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             (machine.list.count, machine.list.lists, machine.list.queue) = (num(more.0), num(more.1), num(more.2));
             (machine.division.count, machine.division.queue) = (num(more.3), num(more.4));
             machine.cores = num(more.5);
+            (machine.dispatcher.in_fifo, machine.dispatcher.out_fifo) = (num(more.6), num(more.7));
             machine.shadow_cache.latency = num(latencies.4);
             machine.dispatcher.shading_cycles = num(latencies.5);
             machine.traversal.cache = caches.0;
