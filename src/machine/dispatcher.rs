@@ -145,7 +145,7 @@ impl Dispatcher {
             if !self.waiting.has_room(now) {
                 break;
             }
-            let Some(ray) = self.host.next() else { break };
+            let Some(ray) = self.host.give() else { break };
             self.waiting.put(ray, now + 1);
             self.host.pull(next, links)?;
         }

@@ -177,8 +177,8 @@ impl Host {
         }
     }
 
-    /// The next ray to give out, which is given out.
-    pub fn next(&mut self) -> Option<ChunkRay> {
+    /// Gives out the next ray.
+    pub fn give(&mut self) -> Option<ChunkRay> {
         self.ready.pop_front().or_else(|| {
             let (chunk, given) = self.current?;
             let primaries = &self.active(chunk).primaries;
