@@ -75,6 +75,10 @@ fn every_config_loads() {
             let _: umbrasim::experiment::paper::PaperSpec = umbrasim::ron_file::read(&file).unwrap();
             continue;
         }
+        if file.ends_with("identities.ron") {
+            let _: umbrasim::experiment::identities::IdentitiesSpec = umbrasim::ron_file::read(&file).unwrap();
+            continue;
+        }
         let text = fs::read_to_string(&file).unwrap();
         if text.contains("experiments: [") {
             // A comparison of rungs: its experiments are loaded by themselves too.

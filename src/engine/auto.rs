@@ -24,7 +24,7 @@ const LEAST_PIXELS: u64 = 512;
 const FIRST_WINDOWS: f64 = TELLING as f64;
 /// The share of windows with which it begins at least, and with which it is still worth while.
 const LEAST_RATE: f64 = 0.005;
-const MOST_RATE: f64 = 0.25;
+const MOST_RATE: f64 = 0.1;
 
 /// A part of the machine, and the machine without what it costs.
 type Part = (&'static str, fn(&mut MachineSpec));
@@ -130,7 +130,8 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let windows = (frames as u64 * pixels) as f64 / Plan::pixels_of_window(machine) as f64;
     let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
     if rate <= MOST_RATE {
-        let sampled = sample_until(Sampled::Event, &reduced, header, Plan::new(rate, machine, 0), target, open)?;
+        let sampled =
+            sample_until(Sampled::Event, &reduced, header, Plan::new(rate, machine, 0), (target, MOST_RATE), open)?;
         let (error, passes) = (sampled.accuracy.widest(), sampled.accuracy.is_within(target.get()));
         needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
         if passes {

@@ -202,7 +202,7 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
         Fidelity::Auto { error } => auto::auto(machine, error, header, &mut open),
         Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
             let plan = Plan::new(rate.get(), machine, seed);
-            let stats = sample_until(engine, machine, header, plan, target, &mut open)?;
+            let stats = sample_until(engine, machine, header, plan, (target, 0.5), &mut open)?;
             if stats.accuracy.is_within(target.get()) {
                 return Ok(stats);
             }
@@ -215,13 +215,13 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
 /// Windows from which on the width of an interval tells how many are needed.
 const TELLING: usize = 24;
 
-/// Samples with more and more windows, as long as the target may be reached with half of them.
+/// Samples with more and more windows, as long as the target may be reached with at most the share `most` of them.
 fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     engine: Sampled,
     machine: &MachineSpec,
     header: &Header,
     mut plan: Plan,
-    target: Share,
+    (target, most): (Share, f64),
     open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
 ) -> Result<MachineStats, RunError<E>> {
     let mut findings = Findings::default();
@@ -235,7 +235,7 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
             _ => 2.0,
         };
         let is_enough = stats.accuracy.is_within(target.get());
-        if is_enough || plan.rate() * shrink.max(2.0) > 0.5 {
+        if is_enough || plan.rate() * shrink.max(2.0) > most {
             return Ok(stats);
         }
         plan.draws = plan.draws.end..2 * plan.draws.end;
