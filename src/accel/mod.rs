@@ -40,6 +40,9 @@ pub struct AccelSpec {
     pub dynamic: Quality,
     /// The order of a kd-tree's nodes; the other structures have one order only.
     pub kd_layout: kdtree::Layout,
+    /// Entries of a ray's stack in a kd-tree: a full one drops its deepest entry, and the ray goes down again when it needs that. Without a limit if
+    /// it is not given.
+    pub kd_stack: Option<Within<1, 64>>,
     /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
     pub kd_depth: Option<Within<1, 64>>,
 }
@@ -51,6 +54,7 @@ impl Default for AccelSpec {
             statics: Quality::Best,
             dynamic: Quality::Fast,
             kd_layout: kdtree::Layout::Ordered,
+            kd_stack: None,
             kd_depth: None,
         }
     }
@@ -233,7 +237,9 @@ impl Accel {
                 let dynamic = kdtree::build(&items, self.spec.kd(self.spec.dynamic), base);
                 let slots = slots(&dynamic.records, first, scene.dynamic_count);
                 let (nodes, entries) = (dynamic.nodes.len(), dynamic.lists.len());
-                (Kind::KdTree(kdtree::Forest { joined: self.joined, statics, dynamic }), nodes, entries, slots)
+                let short_stack = self.spec.kd_stack.map(|places| places.size());
+                let forest = kdtree::Forest { joined: self.joined, statics, dynamic, short_stack };
+                (Kind::KdTree(forest), nodes, entries, slots)
             }
         };
         let info = FrameInfo {

@@ -9,6 +9,7 @@ mod build;
 mod layout;
 mod shaft;
 mod split;
+mod stack;
 #[cfg(test)]
 mod tests;
 mod traverse;

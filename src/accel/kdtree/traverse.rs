@@ -6,14 +6,15 @@
 //! traced among dynamic objects stops at the first node that has none under it, as the published algorithm asks: that is
 //! the static tree's root, which is not even fetched, since the joining node tells.
 //!
-//! Every ray fetches node 0, as it does in the other structures. The stack is unbounded: what a short stack with restarts
-//! adds (less than 3 % of the steps, Nah et al. 2011) is not recorded.
+//! Every ray fetches node 0, as it does in the other structures. The stack is unbounded, or a short one that forgets what lies
+//! deepest and finds it again by going down once more ([`super::stack`]).
 
 use std::ops::Range;
 
 use glam::Vec3;
 
 use super::bounds::Bounds;
+use super::stack::{Span, Stack};
 use super::{Node, Tree, View};
 use crate::accel::ray::SLAB;
 use crate::accel::triangle::Record;
@@ -28,17 +29,9 @@ pub struct Forest<'a> {
     pub statics: &'a Tree,
     /// Those with ids after the static ones.
     pub dynamic: Tree,
+    /// Places of a ray's stack, if it is a short one.
+    pub short_stack: Option<usize>,
 }
-
-/// A cell that the ray crosses between the distances `enter` and `exit`.
-#[derive(Clone, Copy, Debug)]
-struct Span {
-    node: u32,
-    enter: f32,
-    exit: f32,
-}
-
-type Stack = Vec<Span>;
 
 impl Bounds {
     /// The part of the ray in the box, as `node`'s.
@@ -57,7 +50,7 @@ impl Bounds {
             enter = enter.max((near - origin) * inverse);
             exit = exit.min((far - origin) * inverse * SLAB);
         }
-        (enter <= exit).then_some(Span { node, enter, exit })
+        (enter <= exit).then_some(Span { node, enter, exit, depth: 0 })
     }
 }
 
@@ -96,6 +89,7 @@ impl Forest<'_> {
     /// Goes down to the leaf that the ray comes to first; gives its entries.
     fn descend(&self, mut span: Span, ray: &Ray, stack: &mut Stack, watch: &mut impl Observer) -> Range<u32> {
         loop {
+            stack.visit(&span);
             watch.node(NodeId(span.node));
             let (axis, at, [left, right]) = match self.node(span.node).view(span.node) {
                 View::Leaf(entries) => return entries,
@@ -103,6 +97,7 @@ impl Forest<'_> {
             };
             let (origin, inverse) = (ray.origin[axis], ray.inverse[axis]);
             let (near, far) = if inverse < 0.0 { (right, left) } else { (left, right) };
+            span.depth += 1;
             let plane = (at - origin) * inverse;
             // The comparisons allow for the rounding of both sides, so that a ray through an edge of cells comes to all
             // of them.
@@ -123,18 +118,15 @@ impl Forest<'_> {
 
     /// The nearest hit; at equal distance the one on the lowest primitive.
     pub fn closest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
-        let mut stack = Stack::with_capacity(64);
         let mut nearest: Option<Hit> = None;
-        stack.extend(self.start(&ray, watch).into_iter().flatten());
+        let mut trees: Vec<_> = self.start(&ray, watch).into_iter().flatten().collect();
         // The tree that is entered first on top; the static one if they are entered together.
-        stack.sort_by(|a, b| b.enter.total_cmp(&a.enter).then(b.node.cmp(&a.node)));
-        while let Some(span) = stack.pop() {
-            // A hit counts wherever it is found: it may lie beyond the leaf, so what comes before it is still walked.
-            let reach = ray.reach * SLAB;
-            if span.enter > reach {
-                continue;
-            }
-            for entry in self.descend(Span { exit: span.exit.min(reach), ..span }, &ray, &mut stack, watch) {
+        trees.sort_by(|a, b| b.enter.total_cmp(&a.enter).then(b.node.cmp(&a.node)));
+        let mut stack = Stack::new(self.short_stack, trees);
+        // A hit counts wherever it is found: it may lie beyond the leaf, so what comes before it is still walked.
+        while let Some(span) = stack.pop(ray.reach * SLAB, watch) {
+            let exit = span.exit.min(ray.reach * SLAB);
+            for entry in self.descend(Span { exit, ..span }, &ray, &mut stack, watch) {
                 watch.list(ListId(entry));
                 let slot = self.entry(entry);
                 let record = self.record(slot);
@@ -157,11 +149,10 @@ impl Forest<'_> {
         if scope == Scope::Dynamic && !self.joined {
             return None;
         }
-        let mut stack = Stack::with_capacity(64);
         let [statics, dynamic] = self.start(ray, watch);
-        stack.extend(dynamic.filter(|_| scope != Scope::Static));
-        stack.extend(statics.filter(|_| scope != Scope::Dynamic));
-        while let Some(span) = stack.pop() {
+        let trees = [dynamic.filter(|_| scope != Scope::Static), statics.filter(|_| scope != Scope::Dynamic)];
+        let mut stack = Stack::new(self.short_stack, trees.into_iter().flatten().collect());
+        while let Some(span) = stack.pop(f32::INFINITY, watch) {
             for entry in self.descend(span, ray, &mut stack, watch) {
                 watch.list(ListId(entry));
                 let slot = self.entry(entry);
