@@ -28,63 +28,63 @@ fn on_dram(from: &str, to: &str) -> String {
 #[test]
 fn a_dram_part() {
     insta::assert_snapshot!(on_dram("rrd_s", "rrds"), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:14:29: Unexpected field named `rrds` in `Timing`, expected one of `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, or `rfc` instead
+    error: small.ron:47:16: lpddr4_3200.ron:14:29: Unexpected field named `rrds` in `Timing`, expected one of `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, or `rfc` instead
         |
      14 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
         |                             ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
+    error: small.ron:47:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
        |
      8 |     banks: 7,
        |            ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
+    error: small.ron:47:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
         |
      18 |     ),
         |     ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
-    error: small.ron:45:16: cannot read lpddr4.ron: No such file or directory (os error 2)
+    error: small.ron:47:16: cannot read lpddr4.ron: No such file or directory (os error 2)
         |
-     45 |         part: "lpddr4.ron",
+     47 |         part: "lpddr4.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:13:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
+    error: small.ron:47:16: lpddr4_3200.ron:13:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
         |
      13 |         cl: 28, cwl: 14, rcd: 29, rp: 34, ras: 68, rc: 100,
         |                                                    ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:15:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
+    error: small.ron:47:16: lpddr4_3200.ron:15:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
         |
      15 |         rtp: 12, wr: 29, wtr_s: 8, wtr_l: 16,
         |                          ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @r#"
-    error: small.ron:45:16: lpddr4_3200.ron:17:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
+    error: small.ron:47:16: lpddr4_3200.ron:17:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
         |
      17 |         refi: 900, rfc: 288,
         |         ^
         |
-     45 |         part: "lpddr4_3200.ron",
+     47 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
 }
@@ -116,9 +116,9 @@ fn a_typo() {
        |              ^
     ");
     insta::assert_snapshot!(on_machine("shading_cycles", "shading_cycle"), @r"
-    error: small.ron:11:9: Unexpected field named `shading_cycle` in `DispatcherSpec`, expected one of `rays`, `per_cycle`, `latency`, or `shading_cycles` instead
+    error: small.ron:13:9: Unexpected field named `shading_cycle` in `DispatcherSpec`, expected one of `rays`, `per_cycle`, `latency`, `in_fifo`, `out_fifo`, `ray_bytes`, or `shading_cycles` instead
         |
-     11 |         shading_cycle: 100, // assumed
+     13 |         shading_cycle: 100, // assumed
         |         ^
     ");
 }
