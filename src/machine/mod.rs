@@ -11,6 +11,7 @@ pub mod list;
 pub mod pipeline;
 pub mod ray;
 pub mod register;
+mod routing;
 pub mod shadow_cache;
 pub mod source;
 pub mod spec;
