@@ -181,7 +181,7 @@ enum Command {
     /// Replay rays of one kind alone (primary, shadow, diffuse) on the T&I engine, beside its published table
     ///
     /// Holds two identities that tie the table's columns: utilisation is operations a ray times rays a second over the peak, and
-    /// DRAM bytes a ray follow from operations and hit rates. The command fails if the first is off by more than 3 points.
+    /// DRAM bytes a ray follow from operations and hit rates. The command fails if the first does not hold.
     Identities {
         /// The table's file
         #[arg(default_value = "configs/experiments/identities.ron")]

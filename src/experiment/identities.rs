@@ -108,8 +108,9 @@ pub enum IdentitiesError {
     Run(#[from] RunError<Infallible>),
 }
 
-/// The largest difference that a row may have ([`Measured::utilization_gap`]).
-pub const MOST_GAP: f64 = 0.03;
+/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation occupies its unit for
+/// its interval exactly. (TI's own table meets the identity within 17 points.)
+pub const MOST_GAP: f64 = 1e-9;
 
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
 pub fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
@@ -303,7 +304,7 @@ mod tests {
                 });
                 assert_eq!(event, cycle, "{name}, {kind:?}");
                 let found = measured(String::new(), &work, &event, &machine);
-                assert!(found.utilization_gap < 1e-9, "{name}, {kind:?}: {}", found.utilization_gap);
+                assert!(found.utilization_gap <= MOST_GAP, "{name}, {kind:?}: {}", found.utilization_gap);
                 // What the identity has fetched twice is what merging spares: nothing else moves.
                 let fetched = found.bytes_by_identity - found.bytes_merged;
                 assert!((fetched / found.row.dram_bytes_per_ray - 1.0).abs() < 1e-9, "{name}, {kind:?}: {fetched}");

@@ -20,7 +20,6 @@ use super::{Engine, RunError};
 use crate::machine::MachineSpec;
 use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::source::StoreWork;
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
@@ -456,16 +455,13 @@ impl Engine for Functional {
         let units = |kind| self.stations[self.of_kind(kind)].iter().map(Station::tally).collect();
         Tally {
             cycles,
-            has_causes: false,
-            stores: StoreWork::default(),
             rays: self.dispatch.rays_done,
             dispatcher: busy(self.dispatch.busy),
             units: Kind::ALL.map(units),
-            queues: Default::default(),
-            latencies: Default::default(),
             divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.below.banks(),
             channels: self.below.channels(cycles),
+            ..Tally::default()
         }
     }
 

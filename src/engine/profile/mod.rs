@@ -26,7 +26,6 @@ use super::{Engine, RunError};
 use crate::machine::MachineSpec;
 use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::source::StoreWork;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::{Header, Step};
 
@@ -375,16 +374,13 @@ impl<W: Watch> Engine for Profile<W> {
         let units = |kind| self.units[self.of_kind(kind)].iter().map(Unit::tally).collect();
         Tally {
             cycles,
-            has_causes: false,
-            stores: StoreWork::default(),
             rays: self.dispatch.rays_done,
             dispatcher: busy(self.dispatch.busy),
             units: Kind::ALL.map(units),
-            queues: Default::default(),
-            latencies: Default::default(),
             divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.memory.banks(),
             channels: self.memory.channels(cycles),
+            ..Tally::default()
         }
     }
 

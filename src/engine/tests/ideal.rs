@@ -4,13 +4,14 @@ use super::*;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::spec::Model;
 use crate::memory::tags::Contents;
-use crate::stats::Accuracy;
+use crate::stats::{Accuracy, LatencyCounts};
 
 /// The machine `configs/machines/ideal.ron` with L1s of `latency` cycles.
 fn ideal(latency: u64) -> MachineSpec {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/machines/ideal.ron");
     let mut machine: MachineSpec = crate::ron_file::read(&path).unwrap();
-    for cache in [&mut machine.traversal.cache, &mut machine.intersection.cache, &mut machine.shadow_cache.cache] {
+    let MachineSpec { traversal, list, intersection, shadow_cache, .. } = &mut machine;
+    for cache in [&mut traversal.cache, &mut list.cache, &mut intersection.cache, &mut shadow_cache.cache] {
         cache.latency = num(latency);
     }
     machine
@@ -38,6 +39,23 @@ fn a_ray_on_ideal_l1s_takes_hits_and_operations_alone() {
         // All but what it takes to hand the ray over and hear of its end is in the bound.
         let bound = stats.bounds.unwrap().cycles.least.0;
         assert_eq!(expected - bound, frame_latency(&machine) - machine.dispatcher.latency.get());
+    }
+}
+
+/// The least latency that every ray is held to is what a ray takes that is alone: one cycle less would be seen.
+#[test]
+fn a_ray_alone_takes_its_least_latency() {
+    for latency in [1, 5] {
+        let machine = ideal(latency);
+        let tests = [Stop::Plane, Stop::Edges, Stop::Hit].map(|stop| triangle(3, stop));
+        let nodes = nodes(0..3);
+        // The way to a list unit is not counted.
+        let paths = [(nodes.clone(), 0), (tests.to_vec(), 0), ([&nodes[..], &tests].concat(), 0), (leaf(0, 4), 1)];
+        for (path, more) in paths {
+            let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(path.clone())]));
+            let LatencyCounts { cycles, unloaded, most, .. } = stats.latency["primary"];
+            assert_eq!((cycles, most), (unloaded + more, cycles), "{latency}: {path:?}");
+        }
     }
 }
 

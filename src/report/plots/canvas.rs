@@ -56,7 +56,7 @@ pub fn class_color(class: TrafficClass) -> RGBColor {
 
 /// The colour of the policy in place `index` among those that cull.
 pub fn policy_color(index: usize) -> RGBColor {
-    const COLORS: [RGBColor; 7] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, INK];
+    const COLORS: [RGBColor; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, INK, YELLOW];
     COLORS[index % COLORS.len()]
 }
 
