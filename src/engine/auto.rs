@@ -16,15 +16,16 @@ use crate::ranged::Within;
 use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
 use crate::stream::{Chunk, Header, Item, RayKind, Totals};
 
-/// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost a few hundredths of one replay of all.
-const PILOT: u64 = 500;
+/// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost less than a hundredth of one replay of all.
+const PILOT: u64 = 2000;
 /// Pixels of the pilot at least.
 const LEAST_PIXELS: u64 = 512;
 /// Windows with which sampling begins: enough for the regression, and for a variance that can be trusted.
 const FIRST_WINDOWS: f64 = TELLING as f64;
-/// The share of windows with which it begins at least, and with which it is still worth while.
-const LEAST_RATE: f64 = 0.005;
-const MOST_RATE: f64 = 0.1;
+/// The share of windows with which it begins at least: with fewer, reading the stream costs more than what is replayed. And the share with
+/// which it is still worth while: of each window twice as many pixels are replayed.
+const LEAST_RATE: f64 = 0.025;
+const MOST_RATE: f64 = 0.3;
 
 /// A part of the machine, and the machine without what it costs.
 type Part = (&'static str, fn(&mut MachineSpec));
@@ -116,33 +117,33 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         let passes = again.is_some_and(|again| again <= target.get());
         Ok::<_, RunError<E>>(ModelCheck { model: rung.to_string(), error: Some(error), held_back: again, passes })
     };
+    let bound = tried(&reduced, Fidelity::Bound)?;
+    needs.models.push(bound.clone());
+    if bound.passes {
+        return Ok(MachineStats { needs: Some(needs), ..run(&reduced, Fidelity::Bound, header, open(0)?)? });
+    }
+    // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
+    let windows = (frames as u64 * pixels) as f64 / Plan::pixels_of_window(machine) as f64;
+    let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
+    if rate <= MOST_RATE {
+        let plan = Plan::new(rate, machine, 0);
+        let sampled = sample_until(Sampled::Event, machine, header, plan, (target, MOST_RATE), open)?;
+        let (error, passes) = (sampled.accuracy.widest(), sampled.accuracy.is_within(target.get()));
+        needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
+        if passes {
+            needs.parts.iter_mut().for_each(|part| part.kept = true);
+            return Ok(MachineStats { needs: Some(needs), ..sampled });
+        }
+    }
     // Some rungs know stores as recorded only.
     let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
-    let cheap = [(Some(&reduced), Fidelity::Bound), (recorded, Fidelity::Profile)];
-    for (machine, rung) in cheap.into_iter().filter_map(|(machine, rung)| Some((machine?, rung))) {
+    for (machine, rung) in
+        [Fidelity::Profile, Fidelity::Functional].into_iter().filter_map(|rung| Some((recorded?, rung)))
+    {
         let check = tried(machine, rung)?;
         needs.models.push(check.clone());
         if check.passes {
             return Ok(MachineStats { needs: Some(needs), ..run(machine, rung, header, open(0)?)? });
-        }
-    }
-    // Sampling costs less than either engine, and tells its own error.
-    let windows = (frames as u64 * pixels) as f64 / Plan::pixels_of_window(machine) as f64;
-    let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
-    if rate <= MOST_RATE {
-        let sampled =
-            sample_until(Sampled::Event, &reduced, header, Plan::new(rate, machine, 0), (target, MOST_RATE), open)?;
-        let (error, passes) = (sampled.accuracy.widest(), sampled.accuracy.is_within(target.get()));
-        needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
-        if passes {
-            return Ok(MachineStats { needs: Some(needs), ..sampled });
-        }
-    }
-    if let Some(machine) = recorded {
-        let functional = tried(machine, Fidelity::Functional)?;
-        needs.models.push(functional.clone());
-        if functional.passes {
-            return Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Functional, header, open(0)?)? });
         }
     }
     let model = Fidelity::Event.to_string();

@@ -173,7 +173,7 @@ impl Dispatch {
         feed: &mut impl Feed<E>,
         layout: &mut Layout,
     ) -> Result<Option<Given>, RunError<E>> {
-        feed.chunks_over(std::mem::take(&mut self.host.chunks_over));
+        feed.rays_over(std::mem::take(&mut self.host.rays_over));
         loop {
             match &mut self.phase {
                 Phase::Between | Phase::Open if self.host.wants_rays() => match self.host.pull(feed)? {

@@ -1,7 +1,7 @@
 //! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
 
 use super::feed::Feed;
-use super::sampling::Warming;
+use super::sampling::Tags;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::{Due, Wheel};
 use super::work::Kind;
@@ -96,7 +96,7 @@ impl Event {
     }
 
     /// All caches hold from now on what the warm ones do.
-    fn hold(&mut self, warm: &Warming) {
+    fn hold(&mut self, warm: &Tags) {
         let l1 = |kind: Kind, index: usize| &warm.l1s(kind)[index];
         self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
         self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));
@@ -156,7 +156,7 @@ impl Engine for Event {
             }
             if due.next(0, 1).is_some() {
                 let events = self.dispatcher.tick(now, &mut || feed.next(), &mut self.links)?;
-                feed.chunks_over(events.chunks_over);
+                feed.rays_over(events.rays_over);
                 if let Some(counts) = events.frame_over {
                     feed.frame_over(&counts)?;
                 }

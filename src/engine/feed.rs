@@ -1,6 +1,6 @@
 //! What an engine is fed with: the stream's items, all of them or a sample.
 
-use super::sampling::Warming;
+use super::sampling::Tags;
 use super::tally::Tally;
 use super::{RunError, check};
 use crate::machine::shadow_cache::ShadowCacheSpec;
@@ -26,8 +26,8 @@ pub(super) trait Feed<E> {
         Ok(())
     }
 
-    /// The last rays of so many chunks are done.
-    fn chunks_over(&mut self, _: usize) {}
+    /// So many rays are done.
+    fn rays_over(&mut self, _: usize) {}
 
     /// Whether [`Feed::mark`] is to be called at the end of the cycle.
     fn marks(&self) -> bool {
@@ -35,7 +35,7 @@ pub(super) trait Feed<E> {
     }
 
     /// So much was counted up to now. Gives what the caches are to hold from now on, if that is something else.
-    fn mark(&mut self, _: &Tally) -> Option<&Warming> {
+    fn mark(&mut self, _: &Tally) -> Option<&Tags> {
         None
     }
 }

@@ -67,8 +67,8 @@ pub struct Host {
     /// Parents being shaded, and until when.
     shading: VecDeque<(u64, Place)>,
     in_frame: bool,
-    /// Chunks of which the last ray was done, to be told.
-    pub chunks_over: usize,
+    /// Rays that were done, to be told.
+    pub rays_over: usize,
 }
 
 impl Host {
@@ -141,12 +141,12 @@ impl Host {
             unreachable!("a chunk stays while it has rays that are not done")
         };
         active.left -= 1;
+        self.rays_over += 1;
         let parent = active.first_child[place.index as usize] != NONE;
         if parent {
             self.shading.push_back((at, place));
         } else if active.left == 0 {
             self.chunks[place.chunk as usize] = None;
-            self.chunks_over += 1;
         }
         parent
     }

@@ -28,7 +28,7 @@ pub use self::fidelity::{Fidelity, Sampled, Share};
 pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
-use self::sampling::{Findings, Plan, Sample};
+use self::sampling::{Findings, Plan};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
 use crate::machine::source::{StoreWork, StreamFault};
@@ -129,9 +129,14 @@ pub fn run<E>(
         Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
         Fidelity::Sampled { target_error: Some(_), .. } | Fidelity::Auto { .. } => Err(RunError::Passes),
         Fidelity::Sampled { engine, rate, seed, .. } => {
+            check_sampled(engine, machine)?;
             let plan = Plan::new(rate.get(), machine, seed);
-            let (findings, last) = sampled(engine, machine, header, plan.clone(), items)?;
-            Ok(findings.estimate(&last, plan.rate()))
+            if plan.rate() < 1.0 {
+                let findings = sampling::sample(engine, machine, header, plan.clone(), items)?;
+                return Ok(findings.estimate(machine, plan.rate()));
+            }
+            let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 };
+            Ok(MachineStats { accuracy: all, ..run(machine, engine.whole(), header, items)? })
         }
     }
 }
@@ -186,6 +191,11 @@ fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
     Err(SpecError::new(what))
 }
 
+/// A sample is replayed by a rung that knows the machine's way to access stores.
+fn check_sampled(engine: Sampled, machine: &MachineSpec) -> Result<(), SpecError> {
+    if engine == Sampled::Functional { check_stores(machine) } else { Ok(()) }
+}
+
 /// As [`run`], of a stream that can be read more than once: `open` begins it at one of its frames, counted from 0. With a target error
 /// the number of windows that were measured doubles from pass to pass, until the intervals of cycles and of the bytes of L2 and DRAM are
 /// within the target; where that would take half of them or more, everything is replayed.
@@ -201,6 +211,7 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
     match fidelity {
         Fidelity::Auto { error } => auto::auto(machine, error, header, &mut open),
         Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
+            check_sampled(engine, machine)?;
             let plan = Plan::new(rate.get(), machine, seed);
             let stats = sample_until(engine, machine, header, plan, (target, 0.5), &mut open)?;
             if stats.accuracy.is_within(target.get()) {
@@ -212,8 +223,9 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
     }
 }
 
-/// Windows from which on the width of an interval tells how many are needed.
-const TELLING: usize = 24;
+/// Windows from which on the width of an interval tells whether they are enough, and how many are needed: with fewer, whoever stops does so too often
+/// because the interval came out narrow by chance.
+const TELLING: usize = 48;
 
 /// Samples with more and more windows, as long as the target may be reached with at most the share `most` of them.
 fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
@@ -226,19 +238,17 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
 ) -> Result<MachineStats, RunError<E>> {
     let mut findings = Findings::default();
     loop {
-        let (found, last) = sampled(engine, machine, header, plan.clone(), open(0)?)?;
-        findings.join(found);
-        let stats = findings.estimate(&last, plan.rate());
-        // Intervals shrink with the root of the number of windows.
-        let shrink = match stats.accuracy.widest() {
-            Some(widest) if findings.measured.len() >= TELLING => (widest / target.get()).powi(2),
-            _ => 2.0,
+        findings.join(sampling::sample(engine, machine, header, plan.clone(), open(0)?)?);
+        let stats = findings.estimate(machine, plan.rate());
+        let is_enough = stats.accuracy.is_within(target.get()) && findings.measured.len() >= TELLING;
+        let draws = match stats.accuracy.widest() {
+            Some(widest) if findings.measured.len() >= TELLING => plan.enough_draws(widest, target.get()),
+            _ => 2 * plan.draws.end,
         };
-        let is_enough = stats.accuracy.is_within(target.get());
-        if is_enough || plan.rate() * shrink.max(2.0) > most {
+        if is_enough || draws as f64 / plan.stratum as f64 > most {
             return Ok(stats);
         }
-        plan.draws = plan.draws.end..2 * plan.draws.end;
+        plan.draws = plan.draws.end..draws;
     }
 }
 
@@ -302,32 +312,6 @@ fn replay<E>(
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
     Ok(tally)
-}
-
-/// Replays a sample; what was found in it, and what the engine counted in the end.
-fn sampled<E>(
-    engine: Sampled,
-    machine: &MachineSpec,
-    header: &Header,
-    plan: Plan,
-    items: impl Iterator<Item = Result<Item, E>>,
-) -> Result<(Findings, MachineStats), RunError<E>> {
-    fn with<E, I: Iterator<Item = Result<Item, E>>>(
-        mut engine: impl Engine,
-        machine: &MachineSpec,
-        mut sample: Sample<'_, I>,
-    ) -> Result<(Findings, MachineStats), RunError<E>> {
-        let cycles = engine.run(&mut sample)?;
-        Ok((sample.findings, engine.tally(cycles).stats(machine)))
-    }
-    if engine == Sampled::Functional {
-        check_stores(machine)?;
-    }
-    let sample = Sample::new(machine, header, plan, items);
-    match engine {
-        Sampled::Functional => with(functional::Functional::new(machine, header), machine, sample),
-        Sampled::Event => with(event::Event::new(machine, header), machine, sample),
-    }
 }
 
 /// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.

@@ -133,7 +133,7 @@ pub struct Work {
 
 impl Work {
     /// What `step` of a ray of kind `ray` asks for while `holder` has the ray.
-    #[inline]
+    #[inline(always)]
     pub fn of(step: Step, holder: Holder, ray: RayKind, layout: &Layout) -> Self {
         let one = |kind, first| Self { kind, first, second: None, divides: false };
         let holders = holder.kind();

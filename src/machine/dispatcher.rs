@@ -59,8 +59,8 @@ pub struct Events {
     pub frame_began: bool,
     /// A frame is over.
     pub frame_over: Option<FrameCounts>,
-    /// Chunks of which the last ray was done.
-    pub chunks_over: usize,
+    /// Rays that were done.
+    pub rays_over: usize,
 }
 
 /// The dispatcher.
@@ -121,7 +121,8 @@ impl Dispatcher {
         let width = self.spec.per_cycle.get() * self.cores as u64;
         for _ in 0..width {
             let Some(id) = links.done.take(now, &mut links.clock) else { break };
-            events.chunks_over += usize::from(self.take_results(id, now, links));
+            self.take_results(id, now, links);
+            events.rays_over += 1;
         }
         if let Phase::Ending(totals) = self.host.phase
             && std::mem::take(&mut links.frame_over)
@@ -236,8 +237,8 @@ impl Dispatcher {
         Ok(true)
     }
 
-    /// The host takes the results of ray `id` in cycle `now`; whether it was the last of its chunk.
-    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) -> bool {
+    /// The host takes the results of ray `id` in cycle `now`.
+    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
         self.free.push_back(id);
         let ray = &links.rays[id as usize];
         self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
@@ -256,7 +257,7 @@ impl Dispatcher {
             }
         }
         self.rays += u64::from(ray.decision != Decision::Skip);
-        self.host.take(ChunkRay { chunk: ray.chunk, index: ray.index }, now)
+        self.host.take(ChunkRay { chunk: ray.chunk, index: ray.index }, now);
     }
 
     /// Begins the frame's end when all its rays are done.

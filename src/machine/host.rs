@@ -198,8 +198,8 @@ impl Host {
         self.shading.front().map(|&(at, _)| at)
     }
 
-    /// Takes a ray's results in cycle `now`; whether it was the last of its chunk.
-    pub fn take(&mut self, ray: ChunkRay, now: u64) -> bool {
+    /// Takes a ray's results in cycle `now`.
+    pub fn take(&mut self, ray: ChunkRay, now: u64) {
         let Some(active) = &mut self.chunks[ray.chunk as usize] else {
             unreachable!("a chunk stays while it has rays")
         };
@@ -207,11 +207,9 @@ impl Host {
         if !active.children(ray.index).is_empty() {
             self.shading.push_back((now + self.shading_cycles, ray));
         }
-        let last = active.left == 0;
-        if last {
+        if active.left == 0 {
             self.chunks[ray.chunk as usize] = None;
         }
-        last
     }
 
     /// The state of the lists, for the report of a deadlock.

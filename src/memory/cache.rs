@@ -256,6 +256,12 @@ impl Cache {
         (false, victim.filter(|victim| victim.dirty))
     }
 
+    /// Whether an access to `line` hits and changes nothing.
+    #[inline]
+    pub fn is_in_front(&self, line: LineAddr, access: Access) -> bool {
+        access == Access::Read && self.tags.is_in_front(line)
+    }
+
     /// Holds from now on what `other` does, but for lines that are on their way.
     pub fn hold(&mut self, other: &Self) {
         self.tags.clone_from(&other.tags);

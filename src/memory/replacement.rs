@@ -41,6 +41,12 @@ impl State {
         }
     }
 
+    /// Whether a use of the first line of a set changes nothing.
+    #[inline]
+    pub(super) fn is_order(&self) -> bool {
+        matches!(self, Self::Order { .. })
+    }
+
     /// Line `way` of set number `set`, whose lines are `lines`, was used.
     #[inline]
     pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {

@@ -99,6 +99,13 @@ impl TagArray {
         true
     }
 
+    /// Whether a use of `line` finds it where it leaves it, as most uses do.
+    #[inline]
+    pub fn is_in_front(&self, line: LineAddr) -> bool {
+        let first = self.lines.get(self.set(line) * self.ways);
+        self.state.is_order() && first.is_some_and(|packed| packed >> LINE_SHIFT == line.0)
+    }
+
     /// Whether `line` is there; nothing changes.
     pub fn contains(&self, line: LineAddr) -> bool {
         self.is_ideal() || self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)

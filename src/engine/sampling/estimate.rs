@@ -3,49 +3,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::super::work::Kind;
+use super::job::Figures;
+use super::known::{COLUMNS, Columns, OPERATIONS, explanation};
 
-/// Columns of what is known of every window; see [`Known`].
-pub const KNOWN: usize = 1 + 2 * Kind::ALL.len();
-
-/// What is known of a window.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Known {
-    /// Operations of each kind of units.
-    pub operations: [u64; Kind::ALL.len()],
-    /// Lines that tags alone would move between the L1s of each kind and the L2.
-    pub moved: [u64; Kind::ALL.len()],
-    /// Lines that they would move between L2 and DRAM.
-    pub dram: u64,
-}
-
-impl Known {
-    /// As columns: all operations, lines of the DRAM, all lines of the L2, then operations and lines of each kind but the first.
-    pub fn columns(&self) -> [f64; KNOWN] {
-        let mut columns = [0.0; KNOWN];
-        columns[1] = self.dram as f64;
-        columns[2] = self.moved.iter().sum::<u64>() as f64;
-        columns[2 + Kind::ALL.len()..]
-            .iter_mut()
-            .zip(&self.moved[1..])
-            .for_each(|(column, &moved)| *column = moved as f64);
-        with_operations(columns, self.operations)
-    }
-}
-
-/// The same columns with other operations.
-pub fn with_operations(mut columns: [f64; KNOWN], operations: [u64; Kind::ALL.len()]) -> [f64; KNOWN] {
-    columns[0] = operations.iter().sum::<u64>() as f64;
-    columns[3..].iter_mut().zip(&operations[1..]).for_each(|(column, &operations)| *column = operations as f64);
-    columns
-}
-
-/// The columns that explain a figure, the best first: few windows allow for few columns.
-fn order(name: &str) -> impl Iterator<Item = usize> {
-    let below = ["=bytes.dram", "bytes.dram", "dram", "caches.l2"].iter().any(|prefix| name.starts_with(prefix));
-    let moved = ["=bytes.l2", "bytes.l2", "caches.l1"].iter().any(|prefix| name.starts_with(prefix));
-    let first = if below { 1 } else { 2 * usize::from(moved) };
-    std::iter::once(first).chain((0..KNOWN).filter(move |&column| column != first))
+/// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Part {
+    /// What is known.
+    pub known: Columns,
+    /// What was measured.
+    pub figures: Figures,
 }
 
 /// A window that was measured.
@@ -53,18 +20,12 @@ fn order(name: &str) -> impl Iterator<Item = usize> {
 pub struct Window {
     /// Its stratum.
     pub stratum: usize,
-    /// What is known of it.
-    pub known: [f64; KNOWN],
-    /// What was measured, by name; what is not named is 0.
-    pub measured: BTreeMap<String, f64>,
-}
-
-impl Window {
-    /// Adds another part of the same window.
-    pub fn add(&mut self, part: Self) {
-        self.known.iter_mut().zip(part.known).for_each(|(sum, known)| *sum += known);
-        part.measured.into_iter().for_each(|(name, value)| *self.measured.entry(name).or_default() += value);
-    }
+    /// Operations that its rays ask for.
+    pub operations: f64,
+    /// What happened between the ends of the piece before it and of its own last piece, others' rays among it: for what hangs on how much is in flight.
+    pub inside: Part,
+    /// What the window and the pieces beside it did from beginning to end, no others' rays among it: for what does not.
+    pub group: Part,
 }
 
 /// A population of windows: how many each stratum has, and what is known of all together.
@@ -73,12 +34,12 @@ pub struct Population {
     /// Windows a stratum.
     pub strata: Vec<u64>,
     /// Sums.
-    pub known: [f64; KNOWN],
+    pub known: Columns,
 }
 
 impl Population {
     /// Adds what is known of something.
-    pub fn add(&mut self, known: &[f64; KNOWN]) {
+    pub fn add(&mut self, known: &Columns) {
         self.known.iter_mut().zip(known).for_each(|(sum, known)| *sum += known);
     }
 }
@@ -100,32 +61,53 @@ impl Total {
     }
 }
 
-/// Estimates the total of everything that was measured in some window. Intervals are of 95 %.
-pub fn estimate(population: &Population, windows: &[Window]) -> BTreeMap<String, Total> {
-    let (strata, windows) = joined(&population.strata, windows);
+/// Estimates the total of everything that was measured in some window, with lines of so many bytes. Intervals are of 95 %.
+pub fn estimate(population: &Population, windows: &[Window], line: u64) -> BTreeMap<String, Total> {
+    let (strata, place) = joined(&population.strata, windows);
     let mut sampled = vec![0u64; strata.len()];
-    windows.iter().for_each(|window| sampled[window.stratum] += 1);
-    let weights: Vec<f64> =
-        windows.iter().map(|window| strata[window.stratum] as f64 / sampled[window.stratum] as f64).collect();
-    let names: BTreeSet<&String> = windows.iter().flat_map(|window| window.measured.keys()).collect();
-    let mut solvers: BTreeMap<Vec<usize>, (Regression, Vec<f64>)> = BTreeMap::new();
+    place.iter().for_each(|&stratum| sampled[stratum] += 1);
+    let weights: Vec<f64> = place.iter().map(|&stratum| strata[stratum] as f64 / sampled[stratum] as f64).collect();
+    // A window's group is larger than itself: all are brought to the windows' size.
+    let size = |of: fn(&Window) -> f64| windows.iter().map(of).sum::<f64>();
+    let grown = size(|window| window.group.known[OPERATIONS]);
+    let scale = if grown > 0.0 { size(|window| window.operations) / grown } else { 1.0 };
+    let rows = |of_group: bool| -> Vec<(Columns, &Figures)> {
+        let row = |window: &Window| window.group.known.map(|known| known * scale);
+        let inside = |window: &Window| window.inside.known;
+        let known = windows.iter().map(|window| if of_group { row(window) } else { inside(window) });
+        let figures = windows.iter().map(|window| if of_group { &window.group } else { &window.inside });
+        known.zip(figures.map(|part| &part.figures)).collect()
+    };
+    let rows = [rows(false), rows(true)];
+    let names: BTreeSet<&String> = rows.iter().flatten().flat_map(|(_, figures)| figures.keys()).collect();
+    let mut solvers: BTreeMap<(bool, Vec<usize>), (Regression, Vec<f64>)> = BTreeMap::new();
     let mut total = |name: &String| {
-        let (solver, leverage) = solvers.entry(order(name).collect()).or_insert_with_key(|order| {
-            let solver = Regression::new(&windows, &weights, order);
-            let leverage = solver.leverage(&windows, &weights);
+        let how = explanation(name);
+        let rows = &rows[usize::from(how.of_group)];
+        let known: Vec<Columns> = rows.iter().map(|(known, _)| *known).collect();
+        let (solver, leverage) = solvers.entry((how.of_group, how.columns)).or_insert_with_key(|(_, columns)| {
+            let solver = Regression::new(&known, &weights, columns);
+            let leverage = solver.leverage(&known, &weights);
             (solver, leverage)
         });
         let freedom = windows.len() as f64 - strata.len() as f64 - solver.rank() as f64 + 1.0;
-        let values: Vec<f64> = windows.iter().map(|w| w.measured.get(name).copied().unwrap_or(0.0)).collect();
-        let slopes = solver.slopes(&windows, &weights, &values);
-        let left: Vec<f64> = windows.iter().zip(&values).map(|(window, y)| y - dot(&slopes, &window.known)).collect();
+        let expected = |known: &Columns| how.lines.map_or(0.0, |lines| known[lines] * line as f64);
+        let value = |(known, figures): &(Columns, &Figures)| {
+            let found = figures.get(name).copied().unwrap_or(0.0);
+            (if how.of_group { scale * found } else { found }) - expected(known)
+        };
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        let slopes = solver.slopes(&known, &weights, &values);
+        let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
         // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2).
         let full: Vec<f64> =
             left.iter().zip(leverage.iter()).map(|(left, leverage)| left / (1.0 - leverage).sqrt()).collect();
-        let total = dot(&slopes, &population.known) + left.iter().zip(&weights).map(|(left, w)| left * w).sum::<f64>();
+        let total = expected(&population.known)
+            + dot(&slopes, &population.known)
+            + left.iter().zip(&weights).map(|(left, w)| left * w).sum::<f64>();
         let (mut variance, mut squares) = (0.0, 0.0);
         for (stratum, (&all, &some)) in strata.iter().zip(&sampled).enumerate() {
-            let here = || windows.iter().zip(&full).filter(|(w, _)| w.stratum == stratum).map(|(_, left)| *left);
+            let here = || place.iter().zip(&full).filter(|(place, _)| **place == stratum).map(|(_, left)| *left);
             let (all, some) = (all as f64, some as f64);
             if some > 1.0 {
                 let mean = here().sum::<f64>() / some;
@@ -153,8 +135,9 @@ pub fn estimate(population: &Population, windows: &[Window]) -> BTreeMap<String,
     names.into_iter().map(|name| (name.clone(), total(name))).collect()
 }
 
-/// Strata of which fewer than two windows were measured are joined with the one before (or, at the beginning, behind).
-fn joined(strata: &[u64], windows: &[Window]) -> (Vec<u64>, Vec<Window>) {
+/// Strata of which fewer than two windows were measured are joined with the one before (or, at the beginning, behind): how many windows each
+/// has then, and the stratum of each window that was measured.
+fn joined(strata: &[u64], windows: &[Window]) -> (Vec<u64>, Vec<usize>) {
     let count = |stratum: usize| windows.iter().filter(|window| window.stratum == stratum).count() as u64;
     let (mut merged, mut place): (Vec<(u64, u64)>, Vec<usize>) = (Vec::new(), Vec::new());
     for (stratum, &all) in strata.iter().enumerate() {
@@ -165,37 +148,37 @@ fn joined(strata: &[u64], windows: &[Window]) -> (Vec<u64>, Vec<Window>) {
         }
         place.push(merged.len() - 1);
     }
-    let windows = windows.iter().map(|w| Window { stratum: place[w.stratum], ..w.clone() }).collect();
+    let windows = windows.iter().map(|window| place[window.stratum]).collect();
     (merged.into_iter().map(|(all, _)| all).collect(), windows)
 }
 
-fn dot(a: &[f64; KNOWN], b: &[f64; KNOWN]) -> f64 {
+fn dot(a: &Columns, b: &Columns) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Weighted least squares, of the columns that are not a combination of those before.
 struct Regression {
     /// Rows of the normal equations' inverse; zero for a column that is left out.
-    inverse: [[f64; KNOWN]; KNOWN],
-    used: [bool; KNOWN],
+    inverse: [Columns; COLUMNS],
+    used: [bool; COLUMNS],
 }
 
 impl Regression {
-    fn new(windows: &[Window], weights: &[f64], order: &[usize]) -> Self {
-        let mut normal = [[0.0; KNOWN]; KNOWN];
-        for (window, weight) in windows.iter().zip(weights) {
-            for (row, x) in normal.iter_mut().zip(window.known) {
-                row.iter_mut().zip(window.known).for_each(|(cell, y)| *cell += weight * x * y);
+    fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
+        let mut normal = [[0.0; COLUMNS]; COLUMNS];
+        for (known, weight) in rows.iter().zip(weights) {
+            for (row, x) in normal.iter_mut().zip(known) {
+                row.iter_mut().zip(known).for_each(|(cell, y)| *cell += weight * x * y);
             }
         }
         // Gauss-Jordan on the matrix beside the unit matrix; a column whose pivot is lost in rounding, or that there are too few
         // windows for, is left out.
-        let mut inverse = [[0.0; KNOWN]; KNOWN];
-        let mut used = [false; KNOWN];
-        let scale: Vec<f64> = (0..KNOWN).map(|column| normal[column][column]).collect();
+        let mut inverse = [[0.0; COLUMNS]; COLUMNS];
+        let mut used = [false; COLUMNS];
+        let scale: Vec<f64> = (0..COLUMNS).map(|column| normal[column][column]).collect();
         let mut rank = 0;
         for &column in order {
-            if normal[column][column] <= 1e-6 * scale[column] || 8 * (rank + 1) > windows.len() {
+            if normal[column][column] <= 1e-6 * scale[column] || 8 * (rank + 1) > rows.len() {
                 continue;
             }
             used[column] = true;
@@ -203,9 +186,9 @@ impl Regression {
             inverse[column][column] = 1.0;
             let pivot = normal[column][column];
             normal[column].iter_mut().chain(&mut inverse[column]).for_each(|cell| *cell /= pivot);
-            for row in (0..KNOWN).filter(|&row| row != column) {
+            for row in (0..COLUMNS).filter(|&row| row != column) {
                 let factor = normal[row][column];
-                for place in 0..KNOWN {
+                for place in 0..COLUMNS {
                     normal[row][place] -= factor * normal[column][place];
                     inverse[row][place] -= factor * inverse[column][place];
                 }
@@ -219,25 +202,25 @@ impl Regression {
     }
 
     /// How much of its own value the regression takes over for each window; kept below 1.
-    fn leverage(&self, windows: &[Window], weights: &[f64]) -> Vec<f64> {
-        let of = |(window, weight): (&Window, &f64)| {
+    fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
+        let of = |(known, weight): (&Columns, &f64)| {
             let used = |at: &usize| self.used[*at];
-            let rows = (0..KNOWN).filter(used).map(|row| {
-                let cells = (0..KNOWN).filter(used).map(|column| self.inverse[row][column] * window.known[column]);
-                window.known[row] * cells.sum::<f64>()
+            let rows = (0..COLUMNS).filter(used).map(|row| {
+                let cells = (0..COLUMNS).filter(used).map(|column| self.inverse[row][column] * known[column]);
+                known[row] * cells.sum::<f64>()
             });
             (weight * rows.sum::<f64>()).clamp(0.0, 0.9)
         };
-        windows.iter().zip(weights).map(of).collect()
+        rows.iter().zip(weights).map(of).collect()
     }
 
-    fn slopes(&self, windows: &[Window], weights: &[f64], values: &[f64]) -> [f64; KNOWN] {
-        let mut right = [0.0; KNOWN];
-        for ((window, weight), value) in windows.iter().zip(weights).zip(values) {
-            right.iter_mut().zip(window.known).for_each(|(cell, x)| *cell += weight * x * value);
+    fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
+        let mut right = [0.0; COLUMNS];
+        for ((known, weight), value) in rows.iter().zip(weights).zip(values) {
+            right.iter_mut().zip(known).for_each(|(cell, x)| *cell += weight * x * value);
         }
         std::array::from_fn(|row| {
-            let cells = (0..KNOWN).filter(|&column| self.used[column]).map(|c| self.inverse[row][c] * right[c]);
+            let cells = (0..COLUMNS).filter(|&column| self.used[column]).map(|c| self.inverse[row][c] * right[c]);
             if self.used[row] { cells.sum() } else { 0.0 }
         })
     }
@@ -259,17 +242,23 @@ fn student(freedom: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::known::{Capacity, Known};
     use super::*;
+    use crate::machine::MachineSpec;
 
-    fn window(stratum: usize, known: [f64; KNOWN], y: f64) -> Window {
-        Window { stratum, known, measured: [("y".to_owned(), y)].into() }
+    fn window(stratum: usize, known: Columns, y: f64) -> Window {
+        let inside = Part { known, figures: [("y".to_owned(), y)].into() };
+        Window { stratum, operations: known[OPERATIONS], group: Part { known, ..Part::default() }, inside }
     }
 
     /// Operations and lines of the DRAM.
-    fn known(operations: f64, lines: f64) -> [f64; KNOWN] {
-        let mut known = [0.0; KNOWN];
-        (known[0], known[1]) = (operations, lines);
-        known
+    fn known(operations: f64, lines: f64) -> Columns {
+        let known = Known {
+            operations: [operations as u64, 0, 0, 0],
+            dram: [lines as u64, 0, 0, 0, 0, 0, 0],
+            ..Known::default()
+        };
+        known.columns(&Capacity::new(&MachineSpec::default()))
     }
 
     #[test]
@@ -285,11 +274,11 @@ mod tests {
         let windows: Vec<_> = (0..16u32)
             .map(|i| {
                 let known = known(f64::from(100 + i * i), f64::from(i % 5));
-                window(i as usize / 4, known, 3.0 * known[0] + 7.0 * known[1])
+                window(i as usize / 4, known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
             })
             .collect();
         let population = Population { strata: vec![40; 4], known: known(20_000.0, 300.0) };
-        let Total { total, half_width } = estimate(&population, &windows)["y"];
+        let Total { total, half_width } = estimate(&population, &windows, 64)["y"];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width.unwrap() < 1e-6);
     }
@@ -297,7 +286,7 @@ mod tests {
     #[test]
     fn a_complete_sample_is_the_sum() {
         let windows: Vec<_> = (0..6).map(|i| window(i / 2, known(1.0, 0.0), (i * i) as f64)).collect();
-        let total = estimate(&Population { strata: vec![2; 3], known: known(6.0, 0.0) }, &windows)["y"];
+        let total = estimate(&Population { strata: vec![2; 3], known: known(6.0, 0.0) }, &windows, 64)["y"];
         assert!((total.total - 55.0).abs() < 1e-9);
         assert_eq!(total.half_width, Some(0.0));
     }
@@ -306,8 +295,6 @@ mod tests {
     fn lonely_windows_join_their_neighbours() {
         let one = known(1.0, 0.0);
         let windows = [window(0, one, 5.0), window(0, one, 5.0), window(1, one, 5.0)];
-        let (strata, joined) = joined(&[10, 4, 0], &windows);
-        assert_eq!(strata, [14]);
-        assert!(joined.iter().all(|window| window.stratum == 0));
+        assert_eq!(joined(&[10, 4, 0], &windows), (vec![14], vec![0; 3]));
     }
 }

@@ -1,0 +1,177 @@
+//! Replays one job: a window and the pieces beside it, or a frame's end, by an engine of its own.
+
+use std::collections::{BTreeMap, VecDeque};
+use std::convert::Infallible;
+use std::sync::Arc;
+
+use super::super::feed::Feed;
+use super::super::tally::Tally;
+use super::super::work::{Kind, stores_as_recorded};
+use super::super::{Engine, RunError, check};
+use super::estimate::{Part, Window};
+use super::figures;
+use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
+use super::tags::Tags;
+use super::windows::{Job, JobWork, Piece};
+use crate::machine::MachineSpec;
+use crate::machine::source::FrameCounts;
+use crate::stats::{LatencyCounts, MachineStats};
+use crate::stream::{Chunk, Item, Step, Totals};
+
+/// Figures by name.
+pub type Figures = BTreeMap<String, f64>;
+
+/// Latencies by kind of rays, as [`MachineStats`] has them.
+pub type Latencies = BTreeMap<String, LatencyCounts>;
+
+/// What a job found.
+#[derive(Clone, Debug)]
+pub enum Found {
+    /// What a window costs, and the latencies of rays that were in flight with it.
+    Window(Box<Window>, Latencies),
+    /// What a frame's end costs.
+    End(Figures),
+}
+
+/// Replays `job` with `engine`, which is new.
+pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Result<Found, RunError<Infallible>> {
+    let Job { info, tags, work, .. } = job;
+    let mut feed = JobFeed::new(machine, tags);
+    feed.items.push_back(Item::Frame(info));
+    match work {
+        JobWork::End(policy) => {
+            let mut totals = Totals::default();
+            totals.count_policy(Step::unpack_all(&policy));
+            feed.items.push_back(Item::End { policy, totals });
+            engine.run(&mut feed)?;
+            let end = feed.marks.pop().map(|mark| mark.figures);
+            Ok(Found::End(end.unwrap_or_default()))
+        }
+        JobWork::Window { stratum, before, pieces, behind } => {
+            let mut totals = Totals::default();
+            let capacity = Capacity::new(machine);
+            let mut sum = known(&pieces);
+            let own = sum.columns(&capacity);
+            before.iter().chain(&behind).for_each(|beside| sum += beside.known);
+            let group = sum.columns(&capacity);
+            let size = |pieces: &[Piece]| pieces.iter().map(|piece| piece.rays.len()).sum::<usize>();
+            feed.bounds = [size(&before), size(&before) + size(&pieces)];
+            for part in [&before, &pieces, &behind] {
+                if !part.is_empty() {
+                    feed.items.push_back(Item::Rays(Arc::new(joined(part, &mut totals))));
+                }
+            }
+            feed.items.push_back(Item::End { policy: Arc::default(), totals });
+            let cycles = engine.run(&mut feed)?;
+            let tally = engine.tally(cycles);
+            let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
+            let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
+            let [opened, closed] = feed.bounds.map(after);
+            // What was done between two marks is not quite what the window's rays ask for: some were begun before, some end later.
+            let done = std::array::from_fn(|kind| closed.operations[kind] - opened.operations[kind]);
+            let inside = Part {
+                known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
+                figures: figures::difference(&closed.figures, &opened.figures),
+            };
+            let operations = own[OPERATIONS];
+            let window = Window { stratum, operations, inside, group: Part { known: group, figures: all } };
+            Ok(Found::Window(Box::new(window), latency))
+        }
+    }
+}
+
+fn known(pieces: &[Piece]) -> Known {
+    let mut sum = Known::default();
+    pieces.iter().for_each(|piece| sum += piece.known);
+    sum
+}
+
+/// The pieces' rays as a chunk, counted.
+fn joined(pieces: &[Piece], totals: &mut Totals) -> Chunk {
+    let mut part = Chunk::default();
+    for Piece { chunk, rays, .. } in pieces {
+        for ray in rays.clone().map(|index| chunk.ray(index)) {
+            totals.count(&ray);
+            part.push(ray.head, ray.packed_path(), ray.packed_policy());
+        }
+    }
+    part
+}
+
+/// All figures, and sums that no field of the statistics holds.
+fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
+    let stats = tally.stats(machine);
+    let mut figures = figures::of(&stats);
+    figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
+    figures.insert(L2_BYTES.into(), moved_l2(&stats) as f64);
+    figures
+}
+
+/// Bytes between the L1s and all caches of the L2.
+fn moved_l2(stats: &MachineStats) -> u64 {
+    let levels = stats.bytes.iter().filter(|(level, _)| level.starts_with("l2"));
+    levels.flat_map(|(_, classes)| classes.values()).map(|bytes| bytes.0).sum()
+}
+
+/// What was counted up to a moment.
+#[derive(Clone, Debug, Default)]
+struct Mark {
+    /// Rays that were over.
+    over: usize,
+    figures: Figures,
+    operations: [u64; Kind::ALL.len()],
+}
+
+/// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more are done as the window
+/// has: whichever they are, so that those that take long are not waited for.
+struct JobFeed<'a> {
+    items: VecDeque<Item>,
+    machine: &'a MachineSpec,
+    tags: Tags,
+    /// Whether the caches hold what the tags say.
+    loaded: bool,
+    bounds: [usize; 2],
+    over: usize,
+    frame_over: bool,
+    marks: Vec<Mark>,
+}
+
+impl<'a> JobFeed<'a> {
+    fn new(machine: &'a MachineSpec, tags: Tags) -> Self {
+        let items = VecDeque::new();
+        // Before a window that has no rays before it, nothing was counted.
+        let marks = vec![Mark::default()];
+        Self { items, machine, tags, loaded: false, bounds: [0; 2], over: 0, frame_over: false, marks }
+    }
+}
+
+impl Feed<Infallible> for JobFeed<'_> {
+    fn next(&mut self) -> Result<Option<Item>, RunError<Infallible>> {
+        Ok(self.items.pop_front())
+    }
+
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<Infallible>> {
+        self.frame_over = true;
+        check::frame(counts, &self.machine.shadow_cache)
+    }
+
+    fn rays_over(&mut self, rays: usize) {
+        self.over += rays;
+    }
+
+    fn marks(&self) -> bool {
+        let marked = self.marks.last().map_or(0, |mark| mark.over);
+        let passes = |bound: usize| (marked + 1..=self.over).contains(&bound);
+        !self.loaded || self.bounds.into_iter().any(passes) || self.frame_over
+    }
+
+    fn mark(&mut self, tally: &Tally) -> Option<&Tags> {
+        if !std::mem::replace(&mut self.loaded, true) {
+            return Some(&self.tags);
+        }
+        self.frame_over = false;
+        let (over, operations) = (self.over, tally.operations_by_kind());
+        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations });
+        None
+    }
+}

@@ -1,0 +1,138 @@
+//! What is known of a part of a stream without replaying it, and which of that explains which figure.
+
+use std::ops::AddAssign;
+
+use super::super::work::Kind;
+use crate::machine::MachineSpec;
+use crate::stats::TrafficClass;
+
+const KINDS: usize = Kind::ALL.len();
+const CLASSES: usize = TrafficClass::ALL.len();
+
+/// Columns of [`Known::columns`].
+pub const COLUMNS: usize = KINDS + 3 + 2 * CLASSES;
+
+/// The column of all operations; those of each kind of units but the first follow.
+pub const OPERATIONS: usize = 0;
+/// The column of all lines between L1s and L2.
+const MOVED: usize = KINDS;
+/// The column of all lines between L2 and DRAM.
+const DRAM: usize = MOVED + 1;
+/// The column of the cycles that the busiest kind of units, or the DRAM's bus, needs at least.
+const BUSIEST: usize = DRAM + 1;
+/// The first column of lines of a class between L1s and L2, and between L2 and DRAM.
+const MOVED_OF_CLASS: usize = BUSIEST + 1;
+const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CLASSES;
+
+/// Sums that no field of the statistics holds: bytes between the L1s and all caches of the L2, and of the DRAM.
+pub const L2_BYTES: &str = "=bytes.l2";
+/// See [`L2_BYTES`].
+pub const DRAM_BYTES: &str = "=bytes.dram";
+
+/// What is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Known {
+    /// Operations of each kind of units.
+    pub operations: [u64; KINDS],
+    /// Lines of each class that tags alone would move between the L1s and the L2.
+    pub moved: [u64; CLASSES],
+    /// Lines that they would move between L2 and DRAM.
+    pub dram: [u64; CLASSES],
+}
+
+impl AddAssign for Known {
+    fn add_assign(&mut self, other: Self) {
+        let add = |sums: &mut [u64], others: &[u64]| sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
+        add(&mut self.operations, &other.operations);
+        add(&mut self.moved, &other.moved);
+        add(&mut self.dram, &other.dram);
+    }
+}
+
+/// What is known as columns of a regression.
+pub type Columns = [f64; COLUMNS];
+
+/// What a machine can do in a cycle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capacity {
+    /// Units of each kind.
+    units: [f64; KINDS],
+    /// Lines that come from the DRAM or go there; none if as many as there may be.
+    lines: Option<f64>,
+}
+
+impl Capacity {
+    /// That of `machine`.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let bytes = machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get());
+        let lines = bytes.map(|bytes| bytes / machine.line_bytes.get() as f64);
+        Self { units: Kind::ALL.map(|kind| kind.spec(machine).count as f64), lines }
+    }
+
+    fn busiest(&self, operations: [u64; KINDS], dram: f64) -> f64 {
+        let units = operations.into_iter().zip(self.units).map(|(operations, units)| operations as f64 / units);
+        units.fold(self.lines.map_or(0.0, |lines| dram / lines), f64::max)
+    }
+
+    /// The same columns with other operations.
+    pub fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
+        columns[OPERATIONS] = operations.iter().sum::<u64>() as f64;
+        columns[OPERATIONS + 1..KINDS].iter_mut().zip(&operations[1..]).for_each(|(column, &it)| *column = it as f64);
+        columns[BUSIEST] = self.busiest(operations, columns[DRAM]);
+        columns
+    }
+}
+
+impl Known {
+    /// As columns.
+    pub fn columns(&self, capacity: &Capacity) -> Columns {
+        let mut columns = [0.0; COLUMNS];
+        columns[MOVED] = self.moved.iter().sum::<u64>() as f64;
+        columns[DRAM] = self.dram.iter().sum::<u64>() as f64;
+        columns[MOVED_OF_CLASS..]
+            .iter_mut()
+            .zip(self.moved.iter().chain(&self.dram))
+            .for_each(|(column, &lines)| *column = lines as f64);
+        capacity.with_operations(columns, self.operations)
+    }
+}
+
+/// How a figure is explained.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Explanation {
+    /// The columns that explain it, the best first: few windows allow for few.
+    pub columns: Vec<usize>,
+    /// The column of the lines that it is bytes of: only what differs from that is estimated.
+    pub lines: Option<usize>,
+    /// Whether all that a window's group does is counted, and not what happens between the window's marks. What comes from the DRAM is due
+    /// to the rays that ask for it first, whenever that is; what L1s miss hangs on how many rays are in flight, which are fewer at the
+    /// group's ends.
+    pub of_group: bool,
+}
+
+/// How the figure of a name is explained.
+pub fn explanation(name: &str) -> Explanation {
+    let is_of = |class: &TrafficClass| name.split('.').any(|part| part == class.name());
+    let class = TrafficClass::ALL.iter().position(is_of);
+    let operations = || OPERATIONS..KINDS;
+    let by = |first: &[usize], lines: Option<usize>, of_group: bool| {
+        let columns = first.iter().copied().chain(operations()).collect();
+        Explanation { columns, lines, of_group }
+    };
+    let (moved, dram) = (|class: usize| MOVED_OF_CLASS + class, |class: usize| DRAM_OF_CLASS + class);
+    let begins = |start: &str| name.starts_with(start);
+    match class {
+        _ if name == L2_BYTES => by(&[MOVED, DRAM], Some(MOVED), false),
+        _ if name == DRAM_BYTES => by(&[DRAM], Some(DRAM), true),
+        Some(class) if begins("bytes.l2") => by(&[moved(class)], Some(moved(class)), false),
+        Some(class) if begins("bytes.dram") => by(&[dram(class)], Some(dram(class)), true),
+        Some(class) if begins("caches.l2") && name.ends_with(".misses") => by(&[dram(class)], None, true),
+        Some(class) if begins("caches") => by(&[moved(class), dram(class)], None, false),
+        _ if begins("bytes.l1") || begins("bytes.fifos") => by(&[], None, true),
+        _ if begins("dram") && name != "dram.refreshes" => by(&[DRAM], None, true),
+        _ => {
+            let columns = [OPERATIONS, BUSIEST, DRAM, MOVED].into_iter().chain(operations().skip(1)).collect();
+            Explanation { columns, lines: None, of_group: false }
+        }
+    }
+}

@@ -1,0 +1,252 @@
+//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the caches hold about what they
+//! would when a window is replayed, and of every window is known about how much it moves.
+
+use std::ops::Range;
+
+use super::super::work::{Holder, Kind, Work};
+use super::known::Known;
+use super::plan::mix;
+use crate::machine::MachineSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::pipeline::WritePolicy;
+use crate::machine::shadow_cache::Place;
+use crate::memory::cache::{Access, Cache};
+use crate::memory::l2::Home;
+use crate::memory::tags::Victim;
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
+
+/// All tags of a machine, and what they count.
+#[derive(Clone, Debug)]
+pub struct Tags {
+    layout: Layout,
+    place: Place,
+    /// The L1s of each kind of units, core by core.
+    l1s: [Vec<Cache>; Kind::ALL.len()],
+    writes: [WritePolicy; Kind::ALL.len()],
+    intervals: [u64; Kind::ALL.len()],
+    /// Banks of the L2s, core by core.
+    banks: Vec<Cache>,
+    cores: usize,
+    homes: [Home; TrafficClass::ALL.len()],
+    /// Slots of all traversal units.
+    slots: usize,
+    /// Rays that came to a traversal unit, and all rays.
+    traced: usize,
+    rays: usize,
+    /// The unit of each kind that the ray goes to that makes its step.
+    units: [u16; Kind::ALL.len()],
+    known: Known,
+}
+
+/// Steps that a ray makes in its turn. One would stand for the machine's order best; four take three quarters of the time, and differ by
+/// at most a hundredth in lines of the L2 (kitchen on `small`) and not in those of the DRAM.
+const BURST: usize = 4;
+
+/// A ray in flight.
+struct Flight<'c> {
+    /// The steps that are left.
+    path: &'c [u32],
+    policy: &'c [u32],
+    kind: RayKind,
+    /// The unit of each kind that it goes to.
+    units: [u16; Kind::ALL.len()],
+}
+
+/// A line that an L1 was asked for.
+#[derive(Clone, Copy)]
+struct Asked {
+    kind: Kind,
+    unit: usize,
+    line: LineAddr,
+    class: TrafficClass,
+    access: Access,
+}
+
+impl Tags {
+    /// Empty caches.
+    pub fn new(header: &Header, machine: &MachineSpec) -> Self {
+        let line = machine.line_bytes.get();
+        let l1s = |kind: Kind| {
+            let spec = kind.spec(machine);
+            vec![spec.cache.build(line); spec.count as usize]
+        };
+        let cores = machine.cores.size();
+        let of_core = || machine.l2.caches().into_iter();
+        let banks = (0..cores).flat_map(|_| of_core()).flat_map(|(_, it)| vec![it.bank_cache(line); it.banks.size()]);
+        Self {
+            layout: Layout::new(header, machine),
+            place: machine.shadow_cache.place,
+            l1s: Kind::ALL.map(l1s),
+            writes: Kind::ALL.map(|kind| kind.spec(machine).writes),
+            intervals: Kind::ALL.map(|kind| kind.spec(machine).interval),
+            banks: banks.collect(),
+            cores,
+            homes: machine.l2.homes(),
+            slots: machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize,
+            traced: 0,
+            rays: 0,
+            units: [0; Kind::ALL.len()],
+            known: Known::default(),
+        }
+    }
+
+    /// The L1s of a kind of units.
+    pub fn l1s(&self, kind: Kind) -> &[Cache] {
+        &self.l1s[kind as usize]
+    }
+
+    /// The banks of the L2.
+    pub fn banks(&self) -> &[Cache] {
+        &self.banks
+    }
+
+    /// A frame begins.
+    pub fn begin_frame(&mut self, info: &FrameInfo) {
+        self.layout.begin_frame(info);
+        let first = self.layout.dynamic_part();
+        self.l1s.iter_mut().flatten().chain(&mut self.banks).for_each(|cache| cache.drop_from(first));
+    }
+
+    /// A piece's rays make their accesses, primary rays first, then those that follow from them; what is known of the piece. As many rays as the
+    /// traversal units have slots are in flight and make steps in turn; they are all done when the next piece begins, so that what is
+    /// first asked for by whom is clear.
+    pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Known {
+        self.known = Known::default();
+        let of = |primary: bool| {
+            let rays = rays.clone().map(|ray| chunk.ray(ray));
+            rays.filter(move |ray| (ray.head.kind == RayKind::Primary) == primary)
+        };
+        let mut waiting = of(true).chain(of(false));
+        let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.slots);
+        while flights.len() < self.slots
+            && let Some(ray) = waiting.next()
+        {
+            flights.push(self.begin(ray));
+        }
+        let mut place = 0;
+        while !flights.is_empty() {
+            if place >= flights.len() {
+                place = 0;
+            }
+            let flight = &mut flights[place];
+            if !flight.path.is_empty() {
+                let (steps, rest) = flight.path.split_at(BURST.min(flight.path.len()));
+                flight.path = rest;
+                self.units = flight.units;
+                let kind = flight.kind;
+                steps.iter().for_each(|&word| self.step(word, Holder::Traversal, kind));
+                place += 1;
+                continue;
+            }
+            self.units = flight.units;
+            for &word in flight.policy {
+                self.step(word, Holder::ShadowCache, flight.kind);
+            }
+            match waiting.next() {
+                Some(ray) => flights[place] = self.begin(ray),
+                None => drop(flights.swap_remove(place)),
+            }
+        }
+        self.known
+    }
+
+    /// Steps of a frame's end.
+    pub fn frame_end(&mut self, steps: &[u32]) {
+        steps.iter().for_each(|&word| self.step(word, Holder::ShadowCache, RayKind::Primary));
+    }
+
+    fn begin<'c>(&mut self, ray: Ray<'c>) -> Flight<'c> {
+        let skipped = ray.head.decision == Decision::Skip;
+        let decides = if skipped { self.intervals[Kind::ShadowCache as usize] } else { 0 };
+        self.known.operations[Kind::ShadowCache as usize] += decides;
+        self.traced += usize::from(!skipped);
+        self.rays += 1;
+        // In turn, a unit would see the same columns of the picture in every row: lines would stay in its L1 that the machine's, which gives
+        // rays to whom is free, does not keep.
+        let drawn = mix(self.traced as u64) as usize;
+        let (core, turn) = (drawn % self.cores, drawn / self.cores);
+        let mut units = [0; Kind::ALL.len()];
+        for (unit, (kind, l1s)) in units.iter_mut().zip(Kind::ALL.into_iter().zip(&self.l1s)) {
+            let a_core = l1s.len() / self.cores;
+            *unit = (core * a_core + if kind == Kind::Traversal { turn } else { self.rays } % a_core) as u16;
+        }
+        Flight { path: ray.packed_path(), policy: ray.packed_policy(), kind: ray.head.kind, units }
+    }
+
+    #[inline(always)]
+    fn step(&mut self, word: u32, holder: Holder, ray: RayKind) {
+        let step = Step::unpack(word).expect("packed steps are valid");
+        let Work { kind, first, second, .. } = Work::of(step, holder, ray, &self.layout);
+        self.known.operations[kind as usize] += (1 + u64::from(second.is_some())) * self.intervals[kind as usize];
+        match (step.entry(), self.place) {
+            (Some(_), Place::Free) => {}
+            (Some(_), Place::Triangle) => self.access(Kind::Intersection, &first),
+            (Some(_), Place::L2 | Place::Own) => {
+                // The home of an entry.
+                let (line, _) = self.layout.lines(&first);
+                let units = self.l1s[kind as usize].len();
+                let unit = (line.0 % units as u64) as usize;
+                if self.place == Place::Own {
+                    self.units[kind as usize] = unit as u16;
+                    self.access(kind, &first);
+                } else {
+                    self.known.moved[first.class as usize] += 1;
+                    self.below(unit * self.cores / units, line, first.class, first.write);
+                }
+            }
+            (None, _) => {
+                self.access(kind, &first);
+                if let Some(second) = &second {
+                    self.access(kind, second);
+                }
+            }
+        }
+    }
+
+    /// An element is accessed by the ray's unit of a kind.
+    #[inline(always)]
+    fn access(&mut self, kind: Kind, element: &Element) {
+        let (first, lines) = self.layout.lines(element);
+        let access = self.writes[kind as usize].access(element.class, element.write);
+        let unit = usize::from(self.units[kind as usize]);
+        for line in (first.0..first.0 + lines).map(LineAddr) {
+            let l1 = &mut self.l1s[kind as usize][unit];
+            if !l1.is_in_front(line, access) {
+                let (hit, victim) = l1.pass(line, element.class, access);
+                if !hit || access == Access::WriteThrough {
+                    self.go_on(Asked { kind, unit, line, class: element.class, access }, hit, victim);
+                }
+            }
+        }
+    }
+
+    /// What an L1 has not, or does not keep, goes on below.
+    fn go_on(&mut self, asked: Asked, hit: bool, victim: Option<Victim>) {
+        let Asked { kind, unit, line, class, access } = asked;
+        let core = unit * self.cores / self.l1s[kind as usize].len();
+        if let Some(victim) = victim {
+            self.known.moved[victim.class as usize] += 1;
+            self.below(core, victim.line, victim.class, true);
+        }
+        if !hit {
+            self.known.moved[class as usize] += 1;
+            self.below(core, line, class, false);
+        }
+        if access == Access::WriteThrough {
+            self.known.moved[class as usize] += 1;
+            self.below(core, line, class, true);
+        }
+    }
+
+    fn below(&mut self, core: usize, line: LineAddr, class: TrafficClass, write: bool) {
+        let bank = core * (self.banks.len() / self.cores) + self.homes[class as usize].bank(line);
+        let access = if write { Access::Write } else { Access::Read };
+        let (hit, victim) = self.banks[bank].pass(line, class, access);
+        self.known.dram[class as usize] += u64::from(!hit);
+        if let Some(victim) = victim {
+            self.known.dram[victim.class as usize] += 1;
+        }
+    }
+}
