@@ -15,7 +15,7 @@ use super::tags::Tags;
 use super::windows::{Job, JobWork, Piece};
 use crate::machine::MachineSpec;
 use crate::machine::source::FrameCounts;
-use crate::stats::{LatencyCounts, MachineStats};
+use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
 use crate::stream::{Chunk, Item, Step, Totals};
 
 /// Figures by name.
@@ -102,6 +102,13 @@ fn joined(pieces: &[Piece], totals: &mut Totals) -> Chunk {
 fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     let stats = tally.stats(machine);
     let mut figures = figures::of(&stats);
+    // What no window moves, the tags may.
+    let caches = machine.l2.caches();
+    for class in TrafficClass::ALL {
+        for level in [caches[machine.l2.home(class)].0.as_str(), "dram"] {
+            figures.entry(format!("bytes.{level}.{}", class.name())).or_insert(0.0);
+        }
+    }
     figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
     figures.insert(L2_BYTES.into(), moved_l2(&stats) as f64);
     figures

@@ -143,7 +143,9 @@ impl Findings {
         for (name, end) in &self.ends {
             totals.entry(name.clone()).or_default().total += end;
         }
-        let named = || totals.iter().filter(|(name, _)| !name.starts_with('='));
+        // Absent is absent.
+        let is_there = |name: &str, total: &Total| !name.starts_with("bytes.") || total.total > 0.0;
+        let named = || totals.iter().filter(|(name, total)| !name.starts_with('=') && is_there(name, total));
         let figures: BTreeMap<String, f64> = named().map(|(name, total)| (name.clone(), total.total)).collect();
         let mut stats = figures::with(&self.nothing, figures.iter());
         stats.rays = self.rays;
