@@ -100,6 +100,16 @@ fn any_machine_can_be_sampled() {
     });
 }
 
+/// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know those of the others.
+#[test]
+fn a_sample_knows_what_its_windows_do_not_move() {
+    let (header, stream) = quickstart();
+    let machine = shipped("desktop");
+    let moved = |rung| on(&machine, &header, rung, &stream).moved("dram").0;
+    let (whole, sampled) = (moved("Event"), moved("Sampled(engine: Event, rate: 0.3)"));
+    assert!((sampled as f64 / whole as f64 - 1.0).abs() < 0.01, "{sampled} {whole}");
+}
+
 /// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not counted twice.
 #[test]
 fn windows_by_themselves_add_up() {
