@@ -81,7 +81,7 @@ pub enum Fidelity {
     Event,
     /// Every part acts in every cycle: plain, slow, and what `Event` is held to. Both give the same numbers.
     Cycle,
-    /// A sample of the rays of each frame, with intervals.
+    /// A sample of windows of pixels, each replayed by itself, with intervals.
     Sampled {
         /// What replays it.
         engine: Sampled,
@@ -94,7 +94,7 @@ pub enum Fidelity {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         target_error: Option<Share>,
     },
-    /// The cheapest of the others that a pilot finds close enough, on a machine without the parts that make no difference.
+    /// The cheapest of the others that a pilot finds close enough, closed forms and simpler rungs without the parts that make no difference.
     Auto {
         /// The error that cycles and bytes may have.
         error: Share,
