@@ -283,8 +283,8 @@ pub struct PartNeed {
     pub l2_bytes: Option<f64>,
     /// DRAM bytes.
     pub dram_bytes: Option<f64>,
-    /// Whether it was kept.
-    pub kept: bool,
+    /// Whether it matters: rungs below a sample have no parts that do not.
+    pub matters: bool,
 }
 
 /// How a model did.

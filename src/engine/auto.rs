@@ -20,8 +20,8 @@ use crate::stream::{Chunk, Header, Item, RayKind, Totals};
 const PILOT: u64 = 2000;
 /// Pixels of the pilot at least.
 const LEAST_PIXELS: u64 = 512;
-/// Windows with which sampling begins: enough for the regression, and for a variance that can be trusted.
-const FIRST_WINDOWS: f64 = TELLING as f64;
+/// Windows with which sampling begins: some more than tell, since strata are whole and the last one is short.
+const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
 /// The share of windows with which it begins at least: with fewer, reading the stream costs more than what is replayed. And the share with
 /// which it is still worth while: of each window twice as many pixels are replayed.
 const LEAST_RATE: f64 = 0.025;
@@ -93,12 +93,12 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
             continue;
         }
         let effect = Figures::of(&on(&without, Fidelity::Event, &pilot)?).against(&truth);
-        let kept = effect.iter().flatten().any(|effect| effect.abs() > share);
-        if !kept {
+        let matters = effect.iter().flatten().any(|effect| effect.abs() > share);
+        if !matters {
             leave_out(&mut reduced);
         }
         let [cycles, l2_bytes, dram_bytes] = effect;
-        needs.parts.push(PartNeed { part: part.into(), cycles, l2_bytes, dram_bytes, kept });
+        needs.parts.push(PartNeed { part: part.into(), cycles, l2_bytes, dram_bytes, matters });
     }
 
     let checked = Figures::of(&on(machine, Fidelity::Event, &held_back)?);
@@ -106,7 +106,7 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         Ok::<_, RunError<E>>(Figures::of(&on(machine, rung, piece)?).worst_against(truth))
     };
     if off(&reduced, Fidelity::Event, &held_back, &checked)? > target.get() / 2.0 {
-        needs.parts.iter_mut().for_each(|part| part.kept = true);
+        needs.parts.iter_mut().for_each(|part| part.matters = true);
         reduced = machine.clone();
     }
     // The pilot is small: a model has to be well within the target there.
@@ -127,11 +127,10 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
     if rate <= MOST_RATE {
         let plan = Plan::new(rate, machine, 0);
-        let sampled = sample_until(Sampled::Event, machine, header, plan, (target, MOST_RATE), open)?;
-        let (error, passes) = (sampled.accuracy.widest(), sampled.accuracy.is_within(target.get()));
+        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, MOST_RATE), open)?;
+        let error = sampled.accuracy.widest();
         needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
         if passes {
-            needs.parts.iter_mut().for_each(|part| part.kept = true);
             return Ok(MachineStats { needs: Some(needs), ..sampled });
         }
     }

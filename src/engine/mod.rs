@@ -213,8 +213,8 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
         Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
             check_sampled(engine, machine)?;
             let plan = Plan::new(rate.get(), machine, seed);
-            let stats = sample_until(engine, machine, header, plan, (target, 0.5), &mut open)?;
-            if stats.accuracy.is_within(target.get()) {
+            let (stats, is_enough) = sample_until(engine, machine, header, plan, (target, 0.5), &mut open)?;
+            if is_enough {
                 return Ok(stats);
             }
             run(machine, engine.whole(), header, open(0)?)
@@ -227,7 +227,7 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
 /// because the interval came out narrow by chance.
 const TELLING: usize = 48;
 
-/// Samples with more and more windows, as long as the target may be reached with at most the share `most` of them.
+/// Samples with more and more windows, as long as the target may be reached with at most the share `most` of them; also whether it was.
 fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     engine: Sampled,
     machine: &MachineSpec,
@@ -235,7 +235,7 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     mut plan: Plan,
     (target, most): (Share, f64),
     open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
-) -> Result<MachineStats, RunError<E>> {
+) -> Result<(MachineStats, bool), RunError<E>> {
     let mut findings = Findings::default();
     loop {
         findings.join(sampling::sample(engine, machine, header, plan.clone(), open(0)?)?);
@@ -246,7 +246,7 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
             _ => 2 * plan.draws.end,
         };
         if is_enough || draws as f64 / plan.stratum as f64 > most {
-            return Ok(stats);
+            return Ok((stats, is_enough));
         }
         plan.draws = plan.draws.end..draws;
     }

@@ -136,7 +136,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
                 cycles: Some(-0.2),
                 l2_bytes: Some(0.001),
                 dram_bytes: Some(-1.0),
-                kept: true,
+                matters: true,
             }],
             models: vec![ModelCheck {
                 model: "Functional".into(),

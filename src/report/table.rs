@@ -258,7 +258,7 @@ pub fn parts(needs: &Needs) -> Grid {
     let signed = |share: Option<f64>| or_absent(share.and_then(|it| change(1.0, 1.0 + it)), |it| it);
     let row = |it: &PartNeed| {
         let [cycles, l2, dram] = [it.cycles, it.l2_bytes, it.dram_bytes].map(signed);
-        vec![it.part.clone(), if it.kept { "kept" } else { "left out" }.into(), cycles, l2, dram]
+        vec![it.part.clone(), if it.matters { "matters" } else { "does not matter" }.into(), cycles, l2, dram]
     };
     Grid {
         head: ["without", "", "cycles", "L2 bytes", "DRAM bytes"].map(Into::into).to_vec(),

@@ -14,7 +14,7 @@ use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
 use super::tags::Tags;
 use super::windows::{Job, JobWork, Piece};
 use crate::machine::MachineSpec;
-use crate::machine::source::FrameCounts;
+use crate::machine::source::{FrameCounts, StoreWork};
 use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
 use crate::stream::{Chunk, Item, Step, Totals};
 
@@ -43,7 +43,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Resul
             let mut totals = Totals::default();
             totals.count_policy(Step::unpack_all(&policy));
             feed.items.push_back(Item::End { policy, totals });
-            engine.run(&mut feed)?;
+            finished(&mut engine, machine, &mut feed)?;
             let end = feed.marks.pop().map(|mark| mark.figures);
             Ok(Found::End(end.unwrap_or_default()))
         }
@@ -62,8 +62,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Resul
                 }
             }
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
-            let cycles = engine.run(&mut feed)?;
-            let tally = engine.tally(cycles);
+            let tally = finished(&mut engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
@@ -78,6 +77,18 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Resul
             Ok(Found::Window(Box::new(window), latency))
         }
     }
+}
+
+/// Replays all items; what was counted, whose identities are checked as those of a whole run are.
+fn finished(
+    engine: &mut impl Engine,
+    machine: &MachineSpec,
+    feed: &mut JobFeed<'_>,
+) -> Result<Tally, RunError<Infallible>> {
+    let cycles = engine.run(feed)?;
+    let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
+    check::run(&tally, machine).map_err(RunError::Invariant)?;
+    Ok(tally)
 }
 
 fn known(pieces: &[Piece]) -> Known {
@@ -140,6 +151,8 @@ struct JobFeed<'a> {
     bounds: [usize; 2],
     over: usize,
     frame_over: bool,
+    /// What was done with stores otherwise than recorded.
+    stores: StoreWork,
     marks: Vec<Mark>,
 }
 
@@ -148,7 +161,17 @@ impl<'a> JobFeed<'a> {
         let items = VecDeque::new();
         // Before a window that has no rays before it, nothing was counted.
         let marks = vec![Mark::default()];
-        Self { items, machine, tags, loaded: false, bounds: [0; 2], over: 0, frame_over: false, marks }
+        Self {
+            items,
+            machine,
+            tags,
+            loaded: false,
+            bounds: [0; 2],
+            over: 0,
+            frame_over: false,
+            stores: StoreWork::default(),
+            marks,
+        }
     }
 }
 
@@ -159,6 +182,7 @@ impl Feed<Infallible> for JobFeed<'_> {
 
     fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<Infallible>> {
         self.frame_over = true;
+        self.stores += counts.stores;
         check::frame(counts, &self.machine.shadow_cache)
     }
 

@@ -98,7 +98,7 @@ impl Known {
 }
 
 /// How a figure is explained.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Debug)]
 pub struct Explanation {
     /// The columns that explain it, the best first: few windows allow for few.
     pub columns: Vec<usize>,

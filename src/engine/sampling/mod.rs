@@ -16,7 +16,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 
 use self::estimate::{Population, Total, Window};
-use self::job::{Figures, Found};
+use self::job::{Figures, Found, Latencies};
 use self::known::{DRAM_BYTES, L2_BYTES};
 pub use self::plan::Plan;
 pub use self::tags::Tags;
@@ -27,7 +27,7 @@ use crate::stats::{Accuracy, LatencyCounts, MachineStats};
 use crate::stream::{Header, Item};
 
 /// What a sample found.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Findings {
     /// All windows, frames' ends left out.
     pub population: Population,
@@ -53,6 +53,20 @@ pub(super) fn sample<E>(
     plan: Plan,
     items: impl Iterator<Item = Result<Item, E>>,
 ) -> Result<Findings, RunError<E>> {
+    // One thread reads.
+    let workers = thread::available_parallelism().map_or(1, |threads| threads.get() - 1).max(1);
+    sample_by(workers, engine, machine, header, plan, items)
+}
+
+/// As [`sample`], with so many threads that replay.
+pub(super) fn sample_by<E>(
+    workers: usize,
+    engine: Sampled,
+    machine: &MachineSpec,
+    header: &Header,
+    plan: Plan,
+    items: impl Iterator<Item = Result<Item, E>>,
+) -> Result<Findings, RunError<E>> {
     let replay = |job: Job| match engine {
         Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, job),
         Sampled::Event => job::replay(event::Event::new(machine, header), machine, job),
@@ -70,9 +84,8 @@ pub(super) fn sample<E>(
         let (jobs, received) = sync_channel(WAITING);
         // Shared by the workers alone: should all of them panic, nothing can be sent.
         let received = Arc::new(Mutex::new(received));
-        let threads = thread::available_parallelism().map_or(1, |threads| threads.get() - 1).max(1);
         let workers: Vec<_> =
-            (0..threads).map(|_| Arc::clone(&received)).map(|received| scope.spawn(move || work(&received))).collect();
+            (0..workers).map(|_| Arc::clone(&received)).map(|received| scope.spawn(move || work(&received))).collect();
         drop(received);
         for item in items {
             for job in windows.add(&item.map_err(RunError::Source)?) {
@@ -98,10 +111,7 @@ pub(super) fn sample<E>(
         match found.map_err(without_source)? {
             Found::Window(window, latency) => {
                 findings.measured.push(*window);
-                for (kind, LatencyCounts { most, .. }) in latency {
-                    let known = findings.nothing.latency.entry(kind).or_default();
-                    known.most = known.most.max(most);
-                }
+                findings.know_longest(latency);
             }
             Found::End(end) => {
                 end.into_iter().for_each(|(name, value)| *findings.ends.entry(name).or_default() += value);
@@ -131,7 +141,11 @@ impl Findings {
     pub fn join(&mut self, other: Self) {
         let before = std::mem::replace(self, other);
         self.measured.extend(before.measured);
-        for (kind, LatencyCounts { most, .. }) in before.nothing.latency {
+        self.know_longest(before.nothing.latency);
+    }
+
+    fn know_longest(&mut self, latencies: Latencies) {
+        for (kind, LatencyCounts { most, .. }) in latencies {
             let known = self.nothing.latency.entry(kind).or_default();
             known.most = known.most.max(most);
         }

@@ -100,6 +100,20 @@ fn any_machine_can_be_sampled() {
     });
 }
 
+/// Who replays what, and in which order windows are done, is chance.
+#[test]
+fn a_sample_does_not_depend_on_the_number_of_threads() {
+    let (header, stream) = quickstart();
+    let machine = shipped("small");
+    let by = |workers| {
+        let plan = Plan { pixels: 64, ..Plan::new(0.25, &machine, 5) };
+        sampling::sample_by(workers, Sampled::Event, &machine, &header, plan, items(stream.clone())).unwrap()
+    };
+    let one = by(1);
+    assert!(one.measured.len() > 20, "{}", one.measured.len());
+    assert!(by(3) == one && by(8) == one);
+}
+
 /// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know those of the others.
 #[test]
 fn a_sample_knows_what_its_windows_do_not_move() {
