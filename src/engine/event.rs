@@ -1,9 +1,10 @@
 //! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
 
 use super::feed::Feed;
+use super::part_set::PartSet;
 use super::sampling::Tags;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
-use super::wheel::{Due, Wheel};
+use super::wheel::Wheel;
 use super::work::Kind;
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
@@ -75,7 +76,7 @@ impl Event {
         ]
     }
 
-    fn tick_units(&mut self, now: u64, due: &Due) {
+    fn tick_units(&mut self, now: u64, due: &PartSet) {
         let Self { traversal, list, intersection, division, shadow_cache, links, .. } = self;
         let parts = links.parts;
         in_turn(due, parts.traversal(0), parts.traversal, now, |index| traversal[index].tick(now, links));
@@ -145,13 +146,13 @@ impl Event {
 
 impl Engine for Event {
     fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
-        let mut due = Due::default();
+        let mut due = PartSet::default();
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
         while let Some(now) = self.links.clock.turn(&mut due) {
             #[cfg(test)]
             if self.eager {
-                due.fill(self.links.parts.count() as u32);
+                (0..self.links.parts.count() as u32).for_each(|part| due.add(part));
                 self.links.clock.wake(Parts::DISPATCHER, now + 1);
             }
             if due.next(0, 1).is_some() {
@@ -230,7 +231,7 @@ impl Engine for Event {
 }
 
 /// Lets the due ones of `count` parts act, whose numbers begin with `first`: in cycle `now`, number `now mod count` first.
-fn in_turn(due: &Due, PartId(first): PartId, count: u32, now: u64, mut act: impl FnMut(usize)) {
+fn in_turn(due: &PartSet, PartId(first): PartId, count: u32, now: u64, mut act: impl FnMut(usize)) {
     let middle = first + (now % u64::from(count)) as u32;
     for (mut from, end) in [(middle, first + count), (first, middle)] {
         while let Some(part) = due.next(from, end) {

@@ -3,6 +3,7 @@
 mod auto;
 mod bound;
 mod check;
+mod crossing;
 mod cycle;
 mod dispatch;
 mod event;
@@ -12,6 +13,7 @@ mod functional;
 mod host;
 mod lines;
 mod observe;
+mod part_set;
 mod profile;
 pub mod sampling;
 mod tally;

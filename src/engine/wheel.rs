@@ -1,5 +1,6 @@
 //! A timing wheel whose slots are sets of parts: what is due in a cycle, in the parts' order, each part once.
 
+use super::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
 /// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to do, sets it
@@ -31,7 +32,7 @@ impl Wheel {
     }
 
     /// Turns to the first cycle in which a part is due and puts the parts into `due`; `None` if no part is.
-    pub fn turn(&mut self, due: &mut Due) -> Option<u64> {
+    pub fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
         let start = (self.now % HORIZON) as usize;
         let words = self.occupied.len();
         let slot = (0..=words).find_map(|step| {
@@ -47,9 +48,7 @@ impl Wheel {
         self.now += (slot + HORIZON as usize - start) as u64 % HORIZON;
         self.occupied[slot / 64] &= !(1 << (slot % 64));
         let set = &mut self.slots[slot * self.words..][..self.words];
-        due.0.clear();
-        due.0.extend_from_slice(set);
-        set.fill(0);
+        due.take_from(set);
         Some(self.now)
     }
 }
@@ -63,36 +62,6 @@ impl Wake for Wheel {
     }
 }
 
-/// The parts due in a cycle.
-#[derive(Clone, Debug, Default)]
-pub struct Due(Vec<u64>);
-
-impl Due {
-    /// The first due part from `from` to before `end`.
-    pub fn next(&self, from: u32, end: u32) -> Option<u32> {
-        let mut word = from as usize / 64;
-        let mut bits = *self.0.get(word)? & !0 << (from % 64);
-        loop {
-            if bits != 0 {
-                let part = word as u32 * 64 + bits.trailing_zeros();
-                return (part < end).then_some(part);
-            }
-            word += 1;
-            if word as u32 * 64 >= end {
-                return None;
-            }
-            bits = *self.0.get(word)?;
-        }
-    }
-
-    /// All parts below `parts` are due.
-    #[cfg(test)]
-    pub fn fill(&mut self, parts: u32) {
-        self.0.iter_mut().for_each(|word| *word = 0);
-        (0..parts).for_each(|part| self.0[part as usize / 64] |= 1 << (part % 64));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -100,7 +69,7 @@ mod tests {
     #[test]
     fn parts_ring_once_in_order_of_time() {
         let mut wheel = Wheel::new(130);
-        let mut due = Due::default();
+        let mut due = PartSet::default();
         for (part, at) in [(129, 7), (3, 7), (3, 7), (64, 1), (5, 1023)] {
             wheel.wake(PartId(part), at);
         }
@@ -115,12 +84,5 @@ mod tests {
         assert_eq!(rung, [(1, 64), (7, 3), (7, 129), (1023, 5)]);
         wheel.wake(PartId(9), 1023 + 5000);
         assert_eq!(wheel.turn(&mut due), Some(1023 + HORIZON - 1), "a far alarm rings at the wheel's edge");
-    }
-
-    #[test]
-    fn a_set_ends_where_it_is_told() {
-        let mut due = Due(vec![0; 3]);
-        due.fill(130);
-        assert_eq!((due.next(70, 71), due.next(71, 71), due.next(64, 130)), (Some(70), None, Some(64)));
     }
 }

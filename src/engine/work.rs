@@ -51,6 +51,8 @@ pub struct KindSpec {
     pub interval: u64,
     /// Rays that the unit works on at once; `None` where nothing but the slots of who sends them limits them.
     pub contexts: Option<u64>,
+    /// Rays that can wait for a context; `None` where there is room for all.
+    pub places: Option<u64>,
     /// The L1 of each.
     pub cache: CacheSpec,
     /// What becomes of writes.
@@ -81,6 +83,7 @@ impl Kind {
                 latency: traversal.latency.get(),
                 interval: traversal.interval.get(),
                 contexts: None,
+                places: None,
                 cache: traversal.cache,
                 writes: WritePolicy::Back,
             },
@@ -89,6 +92,7 @@ impl Kind {
                 latency: list.latency.get(),
                 interval: list.interval.get(),
                 contexts: Some(list.lists.get()),
+                places: Some(list.queue.get()),
                 cache: list.cache,
                 writes: WritePolicy::Back,
             },
@@ -97,6 +101,7 @@ impl Kind {
                 latency: intersection.latency.get(),
                 interval: intersection.interval.get(),
                 contexts: Some(intersection.tests.get()),
+                places: Some(intersection.queue.get()),
                 cache: intersection.cache,
                 writes: WritePolicy::Back,
             },
@@ -105,6 +110,7 @@ impl Kind {
                 latency: shadow_cache.latency.get(),
                 interval: shadow_cache.interval.get(),
                 contexts: Some(shadow_cache.contexts.get()),
+                places: None,
                 cache: shadow_cache.cache,
                 writes: shadow_cache.writes,
             },

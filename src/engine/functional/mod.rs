@@ -12,6 +12,7 @@ mod station;
 use self::below::{Answer, Below};
 use self::calendar::Calendar;
 use self::station::{Fetch, Fetched, Station};
+use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
 use super::tally::{Tally, busy};
@@ -88,9 +89,9 @@ pub(super) struct Functional {
     dispatch: Dispatch,
     /// The pool, then the entries for steps of a frame's end.
     rays: Vec<Ray>,
-    /// Units, by kind.
+    /// Units, as the crossing numbers them.
     stations: Vec<Station>,
-    first_of_kind: [usize; Kind::ALL.len() + 1],
+    crossing: Crossing,
     /// Of each division unit, when it can begin the next operation, and how many it began.
     divisions: Vec<(u64, u64)>,
     below: Below,
@@ -104,12 +105,10 @@ impl Functional {
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let line = machine.line_bytes.get();
         let cores = machine.cores.size();
-        let (mut stations, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
-        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+        let of_kind = |kind: Kind| {
             let spec = kind.spec(machine);
-            stations.extend((0..spec.count).map(|_| Station::new(&spec, line)));
-            first_of_kind[index + 1] = stations.len();
-        }
+            vec![Station::new(&spec, line); spec.count as usize]
+        };
         let dispatch = Dispatch::new(machine);
         let flights = dispatch.flights.len();
         Self {
@@ -120,8 +119,8 @@ impl Functional {
             layout: Layout::new(header, machine),
             rays: vec![Ray::IDLE; flights],
             dispatch,
-            stations,
-            first_of_kind,
+            stations: Kind::ALL.into_iter().flat_map(of_kind).collect(),
+            crossing: Crossing::new(machine),
             below: Below::new(machine, flights as u32 + 1),
             calendar: Calendar::new(),
             shading: false,
@@ -134,21 +133,9 @@ impl Functional {
         self.rays.len() as u32
     }
 
-    /// The core of a unit.
-    fn core(&self, station: usize) -> usize {
-        let kind =
-            self.first_of_kind.iter().rposition(|&first| first <= station).expect("the first kind begins with 0");
-        let (first, end) = (self.first_of_kind[kind], self.first_of_kind[kind + 1]);
-        (station - first) * self.cores / (end - first)
-    }
-
-    fn of_kind(&self, kind: Kind) -> std::ops::Range<usize> {
-        self.first_of_kind[kind as usize]..self.first_of_kind[kind as usize + 1]
-    }
-
     /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
     fn shadow_cache(&self, id: u32) -> usize {
-        let units = self.of_kind(Kind::ShadowCache);
+        let units = self.crossing.of_kind(Kind::ShadowCache);
         let step = self.dispatch.flights[id as usize].step(Holder::ShadowCache);
         let entry = step.filter(|_| !self.rays[id as usize].undecided).and_then(Step::entry);
         let number = entry.map_or(u64::from(id), |(store, index)| self.layout.line_of(store, index).0);
@@ -167,11 +154,12 @@ impl Functional {
                 self.fetch(id, station, &second, now);
             }
             Stage::Back => {
-                self.leave(station, now);
+                self.crossing.leave(station, now);
                 self.step(id, now);
             }
-            Stage::Policy => self.arrive(id, self.shadow_cache(id), now),
+            Stage::Policy => self.crossing.arrive(id, self.shadow_cache(id), now),
         }
+        self.take_on_all();
     }
 
     /// What the ray's step asks for.
@@ -197,8 +185,8 @@ impl Functional {
             Holder::ShadowCache => {
                 let (unit, home) = (ray.policy_unit as usize, self.shadow_cache(id));
                 if step.entry().is_some() && home != unit {
-                    self.leave(unit, now + 1);
-                    return self.arrive(id, home, now + 1);
+                    self.crossing.leave(unit, now + 1);
+                    return self.crossing.arrive(id, home, now + 1);
                 }
                 unit
             }
@@ -208,32 +196,21 @@ impl Functional {
         if !away {
             self.fetch(id, from, &work.first, now);
         } else {
-            let units = self.of_kind(work.kind);
             let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
-            let a_core = units.len() / self.cores;
-            let first = units.start + self.core(from) * a_core;
-            let sender = &mut self.stations[from];
-            let at = now.max(sender.send_at);
-            sender.send_at = at + 1;
-            self.arrive(id, first + home % a_core, at + 1);
+            self.crossing.send(id, from, self.crossing.performer(work.kind, from, home), now);
         }
     }
 
-    /// A ray comes to a unit in cycle `at`, or later, when there is a context.
-    fn arrive(&mut self, id: u32, station: usize, at: u64) {
-        let unit = &mut self.stations[station];
-        self.rays[id as usize].station = station as u32;
-        if unit.contexts == 0 {
-            return unit.arriving.push_back(id);
+    /// Units work on the rays that they have taken on.
+    fn take_on_all(&mut self) {
+        while let Some(Taken { ray, unit, at }) = self.crossing.taken() {
+            self.take_on(ray, unit, at);
         }
-        unit.contexts -= 1;
-        let at = at.max(unit.arrive_at);
-        unit.arrive_at = at + 1;
-        self.take_on(id, station, at);
     }
 
     fn take_on(&mut self, id: u32, station: usize, at: u64) {
-        if !self.of_kind(Kind::ShadowCache).contains(&station) {
+        self.rays[id as usize].station = station as u32;
+        if self.crossing.kind(station) != Kind::ShadowCache {
             let first = self.work(id).first;
             return self.fetch(id, station, &first, at);
         }
@@ -244,14 +221,6 @@ impl Functional {
             self.begin(id, station, at);
         } else {
             self.step(id, at);
-        }
-    }
-
-    /// A context is free.
-    fn leave(&mut self, station: usize, now: u64) {
-        self.stations[station].contexts += 1;
-        if let Some(next) = self.stations[station].arriving.pop_front() {
-            self.arrive(next, station, now);
         }
     }
 
@@ -275,7 +244,7 @@ impl Functional {
 
     /// Goes on with a ray's fetch; false if it stalled.
     fn access(&mut self, id: u32, station: usize, at: u64) -> bool {
-        let core = self.core(station);
+        let core = self.crossing.core(station);
         let Self { rays, stations, below, calendar, line, .. } = self;
         let fetch = &mut rays[id as usize].fetch;
         let (class, bytes, from) = (fetch.class, *line, PartId(station as u32));
@@ -297,7 +266,7 @@ impl Functional {
         waiting.clear();
         if let Some((line, class)) = self.stations[station].fill(line, &mut waiting) {
             let request = Request { line, class, write: true, bytes: self.line, from: PartId(unit) };
-            self.below.request(self.core(station), request, now, &mut self.calendar);
+            self.below.request(self.crossing.core(station), request, now, &mut self.calendar);
         }
         for &id in &waiting {
             let fetch = &mut self.rays[id as usize].fetch;
@@ -318,7 +287,7 @@ impl Functional {
 
     /// The data are there from cycle `at` on: the operation begins as soon as it can, and what follows is announced.
     fn begin(&mut self, id: u32, station: usize, at: u64) {
-        let (begin, core) = (self.stations[station].operate(at), self.core(station));
+        let (begin, core) = (self.stations[station].operate(at), self.crossing.core(station));
         let ray = &mut self.rays[id as usize];
         if ray.fetch.write && self.stations[station].writes.go_through(ray.fetch.class) {
             // The fetch has moved on past the one line that an entry of a store lies in.
@@ -364,7 +333,7 @@ impl Functional {
 
     /// The ray's policy steps are done, or a step of the frame's end is.
     fn leave_policy(&mut self, id: u32, now: u64) {
-        self.leave(self.rays[id as usize].policy_unit as usize, now + 1);
+        self.crossing.leave(self.rays[id as usize].policy_unit as usize, now + 1);
         self.done(id, now);
     }
 
@@ -452,7 +421,7 @@ impl Engine for Functional {
     }
 
     fn tally(&self, cycles: u64) -> Tally {
-        let units = |kind| self.stations[self.of_kind(kind)].iter().map(Station::tally).collect();
+        let units = |kind| self.stations[self.crossing.of_kind(kind)].iter().map(Station::tally).collect();
         Tally {
             cycles,
             rays: self.dispatch.rays_done,

@@ -46,13 +46,6 @@ pub struct Station {
     cache: Cache,
     /// Ray numbers behind one that stalled, that one first.
     pub stalled: VecDeque<u32>,
-    /// Rays that wait for a context.
-    pub arriving: VecDeque<u32>,
-    /// Contexts that are free; many where they are not limited.
-    pub contexts: u64,
-    /// When the next ray can come in, when the next can be sent on to another unit.
-    pub arrive_at: u64,
-    pub send_at: u64,
     port_at: u64,
     port_used: u64,
     ports: u64,
@@ -73,10 +66,6 @@ impl Station {
         Self {
             cache: spec.cache.build(line),
             stalled: VecDeque::new(),
-            arriving: VecDeque::new(),
-            contexts: spec.contexts.unwrap_or(u64::MAX),
-            arrive_at: 0,
-            send_at: 0,
             port_at: 0,
             port_used: 0,
             ports: spec.cache.ports.get(),

@@ -18,6 +18,7 @@ use self::agenda::Agenda;
 use self::memory::Memory;
 use self::unit::Unit;
 use self::watch::Watch;
+use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
 use super::tally::{Tally, busy};
@@ -63,9 +64,9 @@ pub(super) struct Profile<W = ()> {
     layout: Layout,
     dispatch: Dispatch,
     rays: Vec<Whereabouts>,
-    /// Units, by kind.
+    /// Units, as the crossing numbers them.
     units: Vec<Unit>,
-    first_of_kind: [usize; Kind::ALL.len() + 1],
+    crossing: Crossing,
     /// Of each division unit, when it can begin the next operation, and how many it began.
     divisions: Vec<(u64, u64)>,
     memory: Memory<W>,
@@ -84,15 +85,11 @@ impl<W: Watch> Profile<W> {
     /// The machine, whose accesses `watch` is told of.
     pub(super) fn watched(machine: &MachineSpec, header: &Header, watch: W) -> Self {
         let line = machine.line_bytes.get();
-        let (mut units, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
-        for (index, kind) in Kind::ALL.into_iter().enumerate() {
+        let crossing = Crossing::new(machine);
+        let of_kind = |kind: Kind| {
             let spec = kind.spec(machine);
-            let core = |unit| (unit * machine.cores.get() / spec.count) as usize;
-            for unit in 0..spec.count {
-                units.push(Unit::new(&spec, units.len(), core(unit), line));
-            }
-            first_of_kind[index + 1] = units.len();
-        }
+            crossing.of_kind(kind).map(|unit| Unit::new(&spec, unit, crossing.core(unit), line)).collect::<Vec<_>>()
+        };
         let dispatch = Dispatch::new(machine);
         let rays = dispatch.flights.len();
         let idle =
@@ -104,21 +101,17 @@ impl<W: Watch> Profile<W> {
             layout: Layout::new(header, machine),
             dispatch,
             rays: vec![idle; rays],
-            units,
-            first_of_kind,
+            units: Kind::ALL.into_iter().flat_map(of_kind).collect(),
+            crossing,
             memory: Memory::new(machine, watch),
             agenda: Agenda::new(rays + 1),
             shading: false,
         }
     }
 
-    fn of_kind(&self, kind: Kind) -> std::ops::Range<usize> {
-        self.first_of_kind[kind as usize]..self.first_of_kind[kind as usize + 1]
-    }
-
     /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
     fn shadow_cache(&self, id: u32) -> usize {
-        let units = self.of_kind(Kind::ShadowCache);
+        let units = self.crossing.of_kind(Kind::ShadowCache);
         if units.len() == 1 {
             return units.start;
         }
@@ -135,11 +128,12 @@ impl<W: Watch> Profile<W> {
             Stage::First => self.first(id, now),
             Stage::Second => self.second(id, now),
             Stage::Back => {
-                self.leave(self.rays[id as usize].away as usize, now);
+                self.crossing.leave(self.rays[id as usize].away as usize, now);
                 self.step(id, now);
             }
-            Stage::Policy => self.arrive(id, self.shadow_cache(id), now),
+            Stage::Policy => self.crossing.arrive(id, self.shadow_cache(id), now),
         }
+        self.take_on_all();
     }
 
     /// The holder looks at the ray's next step.
@@ -154,11 +148,12 @@ impl<W: Watch> Profile<W> {
         };
         let work = Work::of(step, ray.holder, flight.kind, &self.layout);
         if work.kind != ray.holder.kind() {
-            return self.send(id, holder, work.kind, now);
+            let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
+            return self.crossing.send(id, holder, self.crossing.performer(work.kind, holder, home), now);
         }
         if step.entry().is_some() && self.shadow_cache(id) != holder {
-            self.leave(holder, now + 1);
-            return self.arrive(id, self.shadow_cache(id), now + 1);
+            self.crossing.leave(holder, now + 1);
+            return self.crossing.arrive(id, self.shadow_cache(id), now + 1);
         }
         if let Some(end) = self.perform(id, holder, &work.first, now) {
             self.dispatch.performed(id);
@@ -194,30 +189,17 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The ray goes to the unit of another kind that performs its step.
-    fn send(&mut self, id: u32, from: usize, kind: Kind, now: u64) {
-        let units = self.of_kind(kind);
-        let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
-        let a_core = units.len() / self.cores;
-        let sender = &mut self.units[from];
-        let at = now.max(sender.send_at);
-        sender.send_at = at + 1;
-        let first = units.start + sender.core() * a_core;
-        self.arrive(id, first + home % a_core, at + 1);
+    /// Units work on the rays that they have taken on.
+    fn take_on_all(&mut self) {
+        while let Some(Taken { ray, unit, at }) = self.crossing.taken() {
+            self.take_on(ray, unit, at);
+        }
     }
 
-    /// A ray comes to a unit in cycle `at`, or later, when there is a context.
-    fn arrive(&mut self, id: u32, unit: usize, at: u64) {
-        self.rays[id as usize].away = unit as u32;
-        let arrived = &mut self.units[unit];
-        if arrived.contexts == 0 {
-            return arrived.arriving.push_back(id);
-        }
-        arrived.contexts -= 1;
-        let at = at.max(arrived.arrive_at);
-        arrived.arrive_at = at + 1;
+    fn take_on(&mut self, id: u32, unit: usize, at: u64) {
         let ray = &mut self.rays[id as usize];
-        if !(self.first_of_kind[Kind::ShadowCache as usize]..).contains(&unit) {
+        ray.away = unit as u32;
+        if self.crossing.kind(unit) != Kind::ShadowCache {
             return self.first(id, at);
         }
         (ray.holder, ray.policy_unit, ray.stage) = (Holder::ShadowCache, unit as u32, Stage::Step);
@@ -226,14 +208,6 @@ impl<W: Watch> Profile<W> {
             self.agenda.put(end, id);
         } else {
             self.step(id, at);
-        }
-    }
-
-    /// A context is free.
-    fn leave(&mut self, unit: usize, now: u64) {
-        self.units[unit].contexts += 1;
-        if let Some(next) = self.units[unit].arriving.pop_front() {
-            self.arrive(next, unit, now);
         }
     }
 
@@ -285,7 +259,7 @@ impl<W: Watch> Profile<W> {
         match ray.holder {
             Holder::ShadowCache => {
                 let unit = ray.policy_unit as usize;
-                self.leave(unit, now + 1);
+                self.crossing.leave(unit, now + 1);
             }
             Holder::Traversal => {
                 self.dispatch.left_slot(id);
@@ -371,7 +345,7 @@ impl<W: Watch> Engine for Profile<W> {
     }
 
     fn tally(&self, cycles: u64) -> Tally {
-        let units = |kind| self.units[self.of_kind(kind)].iter().map(Unit::tally).collect();
+        let units = |kind| self.units[self.crossing.of_kind(kind)].iter().map(Unit::tally).collect();
         Tally {
             cycles,
             rays: self.dispatch.rays_done,

@@ -26,12 +26,6 @@ pub struct Unit {
     number: usize,
     writes: WritePolicy,
     free_at: u64,
-    /// When the next ray can come in, when the next can be sent on to another unit.
-    pub arrive_at: u64,
-    pub send_at: u64,
-    /// Contexts that are free, many where they are not limited, and who waits for one.
-    pub contexts: u64,
-    pub arriving: VecDeque<u32>,
     /// Rays that wait for a miss register, that one first which is on the agenda.
     pub stalled: VecDeque<u32>,
     operations: u64,
@@ -58,10 +52,6 @@ impl Unit {
             number,
             writes: spec.writes,
             free_at: 0,
-            arrive_at: 0,
-            send_at: 0,
-            contexts: spec.contexts.unwrap_or(u64::MAX),
-            arriving: VecDeque::new(),
             stalled: VecDeque::new(),
             operations: 0,
             requested: PerClass::default(),
