@@ -111,6 +111,9 @@ impl Functional {
         };
         let dispatch = Dispatch::new(machine);
         let flights = dispatch.flights.len();
+        let stations: Vec<Station> = Kind::ALL.into_iter().flat_map(of_kind).collect();
+        // Events: rays, the end of shading, units, then what is below.
+        let first_below = (flights + 1 + stations.len()) as u32;
         Self {
             division: machine.division,
             cores,
@@ -119,9 +122,9 @@ impl Functional {
             layout: Layout::new(header, machine),
             rays: vec![Ray::IDLE; flights],
             dispatch,
-            stations: Kind::ALL.into_iter().flat_map(of_kind).collect(),
+            stations,
             crossing: Crossing::new(machine),
-            below: Below::new(machine, flights as u32 + 1),
+            below: Below::new(machine, first_below),
             calendar: Calendar::new(),
             shading: false,
             waiting: Vec::new(),
@@ -237,9 +240,36 @@ impl Functional {
             bytes: element.bytes as u32,
             data_at: at,
         };
-        if !self.stations[station].stalled.is_empty() || !self.access(id, station, at) {
-            self.stations[station].stalled.push_back(id);
+        if !self.stations[station].is_free(at) || !self.access(id, station, at) {
+            self.stations[station].fetching.push_back(id);
+            self.announce(station, at);
         }
+    }
+
+    /// A unit whose ports someone waits for acts when they are free.
+    fn announce(&mut self, station: usize, now: u64) {
+        let unit = &mut self.stations[station];
+        if !unit.is_announced
+            && let Some(at) = unit.acts_at(now)
+        {
+            unit.is_announced = true;
+            self.calendar.put(at, self.shading_ends() + 1 + station as u32);
+        }
+    }
+
+    /// Those who wait for a unit's ports get them in cycle `now`.
+    fn use_ports(&mut self, station: usize, now: u64) {
+        self.stations[station].is_announced = false;
+        if let Some(id) = self.stations[station].release(now) {
+            self.got_line(id, station, now);
+        }
+        while self.stations[station].acts_at(now) == Some(now)
+            && let Some(&id) = self.stations[station].fetching.front()
+            && self.access(id, station, now)
+        {
+            self.stations[station].fetching.pop_front();
+        }
+        self.announce(station, now);
     }
 
     /// Goes on with a ray's fetch; false if it stalled.
@@ -254,7 +284,10 @@ impl Functional {
         match fetched {
             Fetched::At(at) => self.begin(id, station, at),
             Fetched::Waits => {}
-            Fetched::Stalled => return false,
+            Fetched::Stalled => {
+                self.stations[station].stalled = true;
+                return false;
+            }
         }
         true
     }
@@ -268,20 +301,18 @@ impl Functional {
             let request = Request { line, class, write: true, bytes: self.line, from: PartId(unit) };
             self.below.request(self.crossing.core(station), request, now, &mut self.calendar);
         }
-        for &id in &waiting {
-            let fetch = &mut self.rays[id as usize].fetch;
-            fetch.missing -= 1;
-            if fetch.missing == 0 && fetch.left == 0 {
-                let at = now.max(fetch.data_at);
-                self.begin(id, station, at);
-            }
-        }
+        waiting.iter().for_each(|&id| self.got_line(id, station, now));
         self.waiting = waiting;
-        while let Some(&id) = self.stations[station].stalled.front() {
-            if !self.access(id, station, now) {
-                break;
-            }
-            self.stations[station].stalled.pop_front();
+        self.announce(station, now);
+    }
+
+    /// A line that the ray waits for is there.
+    fn got_line(&mut self, id: u32, station: usize, now: u64) {
+        let fetch = &mut self.rays[id as usize].fetch;
+        fetch.missing -= 1;
+        if fetch.missing == 0 && fetch.left == 0 {
+            let at = now.max(fetch.data_at);
+            self.begin(id, station, at);
         }
     }
 
@@ -397,6 +428,7 @@ impl Engine for Functional {
         self.below.begin(&mut self.calendar);
         self.dispatch(0, feed)?;
         let (rays, shading_ends) = (self.rays.len() as u32, self.shading_ends());
+        let stations = self.stations.len() as u32;
         while let Some(now) = self.calendar.turn(&mut events) {
             for &event in &events {
                 if event < rays {
@@ -405,6 +437,8 @@ impl Engine for Functional {
                     self.shading = false;
                     self.dispatch.shaded(now);
                     self.await_shading();
+                } else if event <= shading_ends + stations {
+                    self.use_ports((event - shading_ends - 1) as usize, now);
                 } else if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
                     self.line_came(answer, now);
                 }

@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::engine::work::KindSpec;
 use crate::machine::pipeline::{Past, WritePolicy};
-use crate::memory::cache::{BanksInUse, Cache, Fill, Lookup};
+use crate::memory::cache::{BanksInUse, Cache, Fill, Lookup, Release};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
@@ -44,8 +44,14 @@ pub enum Fetched {
 #[derive(Clone, Debug)]
 pub struct Station {
     cache: Cache,
-    /// Ray numbers behind one that stalled, that one first.
-    pub stalled: VecDeque<u32>,
+    /// Rays that wait for the ports, and whether the first of them waits for a miss register or a target instead.
+    pub fetching: VecDeque<u32>,
+    pub stalled: bool,
+    /// Rays whose line has come, which get it one a cycle; and whether they do.
+    released: VecDeque<u32>,
+    one_by_one: bool,
+    /// Whether the unit is announced in the calendar.
+    pub is_announced: bool,
     port_at: u64,
     port_used: u64,
     ports: u64,
@@ -65,7 +71,11 @@ impl Station {
     pub fn new(spec: &KindSpec, line: u64) -> Self {
         Self {
             cache: spec.cache.build(line),
-            stalled: VecDeque::new(),
+            fetching: VecDeque::new(),
+            stalled: false,
+            released: VecDeque::new(),
+            one_by_one: spec.cache.release == Release::OneByOne,
+            is_announced: false,
             port_at: 0,
             port_used: 0,
             ports: spec.cache.ports.get(),
@@ -79,6 +89,24 @@ impl Station {
             requested: PerClass::default(),
             written_through: PerClass::default(),
         }
+    }
+
+    /// Whether a fetch can begin in cycle `now`, before all others.
+    pub fn is_free(&self, now: u64) -> bool {
+        self.port_at <= now && self.fetching.is_empty() && self.released.is_empty()
+    }
+
+    /// The cycle, `now` or a later one, in which the ports are free and someone waits for them.
+    pub fn acts_at(&self, now: u64) -> Option<u64> {
+        let waits = !self.released.is_empty() || !self.fetching.is_empty() && !self.stalled;
+        waits.then_some(self.port_at.max(now))
+    }
+
+    /// The ray that gets its line in cycle `now`, in place of all accesses.
+    pub fn release(&mut self, now: u64) -> Option<u32> {
+        let ray = self.released.pop_front()?;
+        self.turn_to(now + 1);
+        Some(ray)
     }
 
     /// Goes on with a fetch in cycle `now`. `miss` is told lines to ask for, and when.
@@ -140,9 +168,14 @@ impl Station {
         through.bytes += bytes;
     }
 
-    /// A line comes; rays that wait for it are appended to `waiting`. Gives a dirty line that goes.
+    /// A line comes; rays that wait for it and get it now are appended to `waiting`. Gives a dirty line that goes.
     pub fn fill(&mut self, line: LineAddr, waiting: &mut Vec<u32>) -> Option<(LineAddr, TrafficClass)> {
-        match self.cache.fill(line, true, waiting) {
+        self.stalled = false;
+        let filled = self.cache.fill(line, true, waiting);
+        if self.one_by_one {
+            self.released.extend(waiting.drain(..));
+        }
+        match filled {
             Fill::Done { victim } => victim.map(|victim| (victim.line, victim.class)),
             Fill::Blocked => unreachable!("there is always room"),
         }

@@ -24,7 +24,7 @@ struct Coming {
 pub enum Found {
     /// The line.
     Hit,
-    /// A register that holds it until then.
+    /// A register that holds it; the access gets it then.
     Coming(u64),
     /// Nothing: the caller says with [`Level::expect`] when the line comes.
     Missing,
@@ -42,12 +42,15 @@ pub struct Level {
     next_at: u64,
     registers: usize,
     targets: usize,
+    /// Cycles between two accesses that get a line that has come.
+    apart: u64,
     counts: PerClass<CacheCounts>,
 }
 
 impl Level {
-    /// An empty cache with `registers` miss registers for `targets` accesses each.
-    pub fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64) -> Self {
+    /// An empty cache with `registers` miss registers for `targets` accesses each, which get a line that has come `apart` cycles after
+    /// each other.
+    pub fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
         Self {
             tags,
             no_allocate,
@@ -55,6 +58,7 @@ impl Level {
             next_at: u64::MAX,
             registers: registers as usize,
             targets: targets as usize,
+            apart,
             counts: PerClass::default(),
         }
     }
@@ -97,11 +101,12 @@ impl Level {
         loop {
             if let Some(coming) = self.coming.iter_mut().find(|coming| coming.line == line) {
                 if coming.targets < self.targets {
+                    let comes = coming.at + self.apart * coming.targets as u64;
                     coming.targets += 1;
                     coming.fate.dirty |= fate.dirty;
                     coming.fate.keep |= fate.keep;
                     self.counts[counts].half_misses += 1;
-                    return (at, Found::Coming(coming.at));
+                    return (at, Found::Coming(comes));
                 }
                 at = coming.at;
             } else if !waits && !fate.keep {

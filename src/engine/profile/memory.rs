@@ -43,7 +43,7 @@ impl<W: Watch> Memory<W> {
     pub fn new(machine: &MachineSpec, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let bank = |spec: &BankedSpec| Bank {
-            level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get()),
+            level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get(), 0),
             latency: spec.latency.get(),
             accesses: Slots::new(1),
             stalled_until: 0,

@@ -9,7 +9,7 @@ use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::engine::work::KindSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::{Past, WritePolicy};
-use crate::memory::cache::Access;
+use crate::memory::cache::{Access, CacheSpec, Release};
 use crate::memory::tags::Victim;
 use crate::quantity::{Bytes, LineAddr};
 
@@ -18,6 +18,8 @@ use crate::quantity::{Bytes, LineAddr};
 pub struct Unit {
     level: Level,
     line: Bytes,
+    /// Cycles that each access takes from the ports when its line has come.
+    released_in: u64,
     ports: u64,
     hit_latency: u64,
     latency: u64,
@@ -36,14 +38,12 @@ pub struct Unit {
 impl Unit {
     /// Unit `number` of all, of a kind in core `core`, empty.
     pub fn new(spec: &KindSpec, number: usize, core: usize, line: u64) -> Self {
+        let CacheSpec { no_allocate, mshrs, targets, .. } = spec.cache;
+        let released_in = u64::from(spec.cache.release == Release::OneByOne);
         Self {
-            level: Level::new(
-                spec.cache.tags(line),
-                spec.cache.no_allocate,
-                spec.cache.mshrs.get(),
-                spec.cache.targets.get(),
-            ),
+            level: Level::new(spec.cache.tags(line), no_allocate, mshrs.get(), targets.get(), released_in),
             line: Bytes(line),
+            released_in,
             ports: spec.cache.accesses_per_cycle(),
             hit_latency: spec.cache.latency.get(),
             latency: spec.latency,
@@ -71,7 +71,7 @@ impl Unit {
         let (first, lines) = layout.lines(element);
         let (class, access) = (element.class, self.writes.access(element.class, element.write));
         let mut at = at.max(self.free_at);
-        let mut data_at = at;
+        let (mut data_at, mut releases) = (at, 0);
         let (size, core) = (self.line, self.core);
         let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
         if let Some(until) = self.level.full_until(first, at, &mut gone) {
@@ -93,8 +93,9 @@ impl Unit {
                 }
             };
             (at, data_at) = (when, data_at.max(came));
+            releases += if found == Found::Hit { 0 } else { self.released_in };
         }
-        self.free_at = at + lines.div_ceil(self.ports).max(self.interval);
+        self.free_at = at + releases + lines.div_ceil(self.ports).max(self.interval);
         self.operations += 1;
         self.requested[class as usize] += Bytes(element.bytes);
         if access == Access::WriteThrough {
