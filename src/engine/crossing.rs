@@ -178,7 +178,7 @@ mod tests {
         for (ray, from, to) in [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 1, 0), (4, 0, 1)] {
             crossing.send(ray, from, first + to, 10);
         }
-        let mut taken = |crossing: &mut Crossing| std::iter::from_fn(|| crossing.taken()).collect::<Vec<_>>();
+        let taken = |crossing: &mut Crossing| std::iter::from_fn(|| crossing.taken()).collect::<Vec<_>>();
         let of = |ray, unit, at| Taken { ray, unit: first + unit, at };
         assert_eq!(taken(&mut crossing), [of(0, 0, 11)]);
         // The place is free in cycle 21, in which the second traversal unit acts first.
