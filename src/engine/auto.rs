@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::sampling::Plan;
+use super::sampling::{Cut, Plan};
 use super::work::stores_as_recorded;
 use super::{Fidelity, RunError, Sampled, Share, TELLING, run, sample_until};
 use crate::machine::MachineSpec;
@@ -123,7 +123,7 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         return Ok(MachineStats { needs: Some(needs), ..run(&reduced, Fidelity::Bound, header, open(0)?)? });
     }
     // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
-    let windows = (frames as u64 * pixels) as f64 / Plan::pixels_of_window(machine) as f64;
+    let windows = (frames as u64 * pixels) as f64 / Cut::new(machine).window() as f64;
     let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
     if rate <= MOST_RATE {
         let plan = Plan::new(rate, machine, 0);

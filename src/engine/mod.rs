@@ -30,7 +30,7 @@ pub use self::fidelity::{Fidelity, Sampled, Share};
 pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
-use self::sampling::{Findings, Plan};
+use self::sampling::{Findings, Plan, Sampler};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
 use crate::machine::source::{StoreWork, StreamFault};
@@ -134,8 +134,9 @@ pub fn run<E>(
             check_sampled(engine, machine)?;
             let plan = Plan::new(rate.get(), machine, seed);
             if plan.rate() < 1.0 {
-                let findings = sampling::sample(engine, machine, header, plan.clone(), items)?;
-                return Ok(findings.estimate(machine, plan.rate()));
+                let sampler = Sampler::new(engine, machine, header);
+                let pass = sampler.pass(&plan, 0, items)?;
+                return Ok(Findings::of(&sampler, pass).estimate(machine, plan.rate()));
             }
             let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 };
             Ok(MachineStats { accuracy: all, ..run(machine, engine.whole(), header, items)? })
@@ -238,9 +239,12 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     (target, most): (Share, f64),
     open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
 ) -> Result<(MachineStats, bool), RunError<E>> {
-    let mut findings = Findings::default();
+    let sampler = Sampler::new(engine, machine, header);
+    let keep = (most * plan.stratum as f64) as usize;
+    let mut pass = sampler.pass(&plan, keep, open(0)?)?;
+    let mut kept = std::mem::take(&mut pass.kept);
+    let mut findings = Findings::of(&sampler, pass);
     loop {
-        findings.join(sampling::sample(engine, machine, header, plan.clone(), open(0)?)?);
         let stats = findings.estimate(machine, plan.rate());
         let is_enough = stats.accuracy.is_within(target.get()) && findings.measured.len() >= TELLING;
         let draws = match stats.accuracy.widest() {
@@ -251,6 +255,15 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
             return Ok((stats, is_enough));
         }
         plan.draws = plan.draws.end..draws;
+        let more = match kept.take(&plan.draws) {
+            Some(jobs) => sampler.replay(jobs)?,
+            None => {
+                let pass = sampler.pass(&plan, keep, open(0)?)?;
+                kept = pass.kept;
+                pass.found
+            }
+        };
+        findings.add(more);
     }
 }
 

@@ -268,6 +268,11 @@ impl Cache {
         self.mshrs.lines().for_each(|line| self.tags.drop_line(line));
     }
 
+    /// What its tags take in memory, about.
+    pub fn bytes(&self) -> usize {
+        self.tags.bytes()
+    }
+
     /// Drops all lines from `first` on.
     pub fn drop_from(&mut self, first: LineAddr) {
         self.tags.drop_from(first);

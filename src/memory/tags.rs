@@ -71,6 +71,11 @@ impl TagArray {
         Self { lines: Vec::new(), state: State::new(Policy::Lru, 0), ways: 0, set_mask: 0, set_shift: 0 }
     }
 
+    /// What it takes in memory, about.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.lines.as_slice())
+    }
+
     fn is_ideal(&self) -> bool {
         self.lines.is_empty()
     }

@@ -155,6 +155,11 @@ impl Chunk {
         self.entries.len()
     }
 
+    /// What its rays take in memory.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.entries.as_slice()) + size_of_val(self.steps.as_slice())
+    }
+
     /// Whether there is no ray.
     pub fn is_empty(&self) -> bool {
         self.entries.is_empty()

@@ -12,11 +12,11 @@ use super::estimate::{Part, Window};
 use super::figures;
 use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
 use super::tags::Tags;
-use super::windows::{Job, JobWork, Piece};
+use super::windows::{Job, JobWork};
 use crate::machine::MachineSpec;
 use crate::machine::source::{FrameCounts, StoreWork};
 use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
-use crate::stream::{Chunk, Item, Step, Totals};
+use crate::stream::{Item, Step, Totals};
 
 /// Figures by name.
 pub type Figures = BTreeMap<String, f64>;
@@ -34,33 +34,32 @@ pub enum Found {
 }
 
 /// Replays `job` with `engine`, which is new.
-pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Result<Found, RunError<Infallible>> {
+pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
     let Job { info, tags, work, .. } = job;
     let mut feed = JobFeed::new(machine, tags);
-    feed.items.push_back(Item::Frame(info));
+    feed.items.push_back(Item::Frame(*info));
     match work {
         JobWork::End(policy) => {
             let mut totals = Totals::default();
-            totals.count_policy(Step::unpack_all(&policy));
-            feed.items.push_back(Item::End { policy, totals });
+            totals.count_policy(Step::unpack_all(policy));
+            feed.items.push_back(Item::End { policy: Arc::clone(policy), totals });
             finished(&mut engine, machine, &mut feed)?;
             let end = feed.marks.pop().map(|mark| mark.figures);
             Ok(Found::End(end.unwrap_or_default()))
         }
-        JobWork::Window { stratum, before, pieces, behind } => {
+        JobWork::Window { stratum, before, own, behind } => {
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
-            let mut sum = known(&pieces);
-            let own = sum.columns(&capacity);
-            before.iter().chain(&behind).for_each(|beside| sum += beside.known);
-            let group = sum.columns(&capacity);
-            let size = |pieces: &[Piece]| pieces.iter().map(|piece| piece.rays.len()).sum::<usize>();
-            feed.bounds = [size(&before), size(&before) + size(&pieces)];
-            for part in [&before, &pieces, &behind] {
-                if !part.is_empty() {
-                    feed.items.push_back(Item::Rays(Arc::new(joined(part, &mut totals))));
+            feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];
+            let mut sum = Known::default();
+            for part in [before, own, behind] {
+                sum += part.known;
+                part.rays.rays().for_each(|ray| totals.count(&ray));
+                if !part.rays.is_empty() {
+                    feed.items.push_back(Item::Rays(Arc::clone(&part.rays)));
                 }
             }
+            let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(&mut engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
@@ -73,7 +72,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: Job) -> Resul
                 figures: figures::difference(&closed.figures, &opened.figures),
             };
             let operations = own[OPERATIONS];
-            let window = Window { stratum, operations, inside, group: Part { known: group, figures: all } };
+            let window = Window { stratum: *stratum, operations, inside, group: Part { known: group, figures: all } };
             Ok(Found::Window(Box::new(window), latency))
         }
     }
@@ -89,24 +88,6 @@ fn finished(
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
     Ok(tally)
-}
-
-fn known(pieces: &[Piece]) -> Known {
-    let mut sum = Known::default();
-    pieces.iter().for_each(|piece| sum += piece.known);
-    sum
-}
-
-/// The pieces' rays as a chunk, counted.
-fn joined(pieces: &[Piece], totals: &mut Totals) -> Chunk {
-    let mut part = Chunk::default();
-    for Piece { chunk, rays, .. } in pieces {
-        for ray in rays.clone().map(|index| chunk.ray(index)) {
-            totals.count(&ray);
-            part.push(ray.head, ray.packed_path(), ray.packed_policy());
-        }
-    }
-    part
 }
 
 /// All figures, and sums that no field of the statistics holds.
@@ -145,7 +126,7 @@ struct Mark {
 struct JobFeed<'a> {
     items: VecDeque<Item>,
     machine: &'a MachineSpec,
-    tags: Tags,
+    tags: &'a Tags,
     /// Whether the caches hold what the tags say.
     loaded: bool,
     bounds: [usize; 2],
@@ -157,7 +138,7 @@ struct JobFeed<'a> {
 }
 
 impl<'a> JobFeed<'a> {
-    fn new(machine: &'a MachineSpec, tags: Tags) -> Self {
+    fn new(machine: &'a MachineSpec, tags: &'a Tags) -> Self {
         let items = VecDeque::new();
         // Before a window that has no rays before it, nothing was counted.
         let marks = vec![Mark::default()];
@@ -198,7 +179,7 @@ impl Feed<Infallible> for JobFeed<'_> {
 
     fn mark(&mut self, tally: &Tally) -> Option<&Tags> {
         if !std::mem::replace(&mut self.loaded, true) {
-            return Some(&self.tags);
+            return Some(self.tags);
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());

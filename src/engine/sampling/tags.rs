@@ -102,6 +102,11 @@ impl Tags {
         &self.banks
     }
 
+    /// What they take in memory, about.
+    pub fn bytes(&self) -> usize {
+        self.l1s.iter().flatten().chain(&self.banks).map(Cache::bytes).sum()
+    }
+
     /// A frame begins.
     pub fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);

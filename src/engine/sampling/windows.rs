@@ -1,23 +1,22 @@
 //! Cuts a stream into windows, and makes jobs of those that are measured.
 
+use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
 use super::estimate::Population;
 use super::known::{Capacity, Known};
-use super::plan::{PIECES, Plan};
+use super::plan::Plan;
 use super::tags::Tags;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Item, RayKind};
 
-/// A part of a window: rays of a chunk.
-#[derive(Clone, Debug)]
-pub struct Piece {
-    /// The chunk.
-    pub chunk: Arc<Chunk>,
-    /// Which rays.
-    pub rays: Range<usize>,
-    /// What is known of them.
+/// Rays that follow one another, and what is known of them.
+#[derive(Clone, Debug, Default)]
+pub struct Part {
+    /// The rays.
+    pub rays: Arc<Chunk>,
+    /// What is known.
     pub known: Known,
 }
 
@@ -26,6 +25,8 @@ pub struct Piece {
 pub struct Job {
     /// Its place among all jobs.
     pub number: usize,
+    /// Which draw of its stratum it is.
+    pub draw: usize,
     /// The frame.
     pub info: FrameInfo,
     /// What the caches hold.
@@ -41,23 +42,61 @@ pub enum JobWork {
     Window {
         /// Its stratum.
         stratum: usize,
-        /// The piece before it, which fills what is in flight; none at a frame's beginning.
-        before: Vec<Piece>,
-        /// Its own.
-        pieces: Vec<Piece>,
-        /// The piece behind it, which keeps what is in flight full; none at a frame's end.
-        behind: Vec<Piece>,
+        /// What comes before it, which fills what is in flight; less at a frame's beginning.
+        before: Part,
+        /// Its own rays.
+        own: Part,
+        /// What comes behind it, which keeps what is in flight full; less at a frame's end.
+        behind: Part,
     },
     /// The steps of a frame's end.
     End(Arc<Vec<u32>>),
 }
 
+impl Job {
+    /// What it takes in memory, about.
+    pub fn bytes(&self) -> usize {
+        let work = match &self.work {
+            JobWork::Window { before, own, behind, .. } => {
+                [before, own, behind].iter().map(|part| part.rays.bytes()).sum()
+            }
+            JobWork::End(steps) => size_of_val(steps.as_slice()),
+        };
+        self.tags.bytes() + work
+    }
+}
+
+/// Rays of a chunk.
+#[derive(Clone, Debug)]
+struct Piece {
+    chunk: Arc<Chunk>,
+    rays: Range<usize>,
+    known: Known,
+}
+
+impl Part {
+    fn of(pieces: &[Piece]) -> Self {
+        let (mut rays, mut known) = (Chunk::default(), Known::default());
+        for piece in pieces {
+            known += piece.known;
+            for ray in piece.rays.clone().map(|index| piece.chunk.ray(index)) {
+                rays.push(ray.head, ray.packed_path(), ray.packed_policy());
+            }
+        }
+        Self { rays: Arc::new(rays), known }
+    }
+}
+
 /// A window that is being put together.
 struct Open {
     window: usize,
+    draw: usize,
+    /// Pieces that come before the window's first one.
+    lead: usize,
     tags: Tags,
     before: Vec<Piece>,
-    pieces: Vec<Piece>,
+    own: Vec<Piece>,
+    behind: Vec<Piece>,
 }
 
 /// Cuts a stream.
@@ -71,10 +110,12 @@ pub struct Windows {
     pixels: usize,
     /// What is known of the window up to now.
     known: Known,
-    /// Windows of the stream up to now, and up to which one it is known where they begin to be replayed.
+    /// Windows of the stream up to now, and pieces of the frame.
     windows: usize,
-    opened: usize,
-    measures: Vec<bool>,
+    pieces: usize,
+    /// Of each window, which draw of its stratum it is, of the first ones, which are of interest.
+    drawn: Vec<Option<usize>>,
+    most: usize,
     open: Vec<Open>,
     jobs: usize,
     /// All windows, frames' ends left out.
@@ -84,10 +125,9 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine.
-    pub fn new(machine: &MachineSpec, header: &Header, plan: Plan) -> Self {
+    /// Nothing yet of a stream on a machine. Of each stratum the draws of `plan` become jobs, and later ones below `keep`.
+    pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize) -> Self {
         Self {
-            plan,
             capacity: Capacity::new(machine),
             tags: Tags::new(header, machine),
             info: FrameInfo::default(),
@@ -95,12 +135,14 @@ impl Windows {
             pixels: 0,
             known: Known::default(),
             windows: 0,
-            opened: 0,
-            measures: Vec::new(),
+            pieces: 0,
+            drawn: Vec::new(),
+            most: plan.draws.end.max(keep),
             open: Vec::new(),
             jobs: 0,
             population: Population::default(),
             rays: 0,
+            plan,
         }
     }
 
@@ -109,23 +151,26 @@ impl Windows {
         match item {
             Item::Frame(info) => {
                 self.tags.begin_frame(info);
-                (self.info, self.opened) = (*info, self.windows);
+                (self.info, self.pieces) = (*info, 0);
                 Vec::new()
             }
             Item::Rays(chunk) => {
                 self.gathered.push(Arc::clone(chunk));
                 let pixels = |chunk: &Arc<Chunk>| chunk.rays().filter(|ray| ray.head.kind == RayKind::Primary).count();
                 self.pixels += pixels(chunk);
-                if self.pixels < self.plan.pixels { Vec::new() } else { self.cut() }
+                if self.pixels < self.plan.cut.window() { Vec::new() } else { self.cut() }
             }
             Item::End { policy, .. } => {
                 let mut jobs = self.cut();
-                let open = std::mem::take(&mut self.open).into_iter().filter(|open| !open.pieces.is_empty());
-                jobs.extend(open.map(|open| self.job(open, Vec::new())));
+                let open = take(&mut self.open).into_iter().filter(|open| !open.own.is_empty());
+                jobs.extend(open.map(|open| self.job(open)));
                 if !policy.is_empty() {
-                    let (info, tags, work) = (self.info, self.tags.clone(), JobWork::End(Arc::clone(policy)));
-                    jobs.push(Job { number: self.jobs, info, tags, work });
-                    self.jobs += 1;
+                    // All ends are replayed, by the first pass.
+                    if self.plan.draws.start == 0 {
+                        let (number, tags, work) = (self.jobs, self.tags.clone(), JobWork::End(Arc::clone(policy)));
+                        jobs.push(Job { number, draw: 0, info: self.info, tags, work });
+                        self.jobs += 1;
+                    }
                     self.tags.frame_end(policy);
                 }
                 jobs
@@ -133,17 +178,18 @@ impl Windows {
         }
     }
 
-    fn measures(&mut self, window: usize) -> bool {
-        while self.measures.len() <= window {
-            self.measures.extend(self.plan.measures(self.measures.len() / self.plan.stratum));
+    /// Which draw a window is, if it becomes a job.
+    fn draw(&mut self, window: usize) -> Option<usize> {
+        while self.drawn.len() <= window {
+            self.drawn.extend(self.plan.drawn(self.drawn.len() / self.plan.stratum, self.most));
         }
-        self.measures[window]
+        self.drawn[window].filter(|&draw| draw >= self.plan.draws.start)
     }
 
     /// Cuts the chunks that were gathered: one, or as many as make a window.
     fn cut(&mut self) -> Vec<Job> {
         self.pixels = 0;
-        let gathered = std::mem::take(&mut self.gathered);
+        let gathered = take(&mut self.gathered);
         match gathered.as_slice() {
             [] => Vec::new(),
             [chunk] => self.chunk(chunk),
@@ -162,59 +208,72 @@ impl Windows {
         let traced = |&ray: &usize| chunk.head(ray).decision != Decision::Skip;
         self.rays += (0..chunk.len()).filter(traced).count() as u64;
         // Whole windows of about the same number of pixels.
-        let windows = ((primaries.len() as f64 / self.plan.pixels as f64).round() as usize).max(1);
-        let pieces = (windows * PIECES).min(primaries.len());
+        let cut = self.plan.cut;
+        let windows = ((primaries.len() as f64 / cut.window() as f64).round() as usize).max(1);
+        let pieces = (windows * cut.own).min(primaries.len());
         let firsts: Vec<u32> = (0..pieces).map(|piece| primaries[piece * primaries.len() / pieces]).collect();
-        let place = |piece: usize| (piece * windows / pieces, (piece + 1) * windows / pieces);
-        // A window begins to be replayed with the piece before it, where there is one and it does not begin with another.
-        let opens: Vec<Option<usize>> = (0..pieces)
-            .map(|piece| {
-                let (window, next) = place(piece);
-                let number = self.windows + window;
-                let chosen = if self.opened <= number { number } else { number + 1 };
-                if chosen > number && next == window {
-                    return None;
-                }
-                self.opened = chosen + 1;
-                self.measures(chosen).then_some(chosen)
-            })
-            .collect();
         let mut jobs = Vec::new();
         for (piece, &first) in firsts.iter().enumerate() {
             let rays = first as usize..firsts.get(piece + 1).map_or(chunk.len(), |&end| end as usize);
-            let tags = opens[piece].map(|_| self.tags.clone());
+            self.begin_windows(piece);
             let known = self.tags.piece(chunk, rays.clone());
             let part = Piece { chunk: Arc::clone(chunk), rays, known };
             self.known += known;
-            let (window, next) = place(piece);
-            let number = self.windows + window;
-            // The piece is behind one window, in a second, and before a third.
-            if let Some(done) = self.open.iter().position(|open| open.window < number && !open.pieces.is_empty()) {
-                let open = self.open.remove(done);
-                jobs.push(self.job(open, vec![part.clone()]));
+            let ends = piece + 1 == pieces || (piece + 1) % cut.own == 0;
+            let mut complete = Vec::new();
+            for (at, open) in self.open.iter_mut().enumerate() {
+                let number = self.windows;
+                let of = if open.lead > 0 {
+                    open.lead -= 1;
+                    &mut open.before
+                } else if open.window == number {
+                    &mut open.own
+                } else {
+                    &mut open.behind
+                };
+                of.push(part.clone());
+                if open.behind.len() == cut.behind || cut.behind == 0 && open.window == number && ends {
+                    complete.push(at);
+                }
             }
-            if let (Some(tags), Some(window)) = (tags, opens[piece]) {
-                let before = if window == number { Vec::new() } else { vec![part.clone()] };
-                self.open.push(Open { window, tags, before, pieces: Vec::new() });
+            for at in complete.into_iter().rev() {
+                let open = self.open.remove(at);
+                jobs.push(self.job(open));
             }
-            if let Some(open) = self.open.iter_mut().find(|open| open.window == number) {
-                open.pieces.push(part);
-            }
-            if next > window {
-                let stratum = number / self.plan.stratum;
+            self.pieces += 1;
+            if ends {
+                let stratum = self.windows / self.plan.stratum;
                 self.population.strata.resize(stratum + 1, 0);
                 self.population.strata[stratum] += 1;
-                self.population.add(&std::mem::take(&mut self.known).columns(&self.capacity));
+                self.population.add(&take(&mut self.known).columns(&self.capacity));
+                self.windows += 1;
             }
         }
-        self.windows += windows.min(pieces);
         jobs
     }
 
-    fn job(&mut self, open: Open, behind: Vec<Piece>) -> Job {
-        let Open { window, tags, before, pieces } = open;
-        let work = JobWork::Window { stratum: window / self.plan.stratum, before, pieces, behind };
+    /// Windows that are measured begin to be replayed some pieces before their first one, or with the frame; the next piece is number `piece`
+    /// of its chunk.
+    fn begin_windows(&mut self, piece: usize) {
+        let cut = self.plan.cut;
+        let left = (cut.own - piece % cut.own) % cut.own;
+        let to_first = |window: usize| left + window * cut.own;
+        let first = self.windows + usize::from(left > 0);
+        let begin = (0..).take_while(|&window| to_first(window) <= cut.before);
+        let begin = begin.filter(|&window| self.pieces == 0 || to_first(window) == cut.before);
+        for (window, lead) in begin.map(|window| (first + window, to_first(window))).collect::<Vec<_>>() {
+            if let Some(draw) = self.draw(window) {
+                let (tags, before, own, behind) = (self.tags.clone(), Vec::new(), Vec::new(), Vec::new());
+                self.open.push(Open { window, draw, lead, tags, before, own, behind });
+            }
+        }
+    }
+
+    fn job(&mut self, open: Open) -> Job {
+        let Open { window, draw, tags, before, own, behind, .. } = open;
+        let [before, own, behind] = [before, own, behind].map(|pieces| Part::of(&pieces));
+        let work = JobWork::Window { stratum: window / self.plan.stratum, before, own, behind };
         self.jobs += 1;
-        Job { number: self.jobs - 1, info: self.info, tags, work }
+        Job { number: self.jobs - 1, draw, info: self.info, tags, work }
     }
 }

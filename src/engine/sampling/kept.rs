@@ -1,0 +1,55 @@
+//! Jobs that may be wanted once it is known how much windows differ: they are kept, as far as memory allows, so that the stream need not be read
+//! again.
+
+use std::ops::Range;
+
+use super::windows::Job;
+
+/// Bytes of jobs that are kept at most.
+const MOST_BYTES: usize = 512 << 20;
+
+/// The jobs of some draws of all strata.
+#[derive(Clone, Debug, Default)]
+pub struct Kept {
+    draws: Range<usize>,
+    jobs: Vec<Job>,
+    bytes: usize,
+}
+
+impl Kept {
+    /// Nothing yet of these draws.
+    pub fn new(draws: Range<usize>) -> Self {
+        Self { draws, ..Self::default() }
+    }
+
+    /// Keeps `job`. Where memory does not allow for all draws, the last ones go.
+    pub fn add(&mut self, job: Job) {
+        if self.draws.contains(&job.draw) {
+            self.bytes += job.bytes();
+            self.jobs.push(job);
+        }
+        while self.bytes > MOST_BYTES && !self.draws.is_empty() {
+            self.draws.end -= 1;
+            drop(self.take_from(self.draws.end));
+        }
+    }
+
+    /// The jobs of `draws`, if all of them were kept.
+    pub fn take(&mut self, draws: &Range<usize>) -> Option<Vec<Job>> {
+        if draws.start != self.draws.start || draws.end > self.draws.end {
+            return None;
+        }
+        let later = self.take_from(draws.end);
+        self.draws.start = draws.end;
+        self.bytes = later.iter().map(Job::bytes).sum();
+        Some(std::mem::replace(&mut self.jobs, later))
+    }
+
+    /// Takes out the jobs of draw `first` and later ones.
+    fn take_from(&mut self, first: usize) -> Vec<Job> {
+        let (taken, left) = std::mem::take(&mut self.jobs).into_iter().partition(|job| job.draw >= first);
+        self.jobs = left;
+        self.bytes = self.jobs.iter().map(Job::bytes).sum();
+        taken
+    }
+}

@@ -1,0 +1,169 @@
+//! A pass over a stream: one thread reads it, one cuts it and keeps the tags warm, and the others replay what is measured.
+
+use std::convert::Infallible;
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, ScopedJoinHandle};
+
+use super::estimate::Population;
+use super::job::{self, Found};
+use super::kept::Kept;
+use super::plan::Plan;
+use super::windows::{Job, Windows};
+use crate::engine::{Engine, RunError, Sampled, event, functional};
+use crate::machine::MachineSpec;
+use crate::stats::MachineStats;
+use crate::stream::{Header, Item};
+
+/// Items that may wait to be cut, and jobs that may wait to be replayed, which hold the tags of a machine each.
+const ITEMS: usize = 4;
+const JOBS: usize = 2;
+
+/// Who samples. What is found does not depend on how many threads there are.
+#[derive(Clone, Copy)]
+pub struct Sampler<'a> {
+    /// What replays windows.
+    pub engine: Sampled,
+    /// The machine.
+    pub machine: &'a MachineSpec,
+    /// The stream's header.
+    pub header: &'a Header,
+    /// Threads.
+    pub threads: usize,
+}
+
+/// What a pass gave.
+pub struct Pass {
+    /// All windows.
+    pub population: Population,
+    /// Rays of the stream, skipped ones not counted.
+    pub rays: u64,
+    /// What was measured, in the stream's order.
+    pub found: Vec<Found>,
+    /// Jobs of later draws.
+    pub kept: Kept,
+}
+
+impl<'a> Sampler<'a> {
+    /// Samples with a thread a core.
+    pub fn new(engine: Sampled, machine: &'a MachineSpec, header: &'a Header) -> Self {
+        let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
+        Self { engine, machine, header, threads }
+    }
+
+    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`.
+    pub fn pass<E>(
+        &self,
+        plan: &Plan,
+        keep: usize,
+        items: impl Iterator<Item = Result<Item, E>>,
+    ) -> Result<Pass, RunError<E>> {
+        let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep);
+        let mut kept = Kept::new(plan.draws.end..keep.max(plan.draws.end));
+        thread::scope(|scope| {
+            let (jobs, received) = sync_channel(JOBS);
+            // Shared by the workers alone: should all of them panic, nothing can be sent.
+            let received = Arc::new(Mutex::new(received));
+            // Reading takes little of a thread's time.
+            let workers: Vec<_> = (1..self.threads.max(2))
+                .map(|_| Arc::clone(&received))
+                .map(|received| scope.spawn(move || self.work(&received)))
+                .collect();
+            drop(received);
+            let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
+            let cutter = scope.spawn(move || {
+                for job in to_cut.into_iter().flat_map(|item| windows.add(&item)) {
+                    if !plan.draws.contains(&job.draw) {
+                        kept.add(job);
+                    } else if jobs.send(job).is_err() {
+                        // All workers have panicked, which comes out when they are joined.
+                        break;
+                    }
+                }
+                (windows, kept)
+            });
+            let mut read = Ok(());
+            for item in items {
+                match item.map(|item| items_read.send(item)) {
+                    Ok(Ok(())) => {}
+                    // The cutter has panicked, or all workers.
+                    Ok(Err(_)) => break,
+                    Err(error) => {
+                        read = Err(RunError::Source(error));
+                        break;
+                    }
+                }
+            }
+            drop(items_read);
+            let (Windows { population, rays, .. }, kept) = joined(cutter);
+            let found = workers.into_iter().flat_map(joined).collect();
+            read?;
+            Ok(Pass { population, rays, found: in_order(found)?, kept })
+        })
+    }
+
+    /// Replays `jobs`.
+    pub fn replay<E>(&self, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
+        let jobs = Mutex::new(jobs.into_iter());
+        let work = || {
+            let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
+            std::iter::from_fn(next).map(|job| self.replay_one(job)).collect::<Vec<_>>()
+        };
+        let found = thread::scope(|scope| {
+            let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
+            workers.into_iter().flat_map(joined).collect()
+        });
+        in_order(found)
+    }
+
+    fn work(&self, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
+        let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv().ok();
+        std::iter::from_fn(next).map(|job| self.replay_one(job)).collect()
+    }
+
+    fn replay_one(&self, job: Job) -> Numbered {
+        let Self { engine, machine, header, .. } = *self;
+        let found = match engine {
+            Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, &job),
+            Sampled::Event => job::replay(event::Event::new(machine, header), machine, &job),
+        };
+        (job.number, found)
+    }
+
+    /// The statistics of a run in which nothing happens.
+    pub fn nothing(&self) -> MachineStats {
+        let Self { engine, machine, header, .. } = *self;
+        let tally = match engine {
+            Sampled::Functional => functional::Functional::new(machine, header).tally(1),
+            Sampled::Event => event::Event::new(machine, header).tally(1),
+        };
+        tally.stats(machine)
+    }
+}
+
+/// What a job found, and its number.
+type Numbered = (usize, Result<Found, RunError<Infallible>>);
+
+fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
+    thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+}
+
+fn in_order<E>(mut found: Vec<Numbered>) -> Result<Vec<Found>, RunError<E>> {
+    found.sort_by_key(|(number, _)| *number);
+    found.into_iter().map(|(_, found)| found.map_err(without_source)).collect()
+}
+
+/// A job's items cannot fail to be read.
+fn without_source<E>(error: RunError<Infallible>) -> RunError<E> {
+    match error {
+        RunError::Source(never) => match never {},
+        RunError::Spec(error) => RunError::Spec(error),
+        RunError::Stream(fault) => RunError::Stream(fault),
+        RunError::Counts { frame, what, machine, tracer } => RunError::Counts { frame, what, machine, tracer },
+        RunError::Invariant(what) => RunError::Invariant(what),
+        RunError::Illegal { channel, violation } => RunError::Illegal { channel, violation },
+        RunError::Observer(error) => RunError::Observer(error),
+        RunError::Passes => RunError::Passes,
+        RunError::Deadlock { cycle, queues } => RunError::Deadlock { cycle, queues },
+    }
+}
