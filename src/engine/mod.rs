@@ -82,6 +82,18 @@ pub enum RunError<E> {
     /// The fidelity takes several passes over a stream, and this one can be read once.
     #[error("a target error takes several passes over the stream, which can be read only once here")]
     Passes,
+    /// No window was drawn.
+    #[error(
+        "none of the stream's {windows} windows of {pixels} pixels is in the sample, which has 2 in {stratum}: a higher `rate` is needed"
+    )]
+    Sample {
+        /// Windows of the stream.
+        windows: u64,
+        /// Pixels of a window.
+        pixels: usize,
+        /// Windows a stratum.
+        stratum: usize,
+    },
     /// Nothing moves.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
     Deadlock {
@@ -135,8 +147,12 @@ pub fn run<E>(
             let plan = Plan::new(rate.get(), machine, seed);
             if plan.rate() < 1.0 {
                 let sampler = Sampler::new(engine, machine, header);
-                let pass = sampler.pass(&plan, 0, items)?;
-                return Ok(Findings::of(&sampler, pass).estimate(machine, plan.rate()));
+                let findings = Findings::of(&sampler, sampler.pass(&plan, 0, items)?);
+                let windows = findings.population.strata.iter().sum();
+                if findings.measured.is_empty() && windows > 0 {
+                    return Err(RunError::Sample { windows, pixels: plan.cut.window(), stratum: plan.stratum });
+                }
+                return Ok(findings.estimate(machine, plan.rate()));
             }
             let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 };
             Ok(MachineStats { accuracy: all, ..run(machine, engine.whole(), header, items)? })

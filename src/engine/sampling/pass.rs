@@ -164,6 +164,7 @@ fn without_source<E>(error: RunError<Infallible>) -> RunError<E> {
         RunError::Illegal { channel, violation } => RunError::Illegal { channel, violation },
         RunError::Observer(error) => RunError::Observer(error),
         RunError::Passes => RunError::Passes,
+        RunError::Sample { windows, pixels, stratum } => RunError::Sample { windows, pixels, stratum },
         RunError::Deadlock { cycle, queues } => RunError::Deadlock { cycle, queues },
     }
 }

@@ -42,7 +42,7 @@ pub struct Tags {
 
 /// Steps that a ray makes in its turn. One would stand for the machine's order best; four take three quarters of the time, and differ by
 /// at most a hundredth in lines of the L2 (kitchen on `small`) and not in those of the DRAM.
-const BURST: usize = 4;
+const BURST: usize = 8;
 
 /// A ray in flight.
 struct Flight<'c> {

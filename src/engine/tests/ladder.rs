@@ -1,10 +1,12 @@
 //! The rungs below the engines: what they must share with them on any machine, and how far they are off on a recorded stream.
 
+use std::convert::Infallible;
 use std::path::Path;
 
 use super::random::{machines, streams};
 use super::synthetic::header;
 use super::*;
+use crate::engine::sampling::Cut;
 use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::memory::tags::Contents;
@@ -93,9 +95,12 @@ fn a_sample_of_everything_is_everything() {
 fn any_machine_can_be_sampled() {
     check_many(100, (machines(), streams()), |(machine, stream)| {
         let whole = on(&machine, &header(), "Event", &stream);
-        let plan = Plan { stratum: 2, draws: 0..2, pixels: 2, seed: 0 };
-        let found = sampling::sample(Sampled::Event, &machine, &header(), plan, items(stream));
-        let sampled = found.map_err(|error| error.to_string())?.estimate(&machine, 1.0);
+        let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
+        let plan = Plan { stratum: 2, draws: 0..2, cut, seed: 0 };
+        let header = header();
+        let sampler = Sampler::new(Sampled::Event, &machine, &header);
+        let pass = sampler.pass(&plan, 0, items(stream)).map_err(|error| error.to_string())?;
+        let sampled = Findings::of(&sampler, pass).estimate(&machine, 1.0);
         if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
     });
 }
@@ -105,13 +110,38 @@ fn any_machine_can_be_sampled() {
 fn a_sample_does_not_depend_on_the_number_of_threads() {
     let (header, stream) = quickstart();
     let machine = shipped("small");
-    let by = |workers| {
-        let plan = Plan { pixels: 64, ..Plan::new(0.25, &machine, 5) };
-        sampling::sample_by(workers, Sampled::Event, &machine, &header, plan, items(stream.clone())).unwrap()
+    let by = |threads| {
+        let cut = Cut { pixels: 32, before: 2, own: 2, behind: 1 };
+        let mut plan = Plan { cut, ..Plan::new(0.25, &machine, 5) };
+        let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &machine, &header) };
+        let mut pass = sampler.pass(&plan, 4, items(stream.clone())).unwrap();
+        let mut kept = std::mem::take(&mut pass.kept);
+        let mut findings = Findings::of(&sampler, pass);
+        plan.draws = 2..3;
+        findings.add(sampler.replay::<Infallible>(kept.take(&plan.draws).unwrap()).unwrap());
+        // What was kept is what another pass would measure.
+        let again = sampler.pass(&plan, 0, items(stream.clone())).unwrap();
+        let mut passed =
+            Findings::of(&sampler, sampler.pass(&Plan { draws: 0..2, ..plan }, 0, items(stream.clone())).unwrap());
+        passed.add(again.found);
+        assert!(passed == findings);
+        findings
     };
     let one = by(1);
     assert!(one.measured.len() > 20, "{}", one.measured.len());
     assert!(by(3) == one && by(8) == one);
+}
+
+/// A sample of nothing is refused, not taken for a stream in which nothing happens.
+#[test]
+fn a_sample_without_windows_is_refused() {
+    let (header, stream) = quickstart();
+    let fidelity = "Sampled(engine: Event, rate: 0.0001)".parse().unwrap();
+    let error = run(&shipped("desktop"), fidelity, &header, items(stream)).unwrap_err().to_string();
+    assert_eq!(
+        error,
+        "none of the stream's 4 windows of 4096 pixels is in the sample, which has 2 in 20000: a higher `rate` is needed"
+    );
 }
 
 /// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know those of the others.
@@ -132,7 +162,8 @@ fn windows_by_themselves_add_up() {
         let machine = shipped(name);
         let whole = on(&machine, &header, "Event", &stream);
         let plan = Plan { draws: 0..2, ..Plan::new(1.0, &machine, 0) };
-        let found = sampling::sample(Sampled::Event, &machine, &header, plan.clone(), items(stream.clone())).unwrap();
+        let sampler = Sampler::new(Sampled::Event, &machine, &header);
+        let found = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream.clone())).unwrap());
         let sampled = found.estimate(&machine, plan.rate());
         let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
         let moved = |stats: &MachineStats, level| stats.moved(level).0;
@@ -154,7 +185,7 @@ fn auto_is_as_close_as_was_asked_and_says_what_it_took() {
     let open = |frame: usize| {
         let begins = |(_, item): &(usize, &Item)| matches!(item, Item::Frame(_));
         let first = stream.iter().enumerate().filter(begins).nth(frame).map_or(stream.len(), |(at, _)| at);
-        Ok::<_, std::convert::Infallible>(stream[first..].iter().cloned().map(Ok))
+        Ok::<_, Infallible>(stream[first..].iter().cloned().map(Ok))
     };
     for name in ["small", "desktop"] {
         let machine = shipped(name);
@@ -195,8 +226,9 @@ fn census() -> Census {
     let mut machine = shipped("small");
     // The stream is short: a small pool makes for many windows.
     machine.dispatcher.rays = num(16);
-    let plan = Plan { stratum: 2, draws: 0..2, pixels: 32, seed: 0 };
-    let mut windows = sampling::sample(Sampled::Event, &machine, &header, plan, items(stream)).unwrap().measured;
+    let plan = Plan { stratum: 2, draws: 0..2, cut: CUT, seed: 0 };
+    let sampler = Sampler::new(Sampled::Event, &machine, &header);
+    let mut windows = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream)).unwrap()).measured;
     let strata = (0..windows.len().div_ceil(STRATUM)).map(|at| STRATUM.min(windows.len() - at * STRATUM) as u64);
     let mut inside = Population { strata: strata.collect(), ..Population::default() };
     let mut groups = inside.clone();
@@ -221,11 +253,12 @@ impl Census {
 }
 
 const STRATUM: usize = 20;
+const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
 
 /// The windows that a pass and those before it measure.
 fn drawn(windows: &[Window], draws: usize, seed: u64) -> Vec<Window> {
-    let plan = Plan { stratum: STRATUM, draws: 0..draws, pixels: 0, seed };
-    let measured = |at: usize| plan.measures(at / STRATUM)[at % STRATUM];
+    let plan = Plan { stratum: STRATUM, draws: 0..draws, cut: CUT, seed };
+    let measured = |at: usize| plan.drawn(at / STRATUM, draws)[at % STRATUM].is_some();
     let sample = windows.iter().enumerate().filter(|&(at, _)| measured(at));
     sample.map(|(at, window)| Window { stratum: at / STRATUM, ..window.clone() }).collect()
 }
@@ -268,7 +301,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                 if share <= target && tells {
                     break Some(found);
                 }
-                let plan = Plan { stratum: STRATUM, draws: 0..draws, pixels: 0, seed };
+                let plan = Plan { stratum: STRATUM, draws: 0..draws, cut: CUT, seed };
                 draws = if tells { plan.enough_draws(share, target) } else { 2 * draws };
                 if draws > STRATUM / 2 {
                     break None;
