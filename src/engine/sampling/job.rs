@@ -12,7 +12,7 @@ use super::estimate::{Part, Window};
 use super::figures;
 use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
 use super::tags::Tags;
-use super::windows::{Job, JobWork};
+use super::windows::{Job, JobWork, WindowWork};
 use crate::machine::MachineSpec;
 use crate::machine::source::{FrameCounts, StoreWork};
 use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
@@ -47,7 +47,8 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
             let end = feed.marks.pop().map(|mark| mark.figures);
             Ok(Found::End(end.unwrap_or_default()))
         }
-        JobWork::Window { stratum, before, own, behind } => {
+        JobWork::Window(work) => {
+            let WindowWork { stratum, before, own, behind } = work.as_ref();
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];

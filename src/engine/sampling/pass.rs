@@ -84,10 +84,13 @@ impl<'a> Sampler<'a> {
             });
             let mut read = Ok(());
             for item in items {
-                match item.map(|item| items_read.send(item)) {
-                    Ok(Ok(())) => {}
-                    // The cutter has panicked, or all workers.
-                    Ok(Err(_)) => break,
+                match item {
+                    Ok(item) => {
+                        if items_read.send(item).is_err() {
+                            // The cutter has panicked, or all workers.
+                            break;
+                        }
+                    }
                     Err(error) => {
                         read = Err(RunError::Source(error));
                         break;

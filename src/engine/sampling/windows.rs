@@ -39,26 +39,30 @@ pub struct Job {
 #[derive(Clone, Debug)]
 pub enum JobWork {
     /// A window.
-    Window {
-        /// Its stratum.
-        stratum: usize,
-        /// What comes before it, which fills what is in flight; less at a frame's beginning.
-        before: Part,
-        /// Its own rays.
-        own: Part,
-        /// What comes behind it, which keeps what is in flight full; less at a frame's end.
-        behind: Part,
-    },
+    Window(Box<WindowWork>),
     /// The steps of a frame's end.
     End(Arc<Vec<u32>>),
+}
+
+/// A window and what is replayed beside it.
+#[derive(Clone, Debug)]
+pub struct WindowWork {
+    /// Its stratum.
+    pub stratum: usize,
+    /// What comes before it, which fills what is in flight; less at a frame's beginning.
+    pub before: Part,
+    /// Its own rays.
+    pub own: Part,
+    /// What comes behind it, which keeps what is in flight full; less at a frame's end.
+    pub behind: Part,
 }
 
 impl Job {
     /// What it takes in memory, about.
     pub fn bytes(&self) -> usize {
         let work = match &self.work {
-            JobWork::Window { before, own, behind, .. } => {
-                [before, own, behind].iter().map(|part| part.rays.bytes()).sum()
+            JobWork::Window(window) => {
+                [&window.before, &window.own, &window.behind].iter().map(|part| part.rays.bytes()).sum()
             }
             JobWork::End(steps) => size_of_val(steps.as_slice()),
         };
@@ -272,8 +276,8 @@ impl Windows {
     fn job(&mut self, open: Open) -> Job {
         let Open { window, draw, tags, before, own, behind, .. } = open;
         let [before, own, behind] = [before, own, behind].map(|pieces| Part::of(&pieces));
-        let work = JobWork::Window { stratum: window / self.plan.stratum, before, own, behind };
+        let window = WindowWork { stratum: window / self.plan.stratum, before, own, behind };
         self.jobs += 1;
-        Job { number: self.jobs - 1, draw, info: self.info, tags, work }
+        Job { number: self.jobs - 1, draw, info: self.info, tags, work: JobWork::Window(Box::new(window)) }
     }
 }
