@@ -22,10 +22,10 @@ const PILOT: u64 = 2000;
 const LEAST_PIXELS: u64 = 512;
 /// Windows with which sampling begins: some more than tell, since strata are whole and the last one is short.
 const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
-/// The share of windows with which it begins at least: with fewer, reading the stream costs more than what is replayed. And the share with
-/// which it is still worth while: of each window twice as many pixels are replayed.
-const LEAST_RATE: f64 = 0.025;
-const MOST_RATE: f64 = 0.3;
+/// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed.
+const LEAST_RATE: f64 = 0.01;
+/// The share of pixels that may be replayed, those beside the windows among them: with more, it is no faster than the next rung.
+const MOST_REPLAYED: f64 = 0.7;
 
 /// A part of the machine, and the machine without what it costs.
 type Part = (&'static str, fn(&mut MachineSpec));
@@ -123,11 +123,12 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         return Ok(MachineStats { needs: Some(needs), ..run(&reduced, Fidelity::Bound, header, open(0)?)? });
     }
     // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
-    let windows = (frames as u64 * pixels) as f64 / Cut::new(machine).window() as f64;
-    let rate = (FIRST_WINDOWS / windows).max(LEAST_RATE);
-    if rate <= MOST_RATE {
+    let cut = Cut::new(machine);
+    let windows = (frames as u64 * pixels) as f64 / cut.window() as f64;
+    let (rate, most) = ((FIRST_WINDOWS / windows).max(LEAST_RATE), MOST_REPLAYED / cut.effort());
+    if rate <= most {
         let plan = Plan::new(rate, machine, 0);
-        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, MOST_RATE), open)?;
+        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, most), open)?;
         let error = sampled.accuracy.widest();
         needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
         if passes {

@@ -140,7 +140,7 @@ fn a_sample_without_windows_is_refused() {
     let error = run(&shipped("desktop"), fidelity, &header, items(stream)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "none of the stream's 4 windows of 4096 pixels is in the sample, which has 2 in 20000: a higher `rate` is needed"
+        "none of the stream's 4 windows of 2048 pixels is in the sample, which has 2 in 20000: a higher `rate` is needed"
     );
 }
 
