@@ -50,6 +50,8 @@ impl<'de> Deserialize<'de> for Share {
 /// What a sample is replayed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Sampled {
+    /// As [`Fidelity::Profile`].
+    Profile,
     /// As [`Fidelity::Functional`].
     Functional,
     /// As [`Fidelity::Event`].
@@ -60,6 +62,7 @@ impl Sampled {
     /// The rung that replays everything as this one does a sample.
     pub fn whole(self) -> Fidelity {
         match self {
+            Self::Profile => Fidelity::Profile,
             Self::Functional => Fidelity::Functional,
             Self::Event => Fidelity::Event,
         }
@@ -123,9 +126,12 @@ impl Fidelity {
         let (engine, rate, seed) = match self {
             Self::Event => (Sampled::Event, Self::FIRST_RATE, 0),
             Self::Functional => (Sampled::Functional, Self::FIRST_RATE, 0),
+            Self::Profile => (Sampled::Profile, Self::FIRST_RATE, 0),
             Self::Sampled { engine, rate, seed, .. } => (engine, rate, seed),
-            Self::Bound | Self::Profile | Self::Cycle | Self::Auto { .. } => {
-                return Err(format!("`{self}` is not sampled: a target error goes with Event, Functional and Sampled"));
+            Self::Bound | Self::Cycle | Self::Auto { .. } => {
+                return Err(format!(
+                    "`{self}` is not sampled: a target error goes with Event, Functional, Profile and Sampled"
+                ));
             }
         };
         Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })

@@ -212,7 +212,7 @@ fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
 
 /// A sample is replayed by a rung that knows the machine's way to access stores.
 fn check_sampled(engine: Sampled, machine: &MachineSpec) -> Result<(), SpecError> {
-    if engine == Sampled::Functional { check_stores(machine) } else { Ok(()) }
+    if engine == Sampled::Event { Ok(()) } else { check_stores(machine) }
 }
 
 /// As [`run`], of a stream that can be read more than once: `open` begins it at one of its frames, counted from 0. With a target error

@@ -262,6 +262,11 @@ impl Cache {
         access == Access::Read && self.tags.is_in_front(line)
     }
 
+    /// Its tags.
+    pub fn tags(&self) -> &TagArray {
+        &self.tags
+    }
+
     /// Holds from now on what `other` does, but for lines that are on their way.
     pub fn hold(&mut self, other: &Self) {
         self.tags.clone_from(&other.tags);

@@ -178,6 +178,12 @@ impl Level {
         self.coming.iter().map(|coming| coming.at).max().unwrap_or(0)
     }
 
+    /// Holds from now on what `tags` do, but for lines that are on their way.
+    pub fn hold(&mut self, tags: &TagArray) {
+        self.tags.clone_from(tags);
+        self.coming.iter().for_each(|coming| self.tags.drop_line(coming.line));
+    }
+
     /// Drops all lines from `first` on.
     pub fn drop_from(&mut self, first: LineAddr) {
         self.tags.drop_from(first);

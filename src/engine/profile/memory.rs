@@ -7,7 +7,7 @@ use super::watch::Watch;
 use crate::engine::tally::{BankTally, ChannelTally, PerClass};
 use crate::machine::MachineSpec;
 use crate::memory::bank::BankedSpec;
-use crate::memory::cache::Access;
+use crate::memory::cache::{Access, Cache};
 use crate::memory::l2::Home;
 use crate::memory::tags::Victim;
 use crate::quantity::{Bytes, LineAddr};
@@ -115,6 +115,11 @@ impl<W: Watch> Memory<W> {
             }
         };
         (index, ready)
+    }
+
+    /// The L2s hold from now on what `banks` do.
+    pub fn hold(&mut self, banks: &[Cache]) {
+        self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.level.hold(cache.tags()));
     }
 
     /// What comes up to cycle `at` has come.

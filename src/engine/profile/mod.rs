@@ -282,8 +282,21 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// Hands out what can be in cycle `at`.
+    /// Hands out what can be in cycle `at`, and goes on in the stream.
     fn hand_out<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
+        self.hand_out_all(at, feed)?;
+        if feed.marks() {
+            let tally = self.tally(at + 1);
+            if let Some(warm) = feed.mark(&tally) {
+                let l1s = Kind::ALL.into_iter().flat_map(|kind| warm.l1s(kind));
+                self.units.iter_mut().zip(l1s).for_each(|(unit, l1)| unit.hold(l1));
+                self.memory.hold(warm.banks());
+            }
+        }
+        Ok(())
+    }
+
+    fn hand_out_all<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
         while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
             let (id, at, holder, stage) = match given {
                 Given::Frame => {

@@ -9,7 +9,7 @@ use crate::engine::tally::{PerClass, UnitTally, busy};
 use crate::engine::work::KindSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::{Past, WritePolicy};
-use crate::memory::cache::{Access, CacheSpec, Release};
+use crate::memory::cache::{Access, Cache, CacheSpec, Release};
 use crate::memory::tags::Victim;
 use crate::quantity::{Bytes, LineAddr};
 
@@ -124,6 +124,11 @@ impl Unit {
     pub fn settle<W: Watch>(&mut self, at: u64, memory: &mut Memory<W>) {
         let (size, core) = (self.line, self.core);
         self.level.arrive(at, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
+    }
+
+    /// The L1 holds from now on what `cache` does.
+    pub fn hold(&mut self, cache: &Cache) {
+        self.level.hold(cache.tags());
     }
 
     /// When the last line under way comes.

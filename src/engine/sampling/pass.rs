@@ -10,7 +10,7 @@ use super::job::{self, Found};
 use super::kept::Kept;
 use super::plan::Plan;
 use super::windows::{Job, Windows};
-use crate::engine::{Engine, RunError, Sampled, event, functional};
+use crate::engine::{Engine, RunError, Sampled, event, functional, profile};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
@@ -127,6 +127,7 @@ impl<'a> Sampler<'a> {
     fn replay_one(&self, job: Job) -> Numbered {
         let Self { engine, machine, header, .. } = *self;
         let found = match engine {
+            Sampled::Profile => job::replay(profile::Profile::new(machine, header), machine, &job),
             Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, &job),
             Sampled::Event => job::replay(event::Event::new(machine, header), machine, &job),
         };
@@ -137,6 +138,7 @@ impl<'a> Sampler<'a> {
     pub fn nothing(&self) -> MachineStats {
         let Self { engine, machine, header, .. } = *self;
         let tally = match engine {
+            Sampled::Profile => profile::Profile::new(machine, header).tally(1),
             Sampled::Functional => functional::Functional::new(machine, header).tally(1),
             Sampled::Event => event::Event::new(machine, header).tally(1),
         };

@@ -82,7 +82,7 @@ fn rungs_without_cycles_are_close_on_the_recorded_stream() {
 fn a_sample_of_everything_is_everything() {
     let (header, stream) = quickstart();
     let machine = shipped("small");
-    for engine in ["Functional", "Event"] {
+    for engine in ["Profile", "Functional", "Event"] {
         let whole = on(&machine, &header, engine, &stream);
         let sampled = on(&machine, &header, &format!("Sampled(engine: {engine}, rate: 1.0)"), &stream);
         assert_eq!(sampled.accuracy, Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 });
