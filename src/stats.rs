@@ -237,6 +237,16 @@ pub enum Accuracy {
         dram_bytes: f64,
         /// Share of the windows that were measured.
         rate: f64,
+        /// Share of the windows that `Event` replayed too, where another engine measured.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        corrected: Option<f64>,
+    },
+    /// Nothing is known: a sample of so few windows tells nothing about itself.
+    Few {
+        /// Windows that were measured.
+        windows: usize,
+        /// From how many on it would.
+        telling: usize,
     },
     /// Nothing is known but that the truth lies within [`MachineStats::bounds`].
     Bounded,
@@ -249,7 +259,7 @@ impl Accuracy {
     pub fn widest(&self) -> Option<f64> {
         match *self {
             Self::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some(cycles.max(l2_bytes).max(dram_bytes)),
-            Self::Exact | Self::Bounded | Self::Unknown => None,
+            Self::Exact | Self::Few { .. } | Self::Bounded | Self::Unknown => None,
         }
     }
 

@@ -132,7 +132,7 @@ impl Measured {
     fn claimed(&self) -> Option<[f64; 3]> {
         match self.accuracy {
             Accuracy::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some([cycles, l2_bytes, dram_bytes]),
-            Accuracy::Exact | Accuracy::Bounded | Accuracy::Unknown => None,
+            Accuracy::Exact | Accuracy::Few { .. } | Accuracy::Bounded | Accuracy::Unknown => None,
         }
     }
 }
@@ -371,7 +371,7 @@ mod tests {
             truth: figures(truth),
             rungs: vec![Measured {
                 figures: figures(found),
-                accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1 },
+                accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1, corrected: None },
             }],
         }
     }

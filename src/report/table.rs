@@ -224,11 +224,16 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
 fn trust(stats: &MachineStats) -> String {
     let error = match stats.accuracy {
         Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
-        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
+        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate, corrected } => {
             let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);
+            let corrected = corrected.map(|share| format!(", and {} by Event, which corrects the rest", percent(share)));
             format!(
-                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured"
+                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured{}",
+                corrected.unwrap_or_default()
             )
+        }
+        Accuracy::Few { windows, telling } => {
+            format!("unknown: the sample has {windows} windows, too few to tell ({telling} would)")
         }
         Accuracy::Bounded => "not known, but within the bounds".to_owned(),
         Accuracy::Unknown => "unknown".to_owned(),

@@ -33,6 +33,18 @@ pub enum Found {
     End(Figures),
 }
 
+impl Found {
+    /// What was found, and what `Event` found of the same.
+    pub fn with_event(self, event: Self) -> Self {
+        match (self, event) {
+            (Self::Window(window, _), Self::Window(by_event, latencies)) => {
+                Self::Window(Box::new(Window { by_event: Some(by_event), ..*window }), latencies)
+            }
+            (_, event) => event,
+        }
+    }
+}
+
 /// Replays `job` with `engine`, which is new.
 pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
     let Job { info, tags, work, .. } = job;
@@ -63,7 +75,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
             let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(&mut engine, machine, &mut feed)?;
-            let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
+            let (all, latency) = (figures_in(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
             // What was done between two marks is not quite what the window's rays ask for: some were begun before, some end later.
@@ -73,7 +85,8 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
                 figures: figures::difference(&closed.figures, &opened.figures),
             };
             let operations = own[OPERATIONS];
-            let window = Window { stratum: *stratum, operations, inside, group: Part { known: group, figures: all } };
+            let group = Part { known: group, figures: all };
+            let window = Window { stratum: *stratum, operations, inside, group, by_event: None };
             Ok(Found::Window(Box::new(window), latency))
         }
     }
@@ -92,9 +105,15 @@ fn finished(
 }
 
 /// All figures, and sums that no field of the statistics holds.
-fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
-    let stats = tally.stats(machine);
-    let mut figures = figures::of(&stats);
+pub fn figures_of(stats: &MachineStats) -> Figures {
+    let mut figures = figures::of(stats);
+    figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
+    figures.insert(L2_BYTES.into(), moved_l2(stats) as f64);
+    figures
+}
+
+fn figures_in(tally: &Tally, machine: &MachineSpec) -> Figures {
+    let mut figures = figures_of(&tally.stats(machine));
     // What no window moves, the tags may.
     let caches = machine.l2.caches();
     for class in TrafficClass::ALL {
@@ -102,8 +121,6 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
             figures.entry(format!("bytes.{level}.{}", class.name())).or_insert(0.0);
         }
     }
-    figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
-    figures.insert(L2_BYTES.into(), moved_l2(&stats) as f64);
     figures
 }
 
@@ -184,7 +201,7 @@ impl Feed<Infallible> for JobFeed<'_> {
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());
-        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations });
+        self.marks.push(Mark { over, figures: figures_in(tally, self.machine), operations });
         None
     }
 }

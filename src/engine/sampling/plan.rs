@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use super::estimate::Total;
+use crate::engine::Share;
 use crate::machine::MachineSpec;
 
 /// Pixels before a window, and of it, at least.
@@ -52,6 +54,8 @@ pub struct Plan {
     pub stratum: usize,
     /// Which of a stratum's draws are measured.
     pub draws: Range<usize>,
+    /// Which of these `Event` replays besides, to correct the others.
+    pub corrected: Range<usize>,
     /// What a window is, and what is replayed beside it.
     pub cut: Cut,
     /// Which windows: by a hash of this and the stratum's number.
@@ -62,7 +66,21 @@ impl Plan {
     /// The plan that measures about `rate` of the windows of a stream on `machine`, two a stratum.
     pub fn new(rate: f64, machine: &MachineSpec, seed: u64) -> Self {
         let stratum = (2.0 / rate).round().max(2.0) as usize;
-        Self { stratum, draws: 0..2, cut: Cut::new(machine), seed }
+        Self { stratum, draws: 0..2, corrected: 0..0, cut: Cut::new(machine), seed }
+    }
+
+    /// The plan that measures about `rate` of the windows, and about `corrected` of them by `Event` too: two a stratum of what there is less of.
+    pub fn of(rate: Share, corrected: Option<Share>, machine: &MachineSpec, seed: u64) -> Self {
+        let Some(corrected) = corrected else { return Self::new(rate.get(), machine, seed) };
+        let plan = Self::new(corrected.get(), machine, seed);
+        let draws = (rate.get() * plan.stratum as f64).round().clamp(2.0, plan.stratum as f64) as usize;
+        Self { draws: 0..draws, corrected: 0..2, ..plan }
+    }
+
+    /// What another pass should measure for twice as many windows of either kind, when `Event` replayed `corrected` of each stratum.
+    pub fn doubled(&self, corrected: usize) -> Self {
+        let draws = self.draws.end..2 * self.draws.end;
+        Self { corrected: draws.start..draws.start + corrected, draws, ..self.clone() }
     }
 
     /// Share of the windows that are measured by this pass and those before.
@@ -70,11 +88,28 @@ impl Plan {
         self.draws.end.min(self.stratum) as f64 / self.stratum as f64
     }
 
-    /// How many draws of each stratum should do for intervals of `target`, when those so far gave `share`: intervals shrink with the root of
-    /// the number of windows. A quarter more is taken, since the width of an interval is itself known from a sample only.
-    pub fn enough_draws(&self, share: f64, target: f64) -> usize {
-        let needed = 1.25 * self.draws.end as f64 * (share / target).powi(2);
-        (needed.ceil() as usize).clamp(self.draws.end + 1, self.stratum.max(self.draws.end + 1))
+    /// What another pass should measure for intervals of `target`, when those of `totals` came from `draws` of each stratum, of which `Event`
+    /// replayed `corrected`, and `cost` windows take as long as one of these. Variances fall with the number of windows; how many there should be of either kind
+    /// is Neyman's allocation (Cochran 1977, chapter 12). A quarter more is taken, since variances are themselves known from a sample only.
+    pub fn next(&self, totals: &[Total], corrected: usize, cost: f64, target: f64) -> Self {
+        let (draws, all) = (self.draws.end as f64, self.stratum as f64);
+        let mut wanted = [draws + 1.0, 0.0];
+        for total in totals {
+            let Some(share) = total.share() else { continue };
+            let [windows, corrections] = total.variances;
+            // Variances of one window a stratum, of as many strata, that are drawn from ever so many.
+            let drawn = |variance: f64, n: f64| if n < all { variance * n / (1.0 - n / all) } else { 0.0 };
+            let [windows, corrections] = [drawn(windows, draws), drawn(corrections, corrected as f64)];
+            let allowed = total.variances.iter().sum::<f64>() * (target / share).powi(2) / 1.25;
+            let root = (windows.sqrt() + (corrections * cost).sqrt()) / (allowed + (windows + corrections) / all);
+            if root.is_finite() {
+                wanted = [wanted[0].max(windows.sqrt() * root), wanted[1].max((corrections / cost).sqrt() * root)];
+            }
+        }
+        let [draws, more] = wanted.map(|draws| (draws.ceil() as usize).min(self.stratum));
+        let more = more.saturating_sub(corrected);
+        let draws = self.draws.end..draws.max(self.draws.end + more.max(1));
+        Self { corrected: draws.end - more..draws.end, draws, ..self.clone() }
     }
 
     /// Which draw each window of a stratum is, of the first `most`.
@@ -106,7 +141,7 @@ mod tests {
     fn each_window_is_drawn_once_and_the_first_draws_do_not_hang_on_how_many_follow() {
         for stratum in [2, 7, 40] {
             let cut = Cut { pixels: 1, before: 1, own: 1, behind: 1 };
-            let plan = Plan { stratum, draws: 0..2, cut, seed: 3 };
+            let plan = Plan { stratum, draws: 0..2, corrected: 0..0, cut, seed: 3 };
             let all = plan.drawn(5, 64);
             let mut draws: Vec<usize> = all.iter().flatten().copied().collect();
             draws.sort();

@@ -1,0 +1,107 @@
+//! Weighted least squares for the estimates of a sample, and Student's t for their intervals.
+
+use super::known::{COLUMNS, Columns};
+
+/// The sum of products.
+pub fn dot(a: &Columns, b: &Columns) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Weighted least squares, of the columns that are not a combination of those before.
+pub struct Regression {
+    /// Rows of the normal equations' inverse; zero for a column that is left out.
+    inverse: [Columns; COLUMNS],
+    used: [bool; COLUMNS],
+}
+
+impl Regression {
+    /// Of rows with weights; columns in the order in which they are wanted.
+    pub fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
+        let mut normal = [[0.0; COLUMNS]; COLUMNS];
+        for (known, weight) in rows.iter().zip(weights) {
+            for (row, x) in normal.iter_mut().zip(known) {
+                row.iter_mut().zip(known).for_each(|(cell, y)| *cell += weight * x * y);
+            }
+        }
+        // Gauss-Jordan on the matrix beside the unit matrix; a column whose pivot is lost in rounding, or that there are too few
+        // windows for, is left out.
+        let mut inverse = [[0.0; COLUMNS]; COLUMNS];
+        let mut used = [false; COLUMNS];
+        let scale: Vec<f64> = (0..COLUMNS).map(|column| normal[column][column]).collect();
+        let mut rank = 0;
+        for &column in order {
+            if normal[column][column] <= 1e-6 * scale[column] || 8 * (rank + 1) > rows.len() {
+                continue;
+            }
+            used[column] = true;
+            rank += 1;
+            inverse[column][column] = 1.0;
+            let pivot = normal[column][column];
+            normal[column].iter_mut().chain(&mut inverse[column]).for_each(|cell| *cell /= pivot);
+            for row in (0..COLUMNS).filter(|&row| row != column) {
+                let factor = normal[row][column];
+                for place in 0..COLUMNS {
+                    normal[row][place] -= factor * normal[column][place];
+                    inverse[row][place] -= factor * inverse[column][place];
+                }
+            }
+        }
+        Self { inverse, used }
+    }
+
+    /// Columns that are used.
+    pub fn rank(&self) -> usize {
+        self.used.iter().filter(|&&used| used).count()
+    }
+
+    /// How much of its own value the regression takes over for each window; kept below 1.
+    pub fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
+        let of = |(known, weight): (&Columns, &f64)| {
+            let used = |at: &usize| self.used[*at];
+            let rows = (0..COLUMNS).filter(used).map(|row| {
+                let cells = (0..COLUMNS).filter(used).map(|column| self.inverse[row][column] * known[column]);
+                known[row] * cells.sum::<f64>()
+            });
+            (weight * rows.sum::<f64>()).clamp(0.0, 0.9)
+        };
+        rows.iter().zip(weights).map(of).collect()
+    }
+
+    /// What explains `values` best.
+    pub fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
+        let mut right = [0.0; COLUMNS];
+        for ((known, weight), value) in rows.iter().zip(weights).zip(values) {
+            right.iter_mut().zip(known).for_each(|(cell, x)| *cell += weight * x * value);
+        }
+        std::array::from_fn(|row| {
+            let cells = (0..COLUMNS).filter(|&column| self.used[column]).map(|c| self.inverse[row][c] * right[c]);
+            if self.used[row] { cells.sum() } else { 0.0 }
+        })
+    }
+}
+
+/// The 97.5 % point of Student's t (Hill 1970, algorithm 396's expansion; within 0.1 % from 6 degrees of freedom on; a table below).
+pub fn student(freedom: f64) -> f64 {
+    const SMALL: [f64; 5] = [12.706, 4.303, 3.182, 2.776, 2.571];
+    const Z: f64 = 1.959_964;
+    if freedom < 6.0 {
+        return SMALL[freedom as usize - 1];
+    }
+    let (z2, n) = (Z * Z, freedom);
+    let g1 = Z * (z2 + 1.0) / 4.0;
+    let g2 = Z * ((5.0 * z2 + 16.0) * z2 + 3.0) / 96.0;
+    let g3 = Z * (((3.0 * z2 + 19.0) * z2 + 17.0) * z2 - 15.0) / 384.0;
+    Z + g1 / n + g2 / (n * n) + g3 / (n * n * n)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn students_t_by_the_table() {
+        for (freedom, expected) in [(1.0, 12.706), (3.0, 3.182), (10.0, 2.228), (30.0, 2.042), (1000.0, 1.962)] {
+            assert!((student(freedom) / expected - 1.0).abs() < 3e-3, "{freedom}: {}", student(freedom));
+        }
+    }
+}
