@@ -237,9 +237,6 @@ pub enum Accuracy {
         dram_bytes: f64,
         /// Share of the windows that were measured.
         rate: f64,
-        /// Share of the windows that `Event` replayed too, where another engine measured.
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        corrected: Option<f64>,
     },
     /// Nothing is known: a sample of so few windows tells nothing about itself.
     Few {

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::sampling::{Cut, Plan, Sampler, TELLING};
+use super::sampling::{Cut, Plan, TELLING};
 use super::work::stores_as_recorded;
 use super::{Fidelity, RunError, Sampled, Share, run, sample_until};
 use crate::machine::MachineSpec;
@@ -123,37 +123,20 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         return Ok(MachineStats { needs: Some(needs), ..run(&reduced, Fidelity::Bound, header, open(0)?)? });
     }
     // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
-    // Some rungs know stores as recorded only.
-    let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
     let cut = Cut::new(machine);
     let windows = (frames as u64 * pixels) as f64 / cut.window() as f64;
     let (rate, most) = ((FIRST_WINDOWS / windows).max(LEAST_RATE), MOST_REPLAYED / cut.effort());
     if rate <= most {
-        let rate = Share::new(rate).expect("a share of windows that is small enough");
-        let (engine, corrected) =
-            if stores_as_recorded(machine) { (Sampled::Profile, Some(rate)) } else { (Sampled::Event, None) };
-        let sampler = Sampler::new(engine, machine, header);
-        let plan = Plan::of(rate, corrected, machine, 0);
-        let (mut findings, sampled) = sample_until(&sampler, plan, (target, most), open)?;
-        let mut tried = |stats: &MachineStats, rate: &str| {
-            let corrected = if corrected.is_some() { ", corrected by Event" } else { "" };
-            let (model, error) = (format!("Sampled(engine: {engine:?}{rate}{corrected})"), stats.accuracy.widest());
-            let passes = stats.accuracy.is_within(target.get());
-            needs.models.push(ModelCheck { model, error, held_back: None, passes });
-            passes
-        };
-        if tried(&sampled, "") {
+        let plan = Plan::new(rate, machine, 0);
+        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, most), open)?;
+        let error = sampled.accuracy.widest();
+        needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
+        if passes {
             return Ok(MachineStats { needs: Some(needs), ..sampled });
         }
-        // What is left then is what corrections differ by.
-        if corrected.is_some() && findings.corrections_are_within(&findings.totals(machine), target.get()) {
-            findings.correct(&run(machine, engine.whole(), header, open(0)?)?);
-            let corrected = findings.estimate(&findings.totals(machine));
-            if tried(&corrected, ", rate: 1") {
-                return Ok(MachineStats { needs: Some(needs), ..corrected });
-            }
-        }
     }
+    // Some rungs know stores as recorded only.
+    let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
     for (machine, rung) in
         [Fidelity::Profile, Fidelity::Functional].into_iter().filter_map(|rung| Some((recorded?, rung)))
     {

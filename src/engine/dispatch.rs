@@ -27,6 +27,8 @@ pub struct Flight {
     pub kind: RayKind,
     /// What the policy decided.
     pub decision: Decision,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
     /// The traversal unit that holds it.
     pub unit: u32,
     place: Place,
@@ -39,6 +41,7 @@ impl Flight {
         next: 0,
         kind: RayKind::Primary,
         decision: Decision::Trace,
+        marked: false,
         unit: 0,
         place: Place { chunk: 0, index: 0 },
     };
@@ -243,7 +246,7 @@ impl Dispatch {
             }
         }
         (flight.path_end, flight.next, flight.place) = (source.packed_path().len(), 0, place);
-        (flight.kind, flight.decision) = (source.head.kind, source.head.decision);
+        (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);
         } else if self.given_then == self.spec.per_cycle.get() * self.cores as u64 {

@@ -190,6 +190,7 @@ impl Engine for Event {
             requested: *unit.requested(),
             written_through: *unit.written_through(),
             read_straight: *unit.read_straight(),
+            marked: *unit.marked(),
         };
         let Links { l2, dram, .. } = &self.links;
         let channel = |index| ChannelTally {

@@ -67,15 +67,6 @@ impl Sampled {
             Self::Event => Fidelity::Event,
         }
     }
-
-    /// The time that `Event` takes for what this takes one for, about (`cargo bench --bench engine`, `umbrasim pareto`).
-    pub(super) fn cost_of_event(self) -> f64 {
-        match self {
-            Self::Profile => 2.2,
-            Self::Functional => 1.7,
-            Self::Event => 1.0,
-        }
-    }
 }
 
 /// How a machine is replayed, from the cheapest to the plainest.
@@ -102,10 +93,6 @@ pub enum Fidelity {
         /// Which rays.
         #[serde(default)]
         seed: u64,
-        /// The share of the windows that `Event` replays too: what it finds differently corrects the others' sum. For `Profile` and
-        /// `Functional`, which may then replay everything (a rate of 1).
-        #[serde(default, skip_serializing_if = "Option::is_none")]
-        corrected: Option<Share>,
         /// If it is set, sampling goes on until all intervals are within this share, and the rate is where it begins.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         target_error: Option<Share>,
@@ -136,30 +123,24 @@ impl Fidelity {
 
     /// The same, sampled until all intervals are within `target`; the error says what can be.
     pub fn with_target_error(self, target: Share) -> Result<Self, String> {
-        let by = |engine| (engine, Self::FIRST_RATE, None, 0);
-        let (engine, rate, corrected, seed) = match self {
+        let by = |engine| (engine, Self::FIRST_RATE, 0);
+        let (engine, rate, seed) = match self {
             Self::Event => by(Sampled::Event),
             Self::Functional => by(Sampled::Functional),
             Self::Profile => by(Sampled::Profile),
-            Self::Sampled { engine, rate, seed, corrected, .. } => (engine, rate, corrected, seed),
+            Self::Sampled { engine, rate, seed, .. } => (engine, rate, seed),
             Self::Bound | Self::Cycle | Self::Auto { .. } => {
                 return Err(format!(
                     "`{self}` is not sampled: a target error goes with Event, Functional, Profile and Sampled"
                 ));
             }
         };
-        Ok(Self::Sampled { engine, rate, seed, corrected, target_error: Some(target) })
+        Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
     }
 
     /// Whether the stream is read more than once.
     pub fn takes_passes(self) -> bool {
-        match self {
-            Self::Sampled { rate, corrected, target_error, .. } => {
-                target_error.is_some() || corrected.is_some() && rate.get() == 1.0
-            }
-            Self::Auto { .. } => true,
-            _ => false,
-        }
+        matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
     }
 }
 
@@ -172,13 +153,10 @@ impl fmt::Display for Fidelity {
             Self::Functional => f.write_str("Functional"),
             Self::Event => f.write_str("Event"),
             Self::Cycle => f.write_str("Cycle"),
-            Self::Sampled { engine, rate, seed, corrected, target_error } => {
+            Self::Sampled { engine, rate, seed, target_error } => {
                 write!(f, "Sampled(engine: {engine:?}, rate: {}", rate.get())?;
                 if *seed != 0 {
                     write!(f, ", seed: {seed}")?;
-                }
-                if let Some(share) = corrected {
-                    write!(f, ", corrected: {}", share.get())?;
                 }
                 if let Some(target) = target_error {
                     write!(f, ", target_error: {}", target.get())?;
@@ -210,14 +188,11 @@ mod tests {
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        let sampled = |engine, seed, corrected, target_error| {
-            let [corrected, target_error] = [corrected, target_error].map(|share: Option<f64>| share.map(Share));
-            Fidelity::Sampled { engine, rate: Share(0.05), seed, corrected, target_error }
-        };
+        let sampled = |engine, seed, target_error| Fidelity::Sampled { engine, rate: Share(0.05), seed, target_error };
         let all = [
-            sampled(Sampled::Event, 0, None, None),
-            sampled(Sampled::Functional, 7, None, Some(0.01)),
-            sampled(Sampled::Profile, 0, Some(0.02), None),
+            sampled(Sampled::Event, 0, None),
+            sampled(Sampled::Functional, 7, Some(Share(0.01))),
+            sampled(Sampled::Profile, 0, None),
         ];
         let all = all.into_iter().chain([Fidelity::Auto { error: Share(0.02) }]);
         for fidelity in Fidelity::RUNGS.into_iter().chain(all) {

@@ -83,16 +83,14 @@ pub enum RunError<E> {
     #[error("a target error takes several passes over the stream, which can be read only once here")]
     Passes,
     /// No window was drawn.
-    #[error(
-        "none of the stream's {windows} windows of {pixels} pixels is in the sample, which has 2 in {stratum}: a higher `rate` is needed"
-    )]
+    #[error("none of the stream's {windows} windows of {pixels} pixels is in the sample of {rate} of them: a higher `rate` is needed")]
     Sample {
         /// Windows of the stream.
-        windows: u64,
+        windows: usize,
         /// Pixels of a window.
         pixels: usize,
-        /// Windows a stratum.
-        stratum: usize,
+        /// The share that was asked for.
+        rate: f64,
     },
     /// Nothing moves.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
@@ -142,20 +140,20 @@ pub fn run<E>(
         Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, None),
         Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
         Fidelity::Sampled { target_error: Some(_), .. } | Fidelity::Auto { .. } => Err(RunError::Passes),
-        Fidelity::Sampled { engine, rate, corrected, seed, .. } => {
-            check_sampled(engine, rate, corrected, machine)?;
-            let plan = Plan::of(rate, corrected, machine, seed);
-            if plan.rate() < 1.0 {
-                let sampler = Sampler::new(engine, machine, header);
-                let findings = Findings::of(&sampler, &plan, sampler.pass(&plan, 0, items)?);
-                check_sample(&findings, &plan)?;
-                return Ok(findings.estimate(&findings.totals(machine)));
+        Fidelity::Sampled { engine, rate, seed, .. } => {
+            check_sampled(engine, machine)?;
+            if rate.get() == 1.0 {
+                let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 };
+                return Ok(MachineStats { accuracy: all, ..run(machine, engine.whole(), header, items)? });
             }
-            if corrected.is_some() {
-                return Err(RunError::Passes);
+            let plan = Plan::new(rate.get(), machine, seed);
+            let sampler = Sampler::new(engine, machine, header);
+            let findings = Findings::of(&sampler, sampler.pass(&plan, 0, items)?);
+            let windows = findings.population.windows;
+            if findings.measured.is_empty() && windows > 0 {
+                return Err(RunError::Sample { windows, pixels: plan.cut.window(), rate: rate.get() });
             }
-            let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0, corrected: None };
-            Ok(MachineStats { accuracy: all, ..run(machine, engine.whole(), header, items)? })
+            Ok(findings.estimate(machine, plan.draws.end))
         }
     }
 }
@@ -210,28 +208,9 @@ fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
     Err(SpecError::new(what))
 }
 
-/// A sample is replayed by a rung that knows the machine's way to access stores, and corrected where that makes sense.
-fn check_sampled(engine: Sampled, rate: Share, corrected: Option<Share>, machine: &MachineSpec) -> Result<(), SpecError> {
-    match corrected {
-        Some(_) if engine == Sampled::Event => {
-            Err(SpecError::new("`corrected` is by Event: with `engine: Event`, nothing is to be corrected"))
-        }
-        Some(corrected) if corrected > rate => {
-            let what = "`corrected` is the share of windows that Event replays too: at most `rate` is allowed";
-            Err(SpecError::new(what))
-        }
-        _ if engine == Sampled::Event => Ok(()),
-        _ => check_stores(machine),
-    }
-}
-
-/// A sample of nothing is refused.
-fn check_sample<E>(findings: &Findings, plan: &Plan) -> Result<(), RunError<E>> {
-    let windows = findings.population.strata.iter().sum();
-    if findings.measured.is_empty() && windows > 0 {
-        return Err(RunError::Sample { windows, pixels: plan.cut.window(), stratum: plan.stratum });
-    }
-    Ok(())
+/// A sample is replayed by a rung that knows the machine's way to access stores.
+fn check_sampled(engine: Sampled, machine: &MachineSpec) -> Result<(), SpecError> {
+    if engine == Sampled::Event { Ok(()) } else { check_stores(machine) }
 }
 
 /// As [`run`], of a stream that can be read more than once: `open` begins it at one of its frames, counted from 0. With a target error
@@ -246,65 +225,48 @@ pub fn run_passes<E, I: Iterator<Item = Result<Item, E>>>(
     machine.check()?;
     machine.check_stream(header)?;
     let mut open = |frame| open(frame).map_err(RunError::Source);
-    let Fidelity::Sampled { engine, rate, seed, corrected, target_error } = fidelity else {
-        return match fidelity {
-            Fidelity::Auto { error } => auto::auto(machine, error, header, &mut open),
-            _ => run(machine, fidelity, header, open(0)?),
-        };
-    };
-    check_sampled(engine, rate, corrected, machine)?;
-    let mut plan = Plan::of(rate, corrected, machine, seed);
-    let sampler = Sampler::new(engine, machine, header);
-    if plan.rate() == 1.0 && corrected.is_some() {
-        // Corrections hang on what both engines find in the same windows.
-        plan.draws = plan.corrected.clone();
-        let mut findings = Findings::of(&sampler, &plan, sampler.pass(&plan, 0, open(0)?)?);
-        check_sample(&findings, &plan)?;
-        findings.correct(&run(machine, engine.whole(), header, open(0)?)?);
-        return Ok(findings.estimate(&findings.totals(machine)));
-    }
-    match target_error {
-        Some(target) => {
-            let (_, stats) = sample_until(&sampler, plan, (target, 0.5), &mut open)?;
-            if stats.accuracy.is_within(target.get()) {
+    match fidelity {
+        Fidelity::Auto { error } => auto::auto(machine, error, header, &mut open),
+        Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
+            check_sampled(engine, machine)?;
+            let plan = Plan::new(rate.get(), machine, seed);
+            let (stats, is_enough) = sample_until(engine, machine, header, plan, (target, 0.5), &mut open)?;
+            if is_enough {
                 return Ok(stats);
             }
-            match corrected {
-                None => run(machine, engine.whole(), header, open(0)?),
-                Some(_) => run(machine, Fidelity::Event, header, open(0)?),
-            }
+            run(machine, engine.whole(), header, open(0)?)
         }
-        None => run(machine, fidelity, header, open(0)?),
+        _ => run(machine, fidelity, header, open(0)?),
     }
 }
 
-/// Samples with more and more windows, as long as the target may be reached with at most the share `most` of them.
+/// Samples with more and more windows, as long as the target may be reached with at most `most` points a window; also whether it was.
 fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
-    sampler: &Sampler<'_>,
+    engine: Sampled,
+    machine: &MachineSpec,
+    header: &Header,
     mut plan: Plan,
     (target, most): (Share, f64),
     open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
-) -> Result<(Findings, MachineStats), RunError<E>> {
-    let keep = (most * plan.stratum as f64) as usize;
+) -> Result<(MachineStats, bool), RunError<E>> {
+    let sampler = Sampler::new(engine, machine, header);
+    let keep = (most * plan.stratum) as usize;
     let mut pass = sampler.pass(&plan, keep, open(0)?)?;
     let mut kept = std::mem::take(&mut pass.kept);
-    let mut findings = Findings::of(sampler, &plan, pass);
-    let mut corrected = plan.corrected.len();
+    let mut findings = Findings::of(&sampler, pass);
     loop {
-        let totals = findings.totals(sampler.machine);
-        let stats = findings.estimate(&totals);
-        let next = if findings.tells() {
-            plan.next(&Findings::targets(&totals), corrected, sampler.engine.cost_of_event(), target.get())
-        } else {
-            plan.doubled(corrected)
+        let stats = findings.estimate(machine, plan.draws.end);
+        let is_enough = stats.accuracy.is_within(target.get());
+        let draws = match stats.accuracy.widest() {
+            Some(widest) => plan.enough_draws(widest, target.get()),
+            None => 2 * plan.draws.end,
         };
-        if stats.accuracy.is_within(target.get()) || next.draws.end as f64 / next.stratum as f64 > most {
-            return Ok((findings, stats));
+        if is_enough || draws > keep {
+            return Ok((stats, is_enough));
         }
-        plan = next;
-        corrected += plan.corrected.len();
+        plan.draws = plan.draws.end..draws;
         let more = match kept.take(&plan.draws) {
-            Some(jobs) => sampler.replay(&plan, jobs)?,
+            Some(jobs) => sampler.replay(jobs)?,
             None => {
                 let pass = sampler.pass(&plan, keep, open(0)?)?;
                 kept = pass.kept;

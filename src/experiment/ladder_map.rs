@@ -237,7 +237,7 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
         let (mut worst, mut covered) = ([None; Figure::ALL.len()], 0);
         for seed in 0..SEEDS {
             let engine = engine::Sampled::Event;
-            let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed, corrected: None, target_error: None });
+            let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None });
             for (worst, figure) in worst.iter_mut().zip(Figure::ALL) {
                 let error = figure.error(&stats, &event);
                 if error.map(f64::abs) > worst.map(f64::abs) {

@@ -217,7 +217,7 @@ impl Dispatcher {
             }
         }
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
-        (ray.chunk, ray.index, ray.undecided) = (which.chunk, which.index, skipped);
+        (ray.chunk, ray.index, ray.undecided, ray.marked) = (which.chunk, which.index, skipped, source.marked);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
         links.take_free_entries(id);
         match turn {

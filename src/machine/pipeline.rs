@@ -100,6 +100,8 @@ pub struct Pipeline {
     straight: VecDeque<(LineAddr, RayId)>,
     most_straight: usize,
     read_straight: [Past; TrafficClass::ALL.len()],
+    /// Reads that marked rays sent to the L2.
+    marked: [u64; TrafficClass::ALL.len()],
 }
 
 impl Pipeline {
@@ -134,6 +136,7 @@ impl Pipeline {
             straight: VecDeque::new(),
             most_straight: cache.mshrs.size(),
             read_straight: [Past::default(); TrafficClass::ALL.len()],
+            marked: [0; TrafficClass::ALL.len()],
         }
     }
 
@@ -279,6 +282,7 @@ impl Pipeline {
         self.banks.clear();
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
+            let marked = u64::from(rays[ray as usize].marked);
             let fetch = &mut rays[ray as usize].fetch;
             let access = self.writes.access(fetch.class, fetch.write);
             let room = self.out.len() < self.out_places;
@@ -290,6 +294,7 @@ impl Pipeline {
                 (fetch.left, fetch.missing) = (0, 1);
                 self.out.push_back(Request { line, class, write: false, bytes, from: self.part });
                 self.straight.push_back((line, ray));
+                self.marked[class as usize] += marked;
                 self.read_straight[class as usize].count += 1;
                 self.read_straight[class as usize].bytes += bytes;
                 self.waiting += 1;
@@ -308,6 +313,7 @@ impl Pipeline {
                 Lookup::Merged => {}
                 Lookup::Miss => {
                     let (line, class) = (fetch.line, fetch.class);
+                    self.marked[class as usize] += marked;
                     self.out.push_back(Request { line, class, write: false, bytes: self.line, from: self.part });
                 }
             }
@@ -375,6 +381,11 @@ impl Pipeline {
     /// Reads that went past the L1, by class.
     pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
+    }
+
+    /// Reads that marked rays sent to the L2, by class.
+    pub fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.marked
     }
 
     /// The unit's cycles.

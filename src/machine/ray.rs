@@ -51,6 +51,8 @@ pub struct Ray {
     pub kind: RayKind,
     /// What the policy decided.
     pub decision: Decision,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
     /// The chunk that it is of, by the dispatcher's number.
     pub chunk: u32,
     /// Its place in the chunk.
@@ -87,6 +89,7 @@ impl Default for Ray {
             next: 0,
             kind: RayKind::Primary,
             decision: Decision::Trace,
+            marked: false,
             chunk: 0,
             index: 0,
             handed_over: 0,

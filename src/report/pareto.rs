@@ -371,7 +371,7 @@ mod tests {
             truth: figures(truth),
             rungs: vec![Measured {
                 figures: figures(found),
-                accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1, corrected: None },
+                accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1 },
             }],
         }
     }

@@ -224,12 +224,10 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
 fn trust(stats: &MachineStats) -> String {
     let error = match stats.accuracy {
         Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
-        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate, corrected } => {
+        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
             let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);
-            let corrected = corrected.map(|share| format!(", and {} by Event, which corrects the rest", percent(share)));
             format!(
-                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured{}",
-                corrected.unwrap_or_default()
+                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured"
             )
         }
         Accuracy::Few { windows, telling } => {

@@ -91,6 +91,7 @@ struct Entry {
 pub struct Chunk {
     entries: Vec<Entry>,
     steps: Vec<u32>,
+    marked: bool,
 }
 
 /// A ray of a chunk.
@@ -98,6 +99,8 @@ pub struct Chunk {
 pub struct Ray<'a> {
     /// All but the steps.
     pub head: RayHead,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
     path: &'a [u32],
     policy: &'a [u32],
 }
@@ -147,7 +150,12 @@ impl Chunk {
             end = path_end.checked_add(policy)?;
             entries.push(Entry { head, path_end, end });
         }
-        (end as usize == steps.len()).then_some(Self { entries, steps })
+        (end as usize == steps.len()).then_some(Self { entries, steps, marked: false })
+    }
+
+    /// What its rays ask for is counted apart from now on. No file holds that.
+    pub fn mark(&mut self) {
+        self.marked = true;
     }
 
     /// The number of rays.
@@ -185,7 +193,7 @@ impl Chunk {
         let start = if index == 0 { 0 } else { self.entries[index - 1].end as usize };
         let Entry { head, path_end, end } = self.entries[index];
         let (path_end, end) = (path_end as usize, end as usize);
-        Ray { head, path: &self.steps[start..path_end], policy: &self.steps[path_end..end] }
+        Ray { head, marked: self.marked, path: &self.steps[start..path_end], policy: &self.steps[path_end..end] }
     }
 
     /// All rays in order.

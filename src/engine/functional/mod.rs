@@ -75,6 +75,7 @@ impl Ray {
             write: false,
             class: TrafficClass::Node,
             bytes: 0,
+            marked: false,
             data_at: 0,
         },
     };
@@ -238,6 +239,7 @@ impl Functional {
             write: element.write,
             class: element.class,
             bytes: element.bytes as u32,
+            marked: self.dispatch.flights[id as usize].marked,
             data_at: at,
         };
         if !self.stations[station].is_free(at) || !self.access(id, station, at) {

@@ -25,6 +25,8 @@ pub struct Fetch {
     pub class: TrafficClass,
     /// Its size.
     pub bytes: u32,
+    /// Whether the ray is marked.
+    pub marked: bool,
     /// When the lines that were there are at hand.
     pub data_at: u64,
 }
@@ -64,6 +66,7 @@ pub struct Station {
     operations: u64,
     requested: PerClass<Bytes>,
     written_through: PerClass<Past>,
+    marked: PerClass<u64>,
 }
 
 impl Station {
@@ -88,6 +91,7 @@ impl Station {
             operations: 0,
             requested: PerClass::default(),
             written_through: PerClass::default(),
+            marked: PerClass::default(),
         }
     }
 
@@ -128,6 +132,7 @@ impl Station {
                 Lookup::Merged => fetch.missing += 1,
                 Lookup::Miss => {
                     fetch.missing += 1;
+                    self.marked[fetch.class as usize] += u64::from(fetch.marked);
                     miss(fetch.line, self.port_at);
                 }
             }
@@ -204,6 +209,7 @@ impl Station {
             requested: self.requested,
             written_through: self.written_through,
             read_straight: PerClass::default(),
+            marked: self.marked,
         }
     }
 }

@@ -164,14 +164,14 @@ impl<W: Watch> Profile<W> {
     /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts again then.
     #[inline]
     fn perform(&mut self, id: u32, unit: usize, element: &Element, at: u64) -> Option<u64> {
-        let Self { units, memory, layout, agenda, .. } = self;
+        let Self { units, memory, layout, agenda, dispatch, .. } = self;
         let performer = &mut units[unit];
         let waited = performer.stalled.front() == Some(&id);
         if !waited && !performer.stalled.is_empty() {
             performer.stalled.push_back(id);
             return None;
         }
-        match performer.perform(element, at, layout, memory) {
+        match performer.perform(element, dispatch.flights[id as usize].marked, at, layout, memory) {
             Ok(end) => {
                 if waited {
                     performer.stalled.pop_front();

@@ -33,6 +33,7 @@ pub struct Unit {
     operations: u64,
     requested: PerClass<Bytes>,
     written_through: PerClass<Past>,
+    marked: PerClass<u64>,
 }
 
 impl Unit {
@@ -56,14 +57,16 @@ impl Unit {
             operations: 0,
             requested: PerClass::default(),
             written_through: PerClass::default(),
+            marked: PerClass::default(),
         }
     }
 
-    /// An operation on `element`, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
+    /// An operation on `element` for a ray, marked or not, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
     /// register is free only then.
     pub fn perform<W: Watch>(
         &mut self,
         element: &Element,
+        marked: bool,
         at: u64,
         layout: &Layout,
         memory: &mut Memory<W>,
@@ -87,6 +90,7 @@ impl Unit {
                 Found::Coming(at) => at,
                 Found::Passed => unreachable!("a ray waits for the data"),
                 Found::Missing => {
+                    self.marked[class as usize] += u64::from(marked);
                     let comes = memory.read(core, line, class, when);
                     self.level.expect(line, class, access, comes);
                     comes
@@ -150,6 +154,7 @@ impl Unit {
             requested: self.requested,
             written_through: self.written_through,
             read_straight: PerClass::default(),
+            marked: self.marked,
         }
     }
 }

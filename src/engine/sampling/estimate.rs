@@ -3,8 +3,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::axis::Hit;
 use super::job::Figures;
-use super::known::{Columns, Explanation, OPERATIONS, explanation};
+use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot, student};
 
 /// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
@@ -19,25 +20,32 @@ pub struct Part {
 /// A window that was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// Its stratum.
-    pub stratum: usize,
+    /// How long it is on the axis.
+    pub size: f64,
+    /// The points that lie in it.
+    pub hits: Vec<Hit>,
     /// Operations that its rays ask for.
     pub operations: f64,
-    /// What happened between the ends of the piece before it and of its own last piece, others' rays among it: for what hangs on how much is in flight.
-    pub inside: Part,
-    /// What the window and the pieces beside it did from beginning to end, no others' rays among it: for what does not.
-    pub group: Part,
-    /// The same as `Event` measured it, if that replayed it besides.
-    pub by_event: Option<Box<Window>>,
+    /// What each span did.
+    pub spans: [Part; Span::ALL.len()],
 }
 
-/// A population of windows: how many each stratum has, and what is known of all together.
+/// A population of windows: how long each stratum is, how many there are, and what is known of all together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Population {
-    /// Windows a stratum.
-    pub strata: Vec<u64>,
+    /// Lengths of strata.
+    pub strata: Vec<f64>,
+    /// Windows.
+    pub windows: usize,
     /// Sums.
     pub known: Columns,
+}
+
+impl Window {
+    /// What a span did.
+    pub fn span(&self, span: Span) -> &Part {
+        &self.spans[span as usize]
+    }
 }
 
 impl Population {
@@ -54,8 +62,6 @@ pub struct Total {
     pub total: f64,
     /// The interval reaches so far to either side; none if there are too few windows to tell.
     pub half_width: Option<f64>,
-    /// What windows add to its variance, and what corrections do.
-    pub variances: [f64; 2],
 }
 
 impl Total {
@@ -66,233 +72,117 @@ impl Total {
     }
 }
 
-/// Estimates the total of everything that was measured in some window, with lines of so many bytes. Intervals are of 95 %. Where `Event` replayed
-/// some of the windows too, what it found differently corrects the others' sum (double sampling: Cochran 1977, chapter 12); `whole` is what another
-/// engine than `Event` found for everything, if it did.
-pub fn estimate(
-    population: &Population,
-    windows: &[Window],
-    whole: Option<&Figures>,
-    line: u64,
-) -> BTreeMap<String, Total> {
-    let windows: Vec<&Window> = windows.iter().collect();
-    let mut sample = Sample::new(population, &windows, line);
-    let both: Vec<&Window> = windows.iter().copied().filter(|window| window.by_event.is_some()).collect();
-    if both.is_empty() {
-        return sample.names().into_iter().map(|name| (name.clone(), sample.fit(&name).total())).collect();
-    }
-    let by_event: Vec<&Window> = both.iter().filter_map(|window| window.by_event.as_deref()).collect();
-    let first = Sample { scale: sample.scale, ..Sample::new(population, &both, line) };
-    let mut second = Sample { scale: sample.scale, ..Sample::new(population, &by_event, line) };
-    let known = sample.names();
-    let names: BTreeSet<String> = known.iter().cloned().chain(second.names()).collect();
-    let mut total = |name: &String| {
-        if !known.contains(name) {
-            return second.fit(name).total();
-        }
-        let fit = sample.fit(name);
-        let [left, right] = [&first, &second].map(|sample| sample.left(name, &fit.slopes));
-        let apart: Vec<f64> = left.iter().zip(&right).map(|(left, right)| right - left).collect();
-        let correction = second.weighted(&apart);
-        let spread = second.spread(&apart);
-        if let Some(whole) = whole {
-            let total = whole.get(name).copied().unwrap_or(0.0) + correction;
-            return Fit { total, spread: Spread::default(), ..fit }.corrected(spread, second.freedom());
-        }
-        // Where windows that cost more than was expected are those whose correction is larger, errors of both add up.
-        let joint = second.spread(&right).variance - second.spread(&left).variance - spread.variance;
-        let covariance = (joint * both.len() as f64 / windows.len() as f64).max(0.0);
-        let base = Spread { variance: fit.spread.variance + covariance, ..fit.spread };
-        Fit { total: fit.total + correction, spread: base, ..fit }.corrected(spread, second.freedom())
-    };
-    names.into_iter().map(|name| (name.clone(), total(&name))).collect()
+/// Estimates the total of everything that was measured in some window, by the first `draws` points of each stratum, with lines of so many bytes.
+/// Intervals are of 95 %.
+pub fn estimate(population: &Population, windows: &[Window], draws: usize, line: u64) -> BTreeMap<String, Total> {
+    let mut sample = Sample::new(population, windows, draws, line as f64);
+    sample.names().into_iter().map(|name| (name.clone(), sample.total(&name))).collect()
 }
 
-/// How much totals of a sample differ from sample to sample: the variance, and the sum of the strata's squared variances over how well each is known.
-#[derive(Clone, Copy, Debug, Default)]
-struct Spread {
-    variance: f64,
-    squares: f64,
-}
-
-/// The estimate of a figure.
-struct Fit {
-    total: f64,
-    slopes: Columns,
-    spread: Spread,
-    freedom: f64,
-    is_complete: bool,
-}
-
-impl Fit {
-    fn total(&self) -> Total {
-        let half_width = if self.is_complete { Some(0.0) } else { half_width(self.spread, self.freedom) };
-        Total { total: self.total, half_width, variances: [self.spread.variance, 0.0] }
-    }
-
-    /// The same with a correction that is itself known from a sample.
-    fn corrected(&self, correction: Spread, freedom: f64) -> Total {
-        let variances = [self.spread.variance, correction.variance];
-        let spread = Spread {
-            variance: variances.iter().sum(),
-            squares: self.spread.squares + correction.squares,
-        };
-        Total { total: self.total, half_width: half_width(spread, self.freedom.max(0.0) + freedom), variances }
-    }
-}
-
-/// Strata that vary more than others count for few degrees of freedom: Welch 1947, whose -2 and +2 set right that the variances are estimates
-/// themselves.
-fn half_width(Spread { variance, squares }: Spread, freedom: f64) -> Option<f64> {
-    if variance == 0.0 && freedom >= 1.0 {
-        return Some(0.0);
-    }
-    let freedom =
-        if squares > 0.0 && freedom >= 1.0 { freedom.min(variance * variance / squares - 2.0).max(1.0) } else { freedom };
-    (freedom >= 1.0).then(|| student(freedom) * variance.sqrt())
-}
-
-/// Windows of a population, as one engine measured them.
+/// Points of a sample, and the windows that they lie in.
 struct Sample<'a> {
     population: &'a Population,
     line: f64,
-    /// Windows of each stratum, and those that were measured.
-    strata: Vec<u64>,
-    sampled: Vec<u64>,
-    /// The stratum of each window.
+    points: Vec<&'a Window>,
+    /// The stratum of each point, joined ones counted once, and its weight.
     place: Vec<usize>,
+    strata: usize,
     weights: Vec<f64>,
     /// A window's group is larger than itself: all are brought to the windows' size.
     scale: f64,
-    /// What is known and what was measured, between the windows' ends and of their groups.
-    known: [Vec<Columns>; 2],
-    figures: [Vec<&'a Figures>; 2],
-    solvers: BTreeMap<(bool, Vec<usize>), (Regression, Vec<f64>)>,
+    solvers: BTreeMap<(Span, Vec<usize>), (Regression, Vec<f64>)>,
 }
 
 impl<'a> Sample<'a> {
-    fn new(population: &'a Population, windows: &[&'a Window], line: u64) -> Self {
-        let (strata, place) = joined(&population.strata, windows);
-        let mut sampled = vec![0u64; strata.len()];
-        place.iter().for_each(|&stratum| sampled[stratum] += 1);
-        let weights = place.iter().map(|&stratum| strata[stratum] as f64 / sampled[stratum] as f64).collect();
-        let size = |of: fn(&Window) -> f64| windows.iter().map(|window| of(window)).sum::<f64>();
-        let grown = size(|window| window.group.known[OPERATIONS]);
+    fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
+        let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
+        let (points, of): (Vec<&Window>, Vec<usize>) =
+            hits.filter(|(_, hit)| hit.draw < draws).map(|(window, hit)| (window, hit.stratum)).unzip();
+        let (strata, place) = joined(&population.strata, &of);
+        let mut sampled = vec![0.0; strata.len()];
+        place.iter().for_each(|&stratum| sampled[stratum] += 1.0);
+        // A point stands for its share of the stratum, in which there are so many windows as long as its own.
+        let weight = |(window, &stratum): (&&Window, &usize)| strata[stratum] / sampled[stratum] / window.size;
+        let weights: Vec<f64> = points.iter().zip(&place).map(weight).collect();
+        let size = |of: fn(&Window) -> f64| points.iter().zip(&weights).map(|(window, w)| w * of(window)).sum::<f64>();
+        let grown = size(|window| window.span(Span::Group).known[OPERATIONS]);
         let scale = if grown > 0.0 { size(|window| window.operations) / grown } else { 1.0 };
-        let parts: [fn(&Window) -> &Part; 2] = [|window| &window.inside, |window| &window.group];
-        Self {
-            population,
-            line: line as f64,
-            strata,
-            sampled,
-            place,
-            weights,
-            scale,
-            known: parts.map(|part| windows.iter().map(|window| part(window).known).collect()),
-            figures: parts.map(|part| windows.iter().map(|&window| &part(window).figures).collect()),
-            solvers: BTreeMap::new(),
-        }
+        let (strata, solvers) = (strata.len(), BTreeMap::new());
+        Self { population, line, points, place, strata, weights, scale, solvers }
     }
 
     fn names(&self) -> BTreeSet<String> {
-        self.figures.iter().flatten().flat_map(|figures| figures.keys().cloned()).collect()
+        let parts = self.points.iter().flat_map(|window| &window.spans);
+        parts.flat_map(|part| part.figures.keys().cloned()).collect()
     }
 
-    fn scale(&self, how: &Explanation) -> f64 {
-        if how.of_group { self.scale } else { 1.0 }
-    }
-
-    fn rows(&self, how: &Explanation) -> Vec<Columns> {
-        let scale = self.scale(how);
-        self.known[usize::from(how.of_group)].iter().map(|known| known.map(|known| known * scale)).collect()
-    }
-
-    /// What is expected without a sample.
-    fn expected(&self, how: &Explanation, known: &Columns) -> f64 {
-        how.lines.map_or(0.0, |lines| known[lines] * self.line)
-    }
-
-    /// What was measured beyond what is expected.
-    fn values(&self, name: &str, how: &Explanation, known: &[Columns]) -> Vec<f64> {
-        let figures = &self.figures[usize::from(how.of_group)];
-        let value = |figures: &&Figures| self.scale(how) * figures.get(name).copied().unwrap_or(0.0);
-        figures.iter().map(value).zip(known).map(|(value, known)| value - self.expected(how, known)).collect()
-    }
-
-    /// What `slopes` do not explain.
-    fn left(&self, name: &str, slopes: &Columns) -> Vec<f64> {
+    fn total(&mut self, name: &str) -> Total {
         let how = explanation(name);
-        let known = self.rows(&how);
-        self.values(name, &how, &known).iter().zip(&known).map(|(value, known)| value - dot(slopes, known)).collect()
-    }
-
-    fn weighted(&self, values: &[f64]) -> f64 {
-        values.iter().zip(&self.weights).map(|(value, weight)| value * weight).sum()
-    }
-
-    fn freedom(&self) -> f64 {
-        self.place.len() as f64 - self.strata.len() as f64
-    }
-
-    fn fit(&mut self, name: &str) -> Fit {
-        let how = explanation(name);
-        let known = self.rows(&how);
-        let values = self.values(name, &how, &known);
+        let scale = if how.span == Span::Group { self.scale } else { 1.0 };
+        let parts = || self.points.iter().map(|window| window.span(how.span));
+        let known: Vec<Columns> = parts().map(|part| part.known.map(|known| known * scale)).collect();
+        let expected = |known: &Columns| how.lines.map_or(0.0, |lines| known[lines] * self.line);
+        let value = |(part, known): (&Part, &Columns)| {
+            scale * part.figures.get(name).copied().unwrap_or(0.0) - expected(known)
+        };
+        let values: Vec<f64> = parts().zip(&known).map(value).collect();
         let weights = &self.weights;
-        let of = (how.of_group, how.columns.clone());
-        let (solver, leverage) = self.solvers.entry(of).or_insert_with_key(|(_, columns)| {
+        let (solver, leverage) = self.solvers.entry((how.span, how.columns)).or_insert_with_key(|(_, columns)| {
             let solver = Regression::new(&known, weights, columns);
             let leverage = solver.leverage(&known, weights);
             (solver, leverage)
         });
+        let freedom = self.points.len() as f64 - self.strata as f64 - solver.rank() as f64 + 1.0;
         let slopes = solver.slopes(&known, weights, &values);
-        let rank = solver.rank() as f64;
         let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
         // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2).
         let full: Vec<f64> =
             left.iter().zip(leverage.iter()).map(|(left, leverage)| left / (1.0 - leverage).sqrt()).collect();
         let all = &self.population.known;
-        Fit {
-            total: self.expected(&how, all) + dot(&slopes, all) + self.weighted(&left),
-            slopes,
-            spread: self.spread(&full),
-            freedom: self.freedom() - rank + 1.0,
-            is_complete: self.strata == self.sampled,
-        }
+        let total =
+            expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
+        Total { total, half_width: self.half_width(&full, freedom) }
     }
 
-    fn spread(&self, values: &[f64]) -> Spread {
-        let mut spread = Spread::default();
-        for (stratum, (&all, &some)) in self.strata.iter().zip(&self.sampled).enumerate() {
-            let here = || self.place.iter().zip(values).filter(|(place, _)| **place == stratum).map(|(_, value)| *value);
-            let (all, some) = (all as f64, some as f64);
+    /// Half the width of the interval of a sum that a sample estimates from `values`.
+    fn half_width(&self, values: &[f64], freedom: f64) -> Option<f64> {
+        let (mut variance, mut squares) = (0.0, 0.0);
+        for stratum in 0..self.strata {
+            let points = self.place.iter().zip(values.iter().zip(&self.weights));
+            let here: Vec<f64> = points.filter(|(place, _)| **place == stratum).map(|(_, (value, w))| value * w).collect();
+            let some = here.len() as f64;
             if some > 1.0 {
-                let mean = here().sum::<f64>() / some;
-                let squares = here().map(|value| (value - mean).powi(2)).sum::<f64>() / (some - 1.0);
-                let here = all * all * (1.0 - some / all) * squares / some;
-                spread.variance += here;
-                spread.squares += here * here / (some + 1.0);
+                let mean = here.iter().sum::<f64>() / some;
+                let here = here.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (some - 1.0) * some;
+                variance += here;
+                squares += here * here / (some + 1.0);
             }
         }
-        spread
+        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right that the
+        // variances are estimates themselves.
+        let freedom = if squares > 0.0 && freedom >= 1.0 {
+            freedom.min(variance * variance / squares - 2.0).max(1.0)
+        } else {
+            freedom
+        };
+        (freedom >= 1.0).then(|| student(freedom) * variance.sqrt())
     }
 }
 
-/// Strata of which fewer than two windows were measured are joined with the one before (or, at the beginning, behind): how many windows each
-/// has then, and the stratum of each window that was measured.
-fn joined(strata: &[u64], windows: &[&Window]) -> (Vec<u64>, Vec<usize>) {
-    let count = |stratum: usize| windows.iter().filter(|window| window.stratum == stratum).count() as u64;
-    let (mut merged, mut place): (Vec<(u64, u64)>, Vec<usize>) = (Vec::new(), Vec::new());
-    for (stratum, &all) in strata.iter().enumerate() {
-        let some = count(stratum);
+/// Strata of which fewer than two points were measured are joined with the one before (or, at the beginning, behind): how long each is then, and the
+/// stratum of each point.
+fn joined(strata: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
+    let mut counts = vec![0u64; strata.len()];
+    points.iter().for_each(|&stratum| counts[stratum] += 1);
+    let (mut merged, mut place): (Vec<(f64, u64)>, Vec<usize>) = (Vec::new(), Vec::new());
+    for (&length, some) in strata.iter().zip(counts) {
         match merged.last_mut() {
-            Some(last) if last.1 < 2 || some < 2 && (some < all || all == 0) => *last = (last.0 + all, last.1 + some),
-            _ => merged.push((all, some)),
+            Some(last) if last.1 < 2 || some < 2 => *last = (last.0 + length, last.1 + some),
+            _ => merged.push((length, some)),
         }
         place.push(merged.len() - 1);
     }
-    let windows = windows.iter().map(|window| place[window.stratum]).collect();
-    (merged.into_iter().map(|(all, _)| all).collect(), windows)
+    (merged.into_iter().map(|(length, _)| length).collect(), points.iter().map(|&stratum| place[stratum]).collect())
 }
 
 #[cfg(test)]
@@ -303,7 +193,9 @@ mod tests {
 
     fn window(stratum: usize, known: Columns, y: f64) -> Window {
         let inside = Part { known, figures: [("y".to_owned(), y)].into() };
-        Window { stratum, operations: known[OPERATIONS], group: Part { known, ..Part::default() }, inside }
+        let other = || Part { known, ..Part::default() };
+        let hits = vec![Hit { stratum, draw: 0 }];
+        Window { size: 1.0, hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
     }
 
     /// Operations and lines of the DRAM.
@@ -325,24 +217,33 @@ mod tests {
                 window(i as usize / 4, known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
             })
             .collect();
-        let population = Population { strata: vec![40; 4], known: known(20_000.0, 300.0) };
-        let Total { total, half_width } = estimate(&population, &windows, 64)["y"];
+        let population = Population { strata: vec![40.0; 4], windows: 160, known: known(20_000.0, 300.0) };
+        let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width.unwrap() < 1e-6);
     }
 
     #[test]
-    fn a_complete_sample_is_the_sum() {
-        let windows: Vec<_> = (0..6).map(|i| window(i / 2, known(1.0, 0.0), (i * i) as f64)).collect();
-        let total = estimate(&Population { strata: vec![2; 3], known: known(6.0, 0.0) }, &windows, 64)["y"];
-        assert!((total.total - 55.0).abs() < 1e-9);
-        assert_eq!(total.half_width, Some(0.0));
+    fn large_windows_count_for_less() {
+        // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is known of them.
+        let windows = [1.0, 3.0].map(|size| Window { size, ..window(0, known(0.0, 0.0), size) });
+        let population = Population { strata: vec![60.0], windows: 40, ..Population::default() };
+        let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
+        assert_eq!((total, half_width), (60.0, Some(0.0)));
     }
 
     #[test]
-    fn lonely_windows_join_their_neighbours() {
-        let one = known(1.0, 0.0);
-        let windows = [window(0, one, 5.0), window(0, one, 5.0), window(1, one, 5.0)];
-        assert_eq!(joined(&[10, 4, 0], &windows), (vec![14], vec![0; 3]));
+    fn a_point_that_was_not_drawn_yet_does_not_count() {
+        let mut windows = [window(0, known(1.0, 0.0), 5.0), window(0, known(1.0, 0.0), 5.0)];
+        windows[1].hits.push(Hit { stratum: 0, draw: 4 });
+        let population = Population { strata: vec![8.0], windows: 8, known: known(8.0, 0.0) };
+        let at = |draws| Sample::new(&population, &windows, draws, 64.0).points.len();
+        assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
+    }
+
+    #[test]
+    fn lonely_points_join_their_neighbours() {
+        assert_eq!(joined(&[10.0, 4.0, 0.5], &[0, 0, 1]), (vec![14.5], vec![0; 3]));
+        assert_eq!(joined(&[10.0, 4.0], &[0, 0, 1, 1]), (vec![10.0, 4.0], vec![0, 0, 1, 1]));
     }
 }

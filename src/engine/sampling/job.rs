@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use super::super::feed::Feed;
-use super::super::tally::Tally;
+use super::super::tally::{PerClass, Tally};
 use super::super::work::{Kind, stores_as_recorded};
 use super::super::{Engine, RunError, check};
 use super::estimate::{Part, Window};
@@ -33,18 +33,6 @@ pub enum Found {
     End(Figures),
 }
 
-impl Found {
-    /// What was found, and what `Event` found of the same.
-    pub fn with_event(self, event: Self) -> Self {
-        match (self, event) {
-            (Self::Window(window, _), Self::Window(by_event, latencies)) => {
-                Self::Window(Box::new(Window { by_event: Some(by_event), ..*window }), latencies)
-            }
-            (_, event) => event,
-        }
-    }
-}
-
 /// Replays `job` with `engine`, which is new.
 pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
     let Job { info, tags, work, .. } = job;
@@ -60,7 +48,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
             Ok(Found::End(end.unwrap_or_default()))
         }
         JobWork::Window(work) => {
-            let WindowWork { stratum, before, own, behind } = work.as_ref();
+            let WindowWork { size, hits, before, own, behind } = work.as_ref();
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];
@@ -75,7 +63,7 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
             let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(&mut engine, machine, &mut feed)?;
-            let (all, latency) = (figures_in(&tally, machine), tally.stats(machine).latency);
+            let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
             // What was done between two marks is not quite what the window's rays ask for: some were begun before, some end later.
@@ -84,9 +72,10 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
                 figures: figures::difference(&closed.figures, &opened.figures),
             };
-            let operations = own[OPERATIONS];
-            let group = Part { known: group, figures: all };
-            let window = Window { stratum: *stratum, operations, inside, group, by_event: None };
+            let reads = std::array::from_fn(|class| closed.reads[class] - opened.reads[class]);
+            let asked = Part { known: own, figures: asked_for(&inside.figures, &reads, &tally, machine) };
+            let spans = [inside, asked, Part { known: group, figures: all }];
+            let window = Window { size: *size, hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
         }
     }
@@ -105,15 +94,11 @@ fn finished(
 }
 
 /// All figures, and sums that no field of the statistics holds.
-pub fn figures_of(stats: &MachineStats) -> Figures {
-    let mut figures = figures::of(stats);
+fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
+    let stats = tally.stats(machine);
+    let mut figures = figures::of(&stats);
     figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
-    figures.insert(L2_BYTES.into(), moved_l2(stats) as f64);
-    figures
-}
-
-fn figures_in(tally: &Tally, machine: &MachineSpec) -> Figures {
-    let mut figures = figures_of(&tally.stats(machine));
+    figures.insert(L2_BYTES.into(), moved_l2(&stats) as f64);
     // What no window moves, the tags may.
     let caches = machine.l2.caches();
     for class in TrafficClass::ALL {
@@ -121,6 +106,23 @@ fn figures_in(tally: &Tally, machine: &MachineSpec) -> Figures {
             figures.entry(format!("bytes.{level}.{}", class.name())).or_insert(0.0);
         }
     }
+    figures
+}
+
+/// Bytes between the L1s and the L2 by the window's own rays: lines that they asked for, instead of those that were asked for between the marks.
+/// What was written is that of the marks.
+fn asked_for(inside: &Figures, reads: &PerClass<u64>, tally: &Tally, machine: &MachineSpec) -> Figures {
+    let (caches, line) = (machine.l2.caches(), machine.line_bytes.get() as f64);
+    let (mut figures, mut sum) = (Figures::new(), 0.0);
+    for class in TrafficClass::ALL {
+        let asked: u64 = tally.units.iter().flatten().map(|unit| unit.marked[class as usize]).sum();
+        let more = (asked as f64 - reads[class as usize] as f64) * line;
+        let name = format!("bytes.{}.{}", caches[machine.l2.home(class)].0, class.name());
+        let moved = inside.get(&name).copied().unwrap_or(0.0) + more;
+        figures.insert(name, moved);
+        sum += moved;
+    }
+    figures.insert(L2_BYTES.into(), sum);
     figures
 }
 
@@ -137,6 +139,8 @@ struct Mark {
     over: usize,
     figures: Figures,
     operations: [u64; Kind::ALL.len()],
+    /// Lines that the L2 was asked for.
+    reads: PerClass<u64>,
 }
 
 /// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more are done as the window
@@ -201,7 +205,8 @@ impl Feed<Infallible> for JobFeed<'_> {
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());
-        self.marks.push(Mark { over, figures: figures_in(tally, self.machine), operations });
+        let reads = std::array::from_fn(|class| tally.banks.iter().map(|bank| bank.reads[class]).sum());
+        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations, reads });
         None
     }
 }

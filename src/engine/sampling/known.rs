@@ -97,6 +97,23 @@ impl Known {
     }
 }
 
+/// Whose doing stands for a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Span {
+    /// What happens between the window's marks, others' rays among it: for what hangs on how much is in flight.
+    Inside,
+    /// What the window's own rays ask for, whenever that is.
+    Own,
+    /// What the window and the pieces beside it do from beginning to end: for what comes from the DRAM, which is due to the rays that ask for it
+    /// first. It does not do for what L1s miss: at the group's ends, fewer rays are in flight.
+    Group,
+}
+
+impl Span {
+    /// All.
+    pub const ALL: [Self; 3] = [Self::Inside, Self::Own, Self::Group];
+}
+
 /// How a figure is explained.
 #[derive(Clone, Debug)]
 pub struct Explanation {
@@ -104,10 +121,8 @@ pub struct Explanation {
     pub columns: Vec<usize>,
     /// The column of the lines that it is bytes of: only what differs from that is estimated.
     pub lines: Option<usize>,
-    /// Whether all that a window's group does is counted, and not what happens between the window's marks. What comes from the DRAM is due
-    /// to the rays that ask for it first, whenever that is; what L1s miss hangs on how many rays are in flight, which are fewer at the
-    /// group's ends.
-    pub of_group: bool,
+    /// Whose doing is counted.
+    pub span: Span,
 }
 
 /// How the figure of a name is explained.
@@ -115,24 +130,24 @@ pub fn explanation(name: &str) -> Explanation {
     let is_of = |class: &TrafficClass| name.split('.').any(|part| part == class.name());
     let class = TrafficClass::ALL.iter().position(is_of);
     let operations = || OPERATIONS..KINDS;
-    let by = |first: &[usize], lines: Option<usize>, of_group: bool| {
+    let by = |first: &[usize], lines: Option<usize>, span: Span| {
         let columns = first.iter().copied().chain(operations()).collect();
-        Explanation { columns, lines, of_group }
+        Explanation { columns, lines, span }
     };
     let (moved, dram) = (|class: usize| MOVED_OF_CLASS + class, |class: usize| DRAM_OF_CLASS + class);
     let begins = |start: &str| name.starts_with(start);
     match class {
-        _ if name == L2_BYTES => by(&[MOVED, DRAM], Some(MOVED), false),
-        _ if name == DRAM_BYTES => by(&[DRAM], Some(DRAM), true),
-        Some(class) if begins("bytes.l2") => by(&[moved(class)], Some(moved(class)), false),
-        Some(class) if begins("bytes.dram") => by(&[dram(class)], Some(dram(class)), true),
-        Some(class) if begins("caches.l2") && name.ends_with(".misses") => by(&[dram(class)], None, true),
-        Some(class) if begins("caches") => by(&[moved(class), dram(class)], None, false),
-        _ if begins("bytes.l1") || begins("bytes.fifos") => by(&[], None, true),
-        _ if begins("dram") && name != "dram.refreshes" => by(&[DRAM], None, true),
+        _ if name == L2_BYTES => by(&[MOVED, DRAM], Some(MOVED), Span::Own),
+        _ if name == DRAM_BYTES => by(&[DRAM], Some(DRAM), Span::Group),
+        Some(class) if begins("bytes.l2") => by(&[moved(class)], Some(moved(class)), Span::Own),
+        Some(class) if begins("bytes.dram") => by(&[dram(class)], Some(dram(class)), Span::Group),
+        Some(class) if begins("caches.l2") && name.ends_with(".misses") => by(&[dram(class)], None, Span::Group),
+        Some(class) if begins("caches") => by(&[moved(class), dram(class)], None, Span::Inside),
+        _ if begins("bytes.l1") || begins("bytes.fifos") => by(&[], None, Span::Group),
+        _ if begins("dram") && name != "dram.refreshes" => by(&[DRAM], None, Span::Group),
         _ => {
             let columns = [OPERATIONS, BUSIEST, DRAM, MOVED].into_iter().chain(operations().skip(1)).collect();
-            Explanation { columns, lines: None, of_group: false }
+            Explanation { columns, lines: None, span: Span::Inside }
         }
     }
 }

@@ -67,7 +67,7 @@ impl<'a> Sampler<'a> {
             // Reading takes little of a thread's time.
             let workers: Vec<_> = (1..self.threads.max(2))
                 .map(|_| Arc::clone(&received))
-                .map(|received| scope.spawn(move || self.work(plan, &received)))
+                .map(|received| scope.spawn(move || self.work(&received)))
                 .collect();
             drop(received);
             let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
@@ -105,12 +105,12 @@ impl<'a> Sampler<'a> {
         })
     }
 
-    /// Replays `jobs`, which `plan` measures.
-    pub fn replay<E>(&self, plan: &Plan, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
+    /// Replays `jobs`.
+    pub fn replay<E>(&self, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            std::iter::from_fn(next).map(|job| self.replay_one(plan, &job)).collect::<Vec<_>>()
+            std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect::<Vec<_>>()
         };
         let found = thread::scope(|scope| {
             let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
@@ -119,33 +119,24 @@ impl<'a> Sampler<'a> {
         in_order(found)
     }
 
-    fn work(&self, plan: &Plan, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
+    fn work(&self, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
         let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv().ok();
-        std::iter::from_fn(next).map(|job| self.replay_one(plan, &job)).collect()
+        std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect()
     }
 
-    fn replay_one(&self, plan: &Plan, job: &Job) -> Numbered {
-        let by = |engine| self.replay_by(engine, job);
-        let found = by(self.engine);
-        let found = match found {
-            Ok(found) if plan.corrected.contains(&job.draw) => by(Sampled::Event).map(|event| found.with_event(event)),
-            found => found,
+    fn replay_one(&self, job: &Job) -> Numbered {
+        let Self { engine, machine, header, .. } = *self;
+        let found = match engine {
+            Sampled::Profile => job::replay(profile::Profile::new(machine, header), machine, job),
+            Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, job),
+            Sampled::Event => job::replay(event::Event::new(machine, header), machine, job),
         };
         (job.number, found)
     }
 
-    fn replay_by(&self, engine: Sampled, job: &Job) -> Result<Found, RunError<Infallible>> {
-        let Self { machine, header, .. } = *self;
-        match engine {
-            Sampled::Profile => job::replay(profile::Profile::new(machine, header), machine, job),
-            Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, job),
-            Sampled::Event => job::replay(event::Event::new(machine, header), machine, job),
-        }
-    }
-
-    /// The statistics of a run by `engine` in which nothing happens.
-    pub fn nothing(&self, engine: Sampled) -> MachineStats {
-        let Self { machine, header, .. } = *self;
+    /// The statistics of a run in which nothing happens.
+    pub fn nothing(&self) -> MachineStats {
+        let Self { engine, machine, header, .. } = *self;
         let tally = match engine {
             Sampled::Profile => profile::Profile::new(machine, header).tally(1),
             Sampled::Functional => functional::Functional::new(machine, header).tally(1),
@@ -178,7 +169,7 @@ fn without_source<E>(error: RunError<Infallible>) -> RunError<E> {
         RunError::Illegal { channel, violation } => RunError::Illegal { channel, violation },
         RunError::Observer(error) => RunError::Observer(error),
         RunError::Passes => RunError::Passes,
-        RunError::Sample { windows, pixels, stratum } => RunError::Sample { windows, pixels, stratum },
+        RunError::Sample { windows, pixels, rate } => RunError::Sample { windows, pixels, rate },
         RunError::Deadlock { cycle, queues } => RunError::Deadlock { cycle, queues },
     }
 }

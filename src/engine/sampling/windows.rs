@@ -4,6 +4,7 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::axis::{Axis, Hit};
 use super::estimate::Population;
 use super::known::{Capacity, Known};
 use super::plan::Plan;
@@ -25,7 +26,7 @@ pub struct Part {
 pub struct Job {
     /// Its place among all jobs.
     pub number: usize,
-    /// Which draw of its stratum it is.
+    /// The first of the points that lie in it.
     pub draw: usize,
     /// The frame.
     pub info: FrameInfo,
@@ -47,8 +48,10 @@ pub enum JobWork {
 /// A window and what is replayed beside it.
 #[derive(Clone, Debug)]
 pub struct WindowWork {
-    /// Its stratum.
-    pub stratum: usize,
+    /// How long it is on the axis.
+    pub size: f64,
+    /// The points that lie in it.
+    pub hits: Vec<Hit>,
     /// What comes before it, which fills what is in flight; less at a frame's beginning.
     pub before: Part,
     /// Its own rays.
@@ -79,8 +82,12 @@ struct Piece {
 }
 
 impl Part {
-    fn of(pieces: &[Piece]) -> Self {
+    /// Pieces, whose rays are marked if they are of the window itself.
+    fn of(pieces: &[Piece], is_own: bool) -> Self {
         let (mut rays, mut known) = (Chunk::default(), Known::default());
+        if is_own {
+            rays.mark();
+        }
         for piece in pieces {
             known += piece.known;
             for ray in piece.rays.clone().map(|index| piece.chunk.ray(index)) {
@@ -94,7 +101,9 @@ impl Part {
 /// A window that is being put together.
 struct Open {
     window: usize,
-    draw: usize,
+    /// How long it is and its points, once they are known.
+    size: f64,
+    hits: Vec<Hit>,
     /// Pieces that come before the window's first one.
     lead: usize,
     tags: Tags,
@@ -117,9 +126,7 @@ pub struct Windows {
     /// Windows of the stream up to now, and pieces of the frame.
     windows: usize,
     pieces: usize,
-    /// Of each window, which draw of its stratum it is, of the first ones, which are of interest.
-    drawn: Vec<Option<usize>>,
-    most: usize,
+    axis: Axis,
     open: Vec<Open>,
     jobs: usize,
     /// All windows, frames' ends left out.
@@ -129,7 +136,7 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine. Of each stratum the draws of `plan` become jobs, and later ones below `keep`.
+    /// Nothing yet of a stream on a machine. Windows with points of `plan` become jobs, and those with later ones below `keep`.
     pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize) -> Self {
         Self {
             capacity: Capacity::new(machine),
@@ -140,8 +147,7 @@ impl Windows {
             known: Known::default(),
             windows: 0,
             pieces: 0,
-            drawn: Vec::new(),
-            most: plan.draws.end.max(keep),
+            axis: Axis::new(plan.clone(), plan.draws.end.max(keep)),
             open: Vec::new(),
             jobs: 0,
             population: Population::default(),
@@ -166,8 +172,8 @@ impl Windows {
             }
             Item::End { policy, .. } => {
                 let mut jobs = self.cut();
-                let open = take(&mut self.open).into_iter().filter(|open| !open.own.is_empty());
-                jobs.extend(open.map(|open| self.job(open)));
+                let open = take(&mut self.open);
+                jobs.extend(open.into_iter().filter_map(|open| self.job(open)));
                 if !policy.is_empty() {
                     // All ends are replayed, by the first pass.
                     if self.plan.draws.start == 0 {
@@ -180,14 +186,6 @@ impl Windows {
                 jobs
             }
         }
-    }
-
-    /// Which draw a window is, if it becomes a job.
-    fn draw(&mut self, window: usize) -> Option<usize> {
-        while self.drawn.len() <= window {
-            self.drawn.extend(self.plan.drawn(self.drawn.len() / self.plan.stratum, self.most));
-        }
-        self.drawn[window].filter(|&draw| draw >= self.plan.draws.start)
     }
 
     /// Cuts the chunks that were gathered: one, or as many as make a window.
@@ -223,41 +221,54 @@ impl Windows {
             let known = self.tags.piece(chunk, rays.clone());
             let part = Piece { chunk: Arc::clone(chunk), rays, known };
             self.known += known;
+            let window = self.windows;
             let ends = piece + 1 == pieces || (piece + 1) % cut.own == 0;
+            if ends {
+                self.end_window();
+            }
             let mut complete = Vec::new();
             for (at, open) in self.open.iter_mut().enumerate() {
-                let number = self.windows;
                 let of = if open.lead > 0 {
                     open.lead -= 1;
                     &mut open.before
-                } else if open.window == number {
+                } else if open.window == window {
                     &mut open.own
                 } else {
                     &mut open.behind
                 };
                 of.push(part.clone());
-                if open.behind.len() == cut.behind || cut.behind == 0 && open.window == number && ends {
+                if open.behind.len() == cut.behind || cut.behind == 0 && open.window == window && ends {
                     complete.push(at);
                 }
             }
             for at in complete.into_iter().rev() {
                 let open = self.open.remove(at);
-                jobs.push(self.job(open));
+                jobs.extend(self.job(open));
             }
             self.pieces += 1;
-            if ends {
-                let stratum = self.windows / self.plan.stratum;
-                self.population.strata.resize(stratum + 1, 0);
-                self.population.strata[stratum] += 1;
-                self.population.add(&take(&mut self.known).columns(&self.capacity));
-                self.windows += 1;
-            }
         }
         jobs
     }
 
-    /// Windows that are measured begin to be replayed some pieces before their first one, or with the frame; the next piece is number `piece`
-    /// of its chunk.
+    /// It is known how long the window is, and which points lie in it: without any, it need not be kept.
+    fn end_window(&mut self) {
+        let known = take(&mut self.known);
+        let (size, hits) = self.axis.next(&known);
+        let begin = self.plan.draws.start;
+        let is_done = hits.iter().any(|hit| hit.draw < begin);
+        let window = self.windows;
+        if hits.is_empty() || is_done {
+            self.open.retain(|open| open.window != window);
+        } else if let Some(open) = self.open.iter_mut().find(|open| open.window == window) {
+            (open.size, open.hits) = (size, hits);
+        }
+        self.population.strata = self.axis.strata();
+        self.population.windows = self.axis.windows();
+        self.population.add(&known.columns(&self.capacity));
+        self.windows += 1;
+    }
+
+    /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number `piece` of its chunk.
     fn begin_windows(&mut self, piece: usize) {
         let cut = self.plan.cut;
         let left = (cut.own - piece % cut.own) % cut.own;
@@ -265,19 +276,21 @@ impl Windows {
         let first = self.windows + usize::from(left > 0);
         let begin = (0..).take_while(|&window| to_first(window) <= cut.before);
         let begin = begin.filter(|&window| self.pieces == 0 || to_first(window) == cut.before);
-        for (window, lead) in begin.map(|window| (first + window, to_first(window))).collect::<Vec<_>>() {
-            if let Some(draw) = self.draw(window) {
-                let (tags, before, own, behind) = (self.tags.clone(), Vec::new(), Vec::new(), Vec::new());
-                self.open.push(Open { window, draw, lead, tags, before, own, behind });
-            }
+        for (window, lead) in begin.map(|window| (first + window, to_first(window))) {
+            let tags = self.tags.clone();
+            let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
+            self.open.push(Open { window, size: 0.0, hits: Vec::new(), lead, tags, before, own, behind });
         }
     }
 
-    fn job(&mut self, open: Open) -> Job {
-        let Open { window, draw, tags, before, own, behind, .. } = open;
-        let [before, own, behind] = [before, own, behind].map(|pieces| Part::of(&pieces));
-        let window = WindowWork { stratum: window / self.plan.stratum, before, own, behind };
+    /// A job of a window that was put together, if it has points.
+    fn job(&mut self, open: Open) -> Option<Job> {
+        let Open { size, hits, tags, before, own, behind, .. } = open;
+        let draw = hits.iter().map(|hit| hit.draw).min()?;
+        let [before, own, behind] =
+            [(before, false), (own, true), (behind, false)].map(|(pieces, is_own)| Part::of(&pieces, is_own));
+        let work = JobWork::Window(Box::new(WindowWork { size, hits, before, own, behind }));
         self.jobs += 1;
-        Job { number: self.jobs - 1, draw, info: self.info, tags, work: JobWork::Window(Box::new(window)) }
+        Some(Job { number: self.jobs - 1, draw, info: self.info, tags, work })
     }
 }
