@@ -83,7 +83,9 @@ pub enum RunError<E> {
     #[error("a target error takes several passes over the stream, which can be read only once here")]
     Passes,
     /// No window was drawn.
-    #[error("none of the stream's {windows} windows of {pixels} pixels is in the sample of {rate} of them: a higher `rate` is needed")]
+    #[error(
+        "none of the stream's {windows} windows of {pixels} pixels is in the sample of {rate} of them: a higher `rate` is needed"
+    )]
     Sample {
         /// Windows of the stream.
         windows: usize,

@@ -1,7 +1,7 @@
 //! Where windows lie on the axis of the sample: large ones are measured more often, with less weight (Hansen and Hurwitz 1943), since what is not known of
 //! a window without replaying it is more of what is known.
 
-use super::known::Known;
+use super::known::{Columns, MOVED, OPERATIONS};
 use super::plan::Plan;
 
 /// What all windows have, whatever they hold; operations and lines of the L2 are 1 each, on average.
@@ -37,9 +37,8 @@ impl Axis {
 
     /// How long the next window is, and the points that lie in it. Its length is known before any point of it is looked at, so that each point of the
     /// axis is as likely as any other.
-    pub fn next(&mut self, known: &Known) -> (f64, Vec<Hit>) {
-        let operations = known.operations.iter().sum::<u64>() as f64;
-        let lines = known.moved.iter().sum::<u64>() as f64;
+    pub fn next(&mut self, known: &Columns) -> (f64, Vec<Hit>) {
+        let (operations, lines) = (known[OPERATIONS], known[MOVED]);
         self.windows += 1;
         self.operations += operations;
         self.lines += lines;
@@ -71,11 +70,14 @@ impl Axis {
 
 #[cfg(test)]
 mod tests {
+    use super::super::known::COLUMNS;
     use super::super::plan::Cut;
     use super::*;
 
-    fn known(operations: u64, lines: u64) -> Known {
-        Known { operations: [operations, 0, 0, 0], moved: [lines, 0, 0, 0, 0, 0, 0], ..Known::default() }
+    fn known(operations: u32, lines: u32) -> Columns {
+        let mut known = [0.0; COLUMNS];
+        (known[OPERATIONS], known[MOVED]) = (operations.into(), lines.into());
+        known
     }
 
     #[test]

@@ -122,9 +122,8 @@ impl<'a> Sample<'a> {
         let parts = || self.points.iter().map(|window| window.span(how.span));
         let known: Vec<Columns> = parts().map(|part| part.known.map(|known| known * scale)).collect();
         let expected = |known: &Columns| how.lines.map_or(0.0, |lines| known[lines] * self.line);
-        let value = |(part, known): (&Part, &Columns)| {
-            scale * part.figures.get(name).copied().unwrap_or(0.0) - expected(known)
-        };
+        let value =
+            |(part, known): (&Part, &Columns)| scale * part.figures.get(name).copied().unwrap_or(0.0) - expected(known);
         let values: Vec<f64> = parts().zip(&known).map(value).collect();
         let weights = &self.weights;
         let (solver, leverage) = self.solvers.entry((how.span, how.columns)).or_insert_with_key(|(_, columns)| {
@@ -139,8 +138,7 @@ impl<'a> Sample<'a> {
         let full: Vec<f64> =
             left.iter().zip(leverage.iter()).map(|(left, leverage)| left / (1.0 - leverage).sqrt()).collect();
         let all = &self.population.known;
-        let total =
-            expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
+        let total = expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
         Total { total, half_width: self.half_width(&full, freedom) }
     }
 
@@ -149,7 +147,8 @@ impl<'a> Sample<'a> {
         let (mut variance, mut squares) = (0.0, 0.0);
         for stratum in 0..self.strata {
             let points = self.place.iter().zip(values.iter().zip(&self.weights));
-            let here: Vec<f64> = points.filter(|(place, _)| **place == stratum).map(|(_, (value, w))| value * w).collect();
+            let here: Vec<f64> =
+                points.filter(|(place, _)| **place == stratum).map(|(_, (value, w))| value * w).collect();
             let some = here.len() as f64;
             if some > 1.0 {
                 let mean = here.iter().sum::<f64>() / some;

@@ -15,7 +15,7 @@ pub const COLUMNS: usize = KINDS + 3 + 2 * CLASSES;
 /// The column of all operations; those of each kind of units but the first follow.
 pub const OPERATIONS: usize = 0;
 /// The column of all lines between L1s and L2.
-const MOVED: usize = KINDS;
+pub const MOVED: usize = KINDS;
 /// The column of all lines between L2 and DRAM.
 const DRAM: usize = MOVED + 1;
 /// The column of the cycles that the busiest kind of units, or the DRAM's bus, needs at least.

@@ -1,23 +1,23 @@
 //! A pass over a stream: one thread reads it, one cuts it and keeps the tags warm, and the others replay what is measured.
 
 use std::convert::Infallible;
-use std::sync::mpsc::{Receiver, sync_channel};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::mpsc::sync_channel;
+use std::sync::{Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 
 use super::estimate::Population;
-use super::job::{self, Found};
+use super::job::{self, Found, Numbered};
 use super::kept::Kept;
 use super::plan::Plan;
+use super::queue::{Queue, Task, Worker};
 use super::windows::{Job, Windows};
 use crate::engine::{Engine, RunError, Sampled, event, functional, profile};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
-/// Items that may wait to be cut, and jobs that may wait to be replayed, which hold the tags of a machine each.
+/// Items that may wait to be cut.
 const ITEMS: usize = 4;
-const JOBS: usize = 2;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]
@@ -59,35 +59,28 @@ impl<'a> Sampler<'a> {
         items: impl Iterator<Item = Result<Item, E>>,
     ) -> Result<Pass, RunError<E>> {
         let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep);
-        let mut kept = Kept::new(plan.draws.end..keep.max(plan.draws.end));
-        thread::scope(|scope| {
-            let (jobs, received) = sync_channel(JOBS);
-            // Shared by the workers alone: should all of them panic, nothing can be sent.
-            let received = Arc::new(Mutex::new(received));
-            // Reading takes little of a thread's time.
-            let workers: Vec<_> = (1..self.threads.max(2))
-                .map(|_| Arc::clone(&received))
-                .map(|received| scope.spawn(move || self.work(&received)))
-                .collect();
-            drop(received);
+        let queue = Queue::new(Kept::new(plan.draws.end..keep.max(plan.draws.end)));
+        // Where threads do what may not be wanted, the one that cuts is not to wait for them.
+        let workers = if keep > plan.draws.end { (self.threads - 1).max(1) } else { self.threads };
+        let (windows, found, read) = thread::scope(|scope| {
+            let workers: Vec<_> =
+                (0..workers).map(|_| queue.worker()).map(|worker| scope.spawn(move || self.work(&worker))).collect();
             let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
+            let queue = &queue;
             let cutter = scope.spawn(move || {
+                let _closes = Closes(queue);
                 for job in to_cut.into_iter().flat_map(|item| windows.add(&item)) {
-                    if !plan.draws.contains(&job.draw) {
-                        kept.add(job);
-                    } else if jobs.send(job).is_err() {
-                        // All workers have panicked, which comes out when they are joined.
-                        break;
-                    }
+                    let is_wanted = plan.draws.contains(&job.draw);
+                    queue.put(job, is_wanted);
                 }
-                (windows, kept)
+                windows
             });
             let mut read = Ok(());
             for item in items {
                 match item {
                     Ok(item) => {
                         if items_read.send(item).is_err() {
-                            // The cutter has panicked, or all workers.
+                            // The cutter has panicked.
                             break;
                         }
                     }
@@ -98,30 +91,40 @@ impl<'a> Sampler<'a> {
                 }
             }
             drop(items_read);
-            let (Windows { population, rays, .. }, kept) = joined(cutter);
+            let windows = joined(cutter);
             let found = workers.into_iter().flat_map(joined).collect();
-            read?;
-            Ok(Pass { population, rays, found: in_order(found)?, kept })
-        })
+            (windows, found, read)
+        });
+        read?;
+        let Windows { population, rays, .. } = windows;
+        Ok(Pass { population, rays, found: in_order(found)?, kept: queue.into_kept() })
     }
 
-    /// Replays `jobs`.
-    pub fn replay<E>(&self, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
+    /// Replays `jobs`; what was found, with what others found before.
+    pub fn replay<E>(&self, (jobs, mut done): (Vec<Job>, Vec<Numbered>)) -> Result<Vec<Found>, RunError<E>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
             std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect::<Vec<_>>()
         };
-        let found = thread::scope(|scope| {
+        done.extend(thread::scope(|scope| {
             let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().flat_map(joined).collect()
-        });
-        in_order(found)
+            workers.into_iter().flat_map(joined).collect::<Vec<_>>()
+        }));
+        in_order(done)
     }
 
-    fn work(&self, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
-        let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv().ok();
-        std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect()
+    fn work(&self, worker: &Worker<'_>) -> Vec<Numbered> {
+        let mut wanted = Vec::new();
+        while let Some(Task { job, is_ahead }) = worker.next() {
+            let found = self.replay_one(&job);
+            if is_ahead {
+                worker.done_ahead(job.draw, found);
+            } else {
+                wanted.push(found);
+            }
+        }
+        wanted
     }
 
     fn replay_one(&self, job: &Job) -> Numbered {
@@ -146,8 +149,14 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// What a job found, and its number.
-type Numbered = (usize, Result<Found, RunError<Infallible>>);
+/// Closes a queue, also if who fills it panics.
+struct Closes<'a>(&'a Queue);
+
+impl Drop for Closes<'_> {
+    fn drop(&mut self) {
+        self.0.close();
+    }
+}
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))

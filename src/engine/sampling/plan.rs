@@ -7,6 +7,8 @@ use crate::machine::MachineSpec;
 /// Pixels before a window, and of it, at least.
 const LEAST_BEFORE: usize = 1024;
 const LEAST_OWN: usize = 512;
+/// Lines of a traversal unit's L1 for a piece of a window.
+const LINES_A_PIECE: usize = 64;
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,14 +25,15 @@ pub struct Cut {
 
 impl Cut {
     /// The cut for `machine`. As many primary rays as the pool has entries can be in flight, and their children come after them: a piece has as
-    /// many pixels. It takes a while until an empty machine works as one in the middle of a frame (which units get which rays hangs on which were
-    /// fast before): with one piece before windows of two, all windows of kitchen and robot on `tni_engine` moved 2.3 % more and 6.1 % fewer bytes
-    /// of the L2 than the whole, with two pieces 0.5 % more and 0.8 % fewer; on `small`, with a pool of 128, robot moves 1.2 % more with two pieces
-    /// before, 0.7 % with three, 0.1 % with eight. More pieces behind change nothing. Windows of two pieces take the fewest pixels for an interval
-    /// of a width; of 128 or 256 pixels they are too short for what happens at their ends.
+    /// many pixels. It takes a while until an empty machine behind warm tags works as one in the middle of a frame, and the longer the more its L1s hold: on
+    /// `small`, robot moved 1.2 % more bytes of the L2 with two pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two
+    /// pieces of 1024, 0.2 % with eight, or with two before windows of eight; on `tni_engine`, 0.8 % fewer with two before windows of four. So windows are the longer the more lines
+    /// an L1 has.
     pub fn new(machine: &MachineSpec) -> Self {
         let pixels = machine.pool() as usize;
-        Self { pixels, before: LEAST_BEFORE.div_ceil(pixels).max(2), own: LEAST_OWN.div_ceil(pixels).max(2), behind: 1 }
+        let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
+        let own = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(pixels)).max(2);
+        Self { pixels, before: LEAST_BEFORE.div_ceil(pixels).max(2), own, behind: 1 }
     }
 
     /// Pixels that are replayed for one of a window.

@@ -252,7 +252,7 @@ impl Windows {
 
     /// It is known how long the window is, and which points lie in it: without any, it need not be kept.
     fn end_window(&mut self) {
-        let known = take(&mut self.known);
+        let known = take(&mut self.known).columns(&self.capacity);
         let (size, hits) = self.axis.next(&known);
         let begin = self.plan.draws.start;
         let is_done = hits.iter().any(|hit| hit.draw < begin);
@@ -264,7 +264,7 @@ impl Windows {
         }
         self.population.strata = self.axis.strata();
         self.population.windows = self.axis.windows();
-        self.population.add(&known.columns(&self.capacity));
+        self.population.add(&known);
         self.windows += 1;
     }
 

@@ -6,8 +6,10 @@ use std::path::Path;
 use super::random::{machines, streams};
 use super::synthetic::header;
 use super::*;
-use crate::engine::sampling::Cut;
+use crate::engine::sampling::axis::Axis;
 use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
+use crate::engine::sampling::known::{Columns, Span};
+use crate::engine::sampling::{Cut, TELLING};
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::memory::tags::Contents;
 use crate::ron_file;
@@ -96,11 +98,11 @@ fn any_machine_can_be_sampled() {
     check_many(100, (machines(), streams()), |(machine, stream)| {
         let whole = on(&machine, &header(), "Event", &stream);
         let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
-        let plan = Plan { stratum: 2, draws: 0..2, cut, seed: 0 };
+        let plan = Plan { stratum: 2.0, draws: 0..2, cut, seed: 0 };
         let header = header();
         let sampler = Sampler::new(Sampled::Event, &machine, &header);
         let pass = sampler.pass(&plan, 0, items(stream)).map_err(|error| error.to_string())?;
-        let sampled = Findings::of(&sampler, pass).estimate(&machine, 1.0);
+        let sampled = Findings::of(&sampler, pass).estimate(&machine, 2);
         if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
     });
 }
@@ -140,7 +142,7 @@ fn a_sample_without_windows_is_refused() {
     let error = run(&shipped("desktop"), fidelity, &header, items(stream)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "none of the stream's 4 windows of 2048 pixels is in the sample, which has 2 in 20000: a higher `rate` is needed"
+        "none of the stream's 4 windows of 2048 pixels is in the sample of 0.0001 of them: a higher `rate` is needed"
     );
 }
 
@@ -161,10 +163,11 @@ fn windows_by_themselves_add_up() {
     for name in ["small", "desktop"] {
         let machine = shipped(name);
         let whole = on(&machine, &header, "Event", &stream);
-        let plan = Plan { draws: 0..2, ..Plan::new(1.0, &machine, 0) };
+        // So many points that all but the smallest windows have some.
+        let plan = Plan { draws: 0..200, ..Plan::new(1.0, &machine, 0) };
         let sampler = Sampler::new(Sampled::Event, &machine, &header);
         let found = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream.clone())).unwrap());
-        let sampled = found.estimate(&machine, plan.rate());
+        let sampled = found.estimate(&machine, 200);
         let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
         let moved = |stats: &MachineStats, level| stats.moved(level).0;
         let all = [
@@ -213,12 +216,11 @@ fn auto_is_as_close_as_was_asked_and_says_what_it_took() {
     }
 }
 
-/// All windows of the recorded stream on `small`, in strata of 20.
+/// All windows of the recorded stream on `small`.
 struct Census {
     windows: Vec<Window>,
-    /// What is known of them, and of their groups.
-    inside: Population,
-    groups: Population,
+    /// What is known of them, by span.
+    known: [Columns; Span::ALL.len()],
 }
 
 fn census() -> Census {
@@ -226,49 +228,55 @@ fn census() -> Census {
     let mut machine = shipped("small");
     // The stream is short: a small pool makes for many windows.
     machine.dispatcher.rays = num(16);
-    let plan = Plan { stratum: 2, draws: 0..2, cut: CUT, seed: 0 };
+    let plan = Plan { stratum: 2.0, draws: 0..1000, cut: CUT, seed: 0 };
     let sampler = Sampler::new(Sampled::Event, &machine, &header);
     let mut windows = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream)).unwrap()).measured;
-    let strata = (0..windows.len().div_ceil(STRATUM)).map(|at| STRATUM.min(windows.len() - at * STRATUM) as u64);
-    let mut inside = Population { strata: strata.collect(), ..Population::default() };
-    let mut groups = inside.clone();
+    let mut sums = Span::ALL.map(|_| Population::default());
     for window in &mut windows {
         // Groups overlap: here each counts as it is.
-        window.operations = window.group.known[0];
-        inside.add(&window.inside.known);
-        groups.add(&window.group.known);
+        window.operations = window.span(Span::Group).known[0];
+        sums.iter_mut().zip(&window.spans).for_each(|(sum, part)| sum.add(&part.known));
     }
-    Census { windows, inside, groups }
+    Census { windows, known: sums.map(|sum| sum.known) }
 }
 
 impl Census {
-    /// The estimate of a figure from the windows that a pass and those before it measure, and the truth.
-    fn found(&self, name: &str, draws: usize, seed: u64) -> (Total, f64) {
-        let inside = name != "dram.reads";
-        let population = if inside { &self.inside } else { &self.groups };
-        let part = |window: &Window| if inside { &window.inside } else { &window.group }.figures[name];
-        let total = estimate(population, &drawn(&self.windows, draws, seed), 64)[name];
-        (total, self.windows.iter().map(part).sum())
+    /// The windows with points that a pass and those before it measure, and all strata.
+    fn drawn(&self, draws: usize, seed: u64) -> (Vec<Window>, Vec<f64>) {
+        let mut axis = Axis::new(Plan { draws: 0..draws, seed, ..PLAN }, draws);
+        let mut drawn = Vec::new();
+        for window in &self.windows {
+            let (size, hits) = axis.next(&window.span(Span::Own).known);
+            if !hits.is_empty() {
+                drawn.push(Window { size, hits, ..window.clone() });
+            }
+        }
+        (drawn, axis.strata())
+    }
+
+    /// The estimate of a figure from these windows, and the truth.
+    fn found(&self, (name, span): (&str, Span), draws: usize, seed: u64) -> (Total, f64) {
+        let (drawn, strata) = self.drawn(draws, seed);
+        let population = Population { strata, windows: self.windows.len(), known: self.known[span as usize] };
+        let total = estimate(&population, &drawn, draws, 64)[name];
+        (total, self.windows.iter().map(|window| window.span(span).figures[name]).sum())
     }
 }
 
-const STRATUM: usize = 20;
 const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
-
-/// The windows that a pass and those before it measure.
-fn drawn(windows: &[Window], draws: usize, seed: u64) -> Vec<Window> {
-    let plan = Plan { stratum: STRATUM, draws: 0..draws, cut: CUT, seed };
-    let measured = |at: usize| plan.drawn(at / STRATUM, draws)[at % STRATUM].is_some();
-    let sample = windows.iter().enumerate().filter(|&(at, _)| measured(at));
-    sample.map(|(at, window)| Window { stratum: at / STRATUM, ..window.clone() }).collect()
-}
+const PLAN: Plan = Plan { stratum: 20.0, draws: 0..2, cut: CUT, seed: 0 };
 
 /// The truth lies within the 95 % intervals in 93 to 97 % of 1000 samples of windows that were all measured.
 #[test]
 fn intervals_cover_the_truth_as_often_as_they_say() {
     let census = census();
     assert!(census.windows.len() > 200, "{}", census.windows.len());
-    let names = ["cycles", "dram.reads", "=bytes.l2", "caches.l1_traversal.node.misses"];
+    let names = [
+        ("cycles", Span::Inside),
+        ("dram.reads", Span::Group),
+        ("=bytes.l2", Span::Own),
+        ("caches.l1_traversal.node.misses", Span::Inside),
+    ];
     let mut covered = names.map(|_| 0);
     let mut widths = names.map(|_| 0.0);
     for seed in 0..1000 {
@@ -279,7 +287,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
         }
     }
     println!("{names:?}: {covered:?} of 1000, mean half widths {widths:.3?}");
-    for (name, covered) in names.into_iter().zip(covered) {
+    for ((name, _), covered) in names.into_iter().zip(covered) {
         assert!((930..=970).contains(&covered), "{name}: {covered} of 1000");
     }
 }
@@ -295,15 +303,15 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
             // As sampling to a target goes on: at most half of all windows, then everything is replayed.
             let mut draws = 2;
             let first = loop {
-                let found = census.found("cycles", draws, seed);
+                let found = census.found(("cycles", Span::Inside), draws, seed);
                 let share = found.0.share().unwrap();
-                let tells = drawn(&census.windows, draws, seed).len() >= TELLING;
+                let tells = census.drawn(draws, seed).0.len() >= TELLING;
                 if share <= target && tells {
                     break Some(found);
                 }
-                let plan = Plan { stratum: STRATUM, draws: 0..draws, cut: CUT, seed };
+                let plan = Plan { draws: 0..draws, ..PLAN };
                 draws = if tells { plan.enough_draws(share, target) } else { 2 * draws };
-                if draws > STRATUM / 2 {
+                if draws > 10 {
                     break None;
                 }
             };
