@@ -33,9 +33,6 @@ pub enum Found {
     End(Figures),
 }
 
-/// A job's number, and what it found.
-pub type Numbered = (usize, Result<Found, RunError<Infallible>>);
-
 /// Replays `job` with `engine`, which is new.
 pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
     let Job { info, tags, work, .. } = job;

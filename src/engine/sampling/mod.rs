@@ -9,7 +9,6 @@ mod kept;
 pub mod known;
 mod pass;
 mod plan;
-mod queue;
 mod regression;
 mod tags;
 mod windows;

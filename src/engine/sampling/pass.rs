@@ -1,23 +1,23 @@
 //! A pass over a stream: one thread reads it, one cuts it and keeps the tags warm, and the others replay what is measured.
 
 use std::convert::Infallible;
-use std::sync::mpsc::sync_channel;
-use std::sync::{Mutex, PoisonError};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 
 use super::estimate::Population;
-use super::job::{self, Found, Numbered};
+use super::job::{self, Found};
 use super::kept::Kept;
 use super::plan::Plan;
-use super::queue::{Queue, Task, Worker};
 use super::windows::{Job, Windows};
 use crate::engine::{Engine, RunError, Sampled, event, functional, profile};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
-/// Items that may wait to be cut.
+/// Items that may wait to be cut, and jobs that may wait to be replayed, which hold the tags of a machine each.
 const ITEMS: usize = 4;
+const JOBS: usize = 2;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]
@@ -59,28 +59,35 @@ impl<'a> Sampler<'a> {
         items: impl Iterator<Item = Result<Item, E>>,
     ) -> Result<Pass, RunError<E>> {
         let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep);
-        let queue = Queue::new(Kept::new(plan.draws.end..keep.max(plan.draws.end)));
-        // Where threads do what may not be wanted, the one that cuts is not to wait for them.
-        let workers = if keep > plan.draws.end { (self.threads - 1).max(1) } else { self.threads };
-        let (windows, found, read) = thread::scope(|scope| {
-            let workers: Vec<_> =
-                (0..workers).map(|_| queue.worker()).map(|worker| scope.spawn(move || self.work(&worker))).collect();
+        let mut kept = Kept::new(plan.draws.end..keep.max(plan.draws.end));
+        thread::scope(|scope| {
+            let (jobs, received) = sync_channel(JOBS);
+            // Shared by the workers alone: should all of them panic, nothing can be sent.
+            let received = Arc::new(Mutex::new(received));
+            // Reading takes little of a processor's time, and cutting waits where much is replayed.
+            let workers: Vec<_> = (0..self.threads)
+                .map(|_| Arc::clone(&received))
+                .map(|received| scope.spawn(move || self.work(&received)))
+                .collect();
+            drop(received);
             let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
-            let queue = &queue;
             let cutter = scope.spawn(move || {
-                let _closes = Closes(queue);
                 for job in to_cut.into_iter().flat_map(|item| windows.add(&item)) {
-                    let is_wanted = plan.draws.contains(&job.draw);
-                    queue.put(job, is_wanted);
+                    if !plan.draws.contains(&job.draw) {
+                        kept.add(job);
+                    } else if jobs.send(job).is_err() {
+                        // All workers have panicked, which comes out when they are joined.
+                        break;
+                    }
                 }
-                windows
+                (windows, kept)
             });
             let mut read = Ok(());
             for item in items {
                 match item {
                     Ok(item) => {
                         if items_read.send(item).is_err() {
-                            // The cutter has panicked.
+                            // The cutter has panicked, or all workers.
                             break;
                         }
                     }
@@ -91,40 +98,30 @@ impl<'a> Sampler<'a> {
                 }
             }
             drop(items_read);
-            let windows = joined(cutter);
+            let (Windows { population, rays, .. }, kept) = joined(cutter);
             let found = workers.into_iter().flat_map(joined).collect();
-            (windows, found, read)
-        });
-        read?;
-        let Windows { population, rays, .. } = windows;
-        Ok(Pass { population, rays, found: in_order(found)?, kept: queue.into_kept() })
+            read?;
+            Ok(Pass { population, rays, found: in_order(found)?, kept })
+        })
     }
 
-    /// Replays `jobs`; what was found, with what others found before.
-    pub fn replay<E>(&self, (jobs, mut done): (Vec<Job>, Vec<Numbered>)) -> Result<Vec<Found>, RunError<E>> {
+    /// Replays `jobs`.
+    pub fn replay<E>(&self, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
             std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect::<Vec<_>>()
         };
-        done.extend(thread::scope(|scope| {
+        let found = thread::scope(|scope| {
             let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
-            workers.into_iter().flat_map(joined).collect::<Vec<_>>()
-        }));
-        in_order(done)
+            workers.into_iter().flat_map(joined).collect()
+        });
+        in_order(found)
     }
 
-    fn work(&self, worker: &Worker<'_>) -> Vec<Numbered> {
-        let mut wanted = Vec::new();
-        while let Some(Task { job, is_ahead }) = worker.next() {
-            let found = self.replay_one(&job);
-            if is_ahead {
-                worker.done_ahead(job.draw, found);
-            } else {
-                wanted.push(found);
-            }
-        }
-        wanted
+    fn work(&self, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
+        let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv().ok();
+        std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect()
     }
 
     fn replay_one(&self, job: &Job) -> Numbered {
@@ -149,14 +146,8 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// Closes a queue, also if who fills it panics.
-struct Closes<'a>(&'a Queue);
-
-impl Drop for Closes<'_> {
-    fn drop(&mut self) {
-        self.0.close();
-    }
-}
+/// What a job found, and its number.
+type Numbered = (usize, Result<Found, RunError<Infallible>>);
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
