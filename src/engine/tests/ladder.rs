@@ -122,9 +122,9 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
         plan.draws = 2..3;
         findings.add(sampler.replay::<Infallible>(kept.take(&plan.draws).unwrap()).unwrap());
         // What was kept is what another pass would measure.
-        let again = sampler.pass(&plan, 0, items(stream.clone())).unwrap();
+        let again = sampler.pass(&plan, 4, items(stream.clone())).unwrap();
         let mut passed =
-            Findings::of(&sampler, sampler.pass(&Plan { draws: 0..2, ..plan }, 0, items(stream.clone())).unwrap());
+            Findings::of(&sampler, sampler.pass(&Plan { draws: 0..2, ..plan }, 4, items(stream.clone())).unwrap());
         passed.add(again.found);
         assert!(passed == findings);
         findings
@@ -142,7 +142,7 @@ fn a_sample_without_windows_is_refused() {
     let error = run(&shipped("desktop"), fidelity, &header, items(stream)).unwrap_err().to_string();
     assert_eq!(
         error,
-        "none of the stream's 4 windows of 2048 pixels is in the sample of 0.0001 of them: a higher `rate` is needed"
+        "none of the stream's 4 windows of 8192 pixels is in the sample of 0.0001 of them: a higher `rate` is needed"
     );
 }
 
