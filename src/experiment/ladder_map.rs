@@ -11,7 +11,7 @@ use crate::engine::{self, Fidelity, ReuseOf, Share};
 use crate::machine::MachineSpec;
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 use crate::ranged::Within;
-use crate::report::ladder_map::{Axis, Figure, LadderMap, Point, Row};
+use crate::report::ladder_map::{Axis, Covered, Figure, LadderMap, Point, Row};
 use crate::scene::builtin::shapes::hash;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{
@@ -19,7 +19,7 @@ use crate::stream::{
 };
 
 /// Rays of a stream, and of a chunk of it.
-const RAYS: u64 = 16_384;
+const RAYS: u64 = 131_072;
 const CHUNK: u64 = 4096;
 /// Steps of a ray: nodes, then triangles.
 const NODES: u64 = 20;
@@ -234,7 +234,7 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
     let exact =
         |stats: &MachineStats| Row { errors: Figure::ALL.map(|figure| figure.error(stats, &event)), covered: None };
     let sampled = || {
-        let (mut worst, mut covered) = ([None; Figure::ALL.len()], 0);
+        let (mut worst, mut covered) = ([None; Figure::ALL.len()], Covered::default());
         for seed in 0..SEEDS {
             let engine = engine::Sampled::Event;
             let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None });
@@ -245,7 +245,8 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
                 }
             }
             if let Accuracy::Estimated { cycles, .. } = stats.accuracy {
-                covered += u32::from((event.cycles.0 as f64 / stats.cycles.0 as f64 - 1.0).abs() <= cycles);
+                covered.told += 1;
+                covered.held += u32::from((event.cycles.0 as f64 / stats.cycles.0 as f64 - 1.0).abs() <= cycles);
             }
         }
         Row { errors: worst, covered: Some(covered) }
@@ -268,7 +269,7 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
         reuse(ReuseOf::Sample { rate: share(LINES), hot: 0 }),
     ];
     bar.inc(1);
-    Point { value: value.into(), cycles: event.cycles, rows, seeds: SEEDS as u32 }
+    Point { value: value.into(), cycles: event.cycles, rows }
 }
 
 #[cfg(test)]

@@ -40,8 +40,15 @@ pub struct Point {
     pub cycles: Cycle,
     /// What each of [`LadderMap::rows`] makes of it.
     pub rows: Vec<Row>,
-    /// Samples that were tried, each with other rays.
-    pub seeds: u32,
+}
+
+/// How often samples of other rays each had the truth in their interval of cycles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Covered {
+    /// How many had.
+    pub held: u32,
+    /// How many had an interval.
+    pub told: u32,
 }
 
 /// What a rung makes of a point.
@@ -49,8 +56,8 @@ pub struct Point {
 pub struct Row {
     /// Share by which each of [`Figure::ALL`] is off; absent where the rung doesn't say, or `Event` has none. The worst of several samples.
     pub errors: [Option<f64>; Figure::ALL.len()],
-    /// Of the samples, how many had the truth in their interval of cycles.
-    pub covered: Option<u32>,
+    /// What a sample's intervals are worth.
+    pub covered: Option<Covered>,
 }
 
 /// What is compared.
@@ -130,10 +137,10 @@ pub fn grid(map: &LadderMap) -> Grid {
             rows.push(vec![name.clone(), figure.name().into(), percent(mean), signed(*worst), place]);
         }
         let samples = map.axes.iter().flat_map(|axis| &axis.points);
-        let covered: Vec<_> = samples.filter_map(|point| Some((point.rows[index].covered?, point.seeds))).collect();
+        let covered: Vec<_> = samples.filter_map(|point| point.rows[index].covered).collect();
         if !covered.is_empty() {
-            let (held, tried) = covered.iter().fold((0, 0), |(held, tried), it| (held + it.0, tried + it.1));
-            let text = format!("{held} of {tried}");
+            let (held, told) = covered.iter().fold((0, 0), |(held, told), it| (held + it.held, told + it.told));
+            let text = format!("{held} of {told}");
             rows.push(vec![name.clone(), "intervals of cycles that hold".into(), text, String::new(), String::new()]);
         }
     }
@@ -146,7 +153,7 @@ fn signed(share: f64) -> String {
 
 fn csv(map: &LadderMap) -> Result<Vec<u8>, csv::Error> {
     let mut csv = csv::Writer::from_writer(Vec::new());
-    csv.write_record(["axis", "value", "event_cycles", "rung", "figure", "error", "intervals_that_hold", "samples"])?;
+    csv.write_record(["axis", "value", "event_cycles", "rung", "figure", "error", "intervals_that_hold", "intervals"])?;
     for axis in &map.axes {
         for point in &axis.points {
             for (name, row) in map.rows.iter().zip(&point.rows) {
@@ -160,8 +167,8 @@ fn csv(map: &LadderMap) -> Result<Vec<u8>, csv::Error> {
                         name,
                         figure.name(),
                         &error.to_string(),
-                        &covered.map_or_else(String::new, |covered| covered.to_string()),
-                        &covered.map_or_else(String::new, |_| point.seeds.to_string()),
+                        &covered.map_or_else(String::new, |covered| covered.held.to_string()),
+                        &covered.map_or_else(String::new, |covered| covered.told.to_string()),
                     ])?;
                 }
             }

@@ -46,8 +46,8 @@ pub struct Rung {
     pub dram_bytes: Option<Spread>,
     /// Error of the share of cycles that a policy saves.
     pub saving: Option<Spread>,
-    /// Half the widths that it claims for cycles, for L2 and for DRAM bytes, at 95 %, on average.
-    pub claimed: Option<[f64; 3]>,
+    /// Half the widths that it claims for cycles, for L2 and for DRAM bytes, and for savings, at 95 %, on average.
+    pub claimed: Option<[Option<f64>; 4]>,
     /// Of the figures with an interval, how many lay in it, and how many there are.
     pub within: Option<[usize; 2]>,
     /// Where it puts two policies or two machines in another order than the truth does.
@@ -196,7 +196,7 @@ impl ParetoSummary {
             "L2",
             "DRAM",
             "saving",
-            "claimed (cycles, L2, DRAM)",
+            "claimed (cycles, L2, DRAM, saving)",
             "within",
             "other orders",
         ];
@@ -217,7 +217,7 @@ impl ParetoSummary {
                 spread(rung.l2_bytes),
                 spread(rung.dram_bytes),
                 spread(rung.saving),
-                or_absent(rung.claimed, |it| it.map(percent).join(", ")),
+                or_absent(rung.claimed, |it| it.map(|share| or_absent(share, percent)).join(", ")),
                 or_absent(rung.within, |[within, all]| format!("{within} of {all}")),
                 rung.disagreements.len().to_string(),
             ]
@@ -240,22 +240,29 @@ impl Rung {
         let baseline = |run: &Run| {
             runs.iter().find(|other| other.is_baseline && other.scene == run.scene && other.machine == run.machine)
         };
+        let saved = |with: Figures, without: Figures| 1.0 - with.cycles as f64 / without.cycles.max(1) as f64;
+        let off = |run: &Run| baseline(run).filter(|_| !run.is_baseline);
         let saving = |run: &Run| {
-            let off = baseline(run).filter(|_| !run.is_baseline)?;
-            let saved = |with: Figures, without: Figures| 1.0 - with.cycles as f64 / without.cycles.max(1) as f64;
+            let off = off(run)?;
             Some((saved(run.rungs[index].figures, off.rungs[index].figures) - saved(run.truth, off.truth)).abs())
         };
-        let intervals: Vec<(bool, f64, usize)> = runs
-            .iter()
-            .filter_map(|run| Some((run, run.rungs[index].claimed()?)))
-            .flat_map(|(run, claimed)| {
+        let of_figures =
+            runs.iter().filter_map(|run| Some((run, run.rungs[index].claimed()?))).flat_map(|(run, claimed)| {
                 let (found, truth) = (run.rungs[index].figures.all(), run.truth.all());
                 (0..3).map(move |it| ((found[it] - truth[it]).abs() <= claimed[it] * found[it], claimed[it], it))
-            })
-            .collect();
+            });
+        // The two samples that a saving is the change between are of different rays: at worst, their errors add up.
+        let of_saving = runs.iter().filter_map(|run| {
+            let off = off(run)?;
+            let [with, without] = [run.rungs[index].claimed()?[0], off.rungs[index].claimed()?[0]];
+            let claimed = (1.0 - saved(run.rungs[index].figures, off.rungs[index].figures)) * (with + without);
+            Some((saving(run)? <= claimed, claimed, 3))
+        });
+        let intervals: Vec<(bool, f64, usize)> = of_figures.chain(of_saving).collect();
         let claimed = |figure: usize| {
             let of_figure = || intervals.iter().filter(move |(_, _, it)| *it == figure);
-            of_figure().map(|(_, claimed, _)| claimed).sum::<f64>() / of_figure().count() as f64
+            let count = of_figure().count();
+            (count > 0).then(|| of_figure().map(|(_, claimed, _)| claimed).sum::<f64>() / count as f64)
         };
         Self {
             name,
@@ -263,7 +270,7 @@ impl Rung {
             l2_bytes: figure(1),
             dram_bytes: figure(2),
             saving: Spread::of(runs.iter().filter_map(saving)),
-            claimed: (!intervals.is_empty()).then(|| [claimed(0), claimed(1), claimed(2)]),
+            claimed: (!intervals.is_empty()).then(|| [0, 1, 2, 3].map(claimed)),
             within: (!intervals.is_empty())
                 .then(|| [intervals.iter().filter(|(within, ..)| *within).count(), intervals.len()]),
             disagreements: disagreements(index, runs),
@@ -391,8 +398,9 @@ mod tests {
         close(cycles.worst, 1100.0 / 980.0 - 1.0);
         close(cycles.mean, (0.02 + 1100.0 / 980.0 - 1.0) / 2.0);
         assert_eq!(rung.dram_bytes, None);
-        // Of six figures that are claimed one lies outside: the cycles of `A`.
-        assert_eq!(rung.within, Some([5, 6]));
+        // Of seven figures that are claimed two lie outside: the cycles of `A`, and what `A` saves.
+        assert_eq!(rung.within, Some([5, 7]));
+        close(rung.claimed.unwrap()[3].unwrap(), 1100.0 / 1020.0 * 0.1);
         close(rung.saving.unwrap().worst, 1100.0 / 1020.0 - 0.98);
         assert_eq!(rung.disagreements, ["room on `small`: `Off` and `A`, which are 2.0 % apart"]);
         assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [true]);

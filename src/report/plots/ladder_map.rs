@@ -79,7 +79,7 @@ fn panel(
                 let Row { errors, covered } = point.rows[row];
                 let Some(error) = errors[figure as usize] else { continue };
                 canvas.rect((x, y), (x + width - 1, y + ROW - 1), look(error))?;
-                let lies = covered.is_some_and(|covered| covered + 1 < point.seeds) && figure == Figure::Cycles;
+                let lies = covered.is_some_and(|covered| covered.held + 1 < covered.told) && figure == Figure::Cycles;
                 let text = Text::NOTE.colored(palette::INK).centered();
                 let text = if lies { text.bold() } else { text };
                 canvas.text(&short(error), (x + width / 2, y + ROW / 2), text)?;

@@ -16,12 +16,12 @@ const LEAST: f64 = 1e-4;
 
 type Figure = fn(&Rung) -> Option<Spread>;
 
-/// Panels: a title, the errors, and which claimed width belongs to them.
-const PANELS: [(&str, Figure, Option<usize>); 4] = [
-    ("Cycles", |rung| rung.cycles, Some(0)),
-    ("Bytes between L1s and L2", |rung| rung.l2_bytes, Some(1)),
-    ("DRAM bytes", |rung| rung.dram_bytes, Some(2)),
-    ("Share of cycles saved by a policy (difference of shares)", |rung| rung.saving, None),
+/// Panels: a title, and the errors, in the order of what rungs claim.
+const PANELS: [(&str, Figure); 4] = [
+    ("Cycles", |rung| rung.cycles),
+    ("Bytes between L1s and L2", |rung| rung.l2_bytes),
+    ("DRAM bytes", |rung| rung.dram_bytes),
+    ("Share of cycles saved by a policy (difference of shares)", |rung| rung.saving),
 ];
 
 /// The chart.
@@ -49,9 +49,9 @@ pub fn draw(summary: &ParetoSummary, timings: &[Timing]) -> Result<String, DrawE
         let speeds = timings.iter().map(Timing::speed);
         let slowest = speeds.clone().fold(f64::INFINITY, f64::min).log10().floor();
         let fastest = speeds.fold(1.0, f64::max).log10().ceil().max(slowest + 1.0);
-        PANELS.into_iter().zip(0..).try_for_each(|((title, figure, claimed), panel)| {
+        PANELS.into_iter().zip(0..).try_for_each(|((title, figure), panel)| {
             let top = top + panel * (ABOVE + PANEL + BELOW) + ABOVE;
-            Panel { canvas, top, slowest, fastest }.draw(title, summary, timings, figure, claimed)
+            Panel { canvas, top, slowest, fastest }.draw(title, summary, timings, figure, panel as usize)
         })
     })
 }
@@ -81,7 +81,7 @@ impl Panel<'_, '_> {
         summary: &ParetoSummary,
         timings: &[Timing],
         figure: Figure,
-        claimed: Option<usize>,
+        claimed: usize,
     ) -> Result<(), DrawError> {
         let (canvas, bottom) = (self.canvas, self.top + PANEL);
         canvas.text(title, (LEFT, self.top - 20), Text::LABEL.bold())?;
@@ -113,8 +113,8 @@ impl Panel<'_, '_> {
             }
             canvas.line(vec![(x, self.y(mean)), (x, self.y(worst))], color, 2)?;
             canvas.dot((x, self.y(mean)), 4, color)?;
-            if let (Some(figure), Some(widths)) = (claimed, rung.claimed) {
-                let y = self.y(widths[figure]);
+            if let Some(width) = rung.claimed.and_then(|widths| widths[claimed]) {
+                let y = self.y(width);
                 canvas.line(vec![(x - 7, y), (x + 7, y)], color, 2)?;
             }
         }
