@@ -68,11 +68,6 @@ impl Plan {
         Self { stratum: 2.0 / rate, draws: 0..2, cut: Cut::new(machine), seed }
     }
 
-    /// Points a window, of this pass and those before.
-    pub fn rate(&self) -> f64 {
-        self.draws.end as f64 / self.stratum
-    }
-
     /// How many points a stratum should do for intervals of `target`, when those so far gave `share`: intervals shrink with the root of
     /// the number of points. A quarter more is taken, since the width of an interval is itself known from a sample only.
     pub fn enough_draws(&self, share: f64, target: f64) -> usize {

@@ -40,8 +40,8 @@ pub struct Tags {
     known: Known,
 }
 
-/// Steps that a ray makes in its turn. One would stand for the machine's order best; four take three quarters of the time, and differ by
-/// at most a hundredth in lines of the L2 (kitchen on `small`) and not in those of the DRAM.
+/// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the time, and differ by
+/// about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in those of the DRAM.
 const BURST: usize = 8;
 
 /// A ray in flight.
