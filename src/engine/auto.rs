@@ -20,7 +20,7 @@ use crate::stream::{Chunk, Header, Item, RayKind, Totals};
 const PILOT: u64 = 2000;
 /// Pixels of the pilot at least.
 const LEAST_PIXELS: u64 = 512;
-/// Windows with which sampling begins: some more than tell, since strata are whole and the last one is short.
+/// Points with which sampling begins: some more than the windows that tell, since large windows have several.
 const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
 /// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed.
 const LEAST_RATE: f64 = 0.01;

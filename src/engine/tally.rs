@@ -37,7 +37,7 @@ pub struct UnitTally {
     pub written_through: PerClass<Past>,
     /// Reads that went past its L1.
     pub read_straight: PerClass<Past>,
-    /// Reads that marked rays sent to the L2; of engines that replay samples.
+    /// Misses of marked rays; of engines that replay samples.
     pub marked: PerClass<u64>,
 }
 

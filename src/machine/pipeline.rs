@@ -100,7 +100,7 @@ pub struct Pipeline {
     straight: VecDeque<(LineAddr, RayId)>,
     most_straight: usize,
     read_straight: [Past; TrafficClass::ALL.len()],
-    /// Reads that marked rays sent to the L2.
+    /// Misses of marked rays.
     marked: [u64; TrafficClass::ALL.len()],
 }
 
@@ -282,7 +282,7 @@ impl Pipeline {
         self.banks.clear();
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
-            let marked = u64::from(rays[ray as usize].marked);
+            let marked = rays[ray as usize].marked;
             let fetch = &mut rays[ray as usize].fetch;
             let access = self.writes.access(fetch.class, fetch.write);
             let room = self.out.len() < self.out_places;
@@ -294,7 +294,6 @@ impl Pipeline {
                 (fetch.left, fetch.missing) = (0, 1);
                 self.out.push_back(Request { line, class, write: false, bytes, from: self.part });
                 self.straight.push_back((line, ray));
-                self.marked[class as usize] += marked;
                 self.read_straight[class as usize].count += 1;
                 self.read_straight[class as usize].bytes += bytes;
                 self.waiting += 1;
@@ -313,7 +312,7 @@ impl Pipeline {
                 Lookup::Merged => {}
                 Lookup::Miss => {
                     let (line, class) = (fetch.line, fetch.class);
-                    self.marked[class as usize] += marked;
+                    self.marked[class as usize] += u64::from(marked);
                     self.out.push_back(Request { line, class, write: false, bytes: self.line, from: self.part });
                 }
             }
@@ -383,7 +382,7 @@ impl Pipeline {
         &self.read_straight
     }
 
-    /// Reads that marked rays sent to the L2, by class.
+    /// Misses of marked rays, by class.
     pub fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
         &self.marked
     }

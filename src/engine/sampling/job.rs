@@ -72,8 +72,8 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
                 figures: figures::difference(&closed.figures, &opened.figures),
             };
-            let reads = std::array::from_fn(|class| closed.reads[class] - opened.reads[class]);
-            let asked = Part { known: own, figures: asked_for(&inside.figures, &reads, &tally, machine) };
+            let missed = std::array::from_fn(|class| closed.missed[class] - opened.missed[class]);
+            let asked = Part { known: own, figures: asked_for(&inside.figures, &missed, &tally, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
             let window = Window { size: *size, hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
@@ -109,14 +109,16 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     figures
 }
 
-/// Bytes between the L1s and the L2 by the window's own rays: lines that they asked for, instead of those that were asked for between the marks.
-/// What was written is that of the marks.
-fn asked_for(inside: &Figures, reads: &PerClass<u64>, tally: &Tally, machine: &MachineSpec) -> Figures {
+/// Bytes between the L1s and the L2 by the window's own rays: lines that they missed, instead of those that were missed between the marks.
+/// What is written, what is read past an L1, and what is missed for entries of stores when a register writes them out for no ray, is that of the marks.
+fn asked_for(inside: &Figures, missed: &PerClass<u64>, tally: &Tally, machine: &MachineSpec) -> Figures {
     let (caches, line) = (machine.l2.caches(), machine.line_bytes.get() as f64);
     let (mut figures, mut sum) = (Figures::new(), 0.0);
     for class in TrafficClass::ALL {
-        let asked: u64 = tally.units.iter().flatten().map(|unit| unit.marked[class as usize]).sum();
-        let more = (asked as f64 - reads[class as usize] as f64) * line;
+        let of_scene = matches!(class, TrafficClass::Node | TrafficClass::List | TrafficClass::Triangle);
+        let is_of_rays = of_scene || machine.shadow_cache.register.get() == 0;
+        let own: u64 = tally.units.iter().flatten().map(|unit| unit.marked[class as usize]).sum();
+        let more = if is_of_rays { (own as f64 - missed[class as usize] as f64) * line } else { 0.0 };
         let name = format!("bytes.{}.{}", caches[machine.l2.home(class)].0, class.name());
         let moved = inside.get(&name).copied().unwrap_or(0.0) + more;
         figures.insert(name, moved);
@@ -139,8 +141,8 @@ struct Mark {
     over: usize,
     figures: Figures,
     operations: [u64; Kind::ALL.len()],
-    /// Lines that the L2 was asked for.
-    reads: PerClass<u64>,
+    /// Lines that L1s missed.
+    missed: PerClass<u64>,
 }
 
 /// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more are done as the window
@@ -205,8 +207,9 @@ impl Feed<Infallible> for JobFeed<'_> {
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());
-        let reads = std::array::from_fn(|class| tally.banks.iter().map(|bank| bank.reads[class]).sum());
-        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations, reads });
+        let units = || tally.units.iter().flatten();
+        let missed = std::array::from_fn(|class| units().map(|unit| unit.cache[class].misses).sum());
+        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations, missed });
         None
     }
 }

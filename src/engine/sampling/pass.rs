@@ -51,7 +51,8 @@ impl<'a> Sampler<'a> {
         Self { engine, machine, header, threads }
     }
 
-    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`.
+    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same for all passes whose findings are added:
+    /// a window that is measured for its first point must know the later ones.
     pub fn pass<E>(
         &self,
         plan: &Plan,

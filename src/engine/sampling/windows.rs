@@ -172,6 +172,7 @@ impl Windows {
             }
             Item::End { policy, .. } => {
                 let mut jobs = self.cut();
+                (self.population.strata, self.population.windows) = (self.axis.strata(), self.axis.windows());
                 let open = take(&mut self.open);
                 jobs.extend(open.into_iter().filter_map(|open| self.job(open)));
                 if !policy.is_empty() {
@@ -262,8 +263,6 @@ impl Windows {
         } else if let Some(open) = self.open.iter_mut().find(|open| open.window == window) {
             (open.size, open.hits) = (size, hits);
         }
-        self.population.strata = self.axis.strata();
-        self.population.windows = self.axis.windows();
         self.population.add(&known);
         self.windows += 1;
     }

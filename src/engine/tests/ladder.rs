@@ -2,6 +2,7 @@
 
 use std::convert::Infallible;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::random::{machines, streams};
 use super::synthetic::header;
@@ -10,11 +11,12 @@ use crate::engine::sampling::axis::Axis;
 use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
 use crate::engine::sampling::known::{Columns, Span};
 use crate::engine::sampling::{Cut, TELLING};
+use crate::engine::tally::PerClass;
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
-use crate::stream::StreamReader;
+use crate::stream::{Chunk, StreamReader, Totals};
 
 use super::agreement::check_many;
 
@@ -162,24 +164,82 @@ fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
     for name in ["small", "desktop"] {
         let machine = shipped(name);
-        let whole = on(&machine, &header, "Event", &stream);
-        // So many points that all but the smallest windows have some.
-        let plan = Plan { draws: 0..200, ..Plan::new(1.0, &machine, 0) };
-        let sampler = Sampler::new(Sampled::Event, &machine, &header);
-        let found = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream.clone())).unwrap());
-        let sampled = found.estimate(&machine, 200);
-        let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
-        let moved = |stats: &MachineStats, level| stats.moved(level).0;
-        let all = [
-            off(sampled.cycles.0, whole.cycles.0),
-            off(moved(&sampled, "l2"), moved(&whole, "l2")),
-            off(moved(&sampled, "dram"), moved(&whole, "dram")),
-            off(moved(&sampled, "l1_traversal"), moved(&whole, "l1_traversal")),
-        ];
-        println!("{name}: {all:.4?} of cycles, L2 bytes, DRAM bytes, L1 bytes");
-        assert_eq!(sampled.rays, whole.rays);
-        assert!(all.iter().all(|off| off.abs() < 0.02), "{name}: {all:?}");
+        for engine in [Sampled::Event, Sampled::Functional, Sampled::Profile] {
+            let whole = on(&machine, &header, &engine.whole().to_string(), &stream);
+            // So many points that all but the smallest windows have some.
+            let plan = Plan { draws: 0..200, ..Plan::new(1.0, &machine, 0) };
+            let sampler = Sampler::new(engine, &machine, &header);
+            let found = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream.clone())).unwrap());
+            let sampled = found.estimate(&machine, 200);
+            let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
+            let moved = |stats: &MachineStats, level| stats.moved(level).0;
+            let all = [
+                off(sampled.cycles.0, whole.cycles.0),
+                off(moved(&sampled, "l2"), moved(&whole, "l2")),
+                off(moved(&sampled, "dram"), moved(&whole, "dram")),
+                off(moved(&sampled, "l1_traversal"), moved(&whole, "l1_traversal")),
+            ];
+            println!("{name}, {engine:?}: {all:.4?} of cycles, L2 bytes, DRAM bytes, L1 bytes");
+            assert_eq!(sampled.rays, whole.rays);
+            assert!(all.iter().all(|off| off.abs() < 0.02), "{name}, {engine:?}: {all:?}");
+        }
     }
+}
+
+/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and those of the others are all.
+#[test]
+fn misses_are_those_of_the_rays_that_ask() {
+    fn missed(engine: &mut impl Engine, machine: &MachineSpec, items: &[Item]) -> (u64, [PerClass<u64>; 2]) {
+        let tally = replay(engine, machine, items.iter().cloned().map(Ok::<_, Infallible>), None).unwrap();
+        let units = || tally.units.iter().flatten();
+        let sum = |of: fn(&UnitTally, usize) -> u64| std::array::from_fn(|class| units().map(|it| of(it, class)).sum());
+        (tally.cycles, [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.marked[class])])
+    }
+    check_many(100, (machines(), streams()), |(mut machine, stream)| {
+        // Steps of a frame's end are no ray's: there are none.
+        machine.shadow_cache.frame_end = FrameEnd::List;
+        // Every other chunk, and the others.
+        let marked = |odd: usize| -> Vec<Item> {
+            let mut totals = Totals::default();
+            let mark = |(at, item): (usize, &Item)| match item {
+                Item::Rays(chunk) => {
+                    chunk.rays().for_each(|ray| totals.count(&ray));
+                    let mut chunk = Chunk::clone(chunk);
+                    if at % 2 == odd {
+                        chunk.mark();
+                    }
+                    Item::Rays(Arc::new(chunk))
+                }
+                Item::End { .. } => Item::End { policy: Arc::default(), totals: std::mem::take(&mut totals) },
+                frame => frame.clone(),
+            };
+            stream.iter().enumerate().map(mark).collect()
+        };
+        let streams = [marked(0), marked(1)];
+        let header = header();
+        let event = |items: &Vec<Item>| missed(&mut event::Event::new(&machine, &header), &machine, items);
+        let mut by = vec![("Event", streams.each_ref().map(event))];
+        if stores_as_recorded(&machine) {
+            let functional =
+                |items: &Vec<Item>| missed(&mut functional::Functional::new(&machine, &header), &machine, items);
+            by.push(("Functional", streams.each_ref().map(functional)));
+            let profile = |items: &Vec<Item>| missed(&mut profile::Profile::new(&machine, &header), &machine, items);
+            by.push(("Profile", streams.each_ref().map(profile)));
+        }
+        for (engine, [(cycles, [all, some]), (as_many, [same, others])]) in by {
+            let sum: PerClass<u64> = std::array::from_fn(|class| some[class] + others[class]);
+            // A register writes entries of stores out for no ray.
+            let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
+            let is_right = |class: &TrafficClass| {
+                let (sum, all) = (sum[*class as usize], all[*class as usize]);
+                sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(class) && sum < all
+            };
+            if (cycles, all) != (as_many, same) || !TrafficClass::ALL.iter().all(is_right) {
+                return Err(format!("{engine}: {cycles} {as_many}, {all:?} {same:?}: {some:?} and {others:?}"));
+            }
+        }
+        Ok(())
+    });
 }
 
 #[test]
@@ -311,7 +371,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                 }
                 let plan = Plan { draws: 0..draws, ..PLAN };
                 draws = if tells { plan.enough_draws(share, target) } else { 2 * draws };
-                if draws > 10 {
+                if draws as f64 > PLAN.stratum / 2.0 {
                     break None;
                 }
             };
