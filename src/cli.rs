@@ -28,6 +28,9 @@ use umbrasim::stream::{Header, StreamReader, inspect};
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
+    /// Threads that trace, validate and replay samples; results don't depend on it [default: one a core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
 }
 
 const AFTER_HELP: &str = "\
@@ -279,17 +282,10 @@ struct ExperimentArgs {
     /// Trace pictures of this size instead of the file's [example: 512x512]
     #[arg(long, value_name = "WxH")]
     resolution: Option<Resolution>,
-    /// Threads that trace and validate; results don't depend on it [default: one a core]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
 }
 
 impl ExperimentArgs {
     fn load(&self) -> Result<Experiment> {
-        if let Some(threads) = self.threads {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
-            pool.build_global().context("cannot start the threads")?;
-        }
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
         Ok(Experiment::load(&self.config, overrides)?)
     }
@@ -297,6 +293,10 @@ impl ExperimentArgs {
 
 /// Runs the command; gives the exit status.
 pub fn execute(cli: Cli) -> Result<u8> {
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+        pool.build_global().context("cannot start the threads")?;
+    }
     match cli.command {
         Command::Run { experiment, out } => {
             let experiment = experiment.load()?;

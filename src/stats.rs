@@ -252,17 +252,23 @@ pub enum Accuracy {
 }
 
 impl Accuracy {
-    /// The largest of the shares, if there are any.
-    pub fn widest(&self) -> Option<f64> {
+    /// Half the widths of the intervals of cycles, L2 and DRAM bytes over the figures, where they are known.
+    pub fn shares(&self) -> Option<[f64; 3]> {
         match *self {
-            Self::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some(cycles.max(l2_bytes).max(dram_bytes)),
-            Self::Exact | Self::Few { .. } | Self::Bounded | Self::Unknown => None,
+            Self::Exact => Some([0.0; 3]),
+            Self::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some([cycles, l2_bytes, dram_bytes]),
+            Self::Few { .. } | Self::Bounded | Self::Unknown => None,
         }
+    }
+
+    /// The largest of the shares, if they are known.
+    pub fn widest(&self) -> Option<f64> {
+        self.shares().map(|shares| shares.into_iter().fold(0.0, f64::max))
     }
 
     /// Whether all shares that are known are at most `target`, and nothing else is known to be off.
     pub fn is_within(&self, target: f64) -> bool {
-        *self == Self::Exact || self.widest().is_some_and(|widest| widest <= target)
+        self.widest().is_some_and(|widest| widest <= target)
     }
 }
 

@@ -202,6 +202,8 @@ impl Engine for Event {
             cache: *bank.cache().counts(),
             moved: *bank.moved(),
             reads: *bank.reads(),
+            missed: *bank.missed(),
+            marked: *bank.marked(),
         });
         Tally {
             cycles,

@@ -50,6 +50,10 @@ pub struct BankTally {
     pub moved: PerClass<Bytes>,
     /// Reads among the accesses.
     pub reads: PerClass<u64>,
+    /// Misses among the reads.
+    pub missed: PerClass<u64>,
+    /// Those for marked rays; of engines that replay samples.
+    pub marked: PerClass<u64>,
 }
 
 /// What a channel of the DRAM counted.

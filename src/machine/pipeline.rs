@@ -292,7 +292,7 @@ impl Pipeline {
                 }
                 let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
                 (fetch.left, fetch.missing) = (0, 1);
-                self.out.push_back(Request { line, class, write: false, bytes, from: self.part });
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
                 self.straight.push_back((line, ray));
                 self.read_straight[class as usize].count += 1;
                 self.read_straight[class as usize].bytes += bytes;
@@ -313,7 +313,8 @@ impl Pipeline {
                 Lookup::Miss => {
                     let (line, class) = (fetch.line, fetch.class);
                     self.marked[class as usize] += u64::from(marked);
-                    self.out.push_back(Request { line, class, write: false, bytes: self.line, from: self.part });
+                    let bytes = self.line;
+                    self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
                 }
             }
             self.accessed = true;
@@ -330,7 +331,7 @@ impl Pipeline {
     }
 
     fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes) {
-        self.out.push_back(Request { line, class, write, bytes, from: self.part });
+        self.out.push_back(Request { line, class, write, bytes, from: self.part, marked: false });
     }
 
     fn idle_cause(&self, leaving: bool) -> Cause {

@@ -96,6 +96,8 @@ impl BankedSpec {
             line: Bytes(line),
             moved: [Bytes(0); TrafficClass::ALL.len()],
             reads: [0; TrafficClass::ALL.len()],
+            missed: [0; TrafficClass::ALL.len()],
+            marked: [0; TrafficClass::ALL.len()],
             waiting: Vec::new(),
         }
     }
@@ -123,6 +125,8 @@ pub struct Bank {
     line: Bytes,
     moved: [Bytes; TrafficClass::ALL.len()],
     reads: [u64; TrafficClass::ALL.len()],
+    missed: [u64; TrafficClass::ALL.len()],
+    marked: [u64; TrafficClass::ALL.len()],
     waiting: Vec<u32>,
 }
 
@@ -200,7 +204,7 @@ impl Bank {
 
     fn access(&mut self, now: u64, wake: &mut impl Wake) -> bool {
         let Some(request) = self.requests.first(now) else { return false };
-        let Request { line, class, write, bytes, from } = request;
+        let Request { line, class, write, bytes, from, marked } = request;
         let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
         let lookup = self.cache.access(line, class, access, reader, self.out.len() < self.out_places);
         match lookup {
@@ -212,12 +216,15 @@ impl Bank {
         }
         self.requests.take(now, wake);
         self.moved[class as usize] += bytes;
+        let missed = !write && lookup == Lookup::Miss;
         self.reads[class as usize] += u64::from(!write);
+        self.missed[class as usize] += u64::from(missed);
+        self.marked[class as usize] += u64::from(missed && marked);
         true
     }
 
     fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool) {
-        self.out.push_back(Request { line, class, write, bytes: self.line, from: self.part });
+        self.out.push_back(Request { line, class, write, bytes: self.line, from: self.part, marked: false });
     }
 
     fn send(&mut self, now: u64, dram: &mut Dram, wake: &mut impl Wake) -> bool {
@@ -256,6 +263,16 @@ impl Bank {
     /// Reads among the requests served, by class.
     pub fn reads(&self) -> &[u64; TrafficClass::ALL.len()] {
         &self.reads
+    }
+
+    /// Reads that missed, by class.
+    pub fn missed(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.missed
+    }
+
+    /// Marked ones among them.
+    pub fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.marked
     }
 
     /// The state of the queues, for the report of a deadlock.

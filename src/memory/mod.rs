@@ -31,6 +31,8 @@ pub struct Request {
     pub bytes: Bytes,
     /// Who gets the answer.
     pub from: PartId,
+    /// Whether it is for one of those whose misses are counted apart.
+    pub marked: bool,
 }
 
 /// Wakes parts at later cycles; the engine's scheduler is one.

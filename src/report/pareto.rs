@@ -130,10 +130,7 @@ pub struct Measured {
 impl Measured {
     /// Half the widths of its intervals over the figures.
     fn claimed(&self) -> Option<[f64; 3]> {
-        match self.accuracy {
-            Accuracy::Estimated { cycles, l2_bytes, dram_bytes, .. } => Some([cycles, l2_bytes, dram_bytes]),
-            Accuracy::Exact | Accuracy::Few { .. } | Accuracy::Bounded | Accuracy::Unknown => None,
-        }
+        self.accuracy.shares().filter(|_| self.accuracy != Accuracy::Exact)
     }
 }
 

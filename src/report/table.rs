@@ -107,27 +107,57 @@ pub fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
+/// How `figure` changes from one run to another, with an interval if they are known from samples: as wide as both runs' together, since these are of
+/// different rays.
+fn change_of(
+    figure: fn(&MachineRun) -> Option<f64>,
+    share: usize,
+    before: &MachineRun,
+    after: &MachineRun,
+) -> Option<String> {
+    let (old, new) = (figure(before)?, figure(after)?);
+    let text = change(old, new)?;
+    let share = |run: &MachineRun| Some(run.stats.accuracy.shares()?[share]);
+    let wide = share(before).zip(share(after)).map(|(before, after)| new / old * (before + after));
+    Some(match wide.filter(|&wide| wide > 0.0) {
+        Some(wide) => format!("{text} \u{b1} {}", percent(wide)),
+        None => text,
+    })
+}
+
+/// How far a run's cycles and DRAM bytes may be from the truth, in a word.
+fn error(accuracy: &Accuracy) -> String {
+    match *accuracy {
+        Accuracy::Exact => "none".into(),
+        Accuracy::Estimated { cycles, dram_bytes, .. } => {
+            format!("\u{b1} {} (cycles), {} (DRAM)", percent(cycles), percent(dram_bytes))
+        }
+        Accuracy::Few { windows, .. } => format!("unknown: {windows} windows"),
+        Accuracy::Bounded => "within bounds".into(),
+        Accuracy::Unknown => "unknown".into(),
+    }
+}
+
 /// The machines' key figures, with the change against the run without culling.
 pub fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 6] = ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use"];
+    const HEAD: [&str; 7] = ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error"];
     let mut rows = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
         for (policy, run) in machine.policies.iter() {
             let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let changed = |text: String, before: Option<f64>, after: Option<f64>| {
-                let change = before.zip(after).and_then(|(before, after)| change(before, after));
+            let changed = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+                let change = off.and_then(|off| change_of(figure, share, off, run));
                 change.map_or(text.clone(), |change| format!("{text} ({change})"))
             };
-            let cycles = |run: &MachineRun| run.stats.cycles.0 as f64;
-            let moved = |run: &MachineRun| dram_bytes(run).map(|bytes| bytes.0 as f64);
             rows.push(vec![
                 name.to_owned(),
                 policy.to_owned(),
-                changed(short(cycles(run)), off.map(cycles), Some(cycles(run))),
+                changed(short(run.stats.cycles.0 as f64), |run| Some(run.stats.cycles.0 as f64), 0),
                 or_absent(run.rays_per_second, short),
-                changed(or_absent(dram_bytes(run), bytes), off.and_then(moved), moved(run)),
+                changed(or_absent(dram_bytes(run), bytes), |run| Some(dram_bytes(run)?.0 as f64), 2),
                 or_absent(run.dram_utilization, percent),
+                error(&run.stats.accuracy),
             ]);
         }
     }

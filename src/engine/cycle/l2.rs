@@ -20,6 +20,7 @@ pub struct Bank {
     out: VecDeque<Request>,
     pub moved: [Bytes; TrafficClass::ALL.len()],
     pub reads: [u64; TrafficClass::ALL.len()],
+    pub missed: [u64; TrafficClass::ALL.len()],
 }
 
 impl Bank {
@@ -34,6 +35,7 @@ impl Bank {
             out: VecDeque::new(),
             moved: Default::default(),
             reads: Default::default(),
+            missed: Default::default(),
         }
     }
 
@@ -90,6 +92,7 @@ impl Bank {
         self.moved[class as usize] += bytes;
         if !write {
             self.reads[class as usize] += 1;
+            self.missed[class as usize] += u64::from(met == Met::Miss);
         }
     }
 

@@ -175,7 +175,13 @@ impl Engine for Cycle {
     }
 
     fn tally(&self, cycles: u64) -> Tally {
-        let bank = |bank: &Bank| BankTally { cache: *bank.counts(), moved: bank.moved, reads: bank.reads };
+        let bank = |bank: &Bank| BankTally {
+            cache: *bank.counts(),
+            moved: bank.moved,
+            reads: bank.reads,
+            missed: bank.missed,
+            ..BankTally::default()
+        };
         let channel = |channel: &Channel| ChannelTally {
             counts: channel.counts,
             moved: channel.moved,

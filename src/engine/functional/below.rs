@@ -9,6 +9,7 @@ use crate::memory::bank::BankedSpec;
 use crate::memory::cache::{Access, Cache, Fill, Lookup};
 use crate::memory::dram::Dram;
 use crate::memory::l2::Home;
+use crate::memory::tags::Victim;
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
@@ -51,6 +52,8 @@ struct Bank {
     out: VecDeque<Request>,
     moved: PerClass<Bytes>,
     reads: PerClass<u64>,
+    missed: PerClass<u64>,
+    marked: PerClass<u64>,
 }
 
 /// L2 and DRAM. Its parts are numbered: banks, then channels.
@@ -86,6 +89,8 @@ impl Below {
             out: VecDeque::new(),
             moved: PerClass::default(),
             reads: PerClass::default(),
+            missed: PerClass::default(),
+            marked: PerClass::default(),
         };
         let l2 = machine.l2.caches();
         let dram = Dram::new(&machine.dram, machine.clock_mhz.get(), line, PartId(banks));
@@ -126,7 +131,7 @@ impl Below {
     fn access(&mut self, index: usize, request: Request, at: u64, calendar: &mut Calendar) {
         let bank = &mut self.banks[index];
         let at = at.max(bank.free_at);
-        let Request { line, class, write, bytes, from } = request;
+        let Request { line, class, write, bytes, from, marked } = request;
         let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
         let lookup = bank.cache.access(line, class, access, reader, true);
         match lookup {
@@ -135,14 +140,18 @@ impl Below {
             Lookup::Hit | Lookup::Merged => {}
             Lookup::Miss | Lookup::Passed => {
                 let (bytes, from) = (self.line, PartId(index as u32));
-                bank.out.push_back(Request { line, class, write: lookup == Lookup::Passed, bytes, from });
+                let write = lookup == Lookup::Passed;
+                bank.out.push_back(Request { line, class, write, bytes, from, marked: false });
                 self.wake(index as u32, at, calendar);
             }
         }
         let bank = &mut self.banks[index];
         bank.free_at = at + 1;
         bank.moved[class as usize] += bytes;
+        let missed = !write && lookup == Lookup::Miss;
         bank.reads[class as usize] += u64::from(!write);
+        bank.missed[class as usize] += u64::from(missed);
+        bank.marked[class as usize] += u64::from(missed && marked);
     }
 
     fn wake(&mut self, part: u32, at: u64, calendar: &mut Calendar) {
@@ -212,7 +221,8 @@ impl Below {
         waiting.clear();
         if let Fill::Done { victim: Some(victim) } = self.banks[index].cache.fill(line, true, &mut waiting) {
             let (bytes, from) = (self.line, PartId(index as u32));
-            let write = Request { line: victim.line, class: victim.class, write: true, bytes, from };
+            let Victim { line, class, .. } = victim;
+            let write = Request { line, class, write: true, bytes, from, marked: false };
             self.banks[index].out.push_back(write);
             self.wake(index as u32, at, calendar);
         }
@@ -247,7 +257,13 @@ impl Below {
 
     /// What the banks counted.
     pub fn banks(&self) -> Vec<BankTally> {
-        let tally = |bank: &Bank| BankTally { cache: *bank.cache.counts(), moved: bank.moved, reads: bank.reads };
+        let tally = |bank: &Bank| BankTally {
+            cache: *bank.cache.counts(),
+            moved: bank.moved,
+            reads: bank.reads,
+            missed: bank.missed,
+            marked: bank.marked,
+        };
         self.banks.iter().map(tally).collect()
     }
 

@@ -279,9 +279,10 @@ impl Functional {
         let core = self.crossing.core(station);
         let Self { rays, stations, below, calendar, line, .. } = self;
         let fetch = &mut rays[id as usize].fetch;
-        let (class, bytes, from) = (fetch.class, *line, PartId(station as u32));
+        let Fetch { class, marked, .. } = *fetch;
+        let (bytes, from) = (*line, PartId(station as u32));
         let fetched = stations[station].access(id, fetch, at, |line, at| {
-            below.request(core, Request { line, class, write: false, bytes, from }, at, calendar);
+            below.request(core, Request { line, class, write: false, bytes, from, marked }, at, calendar);
         });
         match fetched {
             Fetched::At(at) => self.begin(id, station, at),
@@ -300,7 +301,8 @@ impl Functional {
         let mut waiting = std::mem::take(&mut self.waiting);
         waiting.clear();
         if let Some((line, class)) = self.stations[station].fill(line, &mut waiting) {
-            let request = Request { line, class, write: true, bytes: self.line, from: PartId(unit) };
+            let (bytes, from) = (self.line, PartId(unit));
+            let request = Request { line, class, write: true, bytes, from, marked: false };
             self.below.request(self.crossing.core(station), request, now, &mut self.calendar);
         }
         waiting.iter().for_each(|&id| self.got_line(id, station, now));
@@ -327,7 +329,8 @@ impl Functional {
             let (line, class) = (LineAddr(ray.fetch.line.0 - 1), ray.fetch.class);
             let bytes = Bytes(ray.fetch.bytes.into());
             self.stations[station].write_through(class, bytes);
-            let request = Request { line, class, write: true, bytes, from: PartId(station as u32) };
+            let from = PartId(station as u32);
+            let request = Request { line, class, write: true, bytes, from, marked: false };
             self.below.request(core, request, begin, &mut self.calendar);
         }
         let unit = &mut self.stations[station];

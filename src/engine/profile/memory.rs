@@ -23,6 +23,15 @@ struct Bank {
     stalled_until: u64,
     moved: PerClass<Bytes>,
     reads: PerClass<u64>,
+    missed: PerClass<u64>,
+    marked: PerClass<u64>,
+}
+
+/// What came of an access: the bank, when it has the line, and whether it had to ask for it.
+struct Accessed {
+    bank: usize,
+    ready: u64,
+    missed: bool,
 }
 
 /// Everything below the L1s.
@@ -49,6 +58,8 @@ impl<W: Watch> Memory<W> {
             stalled_until: 0,
             moved: PerClass::default(),
             reads: PerClass::default(),
+            missed: PerClass::default(),
+            marked: PerClass::default(),
         };
         let l2 = machine.l2.caches();
         Self {
@@ -63,12 +74,14 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// An L1 of core `core` asks for a line in cycle `at`; gives when it comes.
-    pub fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, at: u64) -> u64 {
+    /// An L1 of core `core` asks for a line in cycle `at`, for a ray that is marked or not; gives when it comes.
+    pub fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
         let bytes = self.line;
-        let (bank, ready) = self.access(core, line, class, false, bytes, at);
+        let Accessed { bank, ready, missed } = self.access(core, line, class, false, bytes, at);
         let bank = &mut self.banks[bank];
         bank.reads[class as usize] += 1;
+        bank.missed[class as usize] += u64::from(missed);
+        bank.marked[class as usize] += u64::from(missed && marked);
         ready + bank.latency + 1
     }
 
@@ -77,7 +90,6 @@ impl<W: Watch> Memory<W> {
         self.access(core, line, class, true, bytes, at);
     }
 
-    /// The bank, and when it has the line.
     fn access(
         &mut self,
         core: usize,
@@ -86,7 +98,7 @@ impl<W: Watch> Memory<W> {
         write: bool,
         bytes: Bytes,
         at: u64,
-    ) -> (usize, u64) {
+    ) -> Accessed {
         let index = core * self.of_core + self.homes[class as usize].bank(line);
         self.watch.l2(core, line, class);
         let Self { banks, dram, .. } = self;
@@ -114,7 +126,7 @@ impl<W: Watch> Memory<W> {
                 at
             }
         };
-        (index, ready)
+        Accessed { bank: index, ready, missed: found == Found::Missing }
     }
 
     /// The L2s hold from now on what `banks` do.
@@ -147,7 +159,13 @@ impl<W: Watch> Memory<W> {
 
     /// What the banks counted.
     pub fn banks(&self) -> Vec<BankTally> {
-        let tally = |bank: &Bank| BankTally { cache: *bank.level.counts(), moved: bank.moved, reads: bank.reads };
+        let tally = |bank: &Bank| BankTally {
+            cache: *bank.level.counts(),
+            moved: bank.moved,
+            reads: bank.reads,
+            missed: bank.missed,
+            marked: bank.marked,
+        };
         self.banks.iter().map(tally).collect()
     }
 

@@ -91,7 +91,7 @@ impl Unit {
                 Found::Passed => unreachable!("a ray waits for the data"),
                 Found::Missing => {
                     self.marked[class as usize] += u64::from(marked);
-                    let comes = memory.read(core, line, class, when);
+                    let comes = memory.read(core, line, class, marked, when);
                     self.level.expect(line, class, access, comes);
                     comes
                 }

@@ -5,7 +5,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 use super::super::feed::Feed;
-use super::super::tally::{PerClass, Tally};
+use super::super::tally::{BankTally, PerClass, Tally, UnitTally};
 use super::super::work::{Kind, stores_as_recorded};
 use super::super::{Engine, RunError, check};
 use super::estimate::{Part, Window};
@@ -72,8 +72,8 @@ pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Resu
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
                 figures: figures::difference(&closed.figures, &opened.figures),
             };
-            let missed = std::array::from_fn(|class| closed.missed[class] - opened.missed[class]);
-            let asked = Part { known: own, figures: asked_for(&inside.figures, &missed, &tally, machine) };
+            let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::marked(&tally));
+            let asked = Part { known: own, figures: asked_for(&inside.figures, all_missed, own_missed, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
             let window = Window { size: *size, hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
@@ -109,23 +109,67 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     figures
 }
 
-/// Bytes between the L1s and the L2 by the window's own rays: lines that they missed, instead of those that were missed between the marks.
-/// What is written, what is read past an L1, and what is missed for entries of stores when a register writes them out for no ray, is that of the marks.
-fn asked_for(inside: &Figures, missed: &PerClass<u64>, tally: &Tally, machine: &MachineSpec) -> Figures {
+/// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed, instead of those that were missed
+/// between the marks. What is written, what is read past an L1, and what is missed for entries of stores when a register writes them out for no ray, is that
+/// of the marks.
+fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpec) -> Figures {
     let (caches, line) = (machine.l2.caches(), machine.line_bytes.get() as f64);
-    let (mut figures, mut sum) = (Figures::new(), 0.0);
+    let (mut figures, mut l2_bytes, mut dram_bytes) = (Figures::new(), 0.0, 0.0);
     for class in TrafficClass::ALL {
         let of_scene = matches!(class, TrafficClass::Node | TrafficClass::List | TrafficClass::Triangle);
         let is_of_rays = of_scene || machine.shadow_cache.register.get() == 0;
-        let own: u64 = tally.units.iter().flatten().map(|unit| unit.marked[class as usize]).sum();
-        let more = if is_of_rays { (own as f64 - missed[class as usize] as f64) * line } else { 0.0 };
-        let name = format!("bytes.{}.{}", caches[machine.l2.home(class)].0, class.name());
-        let moved = inside.get(&name).copied().unwrap_or(0.0) + more;
-        figures.insert(name, moved);
-        sum += moved;
+        let more = |own: &PerClass<u64>, missed: &PerClass<u64>| {
+            if is_of_rays { own[class as usize] as f64 - missed[class as usize] as f64 } else { 0.0 }
+        };
+        let (more_of_l2, more_of_dram) = (more(&own.l1s, &missed.l1s), more(&own.l2, &missed.l2));
+        let (home, class) = (caches[machine.l2.home(class)].0.as_str(), class.name());
+        let mut own = |name: String, more: f64| {
+            let value = inside.get(&name).copied().unwrap_or(0.0) + more;
+            figures.insert(name, value);
+            value
+        };
+        l2_bytes += own(format!("bytes.{home}.{class}"), more_of_l2 * line);
+        dram_bytes += own(format!("bytes.dram.{class}"), more_of_dram * line);
+        // Counts of a cache are there all together or not at all.
+        let misses = format!("caches.{home}.{class}.misses");
+        if inside.contains_key(&misses) {
+            own(misses, more_of_dram);
+        }
     }
-    figures.insert(L2_BYTES.into(), sum);
+    figures.extend([(L2_BYTES.into(), l2_bytes), (DRAM_BYTES.into(), dram_bytes)]);
     figures
+}
+
+/// Lines that were asked of the next level and not there, by class.
+#[derive(Clone, Copy, Debug, Default)]
+struct Missed {
+    l1s: PerClass<u64>,
+    /// For reads alone.
+    l2: PerClass<u64>,
+}
+
+impl Missed {
+    fn of(tally: &Tally, l1: fn(&UnitTally, usize) -> u64, l2: fn(&BankTally, usize) -> u64) -> Self {
+        let (units, banks) = (|| tally.units.iter().flatten(), || tally.banks.iter());
+        Self {
+            l1s: std::array::from_fn(|class| units().map(|unit| l1(unit, class)).sum()),
+            l2: std::array::from_fn(|class| banks().map(|bank| l2(bank, class)).sum()),
+        }
+    }
+
+    fn all(tally: &Tally) -> Self {
+        Self::of(tally, |unit, class| unit.cache[class].misses, |bank, class| bank.missed[class])
+    }
+
+    fn marked(tally: &Tally) -> Self {
+        Self::of(tally, |unit, class| unit.marked[class], |bank, class| bank.marked[class])
+    }
+
+    fn since(&self, before: &Self) -> Self {
+        let less =
+            |now: &PerClass<u64>, before: &PerClass<u64>| std::array::from_fn(|class| now[class] - before[class]);
+        Self { l1s: less(&self.l1s, &before.l1s), l2: less(&self.l2, &before.l2) }
+    }
 }
 
 /// Bytes between the L1s and all caches of the L2.
@@ -141,8 +185,7 @@ struct Mark {
     over: usize,
     figures: Figures,
     operations: [u64; Kind::ALL.len()],
-    /// Lines that L1s missed.
-    missed: PerClass<u64>,
+    missed: Missed,
 }
 
 /// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more are done as the window
@@ -207,9 +250,8 @@ impl Feed<Infallible> for JobFeed<'_> {
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());
-        let units = || tally.units.iter().flatten();
-        let missed = std::array::from_fn(|class| units().map(|unit| unit.cache[class].misses).sum());
-        self.marks.push(Mark { over, figures: figures_of(tally, self.machine), operations, missed });
+        let (figures, missed) = (figures_of(tally, self.machine), Missed::all(tally));
+        self.marks.push(Mark { over, figures, operations, missed });
         None
     }
 }

@@ -45,10 +45,9 @@ pub struct Pass {
 }
 
 impl<'a> Sampler<'a> {
-    /// Samples with a thread a core.
+    /// Samples with as many threads as rayon has, which `--threads` says.
     pub fn new(engine: Sampled, machine: &'a MachineSpec, header: &'a Header) -> Self {
-        let threads = thread::available_parallelism().map_or(1, |threads| threads.get());
-        Self { engine, machine, header, threads }
+        Self { engine, machine, header, threads: rayon::current_num_threads() }
     }
 
     /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same for all passes whose findings are added:

@@ -29,12 +29,15 @@ pub struct Tags {
     /// Banks of the L2s, core by core.
     banks: Vec<Cache>,
     cores: usize,
+    /// Units of each kind that a core has.
+    of_core: [u16; Kind::ALL.len()],
     homes: [Home; TrafficClass::ALL.len()],
     /// Slots of all traversal units.
     slots: usize,
-    /// Rays that came to a traversal unit, and all rays.
-    traced: usize,
-    rays: usize,
+    /// Rays that came to a traversal unit.
+    traced: u64,
+    /// The unit of a core that the next ray goes to, of kinds that get them in turn.
+    turns: [u16; Kind::ALL.len()],
     /// The unit of each kind that the ray goes to that makes its step.
     units: [u16; Kind::ALL.len()],
     known: Known,
@@ -83,10 +86,11 @@ impl Tags {
             intervals: Kind::ALL.map(|kind| kind.spec(machine).interval),
             banks: banks.collect(),
             cores,
+            of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
             homes: machine.l2.homes(),
             slots: machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize,
             traced: 0,
-            rays: 0,
+            turns: [0; Kind::ALL.len()],
             units: [0; Kind::ALL.len()],
             known: Known::default(),
         }
@@ -120,10 +124,10 @@ impl Tags {
     pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Known {
         self.known = Known::default();
         let of = |primary: bool| {
-            let rays = rays.clone().map(|ray| chunk.ray(ray));
-            rays.filter(move |ray| (ray.head.kind == RayKind::Primary) == primary)
+            let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
+            rays.clone().filter(is_of)
         };
-        let mut waiting = of(true).chain(of(false));
+        let mut waiting = of(true).chain(of(false)).map(|ray| chunk.ray(ray));
         let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.slots);
         while flights.len() < self.slots
             && let Some(ray) = waiting.next()
@@ -166,17 +170,17 @@ impl Tags {
         let skipped = ray.head.decision == Decision::Skip;
         let decides = if skipped { self.intervals[Kind::ShadowCache as usize] } else { 0 };
         self.known.operations[Kind::ShadowCache as usize] += decides;
-        self.traced += usize::from(!skipped);
-        self.rays += 1;
-        // In turn, a unit would see the same columns of the picture in every row: lines would stay in its L1 that the machine's, which gives
+        self.traced += u64::from(!skipped);
+        // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1 that the machine's, which gives
         // rays to whom is free, does not keep.
-        let drawn = mix(self.traced as u64) as usize;
-        let (core, turn) = (drawn % self.cores, drawn / self.cores);
-        let mut units = [0; Kind::ALL.len()];
-        for (unit, (kind, l1s)) in units.iter_mut().zip(Kind::ALL.into_iter().zip(&self.l1s)) {
-            let a_core = l1s.len() / self.cores;
-            *unit = (core * a_core + if kind == Kind::Traversal { turn } else { self.rays } % a_core) as u16;
+        let drawn = mix(self.traced);
+        let below = |bits: u64, end: u64| ((bits & u64::from(u32::MAX)) * end >> 32) as u16;
+        let core = below(drawn >> 32, self.cores as u64);
+        for (turn, of_core) in self.turns.iter_mut().zip(self.of_core) {
+            *turn = if *turn + 1 < of_core { *turn + 1 } else { 0 };
         }
+        self.turns[Kind::Traversal as usize] = below(drawn, self.of_core[Kind::Traversal as usize].into());
+        let units = std::array::from_fn(|kind| core * self.of_core[kind] + self.turns[kind]);
         Flight { path: ray.packed_path(), policy: ray.packed_policy(), kind: ray.head.kind, units }
     }
 

@@ -52,7 +52,7 @@ fn timing(spec: &DramSpec) -> Closed {
 }
 
 fn request(line: u64, write: bool) -> Request {
-    Request { line: LineAddr(line), class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(9) }
+    Request { line: LineAddr(line), class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(9), marked: false }
 }
 
 /// Puts the requests, each in its cycle or as soon as there is a place; the cycle of each answer.
