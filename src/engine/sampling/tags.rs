@@ -201,6 +201,7 @@ impl Tags {
                     self.units[kind as usize] = unit as u16;
                     self.access(kind, &first);
                 } else {
+                    self.known.missed[kind as usize] += 1;
                     self.known.moved[first.class as usize] += 1;
                     self.below(unit * self.cores / units, line, first.class, first.write);
                 }
@@ -240,6 +241,7 @@ impl Tags {
             self.below(core, victim.line, victim.class, true);
         }
         if !hit {
+            self.known.missed[kind as usize] += 1;
             self.known.moved[class as usize] += 1;
             self.below(core, line, class, false);
         }
