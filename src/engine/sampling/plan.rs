@@ -4,6 +4,8 @@ use std::ops::Range;
 
 use crate::machine::MachineSpec;
 
+/// Pixels before a window for a ray that the machine has room for.
+const BEFORE_A_RAY: usize = 2;
 /// Pixels before a window, and of it, at least.
 const LEAST_BEFORE: usize = 1024;
 const LEAST_OWN: usize = 512;
@@ -27,13 +29,17 @@ impl Cut {
     /// The cut for `machine`. As many primary rays as the pool has entries can be in flight, and their children come after them: a piece has as
     /// many pixels. It takes a while until an empty machine behind warm tags works as one in the middle of a frame, and the longer the more its L1s hold: on
     /// `small`, robot moved 1.2 % more bytes of the L2 with two pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two
-    /// pieces of 1024, 0.2 % with eight, or with two before windows of eight; on `tni_engine`, 0.8 % fewer with two before windows of four. So windows are the longer the more lines
-    /// an L1 has.
+    /// pieces of 1024, 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has. Long FIFOs take longer to fill: on `tni_engine`,
+    /// two pieces of 1920 before windows of four made for 0.2 to 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 % fewer. So what
+    /// comes before is the longer the more rays there is room for.
     pub fn new(machine: &MachineSpec) -> Self {
         let pixels = machine.pool() as usize;
         let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
         let own = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(pixels)).max(2);
-        Self { pixels, before: LEAST_BEFORE.div_ceil(pixels).max(2), own, behind: 1 }
+        let room =
+            pixels + machine.cores.size() * (machine.dispatcher.in_fifo.size() + machine.dispatcher.out_fifo.size());
+        let before = (BEFORE_A_RAY * room + pixels / 2) / pixels;
+        Self { pixels, before: before.max(LEAST_BEFORE.div_ceil(pixels)), own, behind: 1 }
     }
 
     /// Pixels that are replayed for one of a window.
