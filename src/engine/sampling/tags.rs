@@ -174,7 +174,7 @@ impl Tags {
         // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1 that the machine's, which gives
         // rays to whom is free, does not keep.
         let drawn = mix(self.traced);
-        let below = |bits: u64, end: u64| ((bits & u64::from(u32::MAX)) * end >> 32) as u16;
+        let below = |bits: u64, end: u64| (((bits & u64::from(u32::MAX)) * end) >> 32) as u16;
         let core = below(drawn >> 32, self.cores as u64);
         for (turn, of_core) in self.turns.iter_mut().zip(self.of_core) {
             *turn = if *turn + 1 < of_core { *turn + 1 } else { 0 };
