@@ -120,7 +120,7 @@ fn change_of(
     let share = |run: &MachineRun| Some(run.stats.accuracy.shares()?[share]);
     let wide = share(before).zip(share(after)).map(|(before, after)| new / old * (before + after));
     Some(match wide.filter(|&wide| wide > 0.0) {
-        Some(wide) => format!("{text} \u{b1} {}", percent(wide)),
+        Some(wide) => format!("{} \u{b1} {}", text.trim_end_matches(" %"), percent(wide)),
         None => text,
     })
 }
@@ -130,7 +130,7 @@ fn error(accuracy: &Accuracy) -> String {
     match *accuracy {
         Accuracy::Exact => "none".into(),
         Accuracy::Estimated { cycles, dram_bytes, .. } => {
-            format!("\u{b1} {} (cycles), {} (DRAM)", percent(cycles), percent(dram_bytes))
+            format!("\u{b1} {}, {}", percent(cycles).trim_end_matches(" %"), percent(dram_bytes))
         }
         Accuracy::Few { windows, .. } => format!("unknown: {windows} windows"),
         Accuracy::Bounded => "within bounds".into(),
@@ -140,7 +140,8 @@ fn error(accuracy: &Accuracy) -> String {
 
 /// The machines' key figures, with the change against the run without culling.
 pub fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 7] = ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error"];
+    const HEAD: [&str; 7] =
+        ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error (cycles, DRAM)"];
     let mut rows = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
