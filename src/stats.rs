@@ -261,6 +261,13 @@ impl Accuracy {
         }
     }
 
+    /// Half the width of the interval of a figure's ratio to what it was before, if samples tell both; `figure` is its place in [`Accuracy::shares`]. At worst their errors add up,
+    /// since the samples are of different rays.
+    pub fn of_ratio(&self, before: &Self, figure: usize, ratio: f64) -> Option<f64> {
+        let share = self.shares()?[figure] + before.shares()?[figure];
+        (*self != Self::Exact || *before != Self::Exact).then_some(ratio * share)
+    }
+
     /// The largest of the shares, if they are known.
     pub fn widest(&self) -> Option<f64> {
         self.shares().map(|shares| shares.into_iter().fold(0.0, f64::max))

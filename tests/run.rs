@@ -216,6 +216,19 @@ fn a_replay_measures_what_the_run_did() {
 }
 
 #[test]
+fn a_sampled_replay_is_the_same_on_any_number_of_threads() {
+    let desk = Desk::new();
+    let (stream, machine) = (Path::new(ROOT).join("traces/quickstart.rays"), config("machines/small.ron"));
+    let by = |threads: &str| {
+        let replay = ["replay", stream.to_str().unwrap(), "--machine", machine.to_str().unwrap(), "--json", "x.json"];
+        let sampled = ["--fidelity", "Sampled(engine: Profile, rate: 0.3)", "--threads", threads];
+        desk.succeed(&[&replay[..], &sampled].concat());
+        json(fs::read(desk.path("x.json")).unwrap())
+    };
+    assert_eq!(by("1"), by("3"));
+}
+
+#[test]
 fn a_sweep_goes_on_where_it_was_and_ends_with_the_same_bytes() {
     let desk = Desk::with_experiment();
     let sweep =

@@ -98,7 +98,7 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let units = || tally.units.iter().flatten();
     let l1 = sum_caches(units().map(|unit| &unit.cache));
     let l2 = sum_caches(tally.banks.iter().map(|bank| &bank.cache));
-    let moved = sum_bytes(tally.banks.iter().map(|bank| &bank.moved));
+    let moved = sum_bytes(tally.banks.iter().map(|bank| &bank.served.moved));
     let dram = sum_bytes(tally.channels.iter().map(|channel| &channel.moved));
     for class in TrafficClass::ALL {
         let (index, name) = (class as usize, class.name());
@@ -108,7 +108,7 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
         };
         let (through, through_bytes) = past(|unit| &unit.written_through);
         let (straight, straight_bytes) = past(|unit| &unit.read_straight);
-        let reads: u64 = tally.banks.iter().map(|bank| bank.reads[index]).sum();
+        let reads: u64 = tally.banks.iter().map(|bank| bank.served.reads[index]).sum();
         let (l1, l2) = (&l1[index], &l2[index]);
         equal(|| format!("{name}: misses of the L1s against reads of the L2"), l1.misses + straight, reads)?;
         equal(

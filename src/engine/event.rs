@@ -198,13 +198,8 @@ impl Engine for Event {
             moved: *dram.moved(index),
             refresh_due: dram.refresh_is_due(index, cycles - 1),
         };
-        let banks = l2.banks.iter().map(|bank| BankTally {
-            cache: *bank.cache().counts(),
-            moved: *bank.moved(),
-            reads: *bank.reads(),
-            missed: *bank.missed(),
-            marked: *bank.marked(),
-        });
+        let banks =
+            l2.banks.iter().map(|bank| BankTally { cache: *bank.cache().counts(), served: bank.served().clone() });
         Tally {
             cycles,
             has_causes: true,

@@ -7,6 +7,7 @@ use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::source::StoreWork;
 use crate::machine::unloaded::RayLatencies;
+use crate::memory::bank::Served;
 use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, QueueCounts, TrafficClass};
@@ -46,14 +47,8 @@ pub struct UnitTally {
 pub struct BankTally {
     /// Accesses.
     pub cache: PerClass<CacheCounts>,
-    /// Bytes moved between L1s and the bank.
-    pub moved: PerClass<Bytes>,
-    /// Reads among the accesses.
-    pub reads: PerClass<u64>,
-    /// Misses among the reads.
-    pub missed: PerClass<u64>,
-    /// Those for marked rays; of engines that replay samples.
-    pub marked: PerClass<u64>,
+    /// What it did for L1s.
+    pub served: Served,
 }
 
 /// What a channel of the DRAM counted.
@@ -208,7 +203,7 @@ impl Tally {
             let own = first..first + cache.banks.size();
             let banks = self.banks.chunks(of_core).flat_map(|banks| &banks[own.clone()]);
             stats.caches.insert(name.clone(), present(&sum_caches(banks.clone().map(|bank| &bank.cache))));
-            stats.bytes.insert(name, present(&sum_bytes(banks.map(|bank| &bank.moved))));
+            stats.bytes.insert(name, present(&sum_bytes(banks.map(|bank| &bank.served.moved))));
             first = own.end;
         }
         stats.bytes.insert("dram".into(), present(&sum_bytes(self.channels.iter().map(|channel| &channel.moved))));

@@ -94,10 +94,7 @@ impl BankedSpec {
             out_places: self.queue.size(),
             latency: self.latency.get(),
             line: Bytes(line),
-            moved: [Bytes(0); TrafficClass::ALL.len()],
-            reads: [0; TrafficClass::ALL.len()],
-            missed: [0; TrafficClass::ALL.len()],
-            marked: [0; TrafficClass::ALL.len()],
+            served: Served::default(),
             waiting: Vec::new(),
         }
     }
@@ -106,6 +103,35 @@ impl BankedSpec {
 impl Default for BankedSpec {
     fn default() -> Self {
         Self::DEFAULT
+    }
+}
+
+/// What a bank did for L1s, by class in the order of [`TrafficClass::ALL`].
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Served {
+    /// Bytes moved between L1s and the bank.
+    pub moved: [Bytes; TrafficClass::ALL.len()],
+    /// Reads.
+    pub reads: [u64; TrafficClass::ALL.len()],
+    /// Reads that missed.
+    pub missed: [u64; TrafficClass::ALL.len()],
+    /// Marked ones among these; of engines that replay samples.
+    pub marked: [u64; TrafficClass::ALL.len()],
+}
+
+impl Served {
+    /// Counts a read, marked or not, of so many bytes.
+    pub fn read(&mut self, class: TrafficClass, bytes: Bytes, missed: bool, marked: bool) {
+        let class = class as usize;
+        self.moved[class] += bytes;
+        self.reads[class] += 1;
+        self.missed[class] += u64::from(missed);
+        self.marked[class] += u64::from(missed && marked);
+    }
+
+    /// Counts a write of so many bytes.
+    pub fn write(&mut self, class: TrafficClass, bytes: Bytes) {
+        self.moved[class as usize] += bytes;
     }
 }
 
@@ -123,10 +149,7 @@ pub struct Bank {
     out_places: usize,
     latency: u64,
     line: Bytes,
-    moved: [Bytes; TrafficClass::ALL.len()],
-    reads: [u64; TrafficClass::ALL.len()],
-    missed: [u64; TrafficClass::ALL.len()],
-    marked: [u64; TrafficClass::ALL.len()],
+    served: Served,
     waiting: Vec<u32>,
 }
 
@@ -215,11 +238,11 @@ impl Bank {
             Lookup::Passed => self.push_out(line, class, true),
         }
         self.requests.take(now, wake);
-        self.moved[class as usize] += bytes;
-        let missed = !write && lookup == Lookup::Miss;
-        self.reads[class as usize] += u64::from(!write);
-        self.missed[class as usize] += u64::from(missed);
-        self.marked[class as usize] += u64::from(missed && marked);
+        if write {
+            self.served.write(class, bytes);
+        } else {
+            self.served.read(class, bytes, lookup == Lookup::Miss, marked);
+        }
         true
     }
 
@@ -255,24 +278,9 @@ impl Bank {
         &self.cache
     }
 
-    /// Bytes moved between L1s and this bank, by class.
-    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
-        &self.moved
-    }
-
-    /// Reads among the requests served, by class.
-    pub fn reads(&self) -> &[u64; TrafficClass::ALL.len()] {
-        &self.reads
-    }
-
-    /// Reads that missed, by class.
-    pub fn missed(&self) -> &[u64; TrafficClass::ALL.len()] {
-        &self.missed
-    }
-
-    /// Marked ones among them.
-    pub fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
-        &self.marked
+    /// What it did for L1s.
+    pub fn served(&self) -> &Served {
+        &self.served
     }
 
     /// The state of the queues, for the report of a deadlock.

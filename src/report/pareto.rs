@@ -248,11 +248,11 @@ impl Rung {
                 let (found, truth) = (run.rungs[index].figures.all(), run.truth.all());
                 (0..3).map(move |it| ((found[it] - truth[it]).abs() <= claimed[it] * found[it], claimed[it], it))
             });
-        // The two samples that a saving is the change between are of different rays: at worst, their errors add up.
         let of_saving = runs.iter().filter_map(|run| {
             let off = off(run)?;
-            let [with, without] = [run.rungs[index].claimed()?[0], off.rungs[index].claimed()?[0]];
-            let claimed = (1.0 - saved(run.rungs[index].figures, off.rungs[index].figures)) * (with + without);
+            let [with, without] = [run, off].map(|run| &run.rungs[index]);
+            let ratio = 1.0 - saved(with.figures, without.figures);
+            let claimed = with.accuracy.of_ratio(&without.accuracy, 0, ratio)?;
             Some((saving(run)? <= claimed, claimed, 3))
         });
         let intervals: Vec<(bool, f64, usize)> = of_figures.chain(of_saving).collect();

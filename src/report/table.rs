@@ -107,8 +107,7 @@ pub fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
-/// How `figure` changes from one run to another, with an interval if they are known from samples: as wide as both runs' together, since these are of
-/// different rays.
+/// How `figure`, whose place among an accuracy's shares is `share`, changes from one run to another, with an interval if samples tell it.
 fn change_of(
     figure: fn(&MachineRun) -> Option<f64>,
     share: usize,
@@ -117,9 +116,7 @@ fn change_of(
 ) -> Option<String> {
     let (old, new) = (figure(before)?, figure(after)?);
     let text = change(old, new)?;
-    let share = |run: &MachineRun| Some(run.stats.accuracy.shares()?[share]);
-    let wide = share(before).zip(share(after)).map(|(before, after)| new / old * (before + after));
-    Some(match wide.filter(|&wide| wide > 0.0) {
+    Some(match after.stats.accuracy.of_ratio(&before.stats.accuracy, share, new / old) {
         Some(wide) => format!("{} \u{b1} {}", text.trim_end_matches(" %"), percent(wide)),
         None => text,
     })

@@ -1,9 +1,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::sample::{frame, sample};
-use super::summary::{FrameResult, MachineRun, PolicySummary};
+use super::summary::{FrameResult, MachineRun, MachineSummary, PolicySummary};
 use super::*;
-use crate::stats::MachineStats;
+use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Totals;
 
 /// A directory for a test, and the place of a report in it.
@@ -52,6 +52,23 @@ fn a_change_between_two_samples_is_as_sure_as_both() {
     let cells: Vec<&str> = rows.iter().flat_map(|row| [&row[2], &row[4]]).map(String::as_str).collect();
     assert!(!cells[0].contains('\u{b1}') && cells[2].ends_with("\u{b1} 1.8 %)"), "{cells:?}");
     assert!(cells[3].contains("\u{b1}"), "{cells:?}");
+}
+
+#[test]
+fn no_run_is_silent_about_its_error() {
+    let mut summary = sample(&[0]).summary;
+    let said = |accuracy: Accuracy| {
+        let mut run = summary.machines.get("small").unwrap().policies.get("off").unwrap().clone();
+        run.stats.accuracy = accuracy;
+        let policies = [("off", run)].into_iter().collect();
+        let machine = MachineSummary { policies, ..summary.machines.get("small").unwrap().clone() };
+        summary.machines = [("small", machine)].into_iter().collect();
+        table::machines(&summary).rows[0].last().unwrap().clone()
+    };
+    let few = Accuracy::Few { windows: 12, telling: 48 };
+    let sampled = Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.5, dram_bytes: 0.0312, rate: 0.1 };
+    let all = [Accuracy::Exact, sampled, few, Accuracy::Bounded, Accuracy::Unknown].map(said);
+    assert_eq!(all, ["none", "\u{b1} 1.0, 3.1 %", "unknown: 12 windows", "within bounds", "unknown"]);
 }
 
 #[test]

@@ -35,6 +35,7 @@ use super::tally::{BankTally, ChannelTally, Tally};
 use super::work::Kind;
 use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
+use crate::memory::bank::Served;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Header;
 
@@ -177,10 +178,7 @@ impl Engine for Cycle {
     fn tally(&self, cycles: u64) -> Tally {
         let bank = |bank: &Bank| BankTally {
             cache: *bank.counts(),
-            moved: bank.moved,
-            reads: bank.reads,
-            missed: bank.missed,
-            ..BankTally::default()
+            served: Served { moved: bank.moved, reads: bank.reads, missed: bank.missed, ..Served::default() },
         };
         let channel = |channel: &Channel| ChannelTally {
             counts: channel.counts,

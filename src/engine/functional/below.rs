@@ -3,9 +3,9 @@
 use std::collections::VecDeque;
 
 use super::calendar::Calendar;
-use crate::engine::tally::{BankTally, ChannelTally, PerClass};
+use crate::engine::tally::{BankTally, ChannelTally};
 use crate::machine::MachineSpec;
-use crate::memory::bank::BankedSpec;
+use crate::memory::bank::{BankedSpec, Served};
 use crate::memory::cache::{Access, Cache, Fill, Lookup};
 use crate::memory::dram::Dram;
 use crate::memory::l2::Home;
@@ -50,10 +50,7 @@ struct Bank {
     /// Requests behind one that found no register or target.
     stalled: VecDeque<Request>,
     out: VecDeque<Request>,
-    moved: PerClass<Bytes>,
-    reads: PerClass<u64>,
-    missed: PerClass<u64>,
-    marked: PerClass<u64>,
+    served: Served,
 }
 
 /// L2 and DRAM. Its parts are numbered: banks, then channels.
@@ -87,10 +84,7 @@ impl Below {
             free_at: 0,
             stalled: VecDeque::new(),
             out: VecDeque::new(),
-            moved: PerClass::default(),
-            reads: PerClass::default(),
-            missed: PerClass::default(),
-            marked: PerClass::default(),
+            served: Served::default(),
         };
         let l2 = machine.l2.caches();
         let dram = Dram::new(&machine.dram, machine.clock_mhz.get(), line, PartId(banks));
@@ -147,11 +141,11 @@ impl Below {
         }
         let bank = &mut self.banks[index];
         bank.free_at = at + 1;
-        bank.moved[class as usize] += bytes;
-        let missed = !write && lookup == Lookup::Miss;
-        bank.reads[class as usize] += u64::from(!write);
-        bank.missed[class as usize] += u64::from(missed);
-        bank.marked[class as usize] += u64::from(missed && marked);
+        if write {
+            bank.served.write(class, bytes);
+        } else {
+            bank.served.read(class, bytes, lookup == Lookup::Miss, marked);
+        }
     }
 
     fn wake(&mut self, part: u32, at: u64, calendar: &mut Calendar) {
@@ -257,13 +251,7 @@ impl Below {
 
     /// What the banks counted.
     pub fn banks(&self) -> Vec<BankTally> {
-        let tally = |bank: &Bank| BankTally {
-            cache: *bank.cache.counts(),
-            moved: bank.moved,
-            reads: bank.reads,
-            missed: bank.missed,
-            marked: bank.marked,
-        };
+        let tally = |bank: &Bank| BankTally { cache: *bank.cache.counts(), served: bank.served.clone() };
         self.banks.iter().map(tally).collect()
     }
 

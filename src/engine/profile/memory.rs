@@ -4,9 +4,9 @@ use super::dram::Dram;
 use super::level::{Found, Level};
 use super::slots::Slots;
 use super::watch::Watch;
-use crate::engine::tally::{BankTally, ChannelTally, PerClass};
+use crate::engine::tally::{BankTally, ChannelTally};
 use crate::machine::MachineSpec;
-use crate::memory::bank::BankedSpec;
+use crate::memory::bank::{BankedSpec, Served};
 use crate::memory::cache::{Access, Cache};
 use crate::memory::l2::Home;
 use crate::memory::tags::Victim;
@@ -21,10 +21,7 @@ struct Bank {
     accesses: Slots,
     /// Until when the first of its queue waits for a register or target, and all behind it.
     stalled_until: u64,
-    moved: PerClass<Bytes>,
-    reads: PerClass<u64>,
-    missed: PerClass<u64>,
-    marked: PerClass<u64>,
+    served: Served,
 }
 
 /// What came of an access: the bank, when it has the line, and whether it had to ask for it.
@@ -56,10 +53,7 @@ impl<W: Watch> Memory<W> {
             latency: spec.latency.get(),
             accesses: Slots::new(1),
             stalled_until: 0,
-            moved: PerClass::default(),
-            reads: PerClass::default(),
-            missed: PerClass::default(),
-            marked: PerClass::default(),
+            served: Served::default(),
         };
         let l2 = machine.l2.caches();
         Self {
@@ -76,34 +70,23 @@ impl<W: Watch> Memory<W> {
 
     /// An L1 of core `core` asks for a line in cycle `at`, for a ray that is marked or not; gives when it comes.
     pub fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
-        let bytes = self.line;
-        let Accessed { bank, ready, missed } = self.access(core, line, class, false, bytes, at);
+        let Accessed { bank, ready, missed } = self.access(core, line, class, false, at);
         let bank = &mut self.banks[bank];
-        bank.reads[class as usize] += 1;
-        bank.missed[class as usize] += u64::from(missed);
-        bank.marked[class as usize] += u64::from(missed && marked);
+        bank.served.read(class, self.line, missed, marked);
         ready + bank.latency + 1
     }
 
     /// An L1 sends `bytes` of a line down in cycle `at`.
     pub fn write(&mut self, core: usize, line: LineAddr, class: TrafficClass, bytes: Bytes, at: u64) {
-        self.access(core, line, class, true, bytes, at);
+        let Accessed { bank, .. } = self.access(core, line, class, true, at);
+        self.banks[bank].served.write(class, bytes);
     }
 
-    fn access(
-        &mut self,
-        core: usize,
-        line: LineAddr,
-        class: TrafficClass,
-        write: bool,
-        bytes: Bytes,
-        at: u64,
-    ) -> Accessed {
+    fn access(&mut self, core: usize, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> Accessed {
         let index = core * self.of_core + self.homes[class as usize].bank(line);
         self.watch.l2(core, line, class);
         let Self { banks, dram, .. } = self;
         let bank = &mut banks[index];
-        bank.moved[class as usize] += bytes;
         let asked = bank.accesses.take(bank.stalled_until.max(at + 1));
         let access = if write { Access::Write } else { Access::Read };
         let mut gone = |victim: Victim, at| {
@@ -159,13 +142,7 @@ impl<W: Watch> Memory<W> {
 
     /// What the banks counted.
     pub fn banks(&self) -> Vec<BankTally> {
-        let tally = |bank: &Bank| BankTally {
-            cache: *bank.level.counts(),
-            moved: bank.moved,
-            reads: bank.reads,
-            missed: bank.missed,
-            marked: bank.marked,
-        };
+        let tally = |bank: &Bank| BankTally { cache: *bank.level.counts(), served: bank.served.clone() };
         self.banks.iter().map(tally).collect()
     }
 

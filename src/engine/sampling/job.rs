@@ -158,11 +158,11 @@ impl Missed {
     }
 
     fn all(tally: &Tally) -> Self {
-        Self::of(tally, |unit, class| unit.cache[class].misses, |bank, class| bank.missed[class])
+        Self::of(tally, |unit, class| unit.cache[class].misses, |bank, class| bank.served.missed[class])
     }
 
     fn marked(tally: &Tally) -> Self {
-        Self::of(tally, |unit, class| unit.marked[class], |bank, class| bank.marked[class])
+        Self::of(tally, |unit, class| unit.marked[class], |bank, class| bank.served.marked[class])
     }
 
     fn since(&self, before: &Self) -> Self {

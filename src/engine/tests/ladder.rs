@@ -13,6 +13,7 @@ use crate::engine::sampling::known::{Columns, Span};
 use crate::engine::sampling::{Cut, TELLING};
 use crate::engine::tally::{BankTally, PerClass};
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
@@ -158,12 +159,26 @@ fn a_sample_knows_what_its_windows_do_not_move() {
     assert!((sampled as f64 / whole as f64 - 1.0).abs() < 0.01, "{sampled} {whole}");
 }
 
+/// The longer the more lines an L1 has, behind the more pixels the more rays there is room for.
+#[test]
+fn windows_are_as_long_as_a_machine_asks_for() {
+    let cuts = ["small", "desktop", "tni_engine"].map(|name| Cut::new(&shipped(name)));
+    let cut = |pixels, before, own| Cut { pixels, before, own, behind: 1 };
+    assert_eq!(cuts, [cut(128, 8, 4), cut(1024, 2, 8), cut(1920, 3, 4)]);
+}
+
 /// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not counted twice.
 #[test]
 fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
-    for name in ["small", "desktop"] {
-        let machine = shipped(name);
+    // Many rays in flight before a small L2: at a group's ends, where there are fewer, more of them hit.
+    let mut crowded = shipped("small");
+    crowded.dispatcher.rays = num(1024);
+    crowded.traversal.rays = num(256);
+    if let L2Spec::Unified(l2) = &mut crowded.l2 {
+        l2.bytes = num(32 << 10);
+    }
+    for (name, machine) in [("small", shipped("small")), ("desktop", shipped("desktop")), ("crowded", crowded)] {
         for engine in [Sampled::Event, Sampled::Functional, Sampled::Profile] {
             let whole = on(&machine, &header, &engine.whole().to_string(), &stream);
             // So many points that all but the smallest windows have some.
@@ -198,7 +213,10 @@ fn misses_are_those_of_the_rays_that_ask() {
             std::array::from_fn(|class| tally.banks.iter().map(|it| of(it, class)).sum())
         };
         let l1s = [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.marked[class])];
-        (tally.cycles, [l1s, [banks(|bank, class| bank.missed[class]), banks(|bank, class| bank.marked[class])]])
+        (
+            tally.cycles,
+            [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.marked[class])]],
+        )
     }
     check_many(100, (machines(), streams()), |(mut machine, stream)| {
         // Steps of a frame's end are no ray's: there are none.
