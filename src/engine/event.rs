@@ -2,7 +2,7 @@
 
 use super::feed::Feed;
 use super::part_set::PartSet;
-use super::sampling::Tags;
+use super::sampling::WarmCaches;
 use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::wheel::Wheel;
 use super::work::Kind;
@@ -97,7 +97,7 @@ impl Event {
     }
 
     /// All caches hold from now on what the warm ones do.
-    fn hold(&mut self, warm: &Tags) {
+    fn hold(&mut self, warm: &WarmCaches) {
         let l1 = |kind: Kind, index: usize| &warm.l1s(kind)[index];
         self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
         self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));

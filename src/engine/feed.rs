@@ -1,6 +1,6 @@
 //! What an engine is fed with: the stream's items, all of them or a sample.
 
-use super::sampling::Tags;
+use super::sampling::WarmCaches;
 use super::tally::Tally;
 use super::{RunError, check};
 use crate::machine::shadow_cache::ShadowCacheSpec;
@@ -35,7 +35,7 @@ pub(super) trait Feed<E> {
     }
 
     /// So much was counted up to now. Gives what the caches are to hold from now on, if that is something else.
-    fn mark(&mut self, _: &Tally) -> Option<&Tags> {
+    fn mark(&mut self, _: &Tally) -> Option<&WarmCaches> {
         None
     }
 }

@@ -11,7 +11,7 @@ use super::super::{Engine, RunError, check};
 use super::estimate::{Part, Window};
 use super::figures;
 use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
-use super::tags::Tags;
+use super::warm::WarmCaches;
 use super::windows::{Job, JobWork, WindowWork};
 use crate::machine::MachineSpec;
 use crate::machine::source::{FrameCounts, StoreWork};
@@ -35,8 +35,8 @@ pub enum Found {
 
 /// Replays `job` with `engine`, which is new.
 pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
-    let Job { info, tags, work, .. } = job;
-    let mut feed = JobFeed::new(machine, tags);
+    let Job { info, warm, work, .. } = job;
+    let mut feed = JobFeed::new(machine, warm);
     feed.items.push_back(Item::Frame(*info));
     match work {
         JobWork::End(policy) => {
@@ -193,8 +193,8 @@ struct Mark {
 struct JobFeed<'a> {
     items: VecDeque<Item>,
     machine: &'a MachineSpec,
-    tags: &'a Tags,
-    /// Whether the caches hold what the tags say.
+    warm: &'a WarmCaches,
+    /// Whether the engine's caches hold what these do.
     loaded: bool,
     bounds: [usize; 2],
     over: usize,
@@ -205,14 +205,14 @@ struct JobFeed<'a> {
 }
 
 impl<'a> JobFeed<'a> {
-    fn new(machine: &'a MachineSpec, tags: &'a Tags) -> Self {
+    fn new(machine: &'a MachineSpec, warm: &'a WarmCaches) -> Self {
         let items = VecDeque::new();
         // Before a window that has no rays before it, nothing was counted.
         let marks = vec![Mark::default()];
         Self {
             items,
             machine,
-            tags,
+            warm,
             loaded: false,
             bounds: [0; 2],
             over: 0,
@@ -244,9 +244,9 @@ impl Feed<Infallible> for JobFeed<'_> {
         !self.loaded || self.bounds.into_iter().any(passes) || self.frame_over
     }
 
-    fn mark(&mut self, tally: &Tally) -> Option<&Tags> {
+    fn mark(&mut self, tally: &Tally) -> Option<&WarmCaches> {
         if !std::mem::replace(&mut self.loaded, true) {
-            return Some(self.tags);
+            return Some(self.warm);
         }
         self.frame_over = false;
         let (over, operations) = (self.over, tally.operations_by_kind());

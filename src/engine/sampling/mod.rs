@@ -2,15 +2,18 @@
 //! each by itself, between parts of others and behind warm caches; the accesses of all others go through the caches' tags alone.
 
 pub mod axis;
+mod cutter;
 pub mod estimate;
 pub mod figures;
 mod job;
 mod kept;
 pub mod known;
+mod l1_tags;
+mod l2_tags;
 mod pass;
 mod plan;
 mod regression;
-mod tags;
+mod warm;
 mod windows;
 
 use std::collections::BTreeMap;
@@ -21,7 +24,7 @@ pub use self::kept::Kept;
 use self::known::{DRAM_BYTES, L2_BYTES};
 pub use self::pass::{Pass, Sampler};
 pub use self::plan::{Cut, Plan};
-pub use self::tags::Tags;
+pub use self::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, LatencyCounts, MachineStats};
 

@@ -1,10 +1,11 @@
-//! A pass over a stream: one thread reads it, one cuts it and keeps the tags warm, and the others replay what is measured.
+//! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others replay what is measured.
 
 use std::convert::Infallible;
 use std::sync::mpsc::{Receiver, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 
+use super::cutter::{Cutter, Portion};
 use super::estimate::Population;
 use super::job::{self, Found};
 use super::kept::Kept;
@@ -15,8 +16,9 @@ use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
-/// Items that may wait to be cut, and jobs that may wait to be replayed, which hold the tags of a machine each.
+/// Items that may wait to be cut, portions that may wait for the L2, and jobs that may wait to be replayed, which hold the tags of a machine each.
 const ITEMS: usize = 4;
+const PORTIONS: usize = 16;
 const JOBS: usize = 2;
 
 /// Who samples. What is found does not depend on how many threads there are.
@@ -58,6 +60,7 @@ impl<'a> Sampler<'a> {
         keep: usize,
         items: impl Iterator<Item = Result<Item, E>>,
     ) -> Result<Pass, RunError<E>> {
+        let mut cutter = Cutter::new(self.machine, self.header, plan.cut);
         let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep);
         let mut kept = Kept::new(plan.draws.end..keep.max(plan.draws.end));
         thread::scope(|scope| {
@@ -71,8 +74,14 @@ impl<'a> Sampler<'a> {
                 .collect();
             drop(received);
             let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
-            let cutter = scope.spawn(move || {
-                for job in to_cut.into_iter().flat_map(|item| windows.add(&item)) {
+            let (portions_cut, portions) = sync_channel::<Portion>(PORTIONS);
+            let cutting = scope.spawn(move || {
+                let mut cut = to_cut.into_iter().flat_map(|item| cutter.add(&item));
+                // Nobody receives any more if a thread has panicked, which comes out when it is joined.
+                let _ = cut.try_for_each(|portion| portions_cut.send(portion));
+            });
+            let joining = scope.spawn(move || {
+                for job in portions.into_iter().flat_map(|portion| windows.add(portion)) {
                     if !plan.draws.contains(&job.draw) {
                         kept.add(job);
                     } else if jobs.send(job).is_err() {
@@ -87,7 +96,7 @@ impl<'a> Sampler<'a> {
                 match item {
                     Ok(item) => {
                         if items_read.send(item).is_err() {
-                            // The cutter has panicked, or all workers.
+                            // A thread has panicked.
                             break;
                         }
                     }
@@ -98,7 +107,8 @@ impl<'a> Sampler<'a> {
                 }
             }
             drop(items_read);
-            let (Windows { population, rays, .. }, kept) = joined(cutter);
+            joined(cutting);
+            let (Windows { population, rays, .. }, kept) = joined(joining);
             let found = workers.into_iter().flat_map(joined).collect();
             read?;
             Ok(Pass { population, rays, found: in_order(found)?, kept })

@@ -1,16 +1,17 @@
-//! Cuts a stream into windows, and makes jobs of those that are measured.
+//! Puts windows together of pieces, which it takes through the L2's tags, and makes jobs of those that are measured.
 
 use std::mem::take;
-use std::ops::Range;
 use std::sync::Arc;
 
 use super::axis::{Axis, Hit};
+use super::cutter::{CutPiece, FrameEnd, Lead, Piece, Portion};
 use super::estimate::Population;
 use super::known::{Capacity, Known};
+use super::l2_tags::L2Tags;
 use super::plan::Plan;
-use super::tags::Tags;
+use super::warm::WarmCaches;
 use crate::machine::MachineSpec;
-use crate::stream::{Chunk, Decision, FrameInfo, Header, Item, RayKind};
+use crate::stream::{Chunk, Decision, FrameInfo, Header};
 
 /// Rays that follow one another, and what is known of them.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +22,7 @@ pub struct Part {
     pub known: Known,
 }
 
-/// What is to be replayed: by itself, behind caches that hold what `tags` do.
+/// What is to be replayed: by itself, behind warm caches.
 #[derive(Clone, Debug)]
 pub struct Job {
     /// Its place among all jobs.
@@ -31,7 +32,7 @@ pub struct Job {
     /// The frame.
     pub info: FrameInfo,
     /// What the caches hold.
-    pub tags: Tags,
+    pub warm: WarmCaches,
     /// What is measured.
     pub work: JobWork,
 }
@@ -69,16 +70,8 @@ impl Job {
             }
             JobWork::End(steps) => size_of_val(steps.as_slice()),
         };
-        self.tags.bytes() + work
+        self.warm.bytes() + work
     }
-}
-
-/// Rays of a chunk.
-#[derive(Clone, Debug)]
-struct Piece {
-    chunk: Arc<Chunk>,
-    rays: Range<usize>,
-    known: Known,
 }
 
 impl Part {
@@ -106,26 +99,29 @@ struct Open {
     hits: Vec<Hit>,
     /// Pieces that come before the window's first one.
     lead: usize,
-    tags: Tags,
+    warm: WarmCaches,
     before: Vec<Piece>,
     own: Vec<Piece>,
     behind: Vec<Piece>,
 }
 
-/// Cuts a stream.
+impl Open {
+    fn new(Lead { window, pieces: lead }: Lead, warm: WarmCaches) -> Self {
+        let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
+        Self { window, size: 0.0, hits: Vec::new(), lead, warm, before, own, behind }
+    }
+}
+
+/// Puts windows together.
 pub struct Windows {
     plan: Plan,
     capacity: Capacity,
-    tags: Tags,
+    tags: L2Tags,
     info: FrameInfo,
-    /// Chunks that are not cut yet, and their pixels.
-    gathered: Vec<Arc<Chunk>>,
-    pixels: usize,
     /// What is known of the window up to now.
     known: Known,
-    /// Windows of the stream up to now, and pieces of the frame.
+    /// Windows of the stream up to now.
     windows: usize,
-    pieces: usize,
     axis: Axis,
     open: Vec<Open>,
     jobs: usize,
@@ -140,13 +136,10 @@ impl Windows {
     pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize) -> Self {
         Self {
             capacity: Capacity::new(machine),
-            tags: Tags::new(header, machine),
+            tags: L2Tags::new(header, machine),
             info: FrameInfo::default(),
-            gathered: Vec::new(),
-            pixels: 0,
             known: Known::default(),
             windows: 0,
-            pieces: 0,
             axis: Axis::new(plan.clone(), plan.draws.end.max(keep)),
             open: Vec::new(),
             jobs: 0,
@@ -156,98 +149,63 @@ impl Windows {
         }
     }
 
-    /// The next item of the stream; the jobs that are complete.
-    pub fn add(&mut self, item: &Item) -> Vec<Job> {
-        match item {
-            Item::Frame(info) => {
-                self.tags.begin_frame(info);
-                (self.info, self.pieces) = (*info, 0);
+    /// The next portion of the stream; the jobs that are complete.
+    pub fn add(&mut self, portion: Portion) -> Vec<Job> {
+        match portion {
+            Portion::Frame(info) => {
+                self.tags.begin_frame();
+                self.info = info;
                 Vec::new()
             }
-            Item::Rays(chunk) => {
-                self.gathered.push(Arc::clone(chunk));
-                let pixels = |chunk: &Arc<Chunk>| chunk.rays().filter(|ray| ray.head.kind == RayKind::Primary).count();
-                self.pixels += pixels(chunk);
-                if self.pixels < self.plan.cut.window() { Vec::new() } else { self.cut() }
-            }
-            Item::End { policy, .. } => {
-                let mut jobs = self.cut();
-                (self.population.strata, self.population.windows) = (self.axis.strata(), self.axis.windows());
-                let open = take(&mut self.open);
-                jobs.extend(open.into_iter().filter_map(|open| self.job(open)));
-                if !policy.is_empty() {
-                    // All ends are replayed, by the first pass.
-                    if self.plan.draws.start == 0 {
-                        let (number, tags, work) = (self.jobs, self.tags.clone(), JobWork::End(Arc::clone(policy)));
-                        jobs.push(Job { number, draw: 0, info: self.info, tags, work });
-                        self.jobs += 1;
-                    }
-                    self.tags.frame_end(policy);
-                }
-                jobs
-            }
+            Portion::Piece(piece) => self.piece(piece),
+            Portion::End(end) => self.end(end),
         }
     }
 
-    /// Cuts the chunks that were gathered: one, or as many as make a window.
-    fn cut(&mut self) -> Vec<Job> {
-        self.pixels = 0;
-        let gathered = take(&mut self.gathered);
-        match gathered.as_slice() {
-            [] => Vec::new(),
-            [chunk] => self.chunk(chunk),
-            chunks => {
-                let mut all = Chunk::default();
-                let rays = chunks.iter().flat_map(|chunk| chunk.rays());
-                rays.for_each(|ray| all.push(ray.head, ray.packed_path(), ray.packed_policy()));
-                self.chunk(&Arc::new(all))
+    fn piece(&mut self, CutPiece { mut piece, requests, begin, l1s, is_last }: CutPiece) -> Vec<Job> {
+        if let Some(l1s) = l1s {
+            let warm = WarmCaches::new(l1s, self.tags.snapshot());
+            self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
+        }
+        piece.known.dram = self.tags.pass(&requests);
+        let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
+        self.rays += piece.rays.clone().filter(traced).count() as u64;
+        self.known += piece.known;
+        let window = self.windows;
+        if is_last {
+            self.end_window();
+        }
+        let mut complete = Vec::new();
+        for (at, open) in self.open.iter_mut().enumerate() {
+            let of = if open.lead > 0 {
+                open.lead -= 1;
+                &mut open.before
+            } else if open.window == window {
+                &mut open.own
+            } else {
+                &mut open.behind
+            };
+            of.push(piece.clone());
+            let behind = self.plan.cut.behind;
+            if open.behind.len() == behind || behind == 0 && open.window == window && is_last {
+                complete.push(at);
             }
         }
+        let complete: Vec<Open> = complete.into_iter().rev().map(|at| self.open.remove(at)).collect();
+        complete.into_iter().filter_map(|open| self.job(open)).collect()
     }
 
-    fn chunk(&mut self, chunk: &Arc<Chunk>) -> Vec<Job> {
-        let primaries: Vec<u32> =
-            (0..chunk.len()).filter(|&ray| chunk.head(ray).kind == RayKind::Primary).map(|ray| ray as u32).collect();
-        let traced = |&ray: &usize| chunk.head(ray).decision != Decision::Skip;
-        self.rays += (0..chunk.len()).filter(traced).count() as u64;
-        // Whole windows of about the same number of pixels.
-        let cut = self.plan.cut;
-        let windows = ((primaries.len() as f64 / cut.window() as f64).round() as usize).max(1);
-        let pieces = (windows * cut.own).min(primaries.len());
-        let firsts: Vec<u32> = (0..pieces).map(|piece| primaries[piece * primaries.len() / pieces]).collect();
-        let mut jobs = Vec::new();
-        for (piece, &first) in firsts.iter().enumerate() {
-            let rays = first as usize..firsts.get(piece + 1).map_or(chunk.len(), |&end| end as usize);
-            self.begin_windows(piece);
-            let known = self.tags.piece(chunk, rays.clone());
-            let part = Piece { chunk: Arc::clone(chunk), rays, known };
-            self.known += known;
-            let window = self.windows;
-            let ends = piece + 1 == pieces || (piece + 1) % cut.own == 0;
-            if ends {
-                self.end_window();
-            }
-            let mut complete = Vec::new();
-            for (at, open) in self.open.iter_mut().enumerate() {
-                let of = if open.lead > 0 {
-                    open.lead -= 1;
-                    &mut open.before
-                } else if open.window == window {
-                    &mut open.own
-                } else {
-                    &mut open.behind
-                };
-                of.push(part.clone());
-                if open.behind.len() == cut.behind || cut.behind == 0 && open.window == window && ends {
-                    complete.push(at);
-                }
-            }
-            for at in complete.into_iter().rev() {
-                let open = self.open.remove(at);
-                jobs.extend(self.job(open));
-            }
-            self.pieces += 1;
+    fn end(&mut self, FrameEnd { steps, requests, l1s }: FrameEnd) -> Vec<Job> {
+        (self.population.strata, self.population.windows) = (self.axis.strata(), self.axis.windows());
+        let open = take(&mut self.open);
+        let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
+        // All ends are replayed, by the first pass.
+        if !steps.is_empty() && self.plan.draws.start == 0 {
+            let warm = WarmCaches::new(l1s, self.tags.snapshot());
+            jobs.push(Job { number: self.jobs, draw: 0, info: self.info, warm, work: JobWork::End(steps) });
+            self.jobs += 1;
         }
+        self.tags.pass(&requests);
         jobs
     }
 
@@ -267,29 +225,14 @@ impl Windows {
         self.windows += 1;
     }
 
-    /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number `piece` of its chunk.
-    fn begin_windows(&mut self, piece: usize) {
-        let cut = self.plan.cut;
-        let left = (cut.own - piece % cut.own) % cut.own;
-        let to_first = |window: usize| left + window * cut.own;
-        let first = self.windows + usize::from(left > 0);
-        let begin = (0..).take_while(|&window| to_first(window) <= cut.before);
-        let begin = begin.filter(|&window| self.pieces == 0 || to_first(window) == cut.before);
-        for (window, lead) in begin.map(|window| (first + window, to_first(window))) {
-            let tags = self.tags.clone();
-            let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
-            self.open.push(Open { window, size: 0.0, hits: Vec::new(), lead, tags, before, own, behind });
-        }
-    }
-
     /// A job of a window that was put together, if it has points.
     fn job(&mut self, open: Open) -> Option<Job> {
-        let Open { size, hits, tags, before, own, behind, .. } = open;
+        let Open { size, hits, warm, before, own, behind, .. } = open;
         let draw = hits.iter().map(|hit| hit.draw).min()?;
         let [before, own, behind] =
             [(before, false), (own, true), (behind, false)].map(|(pieces, is_own)| Part::of(&pieces, is_own));
         let work = JobWork::Window(Box::new(WindowWork { size, hits, before, own, behind }));
         self.jobs += 1;
-        Some(Job { number: self.jobs - 1, draw, info: self.info, tags, work })
+        Some(Job { number: self.jobs - 1, draw, info: self.info, warm, work })
     }
 }

@@ -1,37 +1,39 @@
 //! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the caches hold about what they
-//! would when a window is replayed, and of every window is known about how much it moves.
+//! would when a window is replayed, and of every window is known about how much it moves. Here are the L1s' tags, and the order of the
+//! accesses; what they ask the L2 for goes on to [`super::l2_tags`].
 
+use std::mem::{replace, take};
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::super::work::{Holder, Kind, Work};
 use super::known::Known;
+use super::l2_tags::Request;
 use super::plan::mix;
 use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::Place;
 use crate::memory::cache::{Access, Cache};
-use crate::memory::l2::Home;
 use crate::memory::tags::Victim;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
 
-/// All tags of a machine, and what they count.
-#[derive(Clone, Debug)]
-pub struct Tags {
+/// The L1s of each kind of units, core by core.
+pub type L1s = [Vec<Cache>; Kind::ALL.len()];
+
+/// The tags of all L1s, and what they count.
+#[derive(Debug)]
+pub struct L1Tags {
     layout: Layout,
     place: Place,
-    /// The L1s of each kind of units, core by core.
-    l1s: [Vec<Cache>; Kind::ALL.len()],
+    l1s: L1s,
     writes: [WritePolicy; Kind::ALL.len()],
     intervals: [u64; Kind::ALL.len()],
-    /// Banks of the L2s, core by core.
-    banks: Vec<Cache>,
     cores: usize,
     /// Units of each kind that a core has.
     of_core: [u16; Kind::ALL.len()],
-    homes: [Home; TrafficClass::ALL.len()],
     /// Slots of all traversal units.
     slots: usize,
     /// Rays that came to a traversal unit.
@@ -41,6 +43,16 @@ pub struct Tags {
     /// The unit of each kind that the ray goes to that makes its step.
     units: [u16; Kind::ALL.len()],
     known: Known,
+    requests: Vec<Request>,
+}
+
+/// What rays did.
+#[derive(Debug)]
+pub struct Passed {
+    /// What is known of it, but for what the L2 does.
+    pub known: Known,
+    /// What the L1s ask the L2 for, in order.
+    pub requests: Vec<Request>,
 }
 
 /// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the time, and differ by
@@ -67,7 +79,7 @@ struct Asked {
     access: Access,
 }
 
-impl Tags {
+impl L1Tags {
     /// Empty caches.
     pub fn new(header: &Header, machine: &MachineSpec) -> Self {
         let line = machine.line_bytes.get();
@@ -76,53 +88,39 @@ impl Tags {
             vec![spec.cache.build(line); spec.count as usize]
         };
         let cores = machine.cores.size();
-        let of_core = || machine.l2.caches().into_iter();
-        let banks = (0..cores).flat_map(|_| of_core()).flat_map(|(_, it)| vec![it.bank_cache(line); it.banks.size()]);
         Self {
             layout: Layout::new(header, machine),
             place: machine.shadow_cache.place,
             l1s: Kind::ALL.map(l1s),
             writes: Kind::ALL.map(|kind| kind.spec(machine).writes),
             intervals: Kind::ALL.map(|kind| kind.spec(machine).interval),
-            banks: banks.collect(),
             cores,
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
-            homes: machine.l2.homes(),
             slots: machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize,
             traced: 0,
             turns: [0; Kind::ALL.len()],
             units: [0; Kind::ALL.len()],
             known: Known::default(),
+            requests: Vec::new(),
         }
     }
 
-    /// The L1s of a kind of units.
-    pub fn l1s(&self, kind: Kind) -> &[Cache] {
-        &self.l1s[kind as usize]
-    }
-
-    /// The banks of the L2.
-    pub fn banks(&self) -> &[Cache] {
-        &self.banks
-    }
-
-    /// What they take in memory, about.
-    pub fn bytes(&self) -> usize {
-        self.l1s.iter().flatten().chain(&self.banks).map(Cache::bytes).sum()
+    /// What the L1s hold now.
+    pub fn snapshot(&self) -> Arc<L1s> {
+        Arc::new(self.l1s.clone())
     }
 
     /// A frame begins.
     pub fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         let first = self.layout.dynamic_part();
-        self.l1s.iter_mut().flatten().chain(&mut self.banks).for_each(|cache| cache.drop_from(first));
+        self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
 
-    /// A piece's rays make their accesses, primary rays first, then those that follow from them; what is known of the piece. As many rays as the
+    /// A piece's rays make their accesses, primary rays first, then those that follow from them. As many rays as the
     /// traversal units have slots are in flight and make steps in turn; they are all done when the next piece begins, so that what is
     /// first asked for by whom is clear.
-    pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Known {
-        self.known = Known::default();
+    pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Passed {
         let of = |primary: bool| {
             let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
             rays.clone().filter(is_of)
@@ -158,12 +156,19 @@ impl Tags {
                 None => drop(flights.swap_remove(place)),
             }
         }
-        self.known
+        self.passed()
     }
 
     /// Steps of a frame's end.
-    pub fn frame_end(&mut self, steps: &[u32]) {
+    pub fn frame_end(&mut self, steps: &[u32]) -> Passed {
         steps.iter().for_each(|&word| self.step(word, Holder::ShadowCache, RayKind::Primary));
+        self.passed()
+    }
+
+    fn passed(&mut self) -> Passed {
+        // The next piece will ask for about as much.
+        let room = Vec::with_capacity(self.requests.len());
+        Passed { known: take(&mut self.known), requests: replace(&mut self.requests, room) }
     }
 
     fn begin<'c>(&mut self, ray: Ray<'c>) -> Flight<'c> {
@@ -203,7 +208,7 @@ impl Tags {
                 } else {
                     self.known.missed[kind as usize] += 1;
                     self.known.moved[first.class as usize] += 1;
-                    self.below(unit * self.cores / units, line, first.class, first.write);
+                    self.ask(unit * self.cores / units, line, first.class, first.write);
                 }
             }
             (None, _) => {
@@ -238,26 +243,20 @@ impl Tags {
         let core = unit * self.cores / self.l1s[kind as usize].len();
         if let Some(victim) = victim {
             self.known.moved[victim.class as usize] += 1;
-            self.below(core, victim.line, victim.class, true);
+            self.ask(core, victim.line, victim.class, true);
         }
         if !hit {
             self.known.missed[kind as usize] += 1;
             self.known.moved[class as usize] += 1;
-            self.below(core, line, class, false);
+            self.ask(core, line, class, false);
         }
         if access == Access::WriteThrough {
             self.known.moved[class as usize] += 1;
-            self.below(core, line, class, true);
+            self.ask(core, line, class, true);
         }
     }
 
-    fn below(&mut self, core: usize, line: LineAddr, class: TrafficClass, write: bool) {
-        let bank = core * (self.banks.len() / self.cores) + self.homes[class as usize].bank(line);
-        let access = if write { Access::Write } else { Access::Read };
-        let (hit, victim) = self.banks[bank].pass(line, class, access);
-        self.known.dram[class as usize] += u64::from(!hit);
-        if let Some(victim) = victim {
-            self.known.dram[victim.class as usize] += 1;
-        }
+    fn ask(&mut self, core: usize, line: LineAddr, class: TrafficClass, write: bool) {
+        self.requests.push(Request { line, core: core as u16, class, write });
     }
 }

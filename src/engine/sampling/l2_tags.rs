@@ -1,0 +1,72 @@
+//! The tags of the L2s, which are asked for what the L1s' tags miss ([`super::l1_tags`]): without time too.
+
+use std::sync::Arc;
+
+use crate::engine::tally::PerClass;
+use crate::machine::MachineSpec;
+use crate::machine::layout::Layout;
+use crate::memory::cache::{Access, Cache};
+use crate::memory::l2::Home;
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+use crate::stream::Header;
+
+/// What an L1 asks the L2 for.
+#[derive(Clone, Copy, Debug)]
+pub struct Request {
+    /// The line.
+    pub line: LineAddr,
+    /// The core.
+    pub core: u16,
+    /// What it is for.
+    pub class: TrafficClass,
+    /// Whether it is written.
+    pub write: bool,
+}
+
+/// The tags of all L2s.
+#[derive(Debug)]
+pub struct L2Tags {
+    /// Banks, core by core.
+    banks: Vec<Cache>,
+    of_core: usize,
+    homes: [Home; TrafficClass::ALL.len()],
+    dynamic_part: LineAddr,
+}
+
+impl L2Tags {
+    /// Empty caches.
+    pub fn new(header: &Header, machine: &MachineSpec) -> Self {
+        let line = machine.line_bytes.get();
+        let caches = || machine.l2.caches().into_iter();
+        let of_core = || caches().flat_map(|(_, it)| vec![it.bank_cache(line); it.banks.size()]);
+        let banks: Vec<Cache> = (0..machine.cores.size()).flat_map(|_| of_core()).collect();
+        let (homes, dynamic_part) = (machine.l2.homes(), Layout::new(header, machine).dynamic_part());
+        Self { of_core: banks.len() / machine.cores.size(), banks, homes, dynamic_part }
+    }
+
+    /// What the banks hold now.
+    pub fn snapshot(&self) -> Arc<Vec<Cache>> {
+        Arc::new(self.banks.clone())
+    }
+
+    /// A frame begins.
+    pub fn begin_frame(&mut self) {
+        self.banks.iter_mut().for_each(|bank| bank.drop_from(self.dynamic_part));
+    }
+
+    /// What is asked for is accessed; how many lines of each class move between L2 and DRAM for that.
+    pub fn pass(&mut self, requests: &[Request]) -> PerClass<u64> {
+        let mut moved = PerClass::<u64>::default();
+        for &Request { line, core, class, write } in requests {
+            let bank = usize::from(core) * self.of_core + self.homes[class as usize].bank(line);
+            let access = if write { Access::Write } else { Access::Read };
+            let (hit, victim) = self.banks[bank].pass(line, class, access);
+            moved[class as usize] += u64::from(!hit);
+            if let Some(victim) = victim {
+                moved[victim.class as usize] += 1;
+            }
+        }
+        moved
+    }
+}
