@@ -1,9 +1,10 @@
 //! What lies below the L1s: the L2's banks, each taking one access a cycle, in front of the machine's own model of the DRAM.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use super::calendar::Calendar;
 use crate::engine::tally::{BankTally, ChannelTally};
+use crate::engine::work::Kind;
 use crate::machine::MachineSpec;
 use crate::memory::bank::{BankedSpec, Served};
 use crate::memory::cache::{Access, Cache, Fill, Lookup};
@@ -47,10 +48,30 @@ struct Bank {
     latency: u64,
     /// The first cycle in which an access can be made.
     free_at: u64,
-    /// Requests behind one that found no register or target.
-    stalled: VecDeque<Request>,
+    /// Requests that wait, the first for a register, a target or a place in the out queue, and how many can.
+    queue: VecDeque<Request>,
+    places: usize,
+    /// Units whose first request waits for a place in the queue.
+    blocked: BTreeSet<u32>,
     out: VecDeque<Request>,
     served: Served,
+}
+
+impl Bank {
+    /// Whether there is a place in the queue.
+    fn takes(&self) -> bool {
+        self.queue.len() < self.places
+    }
+}
+
+/// An L1 as seen from here.
+#[derive(Clone, Debug)]
+struct L1 {
+    /// Its out queue: requests that no bank has taken, the banks they are for, and how many there can be.
+    out: VecDeque<(usize, Request)>,
+    places: usize,
+    /// When lines come to it that are on their way.
+    coming: Vec<u64>,
 }
 
 /// L2 and DRAM. Its parts are numbered: banks, then channels.
@@ -70,6 +91,10 @@ pub struct Below {
     free_answers: Vec<u32>,
     waiting: Vec<u32>,
     came: Vec<(u32, LineAddr)>,
+    /// Unit by unit.
+    l1s: Vec<L1>,
+    /// Units that can send another request.
+    pub got_room: Vec<u32>,
 }
 
 impl Below {
@@ -82,9 +107,15 @@ impl Below {
             cache: spec.bank_cache(line),
             latency: spec.latency.get(),
             free_at: 0,
-            stalled: VecDeque::new(),
+            queue: VecDeque::new(),
+            places: spec.queue.size(),
+            blocked: BTreeSet::new(),
             out: VecDeque::new(),
             served: Served::default(),
+        };
+        let l1 = |kind: Kind| {
+            let spec = kind.spec(machine);
+            vec![L1 { out: VecDeque::new(), places: spec.cache.queue.size(), coming: Vec::new() }; spec.count as usize]
         };
         let l2 = machine.l2.caches();
         let dram = Dram::new(&machine.dram, machine.clock_mhz.get(), line, PartId(banks));
@@ -102,6 +133,8 @@ impl Below {
             free_answers: Vec::new(),
             waiting: Vec::new(),
             came: Vec::new(),
+            l1s: Kind::ALL.into_iter().flat_map(l1).collect(),
+            got_room: Vec::new(),
         }
     }
 
@@ -115,10 +148,34 @@ impl Below {
     /// A unit's L1 sends `request` to its core's L2 in cycle `at`; `from` is the unit.
     pub fn request(&mut self, core: usize, request: Request, at: u64, calendar: &mut Calendar) {
         let index = core * self.of_core + self.homes[request.class as usize].bank(request.line);
-        if self.banks[index].stalled.is_empty() {
+        let (unit, takes) = (request.from.0, self.banks[index].takes());
+        let out = &mut self.l1s[unit as usize].out;
+        if out.is_empty() && takes {
+            return self.put(index, request, at, calendar);
+        }
+        if out.is_empty() {
+            self.banks[index].blocked.insert(unit);
+        }
+        out.push_back((index, request));
+    }
+
+    /// Whether a unit's L1 could send a request.
+    pub fn has_room(&self, PartId(unit): PartId) -> bool {
+        let l1 = &self.l1s[unit as usize];
+        l1.out.len() < l1.places
+    }
+
+    /// Whether a line comes to a unit up to cycle `at`, as far as is known.
+    #[inline]
+    pub fn comes_by(&self, unit: usize, at: u64) -> bool {
+        self.l1s[unit].coming.iter().any(|&comes| comes <= at)
+    }
+
+    fn put(&mut self, index: usize, request: Request, at: u64, calendar: &mut Calendar) {
+        if self.banks[index].queue.is_empty() {
             self.access(index, request, at + 1, calendar);
         } else {
-            self.banks[index].stalled.push_back(request);
+            self.banks[index].queue.push_back(request);
         }
     }
 
@@ -127,9 +184,10 @@ impl Below {
         let at = at.max(bank.free_at);
         let Request { line, class, write, bytes, from, marked } = request;
         let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
-        let lookup = bank.cache.access(line, class, access, reader, true);
+        let room = bank.out.len() < bank.places;
+        let lookup = bank.cache.access(line, class, access, reader, room);
         match lookup {
-            Lookup::Stalled => return bank.stalled.push_front(request),
+            Lookup::Stalled => return bank.queue.push_front(request),
             Lookup::Hit if !write => self.answer(index, from.0, line, at, calendar),
             Lookup::Hit | Lookup::Merged => {}
             Lookup::Miss | Lookup::Passed => {
@@ -155,6 +213,8 @@ impl Below {
     /// The line goes to the unit's L1; it was found, or came, in cycle `at`.
     fn answer(&mut self, bank: usize, unit: u32, line: LineAddr, at: u64, calendar: &mut Calendar) {
         let answer = Answer { unit, line };
+        let at = at + self.banks[bank].latency + 1;
+        self.l1s[unit as usize].coming.push(at);
         let place = match self.free_answers.pop() {
             Some(place) => {
                 self.answers[place as usize] = answer;
@@ -165,7 +225,7 @@ impl Below {
                 self.answers.len() as u32 - 1
             }
         };
-        calendar.put(at + self.banks[bank].latency + 1, self.first + self.due.len() as u32 + place);
+        calendar.put(at, self.first + self.due.len() as u32 + place);
     }
 
     /// An event of this memory in cycle `now`; a line that comes to an L1, if it is one.
@@ -174,7 +234,11 @@ impl Below {
         match part.checked_sub(self.due.len()) {
             Some(place) => {
                 self.free_answers.push(place as u32);
-                return Some(self.answers[place]);
+                let answer = self.answers[place];
+                let coming = &mut self.l1s[answer.unit as usize].coming;
+                let came = coming.iter().position(|&at| at == now).expect("a line comes when it was announced");
+                coming.swap_remove(came);
+                return Some(answer);
             }
             None if self.due[part] != now => return None,
             None => self.due[part] = u64::MAX,
@@ -206,6 +270,7 @@ impl Below {
             if !out.is_empty() {
                 alarm.wake(PartId(index as u32), now + 1);
             }
+            self.go_on(index, now + 1, calendar);
         }
     }
 
@@ -222,12 +287,32 @@ impl Below {
         }
         waiting.iter().for_each(|&unit| self.answer(index, unit, line, at, calendar));
         self.waiting = waiting;
-        // A register is free: those behind the one that stalled go on, each a cycle later.
-        while let Some(request) = self.banks[index].stalled.pop_front() {
-            let left = self.banks[index].stalled.len();
+        self.go_on(index, at, calendar);
+    }
+
+    /// A register or a place in the out queue is free: requests that wait go on, each a cycle later, and so do those of units that wait for
+    /// their places.
+    fn go_on(&mut self, index: usize, at: u64, calendar: &mut Calendar) {
+        while let Some(request) = self.banks[index].queue.pop_front() {
+            let left = self.banks[index].queue.len();
             self.access(index, request, at, calendar);
-            if self.banks[index].stalled.len() > left {
+            if self.banks[index].queue.len() > left {
                 break;
+            }
+        }
+        while self.banks[index].takes()
+            && let Some(unit) = self.banks[index].blocked.pop_first()
+        {
+            let out = &mut self.l1s[unit as usize].out;
+            let (_, request) = out.pop_front().expect("who waits for a place has a request");
+            let next = out.front().map(|&(next, _)| next);
+            self.got_room.push(unit);
+            self.put(index, request, at, calendar);
+            if let Some(next) = next {
+                self.banks[next].blocked.insert(unit);
+                if next != index && self.banks[next].takes() {
+                    self.go_on(next, at + 1, calendar);
+                }
             }
         }
     }
@@ -245,7 +330,10 @@ impl Below {
     /// Whether nothing is under way.
     pub fn is_idle(&self) -> bool {
         self.dram.is_idle()
-            && self.banks.iter().all(|bank| bank.out.is_empty() && bank.cache.misses_under_way() == 0)
+            && self
+                .banks
+                .iter()
+                .all(|bank| bank.out.is_empty() && bank.queue.is_empty() && bank.cache.misses_under_way() == 0)
             && self.answers.len() == self.free_answers.len()
     }
 

@@ -30,6 +30,8 @@ use crate::stream::{Header, Step};
 /// What a ray does at its next event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Stage {
+    /// The data of its operation are there.
+    Ready,
     /// Its holder looks at its next step.
     Step,
     /// Its second operation begins with a fetch.
@@ -151,6 +153,10 @@ impl Functional {
         let ray = &self.rays[id as usize];
         let station = ray.station as usize;
         match ray.stage {
+            Stage::Ready => {
+                self.stations[station].ready -= 1;
+                self.begin(id, station, now);
+            }
             Stage::Step => self.step(id, now),
             Stage::Second => {
                 let second = self.work(id).second.expect("a second operation has something to fetch");
@@ -281,11 +287,13 @@ impl Functional {
         let fetch = &mut rays[id as usize].fetch;
         let Fetch { class, marked, .. } = *fetch;
         let (bytes, from) = (*line, PartId(station as u32));
-        let fetched = stations[station].access(id, fetch, at, |line, at| {
+        let room = below.has_room(from);
+        let fetched = stations[station].access(id, fetch, at, room, |line, at| {
             below.request(core, Request { line, class, write: false, bytes, from, marked }, at, calendar);
+            below.has_room(from)
         });
         match fetched {
-            Fetched::At(at) => self.begin(id, station, at),
+            Fetched::At(at) => self.ready(id, station, at),
             Fetched::Waits => {}
             Fetched::Stalled => {
                 self.stations[station].stalled = true;
@@ -315,12 +323,29 @@ impl Functional {
         let fetch = &mut self.rays[id as usize].fetch;
         fetch.missing -= 1;
         if fetch.missing == 0 && fetch.left == 0 {
-            let at = now.max(fetch.data_at);
+            if fetch.data_at > now {
+                let at = fetch.data_at;
+                self.ready(id, station, at);
+            } else {
+                self.begin(id, station, now);
+            }
+        }
+    }
+
+    /// The data are there from cycle `at` on. Operations begin in the order in which their data come, which decides what rays find in the L1: if a line comes
+    /// until then, those who wait for it begin before.
+    fn ready(&mut self, id: u32, station: usize, at: u64) {
+        let unit = &mut self.stations[station];
+        if unit.ready > 0 || self.below.comes_by(station, at) {
+            unit.ready += 1;
+            self.rays[id as usize].stage = Stage::Ready;
+            self.calendar.put(at, id);
+        } else {
             self.begin(id, station, at);
         }
     }
 
-    /// The data are there from cycle `at` on: the operation begins as soon as it can, and what follows is announced.
+    /// The operation begins as soon as it can from cycle `at` on, and what follows is announced.
     fn begin(&mut self, id: u32, station: usize, at: u64) {
         let (begin, core) = (self.stations[station].operate(at), self.crossing.core(station));
         let ray = &mut self.rays[id as usize];
@@ -444,8 +469,14 @@ impl Engine for Functional {
                     self.await_shading();
                 } else if event <= shading_ends + stations {
                     self.use_ports((event - shading_ends - 1) as usize, now);
-                } else if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
-                    self.line_came(answer, now);
+                } else {
+                    if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
+                        self.line_came(answer, now);
+                    }
+                    while let Some(unit) = self.below.got_room.pop() {
+                        self.stations[unit as usize].stalled = false;
+                        self.announce(unit as usize, now);
+                    }
                 }
             }
             if std::mem::take(&mut self.dispatch.freed) {

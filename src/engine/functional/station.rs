@@ -38,7 +38,7 @@ pub enum Fetched {
     At(u64),
     /// Some are on their way.
     Waits,
-    /// No register or target is free: it stands at the head of the fetch queue.
+    /// No register, target or place to send a request is free: it stands at the head of the fetch queue.
     Stalled,
 }
 
@@ -46,9 +46,11 @@ pub enum Fetched {
 #[derive(Clone, Debug)]
 pub struct Station {
     cache: Cache,
-    /// Rays that wait for the ports, and whether the first of them waits for a miss register or a target instead.
+    /// Rays that wait for the ports, and whether the first of them waits for a miss register, a target or a place instead.
     pub fetching: VecDeque<u32>,
     pub stalled: bool,
+    /// Rays whose data are on their way from the L1, behind a line that comes.
+    pub ready: u32,
     /// Rays whose line has come, which get it one a cycle; and whether they do.
     released: VecDeque<u32>,
     one_by_one: bool,
@@ -76,6 +78,7 @@ impl Station {
             cache: spec.cache.build(line),
             fetching: VecDeque::new(),
             stalled: false,
+            ready: 0,
             released: VecDeque::new(),
             one_by_one: spec.cache.release == Release::OneByOne,
             is_announced: false,
@@ -113,8 +116,16 @@ impl Station {
         Some(ray)
     }
 
-    /// Goes on with a fetch in cycle `now`. `miss` is told lines to ask for, and when.
-    pub fn access(&mut self, ray: u32, fetch: &mut Fetch, now: u64, mut miss: impl FnMut(LineAddr, u64)) -> Fetched {
+    /// Goes on with a fetch in cycle `now`. `room` says whether a request could be sent; `miss` is told lines to ask for, and when, and says whether another
+    /// could be.
+    pub fn access(
+        &mut self,
+        ray: u32,
+        fetch: &mut Fetch,
+        now: u64,
+        mut room: bool,
+        mut miss: impl FnMut(LineAddr, u64) -> bool,
+    ) -> Fetched {
         let access = self.writes.access(fetch.class, fetch.write);
         while fetch.left > 0 {
             if self.port_at < now {
@@ -125,7 +136,7 @@ impl Station {
                 self.turn_to(self.port_at + 1);
                 continue;
             }
-            match self.cache.access(fetch.line, fetch.class, access, Some(ray), true) {
+            match self.cache.access(fetch.line, fetch.class, access, Some(ray), room) {
                 Lookup::Stalled => return Fetched::Stalled,
                 Lookup::Passed => unreachable!("a ray waits for the data"),
                 Lookup::Hit => fetch.data_at = self.port_at + self.hit_latency,
@@ -133,7 +144,7 @@ impl Station {
                 Lookup::Miss => {
                     fetch.missing += 1;
                     self.marked[fetch.class as usize] += u64::from(fetch.marked);
-                    miss(fetch.line, self.port_at);
+                    room = miss(fetch.line, self.port_at);
                 }
             }
             self.port_used += 1;
