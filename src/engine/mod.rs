@@ -259,13 +259,8 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     loop {
         let stats = findings.estimate(machine, plan.draws.end);
         let is_enough = stats.accuracy.is_within(target.get());
-        let draws = match stats.accuracy.widest() {
-            Some(widest) => plan.enough_draws(widest, target.get()),
-            None => 2 * plan.draws.end,
-        };
-        if is_enough || draws > keep {
-            return Ok((stats, is_enough));
-        }
+        let next = plan.next_draws(stats.accuracy.widest(), target.get(), keep);
+        let Some(draws) = next.filter(|_| !is_enough) else { return Ok((stats, is_enough)) };
         plan.draws = plan.draws.end..draws;
         let more = match kept.take(&plan.draws) {
             Some(jobs) => sampler.replay(jobs)?,

@@ -74,11 +74,14 @@ impl Plan {
         Self { stratum: 2.0 / rate, draws: 0..2, cut: Cut::new(machine), seed }
     }
 
-    /// How many points a stratum should do for intervals of `target`, when those so far gave `share`: intervals shrink with the root of
-    /// the number of points. A quarter more is taken, since the width of an interval is itself known from a sample only.
-    pub fn enough_draws(&self, share: f64, target: f64) -> usize {
-        let needed = 1.25 * self.draws.end as f64 * (share / target).powi(2);
-        (needed.ceil() as usize).max(self.draws.end + 1)
+    /// How many points of a stratum are to be measured next for intervals of `target`, when those so far gave `share`, if they tell that; `None` where that
+    /// would take more than `most`. Intervals shrink with the root of the number of points, and a quarter more is taken, since the width of an
+    /// interval is itself known from a sample only. For the same reason no more than twice as many are: a first width may be far too large.
+    pub fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
+        let (now, twice) = (self.draws.end, 2 * self.draws.end);
+        let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
+        let enough = share.map_or(twice, |share| needed(share).max(now + 1));
+        (enough <= most).then_some(enough.min(twice))
     }
 
     /// Where in its stratum a point lies: a share of its length.

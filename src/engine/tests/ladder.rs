@@ -167,6 +167,18 @@ fn windows_are_as_long_as_a_machine_asks_for() {
     assert_eq!(cuts, [cut(128, 8, 4), cut(1024, 2, 8), cut(1920, 3, 4)]);
 }
 
+/// As many points more as the width asks for, but no more than double; none where that would be too many in the end.
+#[test]
+fn a_sample_goes_on_by_no_more_than_double() {
+    let plan = Plan { draws: 0..8, ..PLAN };
+    let next = |share, most| plan.next_draws(share, 0.02, most);
+    assert_eq!(next(None, 100), Some(16), "nothing is known of the width");
+    assert_eq!(next(Some(0.0201), 100), Some(11));
+    assert_eq!(next(Some(0.06), 100), Some(16), "not 90");
+    assert_eq!(next(Some(0.06), 89), None);
+    assert_eq!(next(Some(0.001), 100), Some(9), "another figure may be the wider one");
+}
+
 /// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not counted twice.
 #[test]
 fn windows_by_themselves_add_up() {
@@ -379,7 +391,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     }
 }
 
-/// The same where sampling goes on until the interval is within a target: windows double from look to look, and whoever stops does so
+/// The same where sampling goes on until the interval is within a target: windows at most double from look to look, and whoever stops does so
 /// since the interval came out narrow, which it may have done by chance.
 #[test]
 fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
@@ -397,10 +409,10 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                     break Some(found);
                 }
                 let plan = Plan { draws: 0..draws, ..PLAN };
-                draws = if tells { plan.enough_draws(share, target) } else { 2 * draws };
-                if draws as f64 > PLAN.stratum / 2.0 {
+                let Some(next) = plan.next_draws(tells.then_some(share), target, (PLAN.stratum / 2.0) as usize) else {
                     break None;
-                }
+                };
+                draws = next;
             };
             if let Some((Total { total, half_width }, truth)) = first {
                 stopped += 1;
