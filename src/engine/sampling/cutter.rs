@@ -17,7 +17,7 @@ pub enum Portion {
     /// A frame begins.
     Frame(FrameInfo),
     /// A piece of it.
-    Piece(CutPiece),
+    Piece(Box<CutPiece>),
     /// It ends.
     End(FrameEnd),
 }
@@ -144,7 +144,7 @@ impl Cutter {
             self.windows += usize::from(is_last);
             self.pieces += 1;
             let piece = Piece { chunk: Arc::clone(chunk), rays, known };
-            Portion::Piece(CutPiece { piece, requests, begin, l1s, is_last })
+            Portion::Piece(Box::new(CutPiece { piece, requests, begin, l1s, is_last }))
         };
         firsts.iter().enumerate().map(piece).collect()
     }

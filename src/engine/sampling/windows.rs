@@ -157,7 +157,7 @@ impl Windows {
                 self.info = info;
                 Vec::new()
             }
-            Portion::Piece(piece) => self.piece(piece),
+            Portion::Piece(piece) => self.piece(*piece),
             Portion::End(end) => self.end(end),
         }
     }
