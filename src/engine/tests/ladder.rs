@@ -13,7 +13,6 @@ use crate::engine::sampling::known::{Columns, Span};
 use crate::engine::sampling::{Cut, TELLING};
 use crate::engine::tally::{BankTally, PerClass};
 use crate::machine::shadow_cache::{FrameEnd, Place};
-use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
@@ -183,14 +182,8 @@ fn a_sample_goes_on_by_no_more_than_double() {
 #[test]
 fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
-    // Many rays in flight before a small L2: at a group's ends, where there are fewer, more of them hit.
-    let mut crowded = shipped("small");
-    crowded.dispatcher.rays = num(1024);
-    crowded.traversal.rays = num(256);
-    if let L2Spec::Unified(l2) = &mut crowded.l2 {
-        l2.bytes = num(32 << 10);
-    }
-    for (name, machine) in [("small", shipped("small")), ("desktop", shipped("desktop")), ("crowded", crowded)] {
+    for name in ["small", "desktop"] {
+        let machine = shipped(name);
         for engine in [Sampled::Event, Sampled::Functional, Sampled::Profile] {
             let whole = on(&machine, &header, &engine.whole().to_string(), &stream);
             // So many points that all but the smallest windows have some.
