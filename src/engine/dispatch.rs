@@ -308,6 +308,12 @@ impl Dispatch {
         self.host.done(flight.place, now + 2 + self.spec.shading_cycles.get());
     }
 
+    /// No unit gets a ray any more.
+    #[cfg(test)]
+    pub fn take_all_slots(&mut self) {
+        self.free_slots.fill(0);
+    }
+
     /// When the next parent's shading ends.
     pub fn next_shaded(&self) -> Option<u64> {
         self.host.next_shaded()

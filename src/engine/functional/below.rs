@@ -337,6 +337,18 @@ impl Below {
             && self.answers.len() == self.free_answers.len()
     }
 
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        let sum = |of: fn(&Bank) -> usize| self.banks.iter().map(of).sum::<usize>();
+        format!(
+            "sent by L1s and not taken {}, waiting in banks of the L2 {}, misses under way {}, out to the DRAM {}",
+            self.l1s.iter().map(|l1| l1.out.len()).sum::<usize>(),
+            sum(|bank| bank.queue.len()),
+            sum(|bank| bank.cache.misses_under_way()),
+            sum(|bank| bank.out.len()),
+        )
+    }
+
     /// What the banks counted.
     pub fn banks(&self) -> Vec<BankTally> {
         let tally = |bank: &Bank| BankTally { cache: *bank.cache.counts(), served: bank.served.clone() };

@@ -2,86 +2,31 @@
 //! in flight are limited as in the machine, and a ray's step is one event (two, if it waits for a line): so accesses come in an
 //! order close to the machine's, and time falls out of what is busy when.
 //!
-//! What is left out of MODEL.md's rules: queues between parts are never full, a fill never waits, and of what happens in one
-//! cycle only the order of announcement counts.
+//! What is left out of MODEL.md's rules: a fill never waits, requests that wait in a bank are accessed together, and of what happens in one
+//! cycle mostly the order of announcement counts.
 
 mod below;
 mod calendar;
+mod ray;
 mod station;
 
 use self::below::{Answer, Below};
 use self::calendar::Calendar;
+use self::ray::{Ray, Stage};
 use self::station::{Fetch, Fetched, Station};
 use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
 use super::tally::{Tally, busy};
 use super::work::{Holder, Kind, Work};
-use super::{Engine, RunError};
+use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
 use crate::machine::division::DivisionSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::TrafficClass;
 use crate::stream::{Header, Step};
-
-/// What a ray does at its next event.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// The data of its operation are there.
-    Ready,
-    /// Its holder looks at its next step.
-    Step,
-    /// Its second operation begins with a fetch.
-    Second,
-    /// It comes back from a unit that its holder sent it to.
-    Back,
-    /// It comes to the shadow-cache unit.
-    Policy,
-}
-
-/// A ray in flight, or a step of a frame's end.
-#[derive(Clone, Debug)]
-struct Ray {
-    holder: Holder,
-    /// The shadow-cache unit that holds it.
-    policy_unit: u32,
-    /// The unit that performs the step, and whether it is another than the holder.
-    station: u32,
-    away: bool,
-    stage: Stage,
-    /// Whether the shadow-cache unit's decision is still to come.
-    undecided: bool,
-    /// Operations that its step takes after the one under way, and whether a division follows the last.
-    operations_left: u32,
-    divides: bool,
-    fetch: Fetch,
-}
-
-impl Ray {
-    const IDLE: Self = Self {
-        holder: Holder::Traversal,
-        policy_unit: 0,
-        station: 0,
-        away: false,
-        stage: Stage::Step,
-        undecided: false,
-        operations_left: 0,
-        divides: false,
-        fetch: Fetch {
-            line: LineAddr(0),
-            left: 0,
-            missing: 0,
-            write: false,
-            class: TrafficClass::Node,
-            bytes: 0,
-            marked: false,
-            data_at: 0,
-        },
-    };
-}
 
 /// The machine, simplified.
 pub(super) struct Functional {
@@ -89,7 +34,7 @@ pub(super) struct Functional {
     cores: usize,
     line: Bytes,
     layout: Layout,
-    dispatch: Dispatch,
+    pub(super) dispatch: Dispatch,
     /// The pool, then the entries for steps of a frame's end.
     rays: Vec<Ray>,
     /// Units, as the crossing numbers them.
@@ -102,6 +47,8 @@ pub(super) struct Functional {
     /// Whether the end of shading is in the calendar.
     shading: bool,
     waiting: Vec<u32>,
+    /// Cycles in which a ray or a unit must act.
+    patience: u64,
 }
 
 impl Functional {
@@ -131,6 +78,7 @@ impl Functional {
             calendar: Calendar::new(),
             shading: false,
             waiting: Vec::new(),
+            patience: patience(machine),
         }
     }
 
@@ -303,6 +251,21 @@ impl Functional {
         true
     }
 
+    /// An event of the memory in cycle `now`; whether a unit gets anything by it.
+    fn memory(&mut self, event: u32, now: u64) -> bool {
+        let answer = self.below.event(event, now, &mut self.calendar);
+        let mut gets = answer.is_some();
+        if let Some(answer) = answer {
+            self.line_came(answer, now);
+        }
+        while let Some(unit) = self.below.got_room.pop() {
+            self.stations[unit as usize].stalled = false;
+            self.announce(unit as usize, now);
+            gets = true;
+        }
+        gets
+    }
+
     /// A line comes to a unit's L1.
     fn line_came(&mut self, Answer { unit, line }: Answer, now: u64) {
         let station = unit as usize;
@@ -459,24 +422,26 @@ impl Engine for Functional {
         self.dispatch(0, feed)?;
         let (rays, shading_ends) = (self.rays.len() as u32, self.shading_ends());
         let stations = self.stations.len() as u32;
-        while let Some(now) = self.calendar.turn(&mut events) {
+        // The DRAM's refresh never ends: that something happens does not say that anything goes on.
+        let mut acted_at = 0;
+        while let Some(now) = self.calendar.turn(&mut events).filter(|now| now - acted_at <= self.patience) {
             for &event in &events {
-                if event < rays {
+                let acts = if event < rays {
                     self.ray(event, now);
+                    true
                 } else if event == shading_ends {
                     self.shading = false;
                     self.dispatch.shaded(now);
                     self.await_shading();
+                    true
                 } else if event <= shading_ends + stations {
                     self.use_ports((event - shading_ends - 1) as usize, now);
+                    true
                 } else {
-                    if let Some(answer) = self.below.event(event, now, &mut self.calendar) {
-                        self.line_came(answer, now);
-                    }
-                    while let Some(unit) = self.below.got_room.pop() {
-                        self.stations[unit as usize].stalled = false;
-                        self.announce(unit as usize, now);
-                    }
+                    self.memory(event, now)
+                };
+                if acts {
+                    acted_at = now;
                 }
             }
             if std::mem::take(&mut self.dispatch.freed) {
@@ -486,8 +451,8 @@ impl Engine for Functional {
                 return Ok(now + 1);
             }
         }
-        let queues = format!("rays in flight {}", self.dispatch.in_flight());
-        Err(RunError::Deadlock { cycle: 0, queues })
+        let queues = format!("rays in flight {}, {}", self.dispatch.in_flight(), self.below.queues());
+        Err(RunError::Deadlock { cycle: acted_at, queues })
     }
 
     fn tally(&self, cycles: u64) -> Tally {

@@ -13,6 +13,7 @@ use crate::engine::sampling::known::{Columns, Span};
 use crate::engine::sampling::{Cut, TELLING};
 use crate::engine::tally::{BankTally, PerClass};
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
@@ -156,6 +157,25 @@ fn a_sample_knows_what_its_windows_do_not_move() {
     let moved = |rung| on(&machine, &header, rung, &stream).moved("dram").0;
     let (whole, sampled) = (moved("Event"), moved("Sampled(engine: Event, rate: 0.3)"));
     assert!((sampled as f64 / whole as f64 - 1.0).abs() < 0.01, "{sampled} {whole}");
+}
+
+/// Where hardly anything can wait, full queues of the L2 hold up L1s, and these their rays: without that, `Functional` is 12 and 17 % too fast.
+#[test]
+fn full_queues_hold_up_the_functional_rung() {
+    let (header, stream) = quickstart();
+    for (registers, of_l1) in [(2, 4), (1, 1)] {
+        let mut machine = shipped("small");
+        machine.traversal.cache.queue = num(of_l1);
+        machine.intersection.cache.queue = num(of_l1);
+        if let L2Spec::Unified(l2) = &mut machine.l2 {
+            (l2.mshrs, l2.targets, l2.queue) = (num(registers), num(1), num(1));
+        }
+        let [event, functional] = ["Event", "Functional"].map(|rung| on(&machine, &header, rung, &stream));
+        let off = |of: fn(&MachineStats) -> u64| of(&functional) as f64 / of(&event) as f64 - 1.0;
+        let all = [off(|it| it.cycles.0), off(|it| it.moved("l2").0), off(|it| it.moved("dram").0)];
+        println!("{registers} registers a bank: {all:.4?} of cycles, L2 bytes, DRAM bytes");
+        assert!(all.iter().all(|off| off.abs() < 0.02), "{registers} registers a bank: {all:?}");
+    }
 }
 
 /// The longer the more lines an L1 has, behind the more pixels the more rays there is room for.

@@ -405,6 +405,17 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
 
+/// The functional rung too, whose memory goes on without end.
+#[test]
+fn a_functional_machine_that_does_not_move_is_reported() {
+    let machine = MachineSpec::default();
+    let mut engine = functional::Functional::new(&machine, &header());
+    engine.dispatch.take_all_slots();
+    let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
+    let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
+    assert!(error.contains("rays in flight 0, sent by L1s and not taken 0"), "{error}");
+}
+
 #[test]
 fn violated_identities_are_found() {
     let machine = MachineSpec::default();
