@@ -252,7 +252,7 @@ fn sample_until<E, I: Iterator<Item = Result<Item, E>>>(
     open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
 ) -> Result<(MachineStats, bool), RunError<E>> {
     let sampler = Sampler::new(engine, machine, header);
-    let keep = (most * plan.stratum) as usize;
+    let keep = (most * plan.strata.length) as usize;
     let mut pass = sampler.pass(&plan, keep, open(0)?)?;
     let mut kept = std::mem::take(&mut pass.kept);
     let mut findings = Findings::of(&sampler, pass);

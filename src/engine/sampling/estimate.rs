@@ -3,10 +3,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::axis::Hit;
 use super::job::Figures;
 use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot, student};
+use super::strata::{Point, Strata};
 
 /// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -23,18 +23,20 @@ pub struct Window {
     /// How long it is on the axis.
     pub size: f64,
     /// The points that lie in it.
-    pub hits: Vec<Hit>,
+    pub hits: Vec<Point>,
     /// Operations that its rays ask for.
     pub operations: f64,
     /// What each span did.
     pub spans: [Part; Span::ALL.len()],
 }
 
-/// A population of windows: how long each stratum is, how many there are, and what is known of all together.
+/// A population of windows: the strata of its axis and where that ends, how many there are, and what is known of all together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Population {
-    /// Lengths of strata.
-    pub strata: Vec<f64>,
+    /// Strata.
+    pub strata: Strata,
+    /// The end.
+    pub axis: f64,
     /// Windows.
     pub windows: usize,
     /// Sums.
@@ -72,7 +74,7 @@ impl Total {
     }
 }
 
-/// Estimates the total of everything that was measured in some window, by the first `draws` points of each stratum, with lines of so many bytes.
+/// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with lines of so many bytes.
 /// Intervals are of 95 %.
 pub fn estimate(population: &Population, windows: &[Window], draws: usize, line: u64) -> BTreeMap<String, Total> {
     let mut sample = Sample::new(population, windows, draws, line as f64);
@@ -96,9 +98,11 @@ struct Sample<'a> {
 impl<'a> Sample<'a> {
     fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
         let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
+        let ends = population.strata.ends(draws, population.axis);
+        let stratum = |hit: &Point| ends.partition_point(|&end| end <= hit.place);
         let (points, of): (Vec<&Window>, Vec<usize>) =
-            hits.filter(|(_, hit)| hit.draw < draws).map(|(window, hit)| (window, hit.stratum)).unzip();
-        let (strata, place) = joined(&population.strata, &of);
+            hits.filter(|(_, hit)| hit.draw < draws).map(|(window, hit)| (window, stratum(hit))).unzip();
+        let (strata, place) = joined(&ends, &of);
         let mut sampled = vec![0.0; strata.len()];
         place.iter().for_each(|&stratum| sampled[stratum] += 1.0);
         // A point stands for its share of the stratum, in which there are so many windows as long as its own.
@@ -144,11 +148,11 @@ impl<'a> Sample<'a> {
 
     /// Half the width of the interval of a sum that a sample estimates from `values`.
     fn half_width(&self, values: &[f64], freedom: f64) -> Option<f64> {
+        let mut strata = vec![Vec::new(); self.strata];
+        let points = self.place.iter().zip(values.iter().zip(&self.weights));
+        points.for_each(|(&stratum, (value, w))| strata[stratum].push(value * w));
         let (mut variance, mut squares) = (0.0, 0.0);
-        for stratum in 0..self.strata {
-            let points = self.place.iter().zip(values.iter().zip(&self.weights));
-            let here: Vec<f64> =
-                points.filter(|(place, _)| **place == stratum).map(|(_, (value, w))| value * w).collect();
+        for here in strata {
             let some = here.len() as f64;
             if some > 1.0 {
                 let mean = here.iter().sum::<f64>() / some;
@@ -168,13 +172,14 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// Strata of which fewer than two points were measured are joined with the one before (or, at the beginning, behind): how long each is then, and the
-/// stratum of each point.
-fn joined(strata: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
-    let mut counts = vec![0u64; strata.len()];
+/// Strata with these ends of which fewer than two points were measured are joined with the one before (or, at the beginning, behind): how long each is
+/// then, and the stratum of each point.
+fn joined(ends: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
+    let mut counts = vec![0u64; ends.len()];
     points.iter().for_each(|&stratum| counts[stratum] += 1);
     let (mut merged, mut place): (Vec<(f64, u64)>, Vec<usize>) = (Vec::new(), Vec::new());
-    for (&length, some) in strata.iter().zip(counts) {
+    let lengths = ends.iter().scan(0.0, |begin, &end| Some(end - std::mem::replace(begin, end)));
+    for (length, some) in lengths.zip(counts) {
         match merged.last_mut() {
             Some(last) if last.1 < 2 || some < 2 => *last = (last.0 + length, last.1 + some),
             _ => merged.push((length, some)),
@@ -190,11 +195,15 @@ mod tests {
     use super::*;
     use crate::machine::MachineSpec;
 
-    fn window(stratum: usize, known: Columns, y: f64) -> Window {
+    fn window(place: f64, known: Columns, y: f64) -> Window {
         let inside = Part { known, figures: [("y".to_owned(), y)].into() };
         let other = || Part { known, ..Part::default() };
-        let hits = vec![Hit { stratum, draw: 0 }];
+        let hits = vec![Point { place, draw: 0 }];
         Window { size: 1.0, hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
+    }
+
+    fn strata(length: f64) -> Strata {
+        Strata { length, seed: 0 }
     }
 
     /// Operations and lines of the DRAM.
@@ -213,10 +222,10 @@ mod tests {
         let windows: Vec<_> = (0..16u32)
             .map(|i| {
                 let known = known(f64::from(100 + i * i), f64::from(i % 5));
-                window(i as usize / 4, known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
+                window(10.0 * f64::from(i), known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
             })
             .collect();
-        let population = Population { strata: vec![40.0; 4], windows: 160, known: known(20_000.0, 300.0) };
+        let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known: known(20_000.0, 300.0) };
         let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width.unwrap() < 1e-6);
@@ -225,24 +234,24 @@ mod tests {
     #[test]
     fn large_windows_count_for_less() {
         // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is known of them.
-        let windows = [1.0, 3.0].map(|size| Window { size, ..window(0, known(0.0, 0.0), size) });
-        let population = Population { strata: vec![60.0], windows: 40, ..Population::default() };
+        let windows = [1.0, 3.0].map(|size| Window { size, ..window(size, known(0.0, 0.0), size) });
+        let population = Population { strata: strata(60.0), axis: 60.0, windows: 40, ..Population::default() };
         let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
         assert_eq!((total, half_width), (60.0, Some(0.0)));
     }
 
     #[test]
     fn a_point_that_was_not_drawn_yet_does_not_count() {
-        let mut windows = [window(0, known(1.0, 0.0), 5.0), window(0, known(1.0, 0.0), 5.0)];
-        windows[1].hits.push(Hit { stratum: 0, draw: 4 });
-        let population = Population { strata: vec![8.0], windows: 8, known: known(8.0, 0.0) };
+        let mut windows = [window(0.0, known(1.0, 0.0), 5.0), window(1.0, known(1.0, 0.0), 5.0)];
+        windows[1].hits.push(Point { place: 1.5, draw: 4 });
+        let population = Population { strata: strata(8.0), axis: 8.0, windows: 8, known: known(8.0, 0.0) };
         let at = |draws| Sample::new(&population, &windows, draws, 64.0).points.len();
         assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
     }
 
     #[test]
     fn lonely_points_join_their_neighbours() {
-        assert_eq!(joined(&[10.0, 4.0, 0.5], &[0, 0, 1]), (vec![14.5], vec![0; 3]));
-        assert_eq!(joined(&[10.0, 4.0], &[0, 0, 1, 1]), (vec![10.0, 4.0], vec![0, 0, 1, 1]));
+        assert_eq!(joined(&[10.0, 14.0, 14.5], &[0, 0, 1]), (vec![14.5], vec![0; 3]));
+        assert_eq!(joined(&[10.0, 14.0], &[0, 0, 1, 1]), (vec![10.0, 4.0], vec![0, 0, 1, 1]));
     }
 }

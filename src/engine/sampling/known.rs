@@ -10,7 +10,7 @@ const KINDS: usize = Kind::ALL.len();
 const CLASSES: usize = TrafficClass::ALL.len();
 
 /// Columns of [`Known::columns`].
-pub const COLUMNS: usize = KINDS + 3 + 2 * CLASSES + KINDS;
+pub const COLUMNS: usize = KINDS + 3 + 2 * CLASSES + KINDS + 2;
 
 /// The column of all operations; those of each kind of units but the first follow.
 pub const OPERATIONS: usize = 0;
@@ -18,13 +18,16 @@ pub const OPERATIONS: usize = 0;
 pub const MOVED: usize = KINDS;
 /// The column of all lines between L2 and DRAM.
 const DRAM: usize = MOVED + 1;
-/// The column of the cycles that the busiest kind of units, or the DRAM's bus, needs at least.
+/// The column of the cycles that the busiest kind of units, the busiest home, or the DRAM's bus, needs at least.
 const BUSIEST: usize = DRAM + 1;
 /// The first column of lines of a class between L1s and L2, and between L2 and DRAM.
 const MOVED_OF_CLASS: usize = BUSIEST + 1;
 const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CLASSES;
 /// The first column of lines that the L1s of each kind of units miss.
 const MISSED: usize = DRAM_OF_CLASS + CLASSES;
+/// The columns of what the home, and the bank of an L2, that has the most to do does.
+const HOME: usize = MISSED + KINDS;
+const BANK: usize = HOME + 1;
 
 /// Sums that no field of the statistics holds: bytes between the L1s and all caches of the L2, and of the DRAM.
 pub const L2_BYTES: &str = "=bytes.l2";
@@ -42,6 +45,10 @@ pub struct Known {
     pub dram: [u64; CLASSES],
     /// Lines that the L1s of each kind of units would miss.
     pub missed: [u64; KINDS],
+    /// Operations on entries of the stores by the shadow-cache unit that is the home of the most, a maximum for each piece.
+    pub home: u64,
+    /// Lines that the bank of an L2 that is asked for the most is asked for, a maximum for each piece.
+    pub bank: u64,
 }
 
 impl AddAssign for Known {
@@ -51,6 +58,8 @@ impl AddAssign for Known {
         add(&mut self.moved, &other.moved);
         add(&mut self.dram, &other.dram);
         add(&mut self.missed, &other.missed);
+        self.home += other.home;
+        self.bank += other.bank;
     }
 }
 
@@ -74,16 +83,16 @@ impl Capacity {
         Self { units: Kind::ALL.map(|kind| kind.spec(machine).count as f64), lines }
     }
 
-    fn busiest(&self, operations: [u64; KINDS], dram: f64) -> f64 {
+    fn busiest(&self, operations: [u64; KINDS], home: f64, dram: f64) -> f64 {
         let units = operations.into_iter().zip(self.units).map(|(operations, units)| operations as f64 / units);
-        units.fold(self.lines.map_or(0.0, |lines| dram / lines), f64::max)
+        units.chain(self.lines.map(|lines| dram / lines)).fold(home, f64::max)
     }
 
     /// The same columns with other operations.
     pub fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
         columns[OPERATIONS] = operations.iter().sum::<u64>() as f64;
         columns[OPERATIONS + 1..KINDS].iter_mut().zip(&operations[1..]).for_each(|(column, &it)| *column = it as f64);
-        columns[BUSIEST] = self.busiest(operations, columns[DRAM]);
+        columns[BUSIEST] = self.busiest(operations, columns[HOME], columns[DRAM]);
         columns
     }
 }
@@ -98,6 +107,7 @@ impl Known {
             .iter_mut()
             .zip(self.moved.iter().chain(&self.dram).chain(&self.missed))
             .for_each(|(column, &lines)| *column = lines as f64);
+        (columns[HOME], columns[BANK]) = (self.home as f64, self.bank as f64);
         capacity.with_operations(columns, self.operations)
     }
 }

@@ -44,6 +44,8 @@ pub struct L1Tags {
     units: [u16; Kind::ALL.len()],
     known: Known,
     requests: Vec<Request>,
+    /// Operations on entries that have their home at each shadow-cache unit.
+    at_home: Vec<u64>,
 }
 
 /// What rays did.
@@ -102,6 +104,7 @@ impl L1Tags {
             units: [0; Kind::ALL.len()],
             known: Known::default(),
             requests: Vec::new(),
+            at_home: vec![0; Kind::ShadowCache.spec(machine).count as usize],
         }
     }
 
@@ -166,6 +169,8 @@ impl L1Tags {
     }
 
     fn passed(&mut self) -> Passed {
+        self.known.home = self.at_home.iter().copied().max().unwrap_or_default();
+        self.at_home.fill(0);
         // The next piece will ask for about as much.
         let room = Vec::with_capacity(self.requests.len());
         Passed { known: take(&mut self.known), requests: replace(&mut self.requests, room) }
@@ -202,6 +207,7 @@ impl L1Tags {
                 let (line, _) = self.layout.lines(&first);
                 let units = self.l1s[kind as usize].len();
                 let unit = (line.0 % units as u64) as usize;
+                self.at_home[unit] += self.intervals[kind as usize];
                 if self.place == Place::Own {
                     self.units[kind as usize] = unit as u16;
                     self.access(kind, &first);

@@ -34,6 +34,15 @@ pub struct L2Tags {
     dynamic_part: LineAddr,
 }
 
+/// What requests did.
+#[derive(Clone, Copy, Debug)]
+pub struct Served {
+    /// Lines of each class that moved between L2 and DRAM.
+    pub dram: PerClass<u64>,
+    /// Those that the bank was asked for that was asked for the most.
+    pub bank: u64,
+}
+
 impl L2Tags {
     /// Empty caches.
     pub fn new(header: &Header, machine: &MachineSpec) -> Self {
@@ -55,18 +64,19 @@ impl L2Tags {
         self.banks.iter_mut().for_each(|bank| bank.drop_from(self.dynamic_part));
     }
 
-    /// What is asked for is accessed; how many lines of each class move between L2 and DRAM for that.
-    pub fn pass(&mut self, requests: &[Request]) -> PerClass<u64> {
-        let mut moved = PerClass::<u64>::default();
+    /// What is asked for is accessed.
+    pub fn pass(&mut self, requests: &[Request]) -> Served {
+        let (mut dram, mut asked) = (PerClass::<u64>::default(), vec![0; self.banks.len()]);
         for &Request { line, core, class, write } in requests {
             let bank = usize::from(core) * self.of_core + self.homes[class as usize].bank(line);
+            asked[bank] += 1;
             let access = if write { Access::Write } else { Access::Read };
             let (hit, victim) = self.banks[bank].pass(line, class, access);
-            moved[class as usize] += u64::from(!hit);
+            dram[class as usize] += u64::from(!hit);
             if let Some(victim) = victim {
-                moved[victim.class as usize] += 1;
+                dram[victim.class as usize] += 1;
             }
         }
-        moved
+        Served { dram, bank: asked.into_iter().max().unwrap_or_default() }
     }
 }

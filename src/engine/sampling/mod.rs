@@ -13,6 +13,7 @@ mod l2_tags;
 mod pass;
 mod plan;
 mod regression;
+pub mod strata;
 mod warm;
 mod windows;
 

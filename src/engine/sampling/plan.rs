@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::strata::Strata;
 use crate::machine::MachineSpec;
 
 /// Pixels before a window for a ray that the machine has room for.
@@ -54,27 +55,25 @@ impl Cut {
 }
 
 /// How much is replayed. Windows lie one after another on an axis, each as long as it is large ([`super::axis`]), which is cut into strata of
-/// equal length. Each stratum has points, drawn one after another by a hash, so that a later pass can measure the next ones: windows with a point are
-/// measured.
+/// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so
+/// that a later pass can measure the next ones.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan {
-    /// How long strata are, where windows are of length 1 on average.
-    pub stratum: f64,
-    /// Which of a stratum's points are measured.
+    /// The strata of the axis, on which windows are of length 1 on average.
+    pub strata: Strata,
+    /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its halves get.
     pub draws: Range<usize>,
     /// What a window is, and what is replayed beside it.
     pub cut: Cut,
-    /// Which points: by a hash of this and the stratum's number.
-    pub seed: u64,
 }
 
 impl Plan {
     /// The plan that measures about `rate` of the windows of a stream on `machine`, two a stratum.
     pub fn new(rate: f64, machine: &MachineSpec, seed: u64) -> Self {
-        Self { stratum: 2.0 / rate, draws: 0..2, cut: Cut::new(machine), seed }
+        Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut: Cut::new(machine) }
     }
 
-    /// How many points of a stratum are to be measured next for intervals of `target`, when those so far gave `share`, if they tell that; `None` where that
+    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when those so far gave `share`, if they tell that; `None` where that
     /// would take more than `most`. Intervals shrink with the root of the number of points, and a quarter more is taken, since the width of an
     /// interval is itself known from a sample only. For the same reason no more than twice as many are: a first width may be far too large.
     pub fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
@@ -82,13 +81,6 @@ impl Plan {
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
         let enough = share.map_or(twice, |share| needed(share).max(now + 1));
         (enough <= most).then_some(enough.min(twice))
-    }
-
-    /// Where in its stratum a point lies: a share of its length.
-    pub fn point(&self, stratum: usize, draw: usize) -> f64 {
-        let hash = mix(self.seed ^ mix(((stratum as u64) << 20) + draw as u64));
-        // The 53 bits that a float holds.
-        (hash >> 11) as f64 / (1u64 << 53) as f64
     }
 }
 

@@ -3,12 +3,13 @@
 use std::mem::take;
 use std::sync::Arc;
 
-use super::axis::{Axis, Hit};
+use super::axis::Axis;
 use super::cutter::{CutPiece, FrameEnd, Lead, Piece, Portion};
 use super::estimate::Population;
 use super::known::{Capacity, Known};
-use super::l2_tags::L2Tags;
+use super::l2_tags::{L2Tags, Served};
 use super::plan::Plan;
+use super::strata::Point;
 use super::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, Decision, FrameInfo, Header};
@@ -52,7 +53,7 @@ pub struct WindowWork {
     /// How long it is on the axis.
     pub size: f64,
     /// The points that lie in it.
-    pub hits: Vec<Hit>,
+    pub hits: Vec<Point>,
     /// What comes before it, which fills what is in flight; less at a frame's beginning.
     pub before: Part,
     /// Its own rays.
@@ -96,7 +97,7 @@ struct Open {
     window: usize,
     /// How long it is and its points, once they are known.
     size: f64,
-    hits: Vec<Hit>,
+    hits: Vec<Point>,
     /// Pieces that come before the window's first one.
     lead: usize,
     warm: WarmCaches,
@@ -140,10 +141,10 @@ impl Windows {
             info: FrameInfo::default(),
             known: Known::default(),
             windows: 0,
-            axis: Axis::new(plan.clone(), plan.draws.end.max(keep)),
+            axis: Axis::new(plan.strata, plan.draws.end.max(keep)),
             open: Vec::new(),
             jobs: 0,
-            population: Population::default(),
+            population: Population { strata: plan.strata, ..Population::default() },
             rays: 0,
             plan,
         }
@@ -167,7 +168,8 @@ impl Windows {
             let warm = WarmCaches::new(l1s, self.tags.snapshot());
             self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
         }
-        piece.known.dram = self.tags.pass(&requests);
+        let Served { dram, bank } = self.tags.pass(&requests);
+        (piece.known.dram, piece.known.bank) = (dram, bank);
         let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
         self.rays += piece.rays.clone().filter(traced).count() as u64;
         self.known += piece.known;
@@ -196,7 +198,7 @@ impl Windows {
     }
 
     fn end(&mut self, FrameEnd { steps, requests, l1s }: FrameEnd) -> Vec<Job> {
-        (self.population.strata, self.population.windows) = (self.axis.strata(), self.axis.windows());
+        (self.population.axis, self.population.windows) = (self.axis.end(), self.axis.windows());
         let open = take(&mut self.open);
         let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
         // All ends are replayed, by the first pass.

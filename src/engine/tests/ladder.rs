@@ -10,6 +10,7 @@ use super::*;
 use crate::engine::sampling::axis::Axis;
 use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
 use crate::engine::sampling::known::{Columns, Span};
+use crate::engine::sampling::strata::Strata;
 use crate::engine::sampling::{Cut, TELLING};
 use crate::engine::tally::{BankTally, PerClass};
 use crate::machine::shadow_cache::{FrameEnd, Place};
@@ -101,7 +102,7 @@ fn any_machine_can_be_sampled() {
     check_many(100, (machines(), streams()), |(machine, stream)| {
         let whole = on(&machine, &header(), "Event", &stream);
         let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
-        let plan = Plan { stratum: 2.0, draws: 0..2, cut, seed: 0 };
+        let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
         let header = header();
         let sampler = Sampler::new(Sampled::Event, &machine, &header);
         let pass = sampler.pass(&plan, 0, items(stream)).map_err(|error| error.to_string())?;
@@ -340,7 +341,7 @@ fn census() -> Census {
     let mut machine = shipped("small");
     // The stream is short: a small pool makes for many windows.
     machine.dispatcher.rays = num(16);
-    let plan = Plan { stratum: 2.0, draws: 0..1000, cut: CUT, seed: 0 };
+    let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..1000, cut: CUT };
     let sampler = Sampler::new(Sampled::Event, &machine, &header);
     let mut windows = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream)).unwrap()).measured;
     let mut sums = Span::ALL.map(|_| Population::default());
@@ -353,9 +354,9 @@ fn census() -> Census {
 }
 
 impl Census {
-    /// The windows with points that a pass and those before it measure, and all strata.
-    fn drawn(&self, draws: usize, seed: u64) -> (Vec<Window>, Vec<f64>) {
-        let mut axis = Axis::new(Plan { draws: 0..draws, seed, ..PLAN }, draws);
+    /// The windows with points that a pass and those before it measure, and where the axis ends.
+    fn drawn(&self, draws: usize, seed: u64) -> (Vec<Window>, f64) {
+        let mut axis = Axis::new(Strata { seed, ..PLAN.strata }, draws);
         let mut drawn = Vec::new();
         for window in &self.windows {
             let (size, hits) = axis.next(&window.span(Span::Own).known);
@@ -363,20 +364,21 @@ impl Census {
                 drawn.push(Window { size, hits, ..window.clone() });
             }
         }
-        (drawn, axis.strata())
+        (drawn, axis.end())
     }
 
     /// The estimate of a figure from these windows, and the truth.
     fn found(&self, (name, span): (&str, Span), draws: usize, seed: u64) -> (Total, f64) {
-        let (drawn, strata) = self.drawn(draws, seed);
-        let population = Population { strata, windows: self.windows.len(), known: self.known[span as usize] };
+        let (drawn, axis) = self.drawn(draws, seed);
+        let (strata, windows) = (Strata { seed, ..PLAN.strata }, self.windows.len());
+        let population = Population { strata, axis, windows, known: self.known[span as usize] };
         let total = estimate(&population, &drawn, draws, 64)[name];
         (total, self.windows.iter().map(|window| window.span(span).figures[name]).sum())
     }
 }
 
 const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
-const PLAN: Plan = Plan { stratum: 20.0, draws: 0..2, cut: CUT, seed: 0 };
+const PLAN: Plan = Plan { strata: Strata { length: 20.0, seed: 0 }, draws: 0..2, cut: CUT };
 
 /// The truth lies within the 95 % intervals in 93 to 97 % of 1000 samples of windows that were all measured.
 #[test]
@@ -422,7 +424,8 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                     break Some(found);
                 }
                 let plan = Plan { draws: 0..draws, ..PLAN };
-                let Some(next) = plan.next_draws(tells.then_some(share), target, (PLAN.stratum / 2.0) as usize) else {
+                let Some(next) = plan.next_draws(tells.then_some(share), target, (PLAN.strata.length / 2.0) as usize)
+                else {
                     break None;
                 };
                 draws = next;
