@@ -7,7 +7,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::super::work::{Holder, Kind, Work};
-use super::known::Known;
+use super::known::{Capacity, Known};
 use super::l2_tags::Request;
 use super::plan::mix;
 use crate::machine::MachineSpec;
@@ -34,8 +34,10 @@ pub struct L1Tags {
     cores: usize,
     /// Units of each kind that a core has.
     of_core: [u16; Kind::ALL.len()],
-    /// Slots of all traversal units.
+    capacity: Capacity,
+    /// Slots of all traversal units, and rays that are in them.
     slots: usize,
+    in_flight: usize,
     /// Rays that came to a traversal unit.
     traced: u64,
     /// The unit of a core that the next ray goes to, of kinds that get them in turn.
@@ -90,6 +92,7 @@ impl L1Tags {
             vec![spec.cache.build(line); spec.count as usize]
         };
         let cores = machine.cores.size();
+        let slots = machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize;
         Self {
             layout: Layout::new(header, machine),
             place: machine.shadow_cache.place,
@@ -98,7 +101,9 @@ impl L1Tags {
             intervals: Kind::ALL.map(|kind| kind.spec(machine).interval),
             cores,
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
-            slots: machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize,
+            capacity: Capacity::new(machine),
+            slots,
+            in_flight: slots,
             traced: 0,
             turns: [0; Kind::ALL.len()],
             units: [0; Kind::ALL.len()],
@@ -120,17 +125,17 @@ impl L1Tags {
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
 
-    /// A piece's rays make their accesses, primary rays first, then those that follow from them. As many rays as the
-    /// traversal units have slots are in flight and make steps in turn; they are all done when the next piece begins, so that what is
-    /// first asked for by whom is clear.
+    /// A piece's rays make their accesses, primary rays first, then those that follow from them. So many rays are in
+    /// flight and make steps in turn as the piece before says, at most as many as traversal units have slots; they are all done when the next piece begins,
+    /// so that what is first asked for by whom is clear.
     pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Passed {
         let of = |primary: bool| {
             let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
             rays.clone().filter(is_of)
         };
         let mut waiting = of(true).chain(of(false)).map(|ray| chunk.ray(ray));
-        let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.slots);
-        while flights.len() < self.slots
+        let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.in_flight);
+        while flights.len() < self.in_flight
             && let Some(ray) = waiting.next()
         {
             flights.push(self.begin(ray));
@@ -159,7 +164,11 @@ impl L1Tags {
                 None => drop(flights.swap_remove(place)),
             }
         }
-        self.passed()
+        let passed = self.passed();
+        if let Some(rays) = self.capacity.in_flight(&passed.known) {
+            self.in_flight = (rays as usize).clamp(1, self.slots);
+        }
+        passed
     }
 
     /// Steps of a frame's end.
