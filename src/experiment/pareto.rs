@@ -10,10 +10,10 @@ use super::frames::FrameRange;
 use super::sweep::{Recorded, SweepError, record};
 use super::{Experiment, Overrides, beside, progress, read_machine};
 use crate::culling::PolicySpec;
-use crate::engine::{self, Fidelity};
+use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
-use crate::report::pareto::{Figures, Measured, ParetoSummary, Run, Timing};
+use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError};
 use crate::stats::MachineStats;
 use crate::stream::StreamReader;
@@ -98,17 +98,24 @@ pub fn pareto(
         let recorded = record(experiment, folder.path(), stop)?;
         for machine in &machines {
             for (policy, stream) in recorded.iter().enumerate() {
-                let mut measured = Vec::new();
-                // One after another: their times are compared.
-                for (rung, timing) in rungs.iter().zip(&mut timings) {
+                let timed = |rung: Fidelity, timing: &mut Timing| {
                     let begin = Instant::now();
-                    let stats = replay(machine, *rung, stream, stop)?;
+                    let stats = replay(machine, rung, stream, stop);
+                    bar.inc(1);
+                    let stats = stats?;
                     timing.seconds += begin.elapsed().as_secs_f64();
                     timing.rays += stream.rays();
-                    measured.push(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy });
-                    bar.inc(1);
+                    Ok(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy })
+                };
+                // One after another: their times are compared.
+                let truth = timed(truth, &mut timings[0])?.figures;
+                let mut found = Vec::new();
+                for (rung, timing) in rungs.iter().zip(&mut timings).skip(1) {
+                    found.push(match timed(*rung, timing) {
+                        Ok(measured) => Found::Measured(measured),
+                        Err(error) => Found::Refused { refused: refusal(error)? },
+                    });
                 }
-                let truth = measured.remove(0).figures;
                 runs.push(Run {
                     scene: experiment.scene.name.clone(),
                     machine: machine.name.clone(),
@@ -116,7 +123,7 @@ pub fn pareto(
                     policy: stream.header.policy.clone(),
                     is_baseline: policy == experiment.off(),
                     truth,
-                    rungs: measured,
+                    rungs: found,
                 });
             }
         }
@@ -145,6 +152,16 @@ impl Source {
     }
 }
 
+/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's stores are.
+fn refusal(error: SweepError) -> Result<String, SweepError> {
+    match error {
+        SweepError::Machine { source, .. } if matches!(*source, RunError::Sample { .. } | RunError::Spec(_)) => {
+            Ok(source.to_string())
+        }
+        error => Err(error),
+    }
+}
+
 fn replay(
     machine: &MachineSpec,
     rung: Fidelity,
@@ -166,4 +183,34 @@ fn replay(
         policy: stream.header.policy.clone(),
         source: Box::new(source),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::pareto::Rung;
+
+    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
+    #[test]
+    fn a_rung_that_refuses_a_run_stops_no_other() {
+        let folder = tempfile::tempdir().unwrap();
+        let configs = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+        let machine = folder.path().join("in_records.ron");
+        std::fs::write(&machine, "(name: \"in_records\", shadow_cache: (place: Triangle, layout: Record))").unwrap();
+        let text = format!(
+            "(experiments: [(file: {:?}, frames: \"0..1\", resolution: (width: 16, height: 16), policies: [\"Published\"])],
+              machines: [{machine:?}], rungs: [Bound, Profile, Sampled(engine: Event, rate: 0.02)])",
+            configs.join("experiments/policies_room.ron"),
+        );
+        let file = folder.path().join("pareto.ron");
+        std::fs::write(&file, text).unwrap();
+        let (summary, timings) = pareto(&file, None, &AtomicBool::new(false)).unwrap();
+        let [bound, profile, sampled] = summary.rungs.as_slice() else { panic!("{:?}", summary.rungs) };
+        assert!(bound.refusals.is_empty() && bound.cycles.is_some());
+        let why = |rung: &Rung| rung.refusals.first().cloned().unwrap_or_default();
+        assert!(why(profile).contains("on `in_records` under `Off`: "), "{}", why(profile));
+        assert!(why(sampled).contains("a higher `rate` is needed"), "{}", why(sampled));
+        assert_eq!((profile.refusals.len(), sampled.refusals.len(), sampled.cycles), (2, 2, None));
+        assert_eq!(timings.iter().map(|timing| timing.rays > 0).collect::<Vec<_>>(), [true, true, false, false]);
+    }
 }

@@ -52,6 +52,8 @@ pub struct Rung {
     pub within: Option<[usize; 2]>,
     /// Where it puts two policies or two machines in another order than the truth does.
     pub disagreements: Vec<String>,
+    /// Runs that it refused, and why.
+    pub refusals: Vec<String>,
 }
 
 /// Mean and largest of some errors.
@@ -87,7 +89,30 @@ pub struct Run {
     /// The truth.
     pub truth: Figures,
     /// What each rung found.
-    pub rungs: Vec<Measured>,
+    pub rungs: Vec<Found>,
+}
+
+/// What became of a run by a rung.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Found {
+    /// It was replayed.
+    Measured(Measured),
+    /// The rung refused it.
+    Refused {
+        /// Why.
+        refused: String,
+    },
+}
+
+impl Run {
+    /// What a rung found, if it did not refuse the run.
+    fn found(&self, rung: usize) -> Option<&Measured> {
+        match &self.rungs[rung] {
+            Found::Measured(measured) => Some(measured),
+            Found::Refused { .. } => None,
+        }
+    }
 }
 
 /// What is compared.
@@ -185,7 +210,7 @@ impl ParetoSummary {
 
     /// A row a rung.
     pub fn grid(&self, timings: &[Timing]) -> Grid {
-        const HEAD: [&str; 10] = [
+        const HEAD: [&str; 11] = [
             "rung",
             "rays/s",
             "times the truth's speed",
@@ -196,6 +221,7 @@ impl ParetoSummary {
             "claimed (cycles, L2, DRAM, saving)",
             "within",
             "other orders",
+            "refused",
         ];
         let truth = timings.first().map_or(1.0, Timing::speed);
         let spread =
@@ -217,6 +243,7 @@ impl ParetoSummary {
                 or_absent(rung.claimed, |it| it.map(|share| or_absent(share, percent)).join(", ")),
                 or_absent(rung.within, |[within, all]| format!("{within} of {all}")),
                 rung.disagreements.len().to_string(),
+                rung.refusals.len().to_string(),
             ]
         };
         let rows = of_truth.chain(self.rungs.iter().zip(timings.iter().skip(1)).map(row)).collect();
@@ -231,7 +258,7 @@ fn off_by(found: f64, truth: f64) -> Option<f64> {
 impl Rung {
     fn new(name: String, index: usize, runs: &[Run]) -> Self {
         let figure = |figure: usize| {
-            let error = |run: &Run| off_by(run.rungs[index].figures.all()[figure], run.truth.all()[figure]);
+            let error = |run: &Run| off_by(run.found(index)?.figures.all()[figure], run.truth.all()[figure]);
             Spread::of(runs.iter().filter_map(error))
         };
         let baseline = |run: &Run| {
@@ -241,16 +268,19 @@ impl Rung {
         let off = |run: &Run| baseline(run).filter(|_| !run.is_baseline);
         let saving = |run: &Run| {
             let off = off(run)?;
-            Some((saved(run.rungs[index].figures, off.rungs[index].figures) - saved(run.truth, off.truth)).abs())
+            let [with, without] = [run.found(index)?, off.found(index)?];
+            Some((saved(with.figures, without.figures) - saved(run.truth, off.truth)).abs())
         };
-        let of_figures =
-            runs.iter().filter_map(|run| Some((run, run.rungs[index].claimed()?))).flat_map(|(run, claimed)| {
-                let (found, truth) = (run.rungs[index].figures.all(), run.truth.all());
+        let of_figures = runs.iter().filter_map(|run| Some((run, run.found(index)?))).flat_map(|(run, measured)| {
+            let (found, truth) = (measured.figures.all(), run.truth.all());
+            let claimed = measured.claimed().into_iter();
+            claimed.flat_map(move |claimed| {
                 (0..3).map(move |it| ((found[it] - truth[it]).abs() <= claimed[it] * found[it], claimed[it], it))
-            });
+            })
+        });
         let of_saving = runs.iter().filter_map(|run| {
             let off = off(run)?;
-            let [with, without] = [run, off].map(|run| &run.rungs[index]);
+            let [with, without] = [run.found(index)?, off.found(index)?];
             let ratio = 1.0 - saved(with.figures, without.figures);
             let claimed = with.accuracy.of_ratio(&without.accuracy, 0, ratio)?;
             Some((saving(run)? <= claimed, claimed, 3))
@@ -271,6 +301,7 @@ impl Rung {
             within: (!intervals.is_empty())
                 .then(|| [intervals.iter().filter(|(within, ..)| *within).count(), intervals.len()]),
             disagreements: disagreements(index, runs),
+            refusals: runs.iter().filter_map(|run| refusal(index, run)).collect(),
         }
     }
 }
@@ -285,8 +316,9 @@ fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
             if a.scene != b.scene || same_machine == same_policy {
                 continue;
             }
+            let (Some(of_a), Some(of_b)) = (a.found(index), b.found(index)) else { continue };
             let truth = time(a.truth, a).total_cmp(&time(b.truth, b));
-            let order = time(a.rungs[index].figures, a).total_cmp(&time(b.rungs[index].figures, b));
+            let order = time(of_a.figures, a).total_cmp(&time(of_b.figures, b));
             if order != truth {
                 let (of, one, other) = if same_machine {
                     (format!("on `{}`", a.machine), &a.policy, &b.policy)
@@ -299,6 +331,12 @@ fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
         }
     }
     found
+}
+
+/// That a rung refused a run, and why.
+fn refusal(index: usize, run: &Run) -> Option<String> {
+    let Found::Refused { refused } = &run.rungs[index] else { return None };
+    Some(format!("{} on `{}` under `{}`: {refused}", run.scene, run.machine, run.policy))
 }
 
 fn csv(summary: &ParetoSummary) -> Result<Vec<u8>, csv::Error> {
@@ -319,7 +357,8 @@ fn csv(summary: &ParetoSummary) -> Result<Vec<u8>, csv::Error> {
         "claimed_dram_bytes",
     ])?;
     for run in &summary.runs {
-        for (rung, measured) in summary.rungs.iter().zip(&run.rungs) {
+        for (index, rung) in summary.rungs.iter().enumerate() {
+            let Some(measured) = run.found(index) else { continue };
             let mut row = vec![run.scene.clone(), run.machine.clone(), run.policy.clone(), rung.name.clone()];
             for Figures { cycles, l2_bytes, dram_bytes } in [measured.figures, run.truth] {
                 row.extend([cycles, l2_bytes, dram_bytes].map(|figure| figure.to_string()));
@@ -351,8 +390,11 @@ fn page(summary: &ParetoSummary, timings: &[Timing], plot: &str) -> Result<Strin
     let orders: Vec<_> = differ
         .map(|rung| context! { name => rung.name.clone(), disagreements => rung.disagreements.clone() })
         .collect();
+    let refuse = summary.rungs.iter().filter(|rung| !rung.refusals.is_empty());
+    let refused: Vec<_> =
+        refuse.map(|rung| context! { name => rung.name.clone(), refusals => rung.refusals.clone() }).collect();
     let context = context! {
-        plot, orders,
+        plot, orders, refused,
         rungs => template::grid(summary.grid(timings)),
         truth => summary.truth.as_str(),
         runs => summary.runs.len(),
@@ -373,10 +415,10 @@ mod tests {
             policy: policy.into(),
             is_baseline: policy == "Off",
             truth: figures(truth),
-            rungs: vec![Measured {
+            rungs: vec![Found::Measured(Measured {
                 figures: figures(found),
                 accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1 },
-            }],
+            })],
         }
     }
 
@@ -403,6 +445,24 @@ mod tests {
         assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [true]);
         let slow = [timings[0].clone(), Timing { seconds: 3.0, ..timings[1].clone() }];
         assert_eq!(summary.frontier(&slow, |rung| rung.cycles), [false]);
+    }
+
+    #[test]
+    fn what_a_rung_refuses_is_told_and_left_out() {
+        let refused = Found::Refused { refused: "too short".into() };
+        let runs = vec![run("Off", 1000, 1020), Run { rungs: vec![refused], ..run("A", 980, 0) }];
+        let summary = ParetoSummary::new("Event".into(), vec!["B".into()], runs);
+        let rung = &summary.rungs[0];
+        assert_eq!(rung.refusals, ["room on `small` under `A`: too short"]);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-12, "{a} {b}");
+        close(rung.cycles.unwrap().worst, 0.02);
+        assert!(rung.saving.is_none() && rung.disagreements.is_empty());
+        assert_eq!(rung.within, Some([3, 3]));
+        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, rays: 1000 };
+        let page = page(&summary, &[timing("Event", 2.0), timing("B", 1.0)], "").unwrap();
+        assert!(page.contains("room on <code>small</code> under <code>A</code>: too short"), "{page}");
+        let json = serde_json::to_vec(&summary).unwrap();
+        assert_eq!(serde_json::from_slice::<ParetoSummary>(&json).unwrap(), summary);
     }
 
     #[test]

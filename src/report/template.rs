@@ -1,6 +1,6 @@
 //! How pages are made of templates: all share a layout, a style sheet and the form of tables.
 
-use minijinja::{Environment, Value, context};
+use minijinja::{Environment, HtmlEscape, Value, context};
 
 use super::table::Grid;
 
@@ -15,6 +15,7 @@ const SHARED: [(&str, &str); 4] = [
 /// The page of the template `source`, which is called `name`.
 pub fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
+    environment.add_filter("code", code);
     for (name, source) in SHARED {
         environment.add_template(name, source)?;
     }
@@ -22,7 +23,25 @@ pub fn render(name: &str, source: &str, context: Value) -> Result<String, miniji
     environment.get_template(name)?.render(context)
 }
 
+/// Text whose names stand between backticks, as in messages.
+fn code(text: &str) -> Value {
+    let escaped = HtmlEscape(text).to_string();
+    let part = |(at, part): (usize, &str)| if at % 2 == 0 { part.into() } else { format!("<code>{part}</code>") };
+    Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
+}
+
 /// A table, as the macro `grid` takes it.
 pub fn grid(grid: Grid) -> Value {
     context! { head => grid.head, names => grid.names, rows => grid.rows }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_code_and_text_is_escaped() {
+        let page = render("t", "{{ text|code }}", context! { text => "room on `a<b`: 2 > `c`" }).unwrap();
+        assert_eq!(page, "room on <code>a&lt;b</code>: 2 &gt; <code>c</code>");
+    }
 }

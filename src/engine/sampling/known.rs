@@ -208,3 +208,33 @@ pub fn explanation(name: &str) -> Explanation {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn known(operations: [u64; KINDS], home: u64) -> Known {
+        Known { operations, home, ..Known::default() }
+    }
+
+    #[test]
+    fn the_busiest_is_a_kind_a_home_or_the_bus() {
+        let capacity =
+            Capacity { units: [4.0, 1.0, 2.0, 4.0], lines: Some(0.5), ..Capacity::new(&MachineSpec::default()) };
+        let busiest = |known: Known| known.columns(&capacity)[BUSIEST];
+        assert_eq!(busiest(known([400, 0, 100, 100], 25)), 100.0, "traversal units");
+        assert_eq!(busiest(known([400, 0, 100, 200], 140)), 140.0, "one shadow-cache unit has most of what 4 do");
+        let read = Known { dram: [0, 0, 60, 0, 20, 0, 0], ..known([400, 0, 100, 200], 140) };
+        assert_eq!(busiest(read), 160.0, "the bus");
+    }
+
+    /// Little 1961: 100 operations of 9 cycles each, and ten lines of 20, in 200 cycles.
+    #[test]
+    fn as_many_rays_are_in_flight_as_the_busiest_lets_through() {
+        let capacity = Capacity { units: [4.0; KINDS], lines: None, stays: [9.0, 3.0, 5.0], fetches: [20.0, 7.0, 7.0] };
+        let one = Known { missed: [10, 0, 0, 99], ..known([100, 0, 0, 99], 200) };
+        assert_eq!(capacity.in_flight(&one), Some((900.0 + 200.0) / 200.0));
+        assert_eq!(capacity.in_flight(&known([100, 0, 0, 0], 0)), Some(36.0), "all four units are busy for 25 cycles");
+        assert_eq!(capacity.in_flight(&Known::default()), None);
+    }
+}

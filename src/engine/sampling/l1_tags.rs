@@ -275,3 +275,47 @@ impl L1Tags {
         self.requests.push(Request { line, core: core as u16, class, write });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::super::tests::synthetic::{SyntheticRay, frame, header, nodes};
+    use super::*;
+    use crate::stream::{Item, Store};
+
+    /// What a piece of rays that read these words do; each visits a node.
+    fn passed(tags: &mut L1Tags, words: &[u32]) -> Passed {
+        let read = |&index: &u32| Step::Read { store: Store::ModeWord, index };
+        let ray = |word| SyntheticRay::primary(nodes([0])).with_policy(vec![read(word)]);
+        let rays: Vec<SyntheticRay> = words.iter().map(ray).collect();
+        let items = frame(FrameInfo::default(), &rays, &[], rays.len());
+        let Some(Item::Rays(chunk)) = items.get(1) else { panic!("one chunk") };
+        tags.piece(chunk, 0..chunk.len())
+    }
+
+    #[test]
+    fn the_home_with_the_most_to_do_is_known_piece_by_piece() {
+        let mut machine = MachineSpec::default();
+        machine.shadow_cache.count = crate::ranged::Within::new(4).unwrap();
+        let words_a_line = (machine.line_bytes.get() / 4) as u32;
+        let mut tags = L1Tags::new(&header(), &machine);
+        // Eight words of one line, then of eight lines, which follow one another.
+        let one: Vec<u32> = (0..8).collect();
+        let spread: Vec<u32> = (0..8).map(|line| line * words_a_line).collect();
+        let both = [one.clone(), spread.clone()].concat();
+        let homes = [&one, &spread, &both].map(|words| passed(&mut tags, words).known.home);
+        assert_eq!(homes, [8, 2, 10]);
+    }
+
+    /// Where one shadow-cache unit has nearly all of the work, few rays are in traversal units.
+    #[test]
+    fn fewer_rays_are_in_flight_where_one_unit_holds_them_up() {
+        let mut machine = MachineSpec::default();
+        machine.traversal.rays = crate::ranged::Within::new(64).unwrap();
+        let mut tags = L1Tags::new(&header(), &machine);
+        assert_eq!(tags.in_flight, tags.slots);
+        let Passed { known, .. } = passed(&mut tags, &[0; 4000]);
+        assert_eq!(known.home, 4000);
+        let stay = machine.traversal.latency.get() + machine.traversal.cache.latency.get();
+        assert_eq!(tags.in_flight as u64, stay, "each visits one node, and one a cycle is let through");
+    }
+}

@@ -3,7 +3,7 @@ mod allocation;
 mod ideal;
 mod ladder;
 mod random;
-mod synthetic;
+pub mod synthetic;
 mod words;
 
 use std::convert::Infallible;
