@@ -89,7 +89,7 @@ pub fn pareto(
     let Comparison { experiments, machines, rungs } = Comparison::load(path, truth)?;
     let truth = rungs[0];
     let mut timings: Vec<Timing> =
-        rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, rays: 0 }).collect();
+        rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, truth_seconds: 0.0, rays: 0 }).collect();
     let streams: usize = experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
     let mut runs = Vec::new();
     let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
@@ -98,21 +98,23 @@ pub fn pareto(
         let recorded = record(experiment, folder.path(), stop)?;
         for machine in &machines {
             for (policy, stream) in recorded.iter().enumerate() {
-                let timed = |rung: Fidelity, timing: &mut Timing| {
+                let timed = |rung| {
                     let begin = Instant::now();
                     let stats = replay(machine, rung, stream, stop);
                     bar.inc(1);
-                    let stats = stats?;
-                    timing.seconds += begin.elapsed().as_secs_f64();
-                    timing.rays += stream.rays();
-                    Ok(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy })
+                    stats.map(|stats| (stats, begin.elapsed().as_secs_f64()))
                 };
                 // One after another: their times are compared.
-                let truth = timed(truth, &mut timings[0])?.figures;
+                let (stats, truth_seconds) = timed(truth)?;
+                let truth = Figures::of(&stats);
+                timings[0].add(truth_seconds, truth_seconds, stream.rays());
                 let mut found = Vec::new();
                 for (rung, timing) in rungs.iter().zip(&mut timings).skip(1) {
-                    found.push(match timed(*rung, timing) {
-                        Ok(measured) => Found::Measured(measured),
+                    found.push(match timed(*rung) {
+                        Ok((stats, seconds)) => {
+                            timing.add(seconds, truth_seconds, stream.rays());
+                            Found::Measured(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy })
+                        }
                         Err(error) => Found::Refused { refused: refusal(error)? },
                     });
                 }
@@ -188,7 +190,7 @@ fn replay(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::pareto::Rung;
+    use crate::report::rung::Rung;
 
     /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
     #[test]

@@ -12,6 +12,7 @@ pub mod pareto;
 pub mod pictures;
 pub mod plots;
 pub mod reuse;
+pub mod rung;
 pub mod split;
 pub mod stress;
 pub mod summary;

@@ -7,12 +7,13 @@ use minijinja::context;
 use serde::{Deserialize, Serialize};
 
 use super::format::{or_absent, percent, short};
+use super::rung::{Rung, Spread};
 use super::table::Grid;
 use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
 use crate::stats::{Accuracy, MachineStats};
 
 /// The version of the names in `summary.json`.
-const SCHEMA: u32 = 1;
+const SCHEMA: u32 = 2;
 /// The file with a row for each run and rung.
 const RUNS_FILE: &str = "pareto.csv";
 /// The file with times.
@@ -31,46 +32,6 @@ pub struct ParetoSummary {
     pub rungs: Vec<Rung>,
     /// All runs.
     pub runs: Vec<Run>,
-}
-
-/// How far off a rung is, over all runs.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Rung {
-    /// Its name.
-    pub name: String,
-    /// Error of the cycles, as a share of the truth.
-    pub cycles: Option<Spread>,
-    /// Error of the bytes between L1s and L2.
-    pub l2_bytes: Option<Spread>,
-    /// Error of the DRAM bytes.
-    pub dram_bytes: Option<Spread>,
-    /// Error of the share of cycles that a policy saves.
-    pub saving: Option<Spread>,
-    /// Half the widths that it claims for cycles, for L2 and for DRAM bytes, and for savings, at 95 %, on average.
-    pub claimed: Option<[Option<f64>; 4]>,
-    /// Of the figures with an interval, how many lay in it, and how many there are.
-    pub within: Option<[usize; 2]>,
-    /// Where it puts two policies or two machines in another order than the truth does.
-    pub disagreements: Vec<String>,
-    /// Runs that it refused, and why.
-    pub refusals: Vec<String>,
-}
-
-/// Mean and largest of some errors.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
-    /// The mean.
-    pub mean: f64,
-    /// The largest.
-    pub worst: f64,
-}
-
-impl Spread {
-    fn of(errors: impl Iterator<Item = f64>) -> Option<Self> {
-        let errors: Vec<f64> = errors.collect();
-        let worst = errors.iter().copied().reduce(f64::max)?;
-        Some(Self { mean: errors.iter().sum::<f64>() / errors.len() as f64, worst })
-    }
 }
 
 /// A machine on the stream of a policy.
@@ -107,7 +68,7 @@ pub enum Found {
 
 impl Run {
     /// What a rung found, if it did not refuse the run.
-    fn found(&self, rung: usize) -> Option<&Measured> {
+    pub(super) fn found(&self, rung: usize) -> Option<&Measured> {
         match &self.rungs[rung] {
             Found::Measured(measured) => Some(measured),
             Found::Refused { .. } => None,
@@ -137,7 +98,8 @@ impl Figures {
         }
     }
 
-    fn all(self) -> [f64; 3] {
+    /// All, in this order.
+    pub(super) fn all(self) -> [f64; 3] {
         [self.cycles, self.l2_bytes, self.dram_bytes].map(|figure| figure as f64)
     }
 }
@@ -154,7 +116,7 @@ pub struct Measured {
 
 impl Measured {
     /// Half the widths of its intervals over the figures.
-    fn claimed(&self) -> Option<[f64; 3]> {
+    pub(super) fn claimed(&self) -> Option<[f64; 3]> {
         self.accuracy.shares().filter(|_| self.accuracy != Accuracy::Exact)
     }
 }
@@ -164,16 +126,30 @@ impl Measured {
 pub struct Timing {
     /// The rung.
     pub rung: String,
-    /// Wall time, reading of the streams included.
+    /// Wall time of the runs that it did not refuse, reading of the streams included.
     pub seconds: f64,
-    /// Rays of the streams.
+    /// That of the truth for the same runs.
+    pub truth_seconds: f64,
+    /// Rays of their streams.
     pub rays: u64,
 }
 
 impl Timing {
+    /// A run that took so long, and the truth for it, on a stream of so many rays.
+    pub fn add(&mut self, seconds: f64, truth_seconds: f64, rays: u64) {
+        self.seconds += seconds;
+        self.truth_seconds += truth_seconds;
+        self.rays += rays;
+    }
+
     /// Rays of the stream a second of wall time.
     pub fn speed(&self) -> f64 {
         self.rays as f64 / self.seconds.max(1e-9)
+    }
+
+    /// How many times as fast as the truth it was.
+    fn times(&self) -> f64 {
+        self.truth_seconds / self.seconds.max(1e-9)
     }
 }
 
@@ -235,7 +211,7 @@ impl ParetoSummary {
             vec![
                 rung.name.clone(),
                 short(timing.speed()),
-                format!("{:.1}", timing.speed() / truth),
+                format!("{:.1}", timing.times()),
                 spread(rung.cycles),
                 spread(rung.l2_bytes),
                 spread(rung.dram_bytes),
@@ -249,94 +225,6 @@ impl ParetoSummary {
         let rows = of_truth.chain(self.rungs.iter().zip(timings.iter().skip(1)).map(row)).collect();
         Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows }
     }
-}
-
-fn off_by(found: f64, truth: f64) -> Option<f64> {
-    (truth > 0.0).then(|| (found / truth - 1.0).abs())
-}
-
-impl Rung {
-    fn new(name: String, index: usize, runs: &[Run]) -> Self {
-        let figure = |figure: usize| {
-            let error = |run: &Run| off_by(run.found(index)?.figures.all()[figure], run.truth.all()[figure]);
-            Spread::of(runs.iter().filter_map(error))
-        };
-        let baseline = |run: &Run| {
-            runs.iter().find(|other| other.is_baseline && other.scene == run.scene && other.machine == run.machine)
-        };
-        let saved = |with: Figures, without: Figures| 1.0 - with.cycles as f64 / without.cycles.max(1) as f64;
-        let off = |run: &Run| baseline(run).filter(|_| !run.is_baseline);
-        let saving = |run: &Run| {
-            let off = off(run)?;
-            let [with, without] = [run.found(index)?, off.found(index)?];
-            Some((saved(with.figures, without.figures) - saved(run.truth, off.truth)).abs())
-        };
-        let of_figures = runs.iter().filter_map(|run| Some((run, run.found(index)?))).flat_map(|(run, measured)| {
-            let (found, truth) = (measured.figures.all(), run.truth.all());
-            let claimed = measured.claimed().into_iter();
-            claimed.flat_map(move |claimed| {
-                (0..3).map(move |it| ((found[it] - truth[it]).abs() <= claimed[it] * found[it], claimed[it], it))
-            })
-        });
-        let of_saving = runs.iter().filter_map(|run| {
-            let off = off(run)?;
-            let [with, without] = [run.found(index)?, off.found(index)?];
-            let ratio = 1.0 - saved(with.figures, without.figures);
-            let claimed = with.accuracy.of_ratio(&without.accuracy, 0, ratio)?;
-            Some((saving(run)? <= claimed, claimed, 3))
-        });
-        let intervals: Vec<(bool, f64, usize)> = of_figures.chain(of_saving).collect();
-        let claimed = |figure: usize| {
-            let of_figure = || intervals.iter().filter(move |(_, _, it)| *it == figure);
-            let count = of_figure().count();
-            (count > 0).then(|| of_figure().map(|(_, claimed, _)| claimed).sum::<f64>() / count as f64)
-        };
-        Self {
-            name,
-            cycles: figure(0),
-            l2_bytes: figure(1),
-            dram_bytes: figure(2),
-            saving: Spread::of(runs.iter().filter_map(saving)),
-            claimed: (!intervals.is_empty()).then(|| [0, 1, 2, 3].map(claimed)),
-            within: (!intervals.is_empty())
-                .then(|| [intervals.iter().filter(|(within, ..)| *within).count(), intervals.len()]),
-            disagreements: disagreements(index, runs),
-            refusals: runs.iter().filter_map(|run| refusal(index, run)).collect(),
-        }
-    }
-}
-
-/// Pairs of runs that differ in the policy only, or in the machine only, and whose times a rung puts in another order than the truth.
-fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
-    let time = |figures: Figures, run: &Run| figures.cycles as f64 / run.clock_mhz as f64;
-    let mut found = Vec::new();
-    for (at, a) in runs.iter().enumerate() {
-        for b in &runs[at + 1..] {
-            let [same_machine, same_policy] = [a.machine == b.machine, a.policy == b.policy];
-            if a.scene != b.scene || same_machine == same_policy {
-                continue;
-            }
-            let (Some(of_a), Some(of_b)) = (a.found(index), b.found(index)) else { continue };
-            let truth = time(a.truth, a).total_cmp(&time(b.truth, b));
-            let order = time(of_a.figures, a).total_cmp(&time(of_b.figures, b));
-            if order != truth {
-                let (of, one, other) = if same_machine {
-                    (format!("on `{}`", a.machine), &a.policy, &b.policy)
-                } else {
-                    (format!("under `{}`", a.policy), &a.machine, &b.machine)
-                };
-                let apart = percent((time(a.truth, a) / time(b.truth, b) - 1.0).abs());
-                found.push(format!("{} {of}: `{one}` and `{other}`, which are {apart} apart", a.scene));
-            }
-        }
-    }
-    found
-}
-
-/// That a rung refused a run, and why.
-fn refusal(index: usize, run: &Run) -> Option<String> {
-    let Found::Refused { refused } = &run.rungs[index] else { return None };
-    Some(format!("{} on `{}` under `{}`: {refused}", run.scene, run.machine, run.policy))
 }
 
 fn csv(summary: &ParetoSummary) -> Result<Vec<u8>, csv::Error> {
@@ -424,7 +312,7 @@ mod tests {
 
     fn summary() -> (ParetoSummary, Vec<Timing>) {
         let runs = vec![run("Off", 1000, 1020), run("A", 980, 1100)];
-        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, rays: 1000 };
+        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, truth_seconds: 2.0, rays: 1000 };
         (ParetoSummary::new("Event".into(), vec!["B".into()], runs), vec![timing("Event", 2.0), timing("B", 1.0)])
     }
 
@@ -458,7 +346,7 @@ mod tests {
         close(rung.cycles.unwrap().worst, 0.02);
         assert!(rung.saving.is_none() && rung.disagreements.is_empty());
         assert_eq!(rung.within, Some([3, 3]));
-        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, rays: 1000 };
+        let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, truth_seconds: 2.0, rays: 1000 };
         let page = page(&summary, &[timing("Event", 2.0), timing("B", 1.0)], "").unwrap();
         assert!(page.contains("room on <code>small</code> under <code>A</code>: too short"), "{page}");
         let json = serde_json::to_vec(&summary).unwrap();

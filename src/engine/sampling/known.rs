@@ -178,6 +178,7 @@ pub fn explanation(name: &str) -> Explanation {
     let is_of = |class: &TrafficClass| name.split('.').any(|part| part == class.name());
     let class = TrafficClass::ALL.iter().position(is_of);
     let operations = || OPERATIONS..KINDS;
+    let operations_of = |kind: Kind| OPERATIONS + kind as usize;
     let by = |first: &[usize], lines: Option<usize>, span: Span| {
         let columns = first.iter().copied().chain(operations()).collect();
         Explanation { columns, lines, span }
@@ -187,7 +188,7 @@ pub fn explanation(name: &str) -> Explanation {
     let begins = |start: &str| name.starts_with(start);
     match class {
         _ if name == L2_BYTES => {
-            let (tests, words) = (Kind::Intersection as usize, TrafficClass::ModeWord as usize);
+            let (tests, words) = (operations_of(Kind::Intersection), TrafficClass::ModeWord as usize);
             by(&[MOVED, moved(triangle), BANK, tests, HOME, moved(words), DRAM], Some(MOVED), Span::Own)
         }
         _ if name == DRAM_BYTES => by(&[DRAM, dram(triangle), HOME, moved(triangle), BANK], Some(DRAM), Span::Own),
@@ -202,8 +203,9 @@ pub fn explanation(name: &str) -> Explanation {
             // and above, are those which left the least on kitchen, robot, staircase and living room (`tni_engine`, `desktop`, robot on `small`).
             let missed = |kind| MISSED + kind as usize;
             let (words, tests) = (Kind::ShadowCache, Kind::Intersection);
-            let few = [BUSIEST, missed(words), tests as usize, OPERATIONS, BANK, words as usize];
-            let columns = few.into_iter().chain([HOME, MOVED, missed(Kind::Traversal), DRAM, Kind::List as usize]);
+            let few = [BUSIEST, missed(words), operations_of(tests), OPERATIONS, BANK, operations_of(words)];
+            let columns =
+                few.into_iter().chain([HOME, MOVED, missed(Kind::Traversal), DRAM, operations_of(Kind::List)]);
             Explanation { columns: columns.collect(), lines: None, span: Span::Inside }
         }
     }

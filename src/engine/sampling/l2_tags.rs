@@ -36,7 +36,7 @@ pub struct L2Tags {
 
 /// What requests did.
 #[derive(Clone, Copy, Debug)]
-pub struct Served {
+pub struct Moved {
     /// Lines of each class that moved between L2 and DRAM.
     pub dram: PerClass<u64>,
     /// Those that the bank was asked for that was asked for the most.
@@ -65,7 +65,7 @@ impl L2Tags {
     }
 
     /// What is asked for is accessed.
-    pub fn pass(&mut self, requests: &[Request]) -> Served {
+    pub fn pass(&mut self, requests: &[Request]) -> Moved {
         let (mut dram, mut asked) = (PerClass::<u64>::default(), vec![0; self.banks.len()]);
         for &Request { line, core, class, write } in requests {
             let bank = usize::from(core) * self.of_core + self.homes[class as usize].bank(line);
@@ -77,6 +77,6 @@ impl L2Tags {
                 dram[victim.class as usize] += 1;
             }
         }
-        Served { dram, bank: asked.into_iter().max().unwrap_or_default() }
+        Moved { dram, bank: asked.into_iter().max().unwrap_or_default() }
     }
 }

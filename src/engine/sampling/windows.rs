@@ -7,7 +7,7 @@ use super::axis::Axis;
 use super::cutter::{CutPiece, FrameEnd, Lead, Piece, Portion};
 use super::estimate::Population;
 use super::known::{Capacity, Known};
-use super::l2_tags::{L2Tags, Served};
+use super::l2_tags::{L2Tags, Moved};
 use super::plan::Plan;
 use super::strata::Point;
 use super::warm::WarmCaches;
@@ -168,7 +168,7 @@ impl Windows {
             let warm = WarmCaches::new(l1s, self.tags.snapshot());
             self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
         }
-        let Served { dram, bank } = self.tags.pass(&requests);
+        let Moved { dram, bank } = self.tags.pass(&requests);
         (piece.known.dram, piece.known.bank) = (dram, bank);
         let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
         self.rays += piece.rays.clone().filter(traced).count() as u64;

@@ -2,7 +2,8 @@
 
 use super::canvas::{Canvas, DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, palette, policy_color, svg};
 use crate::report::format::{percent, tick};
-use crate::report::pareto::{ParetoSummary, Rung, Spread, Timing};
+use crate::report::pareto::{ParetoSummary, Timing};
+use crate::report::rung::{Rung, Spread};
 
 /// Height of a panel's axes, and of what stands above and below them.
 const PANEL: i32 = 170;
