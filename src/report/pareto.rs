@@ -142,14 +142,14 @@ impl Timing {
         self.rays += rays;
     }
 
-    /// Rays of the stream a second of wall time.
-    pub fn speed(&self) -> f64 {
-        self.rays as f64 / self.seconds.max(1e-9)
+    /// Rays of the stream a second of wall time; none if all runs were refused.
+    pub fn speed(&self) -> Option<f64> {
+        (self.rays > 0).then(|| self.rays as f64 / self.seconds.max(1e-9))
     }
 
     /// How many times as fast as the truth it was.
-    fn times(&self) -> f64 {
-        self.truth_seconds / self.seconds.max(1e-9)
+    fn times(&self) -> Option<f64> {
+        (self.rays > 0).then(|| self.truth_seconds / self.seconds.max(1e-9))
     }
 }
 
@@ -171,7 +171,7 @@ impl ParetoSummary {
         let points: Vec<_> =
             self.rungs.iter().zip(timings.iter().skip(1)).map(|(rung, it)| (it.speed(), figure(rung))).collect();
         let truth = timings.first().map(|truth| (truth.speed(), Some(Spread { mean: 0.0, worst: 0.0 })));
-        let beaten = |&(speed, error): &(f64, Option<Spread>)| {
+        let beaten = |&(speed, error): &(Option<f64>, Option<Spread>)| {
             let Some(error) = error else { return true };
             points.iter().chain(&truth).any(|(other_speed, other)| {
                 other.is_some_and(|other| {
@@ -199,19 +199,19 @@ impl ParetoSummary {
             "other orders",
             "refused",
         ];
-        let truth = timings.first().map_or(1.0, Timing::speed);
+        let truth = timings.first().and_then(Timing::speed);
         let spread =
             |spread: Option<Spread>| or_absent(spread, |it| format!("{} ({})", percent(it.mean), percent(it.worst)));
         let of_truth = std::iter::once({
-            let mut row = vec![self.truth.clone(), short(truth), "1".into()];
+            let mut row = vec![self.truth.clone(), or_absent(truth, short), "1".into()];
             row.resize(HEAD.len(), "\u{2013}".into());
             row
         });
         let row = |(rung, timing): (&Rung, &Timing)| {
             vec![
                 rung.name.clone(),
-                short(timing.speed()),
-                format!("{:.1}", timing.times()),
+                or_absent(timing.speed(), short),
+                or_absent(timing.times(), |times| format!("{times:.1}")),
                 spread(rung.cycles),
                 spread(rung.l2_bytes),
                 spread(rung.dram_bytes),
@@ -351,6 +351,20 @@ mod tests {
         assert!(page.contains("room on <code>small</code> under <code>A</code>: too short"), "{page}");
         let json = serde_json::to_vec(&summary).unwrap();
         assert_eq!(serde_json::from_slice::<ParetoSummary>(&json).unwrap(), summary);
+    }
+
+    #[test]
+    fn a_rung_that_refused_every_run_has_no_speed() {
+        let refused = || vec![Found::Refused { refused: "too short".into() }];
+        let runs = vec![Run { rungs: refused(), ..run("Off", 1000, 0) }, Run { rungs: refused(), ..run("A", 980, 0) }];
+        let summary = ParetoSummary::new("Event".into(), vec!["B".into()], runs);
+        let timing = |rung: &str, seconds, rays| Timing { rung: rung.into(), seconds, truth_seconds: seconds, rays };
+        let timings = [timing("Event", 2.0, 2000), timing("B", 0.0, 0)];
+        let row = &summary.grid(&timings).rows[1];
+        assert_eq!((row[1].as_str(), row[2].as_str(), row[10].as_str()), ("\u{2013}", "\u{2013}", "2"));
+        let folder = tempfile::tempdir().unwrap();
+        write_pareto(&folder.path().join("pareto"), &summary, &timings).unwrap();
+        assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [false]);
     }
 
     #[test]

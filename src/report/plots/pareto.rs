@@ -47,7 +47,7 @@ pub fn draw(summary: &ParetoSummary, timings: &[Timing]) -> Result<String, DrawE
             "dot: mean of all runs, line up: worst, tick: half the 95 % interval that the rung claims, ring: no rung is faster and closer",
         )?;
         canvas.legend(TITLES, &legend)?;
-        let speeds = timings.iter().map(Timing::speed);
+        let speeds = timings.iter().filter_map(Timing::speed);
         let slowest = speeds.clone().fold(f64::INFINITY, f64::min).log10().floor();
         let fastest = speeds.fold(1.0, f64::max).log10().ceil().max(slowest + 1.0);
         PANELS.into_iter().zip(0..).try_for_each(|((title, figure), panel)| {
@@ -97,8 +97,8 @@ impl Panel<'_, '_> {
             canvas.text(&tick(speed), (x, bottom + 14), Text::NOTE.centered())?;
         }
         canvas.text("rays simulated a second", (END, bottom + 14 + LINE - 2), Text::NOTE.right())?;
-        if let Some(truth) = timings.first() {
-            let x = self.x(truth.speed());
+        if let Some(truth) = timings.first().and_then(Timing::speed) {
+            let x = self.x(truth);
             canvas.line(vec![(x, self.top), (x, bottom)], palette::FAINT, 1)?;
             canvas.text(&summary.truth, (x, self.top - 8), Text::NOTE.centered())?;
         }
@@ -106,8 +106,8 @@ impl Panel<'_, '_> {
         for (index, ((rung, timing), best)) in
             summary.rungs.iter().zip(timings.iter().skip(1)).zip(frontier).enumerate()
         {
-            let Some(Spread { mean, worst }) = figure(rung) else { continue };
-            let (x, color) = (self.x(timing.speed()), policy_color(index));
+            let (Some(Spread { mean, worst }), Some(speed)) = (figure(rung), timing.speed()) else { continue };
+            let (x, color) = (self.x(speed), policy_color(index));
             if best {
                 canvas.dot((x, self.y(mean)), 8, palette::INK)?;
                 canvas.dot((x, self.y(mean)), 6, palette::PAPER)?;
