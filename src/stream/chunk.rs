@@ -158,6 +158,11 @@ impl Chunk {
         self.marked = true;
     }
 
+    /// Whether it is.
+    pub fn is_marked(&self) -> bool {
+        self.marked
+    }
+
     /// The number of rays.
     pub fn len(&self) -> usize {
         self.entries.len()

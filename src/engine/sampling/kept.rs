@@ -2,17 +2,45 @@
 //! again.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::windows::Job;
+use crate::stream::{Chunk, PackedChunk};
 
 /// Bytes of jobs that are kept at most.
 const MOST_BYTES: usize = 1 << 30;
+
+/// A job whose rays are packed.
+#[derive(Clone, Debug)]
+pub struct KeptJob {
+    job: Job,
+    rays: Vec<PackedChunk>,
+}
+
+impl KeptJob {
+    fn new(mut job: Job) -> Self {
+        let rays =
+            job.rays_mut().into_iter().map(|rays| PackedChunk::new(&std::mem::take::<Arc<Chunk>>(rays))).collect();
+        Self { job, rays }
+    }
+
+    /// The job.
+    pub fn unpack(self) -> Job {
+        let Self { mut job, rays } = self;
+        job.rays_mut().into_iter().zip(&rays).for_each(|(place, rays)| *place = Arc::new(rays.unpack()));
+        job
+    }
+
+    fn bytes(&self) -> usize {
+        self.job.bytes() + self.rays.iter().map(PackedChunk::bytes).sum::<usize>()
+    }
+}
 
 /// The jobs of some draws of all strata.
 #[derive(Clone, Debug, Default)]
 pub struct Kept {
     draws: Range<usize>,
-    jobs: Vec<Job>,
+    jobs: Vec<KeptJob>,
     bytes: usize,
 }
 
@@ -25,6 +53,7 @@ impl Kept {
     /// Keeps `job`. Where memory does not allow for all draws, the last ones go.
     pub fn add(&mut self, job: Job) {
         if self.draws.contains(&job.draw) {
+            let job = KeptJob::new(job);
             self.bytes += job.bytes();
             self.jobs.push(job);
         }
@@ -35,21 +64,21 @@ impl Kept {
     }
 
     /// The jobs of `draws`, if all of them were kept.
-    pub fn take(&mut self, draws: &Range<usize>) -> Option<Vec<Job>> {
+    pub fn take(&mut self, draws: &Range<usize>) -> Option<Vec<KeptJob>> {
         if draws.start != self.draws.start || draws.end > self.draws.end {
             return None;
         }
         let later = self.take_from(draws.end);
         self.draws.start = draws.end;
-        self.bytes = later.iter().map(Job::bytes).sum();
+        self.bytes = later.iter().map(KeptJob::bytes).sum();
         Some(std::mem::replace(&mut self.jobs, later))
     }
 
     /// Takes out the jobs of draw `first` and later ones.
-    fn take_from(&mut self, first: usize) -> Vec<Job> {
-        let (taken, left) = std::mem::take(&mut self.jobs).into_iter().partition(|job| job.draw >= first);
+    fn take_from(&mut self, first: usize) -> Vec<KeptJob> {
+        let (taken, left) = std::mem::take(&mut self.jobs).into_iter().partition(|kept| kept.job.draw >= first);
         self.jobs = left;
-        self.bytes = self.jobs.iter().map(Job::bytes).sum();
+        self.bytes = self.jobs.iter().map(KeptJob::bytes).sum();
         taken
     }
 }

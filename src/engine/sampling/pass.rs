@@ -1,14 +1,14 @@
 //! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others replay what is measured.
 
 use std::convert::Infallible;
-use std::sync::mpsc::{Receiver, sync_channel};
+use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 
 use super::cutter::{Cutter, Portion};
 use super::estimate::Population;
 use super::job::{self, Found};
-use super::kept::Kept;
+use super::kept::{Kept, KeptJob};
 use super::plan::Plan;
 use super::windows::{Job, Windows};
 use crate::engine::{Engine, RunError, Sampled, event, functional, profile};
@@ -16,10 +16,13 @@ use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
-/// Items that may wait to be cut, portions that may wait for the L2, and jobs that may wait to be replayed, which hold the tags of a machine each.
+/// Items that may wait to be cut, those that may wait for the L2, and jobs that may wait to be replayed, which hold the tags of a machine each.
 const ITEMS: usize = 4;
-const PORTIONS: usize = 16;
+const CUT: usize = 4;
 const JOBS: usize = 2;
+
+/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, twice.
+const KEPT: usize = 4;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]
@@ -61,35 +64,36 @@ impl<'a> Sampler<'a> {
         items: impl Iterator<Item = Result<Item, E>>,
     ) -> Result<Pass, RunError<E>> {
         let mut cutter = Cutter::new(self.machine, self.header, plan.cut);
-        let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep);
-        let mut kept = Kept::new(plan.draws.end..keep.max(plan.draws.end));
+        let later = plan.draws.end..keep.min(KEPT * plan.draws.end).max(plan.draws.end);
+        let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep, later.end);
+        let mut kept = Kept::new(later);
         thread::scope(|scope| {
             let (jobs, received) = sync_channel(JOBS);
             // Shared by the workers alone: should all of them panic, nothing can be sent.
             let received = Arc::new(Mutex::new(received));
-            // Reading takes little of a processor's time, and cutting waits where much is replayed.
-            let workers: Vec<_> = (0..self.threads)
+            // Cutting takes a processor. Where more is to be replayed than the workers can, who takes pieces through the L2 replays too.
+            let workers: Vec<_> = (1..self.threads)
                 .map(|_| Arc::clone(&received))
                 .map(|received| scope.spawn(move || self.work(&received)))
                 .collect();
             drop(received);
             let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
-            let (portions_cut, portions) = sync_channel::<Portion>(PORTIONS);
+            let (portions_cut, portions) = sync_channel::<Vec<Portion>>(CUT);
             let cutting = scope.spawn(move || {
-                let mut cut = to_cut.into_iter().flat_map(|item| cutter.add(&item));
+                let mut cut = to_cut.into_iter().map(|item| cutter.add(&item));
                 // Nobody receives any more if a thread has panicked, which comes out when it is joined.
-                let _ = cut.try_for_each(|portion| portions_cut.send(portion));
+                let _ = cut.try_for_each(|portions| portions_cut.send(portions));
             });
             let joining = scope.spawn(move || {
-                for job in portions.into_iter().flat_map(|portion| windows.add(portion)) {
+                let mut found = Vec::new();
+                for job in portions.into_iter().flatten().flat_map(|portion| windows.add(portion)) {
                     if !plan.draws.contains(&job.draw) {
                         kept.add(job);
-                    } else if jobs.send(job).is_err() {
-                        // All workers have panicked, which comes out when they are joined.
-                        break;
+                    } else if let Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) = jobs.try_send(job) {
+                        found.push(self.replay_one(&job));
                     }
                 }
-                (windows, kept)
+                (windows, kept, found)
             });
             let mut read = Ok(());
             for item in items {
@@ -108,19 +112,19 @@ impl<'a> Sampler<'a> {
             }
             drop(items_read);
             joined(cutting);
-            let (Windows { population, rays, .. }, kept) = joined(joining);
-            let found = workers.into_iter().flat_map(joined).collect();
+            let (Windows { population, rays, .. }, kept, mut found) = joined(joining);
+            found.extend(workers.into_iter().flat_map(joined));
             read?;
             Ok(Pass { population, rays, found: in_order(found)?, kept })
         })
     }
 
-    /// Replays `jobs`.
-    pub fn replay<E>(&self, jobs: Vec<Job>) -> Result<Vec<Found>, RunError<E>> {
+    /// Replays `jobs` that were kept.
+    pub fn replay<E>(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError<E>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect::<Vec<_>>()
+            std::iter::from_fn(next).map(|job| self.replay_one(&job.unpack())).collect::<Vec<_>>()
         };
         let found = thread::scope(|scope| {
             let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();

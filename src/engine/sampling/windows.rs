@@ -63,6 +63,17 @@ pub struct WindowWork {
 }
 
 impl Job {
+    /// The rays of a window and of what is beside it.
+    pub fn rays_mut(&mut self) -> Vec<&mut Arc<Chunk>> {
+        match &mut self.work {
+            JobWork::Window(window) => {
+                let WindowWork { before, own, behind, .. } = window.as_mut();
+                vec![&mut before.rays, &mut own.rays, &mut behind.rays]
+            }
+            JobWork::End(_) => Vec::new(),
+        }
+    }
+
     /// What it takes in memory, about.
     pub fn bytes(&self) -> usize {
         let work = match &self.work {
@@ -126,6 +137,8 @@ pub struct Windows {
     axis: Axis,
     open: Vec<Open>,
     jobs: usize,
+    /// Windows whose first point is of this draw or a later one do not become jobs.
+    unwanted: usize,
     /// All windows, frames' ends left out.
     pub population: Population,
     /// Rays, skipped ones not counted.
@@ -133,8 +146,8 @@ pub struct Windows {
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine. Windows with points of `plan` become jobs, and those with later ones below `keep`.
-    pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize) -> Self {
+    /// Nothing yet of a stream on a machine. Points below `keep` are known; windows with those of `plan`, and of later draws below `unwanted`, become jobs.
+    pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
         Self {
             capacity: Capacity::new(machine),
             tags: L2Tags::new(header, machine),
@@ -144,6 +157,7 @@ impl Windows {
             axis: Axis::new(plan.strata, plan.draws.end.max(keep)),
             open: Vec::new(),
             jobs: 0,
+            unwanted,
             population: Population { strata: plan.strata, ..Population::default() },
             rays: 0,
             plan,
@@ -215,10 +229,10 @@ impl Windows {
     fn end_window(&mut self) {
         let known = take(&mut self.known).columns(&self.capacity);
         let (size, hits) = self.axis.next(&known);
-        let begin = self.plan.draws.start;
-        let is_done = hits.iter().any(|hit| hit.draw < begin);
+        let wanted = self.plan.draws.start..self.unwanted;
+        let is_wanted = hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw));
         let window = self.windows;
-        if hits.is_empty() || is_done {
+        if !is_wanted {
             self.open.retain(|open| open.window != window);
         } else if let Some(open) = self.open.iter_mut().find(|open| open.window == window) {
             (open.size, open.hits) = (size, hits);
