@@ -1,7 +1,10 @@
 //! No more than a stream needs: a pilot tells which parts of the machine matter and which rung is close enough, another part of the stream
 //! checks that, and only then is everything replayed, by the cheapest model that has passed.
 
+use std::convert::Infallible;
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use super::sampling::{Cut, Plan, TELLING};
 use super::work::stores_as_recorded;
@@ -23,7 +26,7 @@ const LEAST_PIXELS: u64 = 512;
 /// Points with which sampling begins: some more than the windows that tell, since large windows have several.
 const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
 /// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed.
-const LEAST_RATE: f64 = 0.01;
+const LEAST_RATE: f64 = 0.004;
 /// The share of pixels that may be replayed, those beside the windows among them: as many as there are. With the tags that takes a tenth longer than `Event` on
 /// one processor, and little more than half as long on two.
 const MOST_REPLAYED: f64 = 1.0;
@@ -77,9 +80,22 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let third = pixels as usize / 3;
     let pilot = piece(open(frames / 3)?, third, wanted).map_err(RunError::Source)?;
     let held_back = piece(open(2 * frames / 3)?, 2 * third, wanted).map_err(RunError::Source)?;
-    let on = |machine: &MachineSpec, rung, piece: &[Item]| run(machine, rung, header, piece.iter().cloned().map(Ok));
-
-    let truth = Figures::of(&on(machine, Fidelity::Event, &pilot)?);
+    let on = |machine: &MachineSpec, rung, piece: &[Item]| {
+        let stats = run(machine, rung, header, piece.iter().cloned().map(Ok::<_, Infallible>));
+        stats.map(|stats| Figures::of(&stats))
+    };
+    let without = |&(part, leave_out): &Part| {
+        let mut without = machine.clone();
+        leave_out(&mut without);
+        (without != *machine).then_some((part, leave_out, without))
+    };
+    let parts: Vec<_> = PARTS.iter().filter_map(without).collect();
+    let (whole, effects) = rayon::join(
+        || rayon::join(|| on(machine, Fidelity::Event, &pilot), || on(machine, Fidelity::Event, &held_back)),
+        || parts.par_iter().map(|(_, _, without)| on(without, Fidelity::Event, &pilot)).collect::<Vec<_>>(),
+    );
+    let [truth, checked] = [whole.0, whole.1].map(|whole| whole.map_err(RunError::of_any_source));
+    let (truth, checked) = (truth?, checked?);
     let mut needs = Needs {
         target: target.get(),
         pilot_share: wanted as f64 / (frames as u64 * pixels) as f64,
@@ -87,13 +103,8 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     };
     let share = target.get() / PARTS.len() as f64;
     let mut reduced = machine.clone();
-    for (part, leave_out) in PARTS {
-        let mut without = machine.clone();
-        leave_out(&mut without);
-        if without == *machine {
-            continue;
-        }
-        let effect = Figures::of(&on(&without, Fidelity::Event, &pilot)?).against(&truth);
+    for ((part, leave_out, _), figures) in parts.into_iter().zip(effects) {
+        let effect = figures.map_err(RunError::of_any_source)?.against(&truth);
         let matters = effect.iter().flatten().any(|effect| effect.abs() > share);
         if !matters {
             leave_out(&mut reduced);
@@ -102,9 +113,9 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         needs.parts.push(PartNeed { part: part.into(), cycles, l2_bytes, dram_bytes, matters });
     }
 
-    let checked = Figures::of(&on(machine, Fidelity::Event, &held_back)?);
     let off = |machine: &MachineSpec, rung, piece: &[Item], truth: &Figures| {
-        Ok::<_, RunError<E>>(Figures::of(&on(machine, rung, piece)?).worst_against(truth))
+        let figures = on(machine, rung, piece).map_err(RunError::of_any_source::<E>)?;
+        Ok::<_, RunError<E>>(figures.worst_against(truth))
     };
     if off(&reduced, Fidelity::Event, &held_back, &checked)? > target.get() / 2.0 {
         needs.parts.iter_mut().for_each(|part| part.matters = true);

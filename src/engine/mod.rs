@@ -104,6 +104,24 @@ pub enum RunError<E> {
     },
 }
 
+impl RunError<std::convert::Infallible> {
+    /// The error of a run whose items could not fail to be read.
+    fn of_any_source<E>(self) -> RunError<E> {
+        match self {
+            RunError::Source(never) => match never {},
+            RunError::Spec(error) => RunError::Spec(error),
+            RunError::Stream(fault) => RunError::Stream(fault),
+            RunError::Counts { frame, what, machine, tracer } => RunError::Counts { frame, what, machine, tracer },
+            RunError::Invariant(what) => RunError::Invariant(what),
+            RunError::Illegal { channel, violation } => RunError::Illegal { channel, violation },
+            RunError::Observer(error) => RunError::Observer(error),
+            RunError::Passes => RunError::Passes,
+            RunError::Sample { windows, pixels, rate } => RunError::Sample { windows, pixels, rate },
+            RunError::Deadlock { cycle, queues } => RunError::Deadlock { cycle, queues },
+        }
+    }
+}
+
 /// A way of replaying a stream.
 trait Engine {
     /// Replays all items of `feed`; the number of cycles that it took.

@@ -169,21 +169,5 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
 
 fn in_order<E>(mut found: Vec<Numbered>) -> Result<Vec<Found>, RunError<E>> {
     found.sort_by_key(|(number, _)| *number);
-    found.into_iter().map(|(_, found)| found.map_err(without_source)).collect()
-}
-
-/// A job's items cannot fail to be read.
-fn without_source<E>(error: RunError<Infallible>) -> RunError<E> {
-    match error {
-        RunError::Source(never) => match never {},
-        RunError::Spec(error) => RunError::Spec(error),
-        RunError::Stream(fault) => RunError::Stream(fault),
-        RunError::Counts { frame, what, machine, tracer } => RunError::Counts { frame, what, machine, tracer },
-        RunError::Invariant(what) => RunError::Invariant(what),
-        RunError::Illegal { channel, violation } => RunError::Illegal { channel, violation },
-        RunError::Observer(error) => RunError::Observer(error),
-        RunError::Passes => RunError::Passes,
-        RunError::Sample { windows, pixels, rate } => RunError::Sample { windows, pixels, rate },
-        RunError::Deadlock { cycle, queues } => RunError::Deadlock { cycle, queues },
-    }
+    found.into_iter().map(|(_, found)| found.map_err(RunError::of_any_source)).collect()
 }
