@@ -1,5 +1,7 @@
 //! A chunk of rays in memory: heads in one column, all steps in another.
 
+use std::ops::Range;
+
 use super::Step;
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
@@ -137,6 +139,21 @@ impl Chunk {
         let path_end = self.steps.len() as u32;
         self.steps.extend_from_slice(policy);
         self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
+    }
+
+    /// Adds rays of another chunk.
+    pub fn extend(&mut self, other: &Self, rays: Range<usize>) {
+        let end_before = |ray: usize| if ray == 0 { 0 } else { other.entries[ray - 1].end };
+        let (first, last) = (end_before(rays.start), end_before(rays.end));
+        let begin = self.steps.len() as u32;
+        self.steps.extend_from_slice(&other.steps[first as usize..last as usize]);
+        let moved = |at: u32| at - first + begin;
+        let entries = other.entries[rays].iter();
+        self.entries.extend(entries.map(|entry| Entry {
+            head: entry.head,
+            path_end: moved(entry.path_end),
+            end: moved(entry.end),
+        }));
     }
 
     /// A chunk of the rays `heads`, each with the numbers of its path's and its policy's steps, which `steps` holds one

@@ -189,17 +189,8 @@ impl Totals {
 
     /// Counts a ray.
     pub fn count(&mut self, ray: &Ray<'_>) {
-        let (mut nodes, mut triangles) = (0, 0);
-        for step in ray.path() {
-            match step {
-                Step::Node(_) => nodes += 1,
-                Step::List(_) => self.list_reads += 1,
-                Step::Triangle { .. } => triangles += 1,
-                Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
-                    unreachable!("a path has no policy steps: Chunk::push refuses them")
-                }
-            }
-        }
+        let [nodes, lists, triangles] = Step::count_path(ray.packed_path());
+        self.list_reads += lists;
         match ray.head.kind {
             RayKind::Primary => self.primary_rays += 1,
             RayKind::Reflection | RayKind::Refraction => self.secondary_rays += 1,

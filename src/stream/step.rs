@@ -102,6 +102,14 @@ impl Step {
         })
     }
 
+    /// How many packed steps of a path visit nodes, read lists and test triangles.
+    pub fn count_path(words: &[u32]) -> [u64; 3] {
+        // Whole paths, tag by tag: most steps of a stream are counted when it is read, and this is done for several at once.
+        let of_tag = |tag: u32| words.iter().filter(|&&word| word >> INDEX_BITS == tag).count() as u64;
+        let (nodes, lists) = (of_tag(0), of_tag(1));
+        [nodes, lists, words.len() as u64 - nodes - lists]
+    }
+
     /// The steps that valid packed ones stand for.
     pub fn unpack_all(words: &[u32]) -> impl ExactSizeIterator<Item = Self> + use<'_> {
         // Whoever packs steps uses `pack`, and readers of files check every word.

@@ -120,8 +120,7 @@ impl Cutter {
             [chunk] => self.chunk(chunk),
             chunks => {
                 let mut all = Chunk::default();
-                let rays = chunks.iter().flat_map(|chunk| chunk.rays());
-                rays.for_each(|ray| all.push(ray.head, ray.packed_path(), ray.packed_policy()));
+                chunks.iter().for_each(|chunk| all.extend(chunk, 0..chunk.len()));
                 self.chunk(&Arc::new(all))
             }
         }

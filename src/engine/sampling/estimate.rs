@@ -138,10 +138,12 @@ impl<'a> Sample<'a> {
         let freedom = self.points.len() as f64 - self.strata as f64 - solver.rank() as f64 + 1.0;
         let slopes = solver.slopes(&known, weights, &values);
         let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
-        // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2).
-        let full: Vec<f64> =
-            left.iter().zip(leverage.iter()).map(|(left, leverage)| left / (1.0 - leverage).sqrt()).collect();
         let all = &self.population.known;
+        // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2), and it counts as much as the window
+        // does in the estimate once what is known of all windows is right (Saerndal et al. 1992, 6.6).
+        let counts = solver.calibration(&known, weights, all);
+        let full = left.iter().zip(leverage.iter().zip(&counts));
+        let full: Vec<f64> = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
         let total = expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
         Total { total, half_width: self.half_width(&full, freedom) }
     }

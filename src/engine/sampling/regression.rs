@@ -67,6 +67,18 @@ impl Regression {
         rows.iter().zip(weights).map(of).collect()
     }
 
+    /// How much each window counts beside its weight, so that the sums of the columns that are used are those of `all`.
+    pub fn calibration(&self, rows: &[Columns], weights: &[f64], all: &Columns) -> Vec<f64> {
+        let mut missing = *all;
+        for (known, weight) in rows.iter().zip(weights) {
+            missing.iter_mut().zip(known).for_each(|(sum, x)| *sum -= weight * x);
+        }
+        let used = |at: &usize| self.used[*at];
+        let slope = |column: usize| (0..COLUMNS).filter(used).map(|row| missing[row] * self.inverse[row][column]).sum();
+        let slopes: Columns = std::array::from_fn(|column| if self.used[column] { slope(column) } else { 0.0 });
+        rows.iter().map(|known| 1.0 + dot(&slopes, known)).collect()
+    }
+
     /// What explains `values` best.
     pub fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
         let mut right = [0.0; COLUMNS];

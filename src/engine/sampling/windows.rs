@@ -95,9 +95,7 @@ impl Part {
         }
         for piece in pieces {
             known += piece.known;
-            for ray in piece.rays.clone().map(|index| piece.chunk.ray(index)) {
-                rays.push(ray.head, ray.packed_path(), ray.packed_policy());
-            }
+            rays.extend(&piece.chunk, piece.rays.clone());
         }
         Self { rays: Arc::new(rays), known }
     }
