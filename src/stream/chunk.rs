@@ -205,6 +205,12 @@ impl Chunk {
         &self.steps
     }
 
+    /// The packed steps of some rays, in order.
+    pub fn packed_steps_of(&self, rays: Range<usize>) -> &[u32] {
+        let end_before = |ray: usize| if ray == 0 { 0 } else { self.entries[ray - 1].end as usize };
+        &self.steps[end_before(rays.start)..end_before(rays.end)]
+    }
+
     /// Ray `index` without its steps.
     pub fn head(&self, index: usize) -> RayHead {
         self.entries[index].head
@@ -221,5 +227,50 @@ impl Chunk {
     /// All rays in order.
     pub fn rays(&self) -> impl ExactSizeIterator<Item = Ray<'_>> + Clone {
         (0..self.len()).map(|index| self.ray(index))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::quantity::{ListId, NodeId, TriangleSlot};
+    use crate::stream::Stop;
+
+    fn head(pixel: u32) -> RayHead {
+        let (kind, light) = (RayKind::Primary, LightId(0));
+        let (decision, outcome) = (Decision::Trace, Outcome::Hit(PrimitiveId(pixel)));
+        RayHead { kind, light, decision, outcome, pixel: PixelId(pixel), parent: 0 }
+    }
+
+    /// Rays with as many steps of the path, and of the policy, as their number says.
+    fn chunk(rays: Range<u32>) -> Chunk {
+        let mut chunk = Chunk::default();
+        for ray in rays {
+            let node = |index| Step::Node(NodeId(index)).pack();
+            let path: Vec<u32> = (0..ray).map(|index| node(100 * ray + index)).collect();
+            chunk.push(head(ray), &path, &path[..ray as usize / 2]);
+        }
+        chunk
+    }
+
+    #[test]
+    fn rays_of_several_chunks_are_as_if_pushed_one_by_one() {
+        let mut joined = Chunk::default();
+        joined.extend(&chunk(0..6), 0..6);
+        joined.extend(&chunk(3..10), 3..3);
+        joined.extend(&chunk(3..10), 3..7);
+        assert_eq!(joined, chunk(0..10));
+        assert_eq!(joined.packed_steps_of(0..10), joined.packed_steps());
+        let ray = joined.ray(7);
+        assert_eq!(joined.packed_steps_of(7..8), [ray.packed_path(), ray.packed_policy()].concat());
+    }
+
+    #[test]
+    fn steps_of_a_path_are_counted_by_tag() {
+        let triangle = |stop| Step::Triangle { slot: TriangleSlot(7), stop };
+        let (node, list) = (Step::Node(NodeId(Step::MAX_INDEX)), Step::List(ListId(Step::MAX_INDEX)));
+        let steps = [node, node, list, triangle(Stop::Plane), triangle(Stop::Edges), triangle(Stop::Hit)];
+        assert_eq!(Step::count_path(&steps.map(Step::pack)), [2, 1, 3]);
+        assert_eq!(Step::count_path(&[]), [0; 3]);
     }
 }

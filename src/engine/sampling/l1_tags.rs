@@ -63,6 +63,9 @@ pub struct Passed {
 /// about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in those of the DRAM.
 const BURST: usize = 8;
 
+/// Packed steps in a line of the caches of most processors.
+const WORDS_A_LINE: usize = 16;
+
 /// A ray in flight.
 struct Flight<'c> {
     /// The steps that are left.
@@ -133,6 +136,9 @@ impl L1Tags {
             let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
             rays.clone().filter(is_of)
         };
+        // Rays come to their steps in turn: read once in order, they lie near when they are wanted.
+        let words = chunk.packed_steps_of(rays.clone()).iter().step_by(WORDS_A_LINE);
+        std::hint::black_box(words.fold(0, |all, word| all ^ word));
         let mut waiting = of(true).chain(of(false)).map(|ray| chunk.ray(ray));
         let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.in_flight);
         while flights.len() < self.in_flight

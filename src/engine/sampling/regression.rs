@@ -111,6 +111,27 @@ mod tests {
     use super::*;
 
     #[test]
+    fn calibrated_windows_have_the_sums_of_all() {
+        let row = |at: u32| {
+            let mut row = [0.0; COLUMNS];
+            (row[0], row[2], row[5]) = (f64::from(at), f64::from(at * at % 7), f64::from(at % 3));
+            row
+        };
+        let rows: Vec<Columns> = (1..=40).map(row).collect();
+        let weights: Vec<f64> = (1..=40).map(|at| 1.0 + f64::from(at % 4)).collect();
+        let mut all = [0.0; COLUMNS];
+        (all[0], all[2], all[5]) = (2500.0, 260.0, 111.0);
+        // The third column is not asked for.
+        let counts = Regression::new(&rows, &weights, &[0, 2]).calibration(&rows, &weights, &all);
+        let sum = |column: usize| {
+            let all = rows.iter().zip(&weights).zip(&counts);
+            all.map(|((row, weight), count)| weight * count * row[column]).sum::<f64>()
+        };
+        assert!((sum(0) - 2500.0).abs() < 1e-9 && (sum(2) - 260.0).abs() < 1e-9, "{} {}", sum(0), sum(2));
+        assert!((sum(5) - 111.0).abs() > 1.0, "{}", sum(5));
+    }
+
+    #[test]
     fn students_t_by_the_table() {
         for (freedom, expected) in [(1.0, 12.706), (3.0, 3.182), (10.0, 2.228), (30.0, 2.042), (1000.0, 1.962)] {
             assert!((student(freedom) / expected - 1.0).abs() < 3e-3, "{freedom}: {}", student(freedom));
