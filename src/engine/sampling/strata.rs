@@ -1,5 +1,5 @@
 //! Where the points of a sample lie on its axis: two in each stratum. When more are wanted, strata are cut in halves, which keep the points that they
-//! have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`, `tni_engine`: correlation 0.8, eight windows apart 0.3), so that two
+//! have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`, `tni_engine`: correlation 0.7, four windows apart 0.2), so that two
 //! points in each of many short strata tell more than many points in each of a few long ones.
 
 use super::plan::mix;
