@@ -25,7 +25,8 @@ const PILOT: u64 = 2000;
 const LEAST_PIXELS: u64 = 512;
 /// Points with which sampling begins: some more than the windows that tell, since large windows have several.
 const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
-/// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed.
+/// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed. (Kitchen on `small`, 41,000 windows:
+/// with one in 100, intervals were 0.7 % and 16 of 57 s of processor time were the windows'; with one in 250, 1.4 % and 6 of 40 s.)
 const LEAST_RATE: f64 = 0.004;
 /// The share of pixels that may be replayed, those beside the windows among them: as many as there are. With the tags that takes a tenth longer than `Event` on
 /// one processor, and little more than half as long on two.

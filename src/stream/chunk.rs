@@ -143,10 +143,8 @@ impl Chunk {
 
     /// Adds rays of another chunk.
     pub fn extend(&mut self, other: &Self, rays: Range<usize>) {
-        let end_before = |ray: usize| if ray == 0 { 0 } else { other.entries[ray - 1].end };
-        let (first, last) = (end_before(rays.start), end_before(rays.end));
-        let begin = self.steps.len() as u32;
-        self.steps.extend_from_slice(&other.steps[first as usize..last as usize]);
+        let (first, begin) = (other.begin(rays.start) as u32, self.steps.len() as u32);
+        self.steps.extend_from_slice(other.packed_steps_of(rays.clone()));
         let moved = |at: u32| at - first + begin;
         let entries = other.entries[rays].iter();
         self.entries.extend(entries.map(|entry| Entry {
@@ -207,8 +205,12 @@ impl Chunk {
 
     /// The packed steps of some rays, in order.
     pub fn packed_steps_of(&self, rays: Range<usize>) -> &[u32] {
-        let end_before = |ray: usize| if ray == 0 { 0 } else { self.entries[ray - 1].end as usize };
-        &self.steps[end_before(rays.start)..end_before(rays.end)]
+        &self.steps[self.begin(rays.start)..self.begin(rays.end)]
+    }
+
+    /// Where the steps of ray `index` begin, or would if there were one more.
+    fn begin(&self, index: usize) -> usize {
+        if index == 0 { 0 } else { self.entries[index - 1].end as usize }
     }
 
     /// Ray `index` without its steps.
@@ -218,7 +220,7 @@ impl Chunk {
 
     /// Ray `index`.
     pub fn ray(&self, index: usize) -> Ray<'_> {
-        let start = if index == 0 { 0 } else { self.entries[index - 1].end as usize };
+        let start = self.begin(index);
         let Entry { head, path_end, end } = self.entries[index];
         let (path_end, end) = (path_end as usize, end as usize);
         Ray { head, marked: self.marked, path: &self.steps[start..path_end], policy: &self.steps[path_end..end] }

@@ -105,8 +105,10 @@ impl Step {
     /// How many packed steps of a path visit nodes, read lists and test triangles.
     pub fn count_path(words: &[u32]) -> [u64; 3] {
         // Whole paths, tag by tag: most steps of a stream are counted when it is read, and this is done for several at once.
+        debug_assert!(words.iter().all(|&word| Self::unpack(word).is_some_and(Self::is_traversal)));
+        let like = |step: Self| step.pack() >> INDEX_BITS;
         let of_tag = |tag: u32| words.iter().filter(|&&word| word >> INDEX_BITS == tag).count() as u64;
-        let (nodes, lists) = (of_tag(0), of_tag(1));
+        let (nodes, lists) = (of_tag(like(Self::Node(NodeId(0)))), of_tag(like(Self::List(ListId(0)))));
         [nodes, lists, words.len() as u64 - nodes - lists]
     }
 

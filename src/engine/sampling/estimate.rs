@@ -233,6 +233,20 @@ mod tests {
         assert!(half_width.unwrap() < 1e-6);
     }
 
+    /// Where the windows that were measured have half of the operations that they should stand for, each counts twice, and so does what is left over.
+    #[test]
+    fn intervals_are_as_wide_as_windows_count() {
+        let cost = |i: u32| f64::from(300 + i * i % 5);
+        let windows: Vec<_> = (0..16).map(|i| window(10.0 * f64::from(i), known(100.0, 0.0), cost(i))).collect();
+        let found = [16_000.0, 32_000.0].map(|operations| {
+            let known = known(operations, 0.0);
+            let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known };
+            estimate(&population, &windows, 1, 64)["y"]
+        });
+        let [once, twice] = found.map(|found| found.half_width.unwrap());
+        assert!(once > 1.0 && (twice / once - 2.0).abs() < 1e-9, "{once} {twice}");
+    }
+
     #[test]
     fn large_windows_count_for_less() {
         // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is known of them.
