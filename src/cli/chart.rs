@@ -10,7 +10,9 @@ use super::print::print;
 use crate::report;
 use crate::report::chart::{ChartSummary, write_chart};
 
-/// Chart what policies save against what they get wrong, over the reports of several runs
+/// Chart what policies save against what they get wrong, over runs
+///
+/// The runs' reports give the numbers.
 #[derive(Args)]
 pub(super) struct Chart {
     /// Folders of reports, from `umbrasim run`

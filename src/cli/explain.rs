@@ -9,7 +9,9 @@ use super::outcome::Outcome;
 use super::print::print;
 use crate::report;
 
-/// Say what the numbers of a report mean: unit and definition, and their values in a report
+/// Say what the numbers of a report mean: unit and definition
+///
+/// With a report, their values in it are printed too.
 #[derive(Args)]
 pub(super) struct Explain {
     /// The end of a statistic's path, such as row_hits or bytes.dram.node [default: all statistics]

@@ -21,7 +21,8 @@ pub(super) fn grouped(cli: Command) -> Command {
         list.push('\n');
     }
     cli.help_template(format!(
-        "{{before-help}}{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{list}Options:\n{{options}}{{after-help}}"
+        "{{before-help}}{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n\
+         {list}Options:\n{{options}}{{after-help}}"
     ))
 }
 
@@ -42,5 +43,7 @@ mod tests {
         let titles = ["\nSimulate:\n", "\nStudy:\n", "\nPaper:\n", "\nLook:\n", "\nOptions:\n"];
         let places: Vec<_> = titles.iter().map(|title| help.find(title)).collect();
         assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{help}");
+        let list = help.split("\nOptions:").next().unwrap_or_default();
+        assert!(list.lines().skip_while(|line| *line != "Simulate:").all(|line| line.len() <= 80), "{help}");
     }
 }

@@ -13,10 +13,11 @@ use super::stop::stop_on_interrupt;
 use crate::experiment::identities;
 use crate::report;
 
-/// Replay rays of one kind alone (primary, shadow, diffuse) on the T&I engine, beside its published table
+/// Replay rays of one kind on the T&I engine, beside its table
 ///
-/// Holds two identities that tie the table's columns: utilisation is operations a ray times rays a second over the
-/// peak, and DRAM bytes a ray follow from operations and hit rates. The command fails if the first does not hold.
+/// The rays are all primary, all shadow or all diffuse rays. Holds two identities that tie the table's columns:
+/// utilisation is operations a ray times rays a second over the peak, and DRAM bytes a ray follow from operations and
+/// hit rates. The command fails if the first does not hold.
 #[derive(Args)]
 pub(super) struct Identities {
     /// The table's file

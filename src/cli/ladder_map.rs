@@ -10,10 +10,10 @@ use super::print::print;
 use crate::experiment::ladder_map;
 use crate::report;
 
-/// Sweep synthetic streams over the assumptions of the fidelity levels, and map where each level breaks
+/// Map where each fidelity level breaks, on synthetic streams
 ///
-/// Skew, footprint, coherence, caches, rays in flight, miss registers and bursts: how far each level is from Event, as
-/// a table of the worst, `ladder.csv` and a heat map.
+/// The streams are swept over what the levels assume: skew, footprint, coherence, caches, rays in flight, miss
+/// registers and bursts: how far each level is from Event, as a table of the worst, `ladder.csv` and a heat map.
 #[derive(Args)]
 pub(super) struct LadderMap {
     /// Where the map goes

@@ -13,7 +13,9 @@ use super::stop::stop_on_interrupt;
 use crate::experiment::paper;
 use crate::report;
 
-/// Print the published figures of GI09 beside ours, under every reading of its text that a config lists
+/// Print the published figures of GI09 beside ours
+///
+/// Ours are given under every reading of the published text that the config lists.
 #[derive(Args)]
 pub(super) struct PaperTable {
     /// The table's file

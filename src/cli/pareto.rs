@@ -13,11 +13,11 @@ use crate::engine::Fidelity;
 use crate::experiment::pareto;
 use crate::report;
 
-/// Replay the same streams by every fidelity level, and chart the error of each against its speed
+/// Chart the error of each fidelity level against its speed
 ///
-/// The report has a table (`pareto.csv`), a chart and a page: errors of cycles, of L2 and DRAM bytes and of what
-/// policies save, mean and worst, beside what the levels claim; which level none beats; and where one puts policies or
-/// machines in a wrong order.
+/// The same streams are replayed by every level. The report has a table (`pareto.csv`), a chart and a page: errors of
+/// cycles, of L2 and DRAM bytes and of what policies save, mean and worst, beside what the levels claim; which level
+/// none beats; and where one puts policies or machines in a wrong order.
 #[derive(Args)]
 pub(super) struct Pareto {
     /// The comparison's file

@@ -9,7 +9,7 @@ use super::outcome::Outcome;
 use super::print::print;
 use crate::report;
 
-/// Draw the plots and the page of a report again, from its numbers on disk
+/// Draw a report's plots and page again, from its numbers on disk
 #[derive(Args)]
 pub(super) struct Plot {
     /// The report's folder

@@ -12,11 +12,11 @@ use crate::engine::{ReuseOf, Share};
 use crate::experiment::reuse::reuse;
 use crate::report;
 
-/// Measure, in one pass, how a recorded ray stream would miss in caches of all sizes
+/// Measure how a recorded ray stream misses in caches of all sizes
 ///
-/// The stream is replayed as by the fidelity Profile. The requests to each cache of the machine give reuse distances,
-/// and these the misses of LRU caches of 1 kB to 16 MB in its place, by class of traffic: a table, `reuse.csv` and a
-/// plot.
+/// One pass replays the stream as the fidelity Profile does. The requests to each cache of the machine give reuse
+/// distances, and these the misses of LRU caches of 1 kB to 16 MB in its place, by class of traffic: a table,
+/// `reuse.csv` and a plot.
 #[derive(Args)]
 pub(super) struct Profile {
     #[command(flatten)]

@@ -17,15 +17,17 @@ use crate::experiment::replay::replay_file;
 use crate::report;
 use crate::stream::StreamReader;
 
-/// Replay a recorded ray stream on a machine and print what it measured
+/// Replay a recorded ray stream on a machine and print the figures
 #[derive(Args)]
 pub(super) struct Replay {
     #[command(flatten)]
     input: StreamAndMachine,
-    /// The fidelity level: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), Sampled(engine: Event, rate: 0.05), or Auto(error: 0.02)
+    /// The fidelity level: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), Sampled(engine:
+    /// Event, rate: 0.05), or Auto(error: 0.02)
     #[arg(long, value_name = "LEVEL", default_value_t)]
     fidelity: Fidelity,
-    /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share [example: 1%]
+    /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share
+    /// [example: 1%]
     #[arg(long, value_name = "SHARE")]
     target_error: Option<Share>,
     /// Write all measurements to this file too, as JSON

@@ -16,8 +16,8 @@ use crate::stream::Header;
 pub(super) struct DramArgs {
     /// Write the requests that came to the DRAM to this file, for another DRAM simulator; Event and Cycle only
     ///
-    /// A line a burst of the DRAM's part, with the byte address that the machine's `dram.mapping` takes apart, and the clock of the DRAM
-    /// in which the request came.
+    /// A line a burst of the DRAM's part, with the byte address that the machine's `dram.mapping` takes apart, and the
+    /// clock of the DRAM in which the request came.
     #[arg(long, value_name = "FILE")]
     dram_trace: Option<PathBuf>,
     /// Who is to read it
@@ -25,9 +25,9 @@ pub(super) struct DramArgs {
     dram_trace_format: TraceFormat,
     /// Write the commands that the DRAM was given to this file, as CSV; Event and Cycle only
     ///
-    /// Clocks are the DRAM's. A column is a burst's place in its row; the command RDA or WRA closes the row by itself, PREA closes
-    /// all rows. Ranks are not modelled. All commands are checked against the timing of the DRAM's part by code of its own, and a
-    /// violation is an error.
+    /// Clocks are the DRAM's. A column is a burst's place in its row; the command RDA or WRA closes the row by itself,
+    /// PREA closes all rows. Ranks are not modelled. All commands are checked against the timing of the DRAM's part by
+    /// code of its own, and a violation is an error.
     #[arg(long, value_name = "FILE")]
     dram_commands: Option<PathBuf>,
 }
@@ -49,8 +49,9 @@ impl DramArgs {
 pub(super) struct LineArgs {
     /// Write the lines that a kind of L1 is asked for to this file, for a cache simulator
     ///
-    /// In Dinero's form (`0 ADDRESS` reads, `1 ADDRESS` writes, hexadecimal), in the order of the stream: what one such cache would
-    /// see if each ray were done before the next one began. It depends on the machine's memory layout, not on its caches.
+    /// In Dinero's form (`0 ADDRESS` reads, `1 ADDRESS` writes, hexadecimal), in the order of the stream: what one such
+    /// cache would see if each ray were done before the next one began. It depends on the machine's memory layout, not
+    /// on its caches.
     #[arg(long, value_name = "FILE")]
     line_trace: Option<PathBuf>,
     /// Which L1s: l1_traversal, l1_list, l1_intersection or l1_shadow_cache

@@ -13,7 +13,7 @@ use super::stop::stop_on_interrupt;
 use crate::experiment::{Experiment, run};
 use crate::report;
 
-/// Run an experiment: trace its frames, replay them on its machines, validate, and write a report
+/// Run an experiment: trace, replay, validate, and write a report
 ///
 /// Every frame is traced once for all culling policies. Each policy's ray stream is replayed on each machine while it
 /// is traced, and the pictures are compared with those of a reference renderer in double precision that shares no code

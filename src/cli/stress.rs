@@ -10,7 +10,7 @@ use super::print::print;
 use crate::experiment::stress;
 use crate::report;
 
-/// Run every culling policy on every small scene that is known to break one, and write a failure map
+/// Run every policy on every small scene known to break one
 ///
 /// Beside the map, the report shows how far other answers to what the published text leaves open move saving and
 /// error. The command fails if a policy that must never be wrong is.

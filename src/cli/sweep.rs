@@ -12,10 +12,10 @@ use super::stop::stop_on_interrupt;
 use crate::experiment::sweep;
 use crate::report;
 
-/// Replay an experiment's streams on machines that differ in named fields, and compare them
+/// Replay the same rays on machines that differ in named fields
 ///
-/// Frames are traced once. Every replay is kept, so that a sweep that was stopped by Ctrl-C goes on when it is started
-/// again. The report has a table (`sweep.csv`), a plot and a page.
+/// The frames of an experiment are traced once. Every replay is kept, so that a sweep that was stopped by Ctrl-C goes
+/// on when it is started again. The report has a table (`sweep.csv`), a plot and a page.
 #[derive(Args)]
 pub(super) struct Sweep {
     /// The sweep's file

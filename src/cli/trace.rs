@@ -11,7 +11,7 @@ use super::print::print;
 use super::stop::stop_on_interrupt;
 use crate::experiment::trace::trace;
 
-/// Trace an experiment's frames for one policy and record the ray stream in a file
+/// Trace frames for one policy and record the ray stream in a file
 ///
 /// The file describes itself (`umbrasim inspect`) and is all that `umbrasim replay` needs beside a machine.
 #[derive(Args)]

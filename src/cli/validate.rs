@@ -9,7 +9,7 @@ use super::arguments::ExperimentArgs;
 use super::outcome::Outcome;
 use super::run::run_and_report;
 
-/// Compare an experiment's pictures and shadow decisions with the reference renderer's, without machines
+/// Compare pictures and shadow decisions with the reference's
 ///
 /// Prints, for each policy, wrong decisions (false dark, false lit: against the same ray traced without culling) and
 /// numeric differences (rounding: the tracer without culling against the reference in double precision).

@@ -1,0 +1,51 @@
+//! The rooms of the house: each uses only rooms below it, the functional and the timing wing never see each other, and
+//! neither files nor folders import each other in a circle.
+
+mod circles;
+mod imports;
+mod walls;
+
+use std::fs;
+use std::path::Path;
+
+/// A file of the library: its path in `src`, with `/`, and its text.
+struct Source {
+    file: String,
+    text: String,
+}
+
+impl Source {
+    /// Whether the file holds tests alone, which may look at anything.
+    fn is_test(&self) -> bool {
+        self.file.split('/').any(|part| part == "tests" || part == "tests.rs")
+    }
+
+    /// The path of the file's module, such as `["scene", "aff"]`; the crate's root is empty.
+    fn module(&self) -> Vec<String> {
+        let path = self.file.trim_end_matches(".rs");
+        let path = path.strip_suffix("/mod").unwrap_or(if path == "lib" { "" } else { path });
+        path.split('/').filter(|part| !part.is_empty()).map(str::to_owned).collect()
+    }
+}
+
+/// All files of the library, in order of their paths. The program's `main.rs` is none of them.
+fn sources() -> Vec<Source> {
+    fn walk(folder: &Path, src: &Path, found: &mut Vec<Source>) {
+        for entry in fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                walk(&path, src, found);
+            } else if path.extension().is_some_and(|kind| kind == "rs") {
+                let parts: Vec<_> = path.strip_prefix(src).unwrap().iter().map(|part| part.to_str().unwrap()).collect();
+                found.push(Source { file: parts.join("/"), text: fs::read_to_string(&path).unwrap() });
+            }
+        }
+    }
+    let src = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let mut found = Vec::new();
+    walk(&src, &src, &mut found);
+    found.retain(|source| source.file != "main.rs");
+    found.sort_by(|a, b| a.file.cmp(&b.file));
+    assert!(found.len() > 50, "only {} files were found", found.len());
+    found
+}
