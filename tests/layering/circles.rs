@@ -11,12 +11,9 @@ use crate::{Source, sources};
 const OPEN: &[(&str, usize)] = &[
     ("accel/", 7),
     ("accel/kdtree/", 4),
-    ("culling/", 15),
     ("engine/", 13),
     ("engine/cycle/", 3),
     ("engine/sampling/", 5),
-    ("machine/", 15),
-    ("reference/", 2),
     ("report/", 10),
     ("report/plots/", 9),
     ("scene/", 3),
@@ -24,8 +21,6 @@ const OPEN: &[(&str, usize)] = &[
     ("scene/builtin/cases/", 2),
     ("scene/keyframes/", 3),
     ("scene/obj/", 2),
-    ("stream/", 9),
-    ("tracer/", 3),
 ];
 
 /// Who imports what from whom: the importing file, the path, and the file that holds it.

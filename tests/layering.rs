@@ -1,8 +1,11 @@
 //! The rooms of the house: each uses only rooms below it, the functional and the timing wing never see each other, and
-//! neither files nor folders import each other in a circle.
+//! neither files nor folders import each other in a circle. Files are parsed with [`syn::parse_file`].
 
+#[path = "layering/circles.rs"]
 mod circles;
+#[path = "layering/imports.rs"]
 mod imports;
+#[path = "layering/walls.rs"]
 mod walls;
 
 use std::fs;
