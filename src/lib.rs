@@ -6,6 +6,7 @@ pub mod cli;
 pub mod culling;
 pub mod engine;
 pub mod experiment;
+pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;

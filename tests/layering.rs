@@ -11,6 +11,59 @@ mod walls;
 use std::fs;
 use std::path::Path;
 
+/// Rooms from the ground up, each with what it may use: whole rooms, or single things of them. New rooms go in here.
+const ROOMS: &[(&str, &[&str])] = &[
+    // Common ground.
+    ("quantity", &[]),
+    ("ranged", &[]),
+    ("named", &[]),
+    ("new_file", &[]),
+    ("input", &[]),
+    ("ron_file", &["ranged", "input"]),
+    ("stats", &["quantity"]),
+    ("stream", &["quantity", "new_file", "input"]),
+    // The functional wing.
+    ("scene", &["quantity", "ranged", "input"]),
+    ("reference", &["quantity", "scene"]),
+    ("accel", &["quantity", "ranged", "stream", "scene"]),
+    ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
+    ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
+    // The timing wing.
+    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
+    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
+    ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
+    // Above both.
+    ("validate", &["quantity", "scene"]),
+    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    (
+        "experiment",
+        &[
+            "quantity",
+            "ranged",
+            "named",
+            "new_file",
+            "input",
+            "ron_file",
+            "stats",
+            "stream",
+            "scene",
+            "reference",
+            "accel",
+            "culling",
+            "tracer",
+            "memory",
+            "machine",
+            "engine",
+            "validate",
+            "report",
+        ],
+    ),
+    ("cli", &["quantity", "new_file", "stream", "machine", "engine", "report", "experiment"]),
+];
+
+const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
+const TIMING: [&str; 3] = ["memory", "machine", "engine"];
+
 /// A file of the library: its path in `src`, with `/`, and its text.
 struct Source {
     file: String,

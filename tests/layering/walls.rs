@@ -3,58 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::imports::imports;
-use crate::{Source, sources};
-
-/// Rooms from the ground up, each with what it may use: whole rooms, or single things of them. New rooms go in here.
-const ROOMS: &[(&str, &[&str])] = &[
-    // Common ground.
-    ("quantity", &[]),
-    ("ranged", &[]),
-    ("named", &[]),
-    ("new_file", &[]),
-    ("ron_file", &["ranged"]),
-    ("stats", &["quantity"]),
-    ("stream", &["quantity", "new_file"]),
-    // The functional wing.
-    ("scene", &["quantity", "ranged"]),
-    ("reference", &["quantity", "scene"]),
-    ("accel", &["quantity", "ranged", "stream", "scene"]),
-    ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
-    ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
-    // The timing wing.
-    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
-    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
-    ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
-    // Above both.
-    ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
-    (
-        "experiment",
-        &[
-            "quantity",
-            "ranged",
-            "named",
-            "new_file",
-            "ron_file",
-            "stats",
-            "stream",
-            "scene",
-            "reference",
-            "accel",
-            "culling",
-            "tracer",
-            "memory",
-            "machine",
-            "engine",
-            "validate",
-            "report",
-        ],
-    ),
-    ("cli", &["quantity", "new_file", "stream", "machine", "engine", "report", "experiment"]),
-];
-
-const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
-const TIMING: [&str; 3] = ["memory", "machine", "engine"];
+use crate::{FUNCTIONAL, ROOMS, Source, TIMING, sources};
 
 fn allowed(room: &str) -> Option<&'static [&'static str]> {
     ROOMS.iter().find(|(name, _)| *name == room).map(|(_, allowed)| *allowed)
