@@ -12,6 +12,7 @@ use super::stop::stop_on_interrupt;
 use crate::engine::Fidelity;
 use crate::experiment::pareto;
 use crate::report;
+use crate::report::pareto::ParetoReport;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -38,8 +39,7 @@ impl Pareto {
         let stop = stop_on_interrupt()?;
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
-        report::pareto::write_pareto(&out, &summary, &timings)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -13,7 +13,7 @@ use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
-use crate::report::summary::{FrameResult, PolicySummary};
+use crate::report::run::{FrameResult, PolicySummary};
 use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};

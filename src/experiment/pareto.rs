@@ -190,7 +190,7 @@ fn replay(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::rung::Rung;
+    use crate::report::pareto::Rung;
 
     /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
     #[test]
