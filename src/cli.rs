@@ -3,8 +3,7 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
 use anyhow::{Context, Result};
 use clap::{Args, Parser, Subcommand};
@@ -17,7 +16,7 @@ use umbrasim::experiment::{
     self, Experiment, Overrides, identities, ladder_map, paper, pareto, replay, reuse, run, stress, sweep, trace,
 };
 use umbrasim::machine::MachineSpec;
-use umbrasim::new_file::NewFile;
+use umbrasim::output::{OutputFile, signals};
 use umbrasim::quantity::Resolution;
 use umbrasim::report;
 use umbrasim::stream::{Header, StreamReader, inspect};
@@ -305,7 +304,7 @@ pub fn execute(cli: Cli) -> Result<u8> {
         }
         Command::Validate { experiment, out } => run_and_report(&experiment.load()?, false, out.as_deref()),
         Command::Trace { experiment, output, policy } => {
-            let stop = stop_on_interrupt()?;
+            let stop = signals::stop_flag();
             trace::trace(&experiment.load()?, policy.as_deref(), &output, &stop)?;
             print(output.display())?;
             Ok(0)
@@ -356,7 +355,7 @@ pub fn execute(cli: Cli) -> Result<u8> {
         Command::Sweep { config, out } => {
             let name = config.file_stem().context("the sweep's file has no name")?;
             let out = out.unwrap_or_else(|| Path::new("reports").join(name));
-            let stop = stop_on_interrupt()?;
+            let stop = signals::stop_flag();
             let summary = sweep::sweep(&config, &out, &stop)?;
             print(report::drawn(&report::sweep::grid(&summary)))?;
             report::sweep::write_sweep(&out, &summary)?;
@@ -367,7 +366,7 @@ pub fn execute(cli: Cli) -> Result<u8> {
             let name = config.file_stem().context("the comparison's file has no name")?;
             let out = out.unwrap_or_else(|| Path::new("reports").join(name));
             report::check_target(&out)?;
-            let stop = stop_on_interrupt()?;
+            let stop = signals::stop_flag();
             let (summary, timings) = pareto::pareto(&config, truth, &stop)?;
             print(report::drawn(&summary.grid(&timings)))?;
             report::pareto::write_pareto(&out, &summary, &timings)?;
@@ -382,7 +381,7 @@ pub fn execute(cli: Cli) -> Result<u8> {
         }
         Command::PaperTable { config, json } => {
             let json = JsonFile::begin(json)?;
-            let stop = stop_on_interrupt()?;
+            let stop = signals::stop_flag();
             let readings = paper::paper_table(&config, &stop)?;
             print(report::drawn(&paper::grid(&readings)))?;
             print("\ndistance: root mean square of the differences of the four shares, in points")?;
@@ -390,7 +389,7 @@ pub fn execute(cli: Cli) -> Result<u8> {
             Ok(u8::from(stop.load(Ordering::Relaxed)))
         }
         Command::Identities { config, json } => {
-            let stop = stop_on_interrupt()?;
+            let stop = signals::stop_flag();
             let json = JsonFile::begin(json)?;
             let (rows, published) = identities::identities(&config, &stop)?;
             print(report::drawn(&identities::grid(&rows, &published)))?;
@@ -427,7 +426,7 @@ fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -
     if let Some(out) = out {
         report::check_target(out)?;
     }
-    let stop = stop_on_interrupt()?;
+    let stop = signals::stop_flag();
     let result = run::run(experiment, machines, &stop)?;
     print(report::terminal(&result.summary))?;
     if let Some(out) = out {
@@ -448,12 +447,12 @@ fn print(text: impl Display) -> Result<()> {
 }
 
 /// A file for measurements, if the user wants one. It is begun before the work, which would be lost if it could not be.
-struct JsonFile(Option<(PathBuf, NewFile)>);
+struct JsonFile(Option<(PathBuf, OutputFile)>);
 
 impl JsonFile {
     fn begin(path: Option<PathBuf>) -> Result<Self> {
         let begin = |path: PathBuf| {
-            let file = NewFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            let file = OutputFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
             anyhow::Ok((path, file))
         };
         Ok(Self(path.map(begin).transpose()?))
@@ -466,18 +465,4 @@ impl JsonFile {
             .and_then(|()| file.finish())
             .with_context(|| format!("cannot write {}", path.display()))
     }
-}
-
-/// A flag that the first Ctrl-C sets; the second one ends the program at once.
-fn stop_on_interrupt() -> Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = Arc::clone(&stop);
-    ctrlc::set_handler(move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-        eprintln!("stopping after this frame; once more to stop at once");
-    })
-    .context("cannot watch for Ctrl-C")?;
-    Ok(stop)
 }

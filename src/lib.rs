@@ -8,7 +8,7 @@ pub mod experiment;
 pub mod machine;
 pub mod memory;
 pub mod named;
-pub mod new_file;
+pub mod output;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;

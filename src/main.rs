@@ -4,6 +4,7 @@ mod cli;
 
 use std::process::ExitCode;
 
+use anyhow::Context;
 use clap::Parser;
 use umbrasim::engine::RunError;
 use umbrasim::experiment::run::RunFailure;
@@ -14,7 +15,8 @@ use umbrasim::stream::StreamError;
 fn main() -> ExitCode {
     #[cfg(unix)]
     outlive_size_limits();
-    match cli::execute(cli::Cli::parse()) {
+    let done = umbrasim::output::signals::watch().context("cannot watch for signals");
+    match done.and_then(|()| cli::execute(cli::Cli::parse())) {
         Ok(status) => ExitCode::from(status),
         Err(error) => {
             eprintln!("error: {error:#}");

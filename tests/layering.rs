@@ -9,10 +9,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("quantity", &[]),
     ("ranged", &[]),
     ("named", &[]),
-    ("new_file", &[]),
+    ("output", &[]),
     ("ron_file", &["ranged"]),
     ("stats", &["quantity"]),
-    ("stream", &["quantity", "new_file"]),
+    ("stream", &["quantity", "output"]),
     // The functional wing.
     ("scene", &["quantity", "ranged"]),
     ("reference", &["quantity", "scene"]),
@@ -25,14 +25,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[
             "quantity",
             "ranged",
             "named",
-            "new_file",
+            "output",
             "ron_file",
             "stats",
             "stream",
