@@ -74,7 +74,7 @@ enum Command {
         /// The machine's file, such as configs/machines/small.ron
         #[arg(long, value_name = "FILE")]
         machine: PathBuf,
-        /// The rung: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), Sampled(engine: Event, rate: 0.05), or Auto(error: 0.02)
+        /// The rung: Bound, Profile, Event, Cycle (plain, slow, the same numbers), Sampled(engine: Event, rate: 0.05), or Auto(error: 0.02)
         #[arg(long, value_name = "RUNG", default_value_t)]
         fidelity: Fidelity,
         /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share [example: 1%]
