@@ -5,6 +5,7 @@ pub mod accel;
 pub mod culling;
 pub mod engine;
 pub mod experiment;
+pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;

@@ -13,10 +13,11 @@ mod part_set;
 mod profile;
 mod retired;
 pub mod sampling;
+mod source;
 mod tally;
 #[cfg(test)]
 mod tests;
-mod wheel;
+mod unloaded;
 mod work;
 
 use std::io;
@@ -28,9 +29,9 @@ pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
 use self::sampling::{Findings, Plan, Sampler};
+use self::source::{StoreWork, StreamFault};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
-use crate::machine::source::{StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::Violation;

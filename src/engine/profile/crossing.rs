@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use crate::engine::part_set::PartSet;
-use crate::engine::work::Kind;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 
 /// A unit takes a ray on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,11 +6,11 @@ use std::sync::Arc;
 use super::host::{Host, Place, Pulled};
 use crate::engine::RunError;
 use crate::engine::feed::Feed;
+use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
 use crate::engine::work::Holder;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
-use crate::machine::source::{FrameCounts, StoreWork, StreamFault, check_step};
 use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.
