@@ -2,6 +2,7 @@
 //! primitive.
 
 pub mod accel;
+pub mod cli;
 pub mod culling;
 pub mod engine;
 pub mod experiment;
