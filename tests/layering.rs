@@ -17,11 +17,11 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("quantity", &[]),
     ("ranged", &[]),
     ("named", &[]),
-    ("new_file", &[]),
+    ("output", &[]),
     ("input", &[]),
     ("ron_file", &["ranged", "input"]),
     ("stats", &["quantity"]),
-    ("stream", &["quantity", "new_file", "input"]),
+    ("stream", &["quantity", "output", "input"]),
     // The functional wing.
     ("scene", &["quantity", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
@@ -34,14 +34,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[
             "quantity",
             "ranged",
             "named",
-            "new_file",
+            "output",
             "input",
             "ron_file",
             "stats",
@@ -58,7 +58,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "new_file", "stream", "machine", "engine", "report", "experiment"]),
+    ("cli", &["quantity", "output", "stream", "machine", "engine", "report", "experiment"]),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

@@ -8,9 +8,9 @@ use clap::Args;
 use super::arguments::report_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::engine::Fidelity;
 use crate::experiment::pareto;
+use crate::output::signals;
 use crate::report;
 use crate::report::pareto::ParetoReport;
 
@@ -36,7 +36,7 @@ impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = report_folder(self.out, &self.config)?;
         report::check_target(&out)?;
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
         print(report::write(&out, &ParetoReport { summary, timings })?.display())?;

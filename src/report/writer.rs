@@ -9,7 +9,7 @@ use serde::Serialize;
 use super::csv_table::CsvTable;
 use super::draw::{DrawError, Drawing};
 use super::error::ReportError;
-use crate::new_file::write_new;
+use crate::output::write_whole;
 
 /// The file with all numbers; a directory that holds it is a report.
 pub const SUMMARY_FILE: &str = "summary.json";
@@ -193,6 +193,6 @@ fn put_all(folder: &Path, files: &[ReportFile]) -> Result<(), ReportError> {
         let failed = |source| ReportError::Write { path: path.clone(), source };
         let parent = path.parent().unwrap_or(Path::new("."));
         fs::create_dir_all(parent).map_err(failed)?;
-        write_new(&path, bytes).map_err(failed)
+        write_whole(&path, bytes).map_err(failed)
     })
 }
