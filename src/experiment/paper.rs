@@ -5,9 +5,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::ExperimentError;
+use super::load::check_boxes;
+use super::progress;
 use super::run::frame_result;
-use super::{ExperimentError, beside, check_boxes, progress};
 use crate::culling::{PolicySpec, SceneFacts};
 use crate::named::Named;
 use crate::quantity::Resolution;

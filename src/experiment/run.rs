@@ -5,10 +5,11 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::load::Experiment;
+use super::progress;
 use super::replay::{Finished, Replays};
 use super::split::Role;
 use super::validation::{self, Validated, Words};
-use super::{Experiment, progress};
 use crate::culling::Policy;
 use crate::engine::RunError;
 use crate::machine::MachineSpec;

@@ -1,6 +1,6 @@
 //! Compares the tracer's pictures of a frame with the reference renderer's, and makes the report's pictures of it.
 
-use super::Experiment;
+use super::load::Experiment;
 use crate::culling::Policy;
 use crate::quantity::PrimitiveId;
 use crate::reference::Reference;
