@@ -13,6 +13,6 @@ pub fn read_machine(path: &Path) -> Result<MachineSpec, ConfigError> {
 }
 
 /// `named`, seen from the folder of the file that names it.
-pub fn beside(file: &Path, named: &Path) -> PathBuf {
+pub(super) fn beside(file: &Path, named: &Path) -> PathBuf {
     file.parent().unwrap_or(Path::new("")).join(named)
 }

@@ -115,7 +115,7 @@ pub enum IdentitiesError {
 pub const MOST_GAP: f64 = 1e-9;
 
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
-pub fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
+pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
     let machine = read_machine(&beside(path, &spec.machine)).map_err(ExperimentError::from)?;
     let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
@@ -255,7 +255,7 @@ fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
 }
 
 /// Our rows, then the published ones.
-pub fn grid(measured: &[Measured], published: &[Row]) -> Grid {
+pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
     const HEAD: [&str; 9] = [
         "rays",
         "utilization T/L/I/D",

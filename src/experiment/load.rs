@@ -132,7 +132,7 @@ impl Experiment {
 }
 
 /// Refuses policies that need a tree of boxes with a structure that is none.
-pub fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
+pub(super) fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
     match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
         Some((name, _)) => {
             let what = format!(

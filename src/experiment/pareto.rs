@@ -83,7 +83,7 @@ impl Comparison {
 }
 
 /// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
-pub fn pareto(
+pub(crate) fn pareto(
     path: &Path,
     truth: Option<Fidelity>,
     stop: &AtomicBool,

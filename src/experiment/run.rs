@@ -27,7 +27,7 @@ use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
 #[derive(Debug, thiserror::Error)]
-pub enum RunFailure {
+pub(crate) enum RunFailure {
     /// A machine failed.
     #[error("machine `{machine}` on the stream of `{policy}`")]
     Machine {
@@ -69,7 +69,7 @@ struct Clock {
 
 /// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
 /// in work, and the report is of the frames done.
-pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
+pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;
     let first = scene.animation.frame(experiment.frames[0]);

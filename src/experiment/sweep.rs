@@ -123,13 +123,13 @@ pub(super) struct Recorded {
 
 impl Recorded {
     /// Its rays, skipped ones included.
-    pub fn rays(&self) -> u64 {
+    pub(super) fn rays(&self) -> u64 {
         self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
     }
 }
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
-pub fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
+pub(crate) fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
     let (experiment, machines) = load(path)?;
     let there = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if folder.is_file() || there && !folder.join("points").is_dir() {
