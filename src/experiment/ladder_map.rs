@@ -1,4 +1,5 @@
-//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from `Event`.
+//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from
+//! `Event`.
 
 use std::convert::Infallible;
 use std::sync::Arc;

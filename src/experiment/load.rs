@@ -61,6 +61,9 @@ struct AsRun<'a> {
 
 impl Experiment {
     /// Reads an experiment and all files that it names.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, or the experiment asks for more than its scene has.
     pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
         let mut spec = ExperimentSpec::read(path)?;
         spec.frames = overrides.frames.unwrap_or(spec.frames);

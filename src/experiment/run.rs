@@ -1,5 +1,5 @@
-//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures with
-//! the reference renderer, and sums everything up for a report.
+//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures
+//! with the reference renderer, and sums everything up for a report.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -67,8 +67,8 @@ struct Clock {
     machines: Duration,
 }
 
-/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
-/// in work, and the report is of the frames done.
+/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the
+/// frame in work, and the report is of the frames done.
 pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;

@@ -1,4 +1,5 @@
-//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends change.
+//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends
+//! change.
 
 use std::convert::Infallible;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a sweep that
-//! was stopped goes on where it was, and ends with the same bytes.
+//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a
+//! sweep that was stopped goes on where it was, and ends with the same bytes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -179,7 +179,10 @@ pub(crate) fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<Swe
     })
 }
 
-/// Reads the sweep of the file `path` and all files that it names; how many machines it has.
+/// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.
+///
+/// # Errors
+/// A file cannot be read or is wrong, or a value does not fit its field.
 pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
     Ok(load(path)?.1.len())
 }

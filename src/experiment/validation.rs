@@ -54,8 +54,8 @@ pub(crate) fn psnr(comparison: &Comparison) -> Psnr {
 }
 
 impl Validated {
-    /// The report's pictures of the frame: for each policy the render, the wrong pixels (of all lights, then of each light
-    /// that has any) and the mode words towards the first light, and the reference renderer's picture.
+    /// The report's pictures of the frame: for each policy the render, the wrong pixels (of all lights, then of each
+    /// light that has any) and the mode words towards the first light, and the reference renderer's picture.
     pub(crate) fn pictures(
         &self,
         experiment: &Experiment,
