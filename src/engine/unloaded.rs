@@ -34,6 +34,12 @@ impl Unloaded {
         }
     }
 
+    /// A path of a ray of a kind, with so many steps of each tag.
+    pub fn path(&self, tags: &[u64; Step::TAGS], ray: RayKind) -> u64 {
+        let taken = |(tag, &count)| Step::of_tag(tag).map_or(0, |step| count * self.step(step, ray));
+        tags.iter().enumerate().filter(|&(_, &count)| count > 0).map(taken).sum()
+    }
+
     /// From being handed over to the traversal unit.
     pub fn dispatch(&self) -> u64 {
         self.dispatch

@@ -67,6 +67,8 @@ pub struct Layout {
     triangles: Array,
     stores: Stores,
     entries: StoreEntries,
+    /// How many there are of what the packed steps of each tag name.
+    announced: [u32; Step::TAGS],
     dynamic_base: u64,
     line_shift: u32,
 }
@@ -99,8 +101,17 @@ impl Layout {
         let triangles = array(stores.record_bytes(TRIANGLE_BYTES), header.static_slots.into());
         stores.set_records(triangles.static_base, triangles.element, TRIANGLE_BYTES);
         stores.place(header, |bytes| array(1, bytes).static_base);
+        let (entries, announced) = (header.stores, [0; Step::TAGS]);
         let line_shift = line.trailing_zeros();
-        Self { nodes, lists, triangles, stores, entries: header.stores, dynamic_base: end, line_shift }
+        let mut layout = Self { nodes, lists, triangles, stores, entries, announced, dynamic_base: end, line_shift };
+        layout.announce();
+        layout
+    }
+
+    fn announce(&mut self) {
+        self.announced = std::array::from_fn(|tag| {
+            Step::of_tag(tag).map_or(0, |step| self.named_by(step).2.min(u64::from(Step::MAX_INDEX) + 1) as u32)
+        });
     }
 
     /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
@@ -115,6 +126,7 @@ impl Layout {
             (array.dynamic_base, array.dynamic_count) = (end, count.into());
             end = (end + array.element * u64::from(count)).next_multiple_of(ALIGNMENT);
         }
+        self.announce();
     }
 
     /// The first line of the dynamic part.
@@ -130,10 +142,10 @@ impl Layout {
         (LineAddr(first), last - first + 1)
     }
 
-    /// Checks that what `step` names exists.
+    /// What `step` names, and how many of it there are.
     #[inline]
-    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
-        let (what, index, len) = match step {
+    fn named_by(&self, step: Step) -> (&'static str, u32, u64) {
+        match step {
             Step::Node(NodeId(index)) => ("node", index, self.nodes.len()),
             Step::List(ListId(index)) => ("list entry", index, self.lists.len()),
             Step::Triangle { slot, .. } => ("triangle slot", slot.0, self.triangles.len()),
@@ -145,7 +157,19 @@ impl Layout {
                 };
                 (what, index, self.entries.of(store).into())
             }
-        };
+        }
+    }
+
+    /// Whether a packed step is of a kind, and what it names exists.
+    #[inline]
+    pub fn has(&self, word: u32) -> bool {
+        Step::index(word) < self.announced[Step::tag(word)]
+    }
+
+    /// Checks that what `step` names exists.
+    #[inline]
+    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
+        let (what, index, len) = self.named_by(step);
         if u64::from(index) < len { Ok(()) } else { Err(OutOfRange { what, index, len }) }
     }
 

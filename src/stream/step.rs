@@ -71,6 +71,26 @@ impl Step {
     /// The largest id that fits a packed step.
     pub const MAX_INDEX: u32 = (1 << INDEX_BITS) - 1;
 
+    /// How many tags a packed step can have; not all are of a step.
+    pub const TAGS: usize = 16;
+
+    /// The tag of a packed step, below [`Step::TAGS`].
+    #[inline]
+    pub fn tag(word: u32) -> usize {
+        (word >> INDEX_BITS) as usize
+    }
+
+    /// The id in a packed step.
+    #[inline]
+    pub fn index(word: u32) -> u32 {
+        word & Self::MAX_INDEX
+    }
+
+    /// A packed step with this tag, if it is of a step.
+    pub fn of_tag(tag: usize) -> Option<Self> {
+        u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))
+    }
+
     /// The step in 32 bits: a tag of 4 bits, then the id.
     pub fn pack(self) -> u32 {
         let (tag, index) = match self {

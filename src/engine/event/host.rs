@@ -1,11 +1,10 @@
 //! The host: reads the stream and shades. The dispatcher takes its rays from it, and gives it their results.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::links::Links;
 use crate::engine::source::{StreamFault, check_step, parents};
-use crate::memory::Wake;
+use crate::memory::ring::Ring;
 use crate::stream::{Chunk, Item, Totals};
 
 /// A ray of a chunk in memory.
@@ -85,8 +84,8 @@ pub struct Host {
     chunks: Vec<Option<ActiveChunk>>,
     /// The chunk whose primary rays are given out, and how many were.
     current: Option<(u32, usize)>,
-    ready: VecDeque<ChunkRay>,
-    shading: VecDeque<(u64, ChunkRay)>,
+    ready: Ring<ChunkRay>,
+    shading: Ring<(u64, ChunkRay)>,
 }
 
 impl Host {
@@ -98,8 +97,8 @@ impl Host {
             shading_cycles,
             chunks: Vec::new(),
             current: None,
-            ready: VecDeque::new(),
-            shading: VecDeque::new(),
+            ready: Ring::new(),
+            shading: Ring::new(),
         }
     }
 
@@ -107,7 +106,7 @@ impl Host {
     pub fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
-        links: &mut Links<impl Wake>,
+        links: &mut Links,
     ) -> Result<bool, E> {
         let mut began = false;
         while self.current.is_none() && matches!(self.phase, Phase::Between | Phase::Open) {

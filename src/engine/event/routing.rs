@@ -7,7 +7,7 @@ use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::stream::{RayKind, Step, Store};
 
-impl<W: Wake> Links<W> {
+impl Links {
     /// Sends a ray of a core to its list unit, if that has a place; else `from` is woken when it has.
     pub fn send_to_list(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
         let unit = self.parts.choose(self.parts.list, core, ray.into());

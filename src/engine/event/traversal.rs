@@ -1,7 +1,5 @@
 //! The traversal unit: fetches nodes and tests their boxes.
 
-use std::collections::VecDeque;
-
 use super::links::{Links, take};
 use super::pipeline::{Pipeline, Stages};
 use super::ray::RayId;
@@ -9,6 +7,7 @@ use crate::machine::parts::Parts;
 use crate::machine::traversal::TraversalSpec;
 use crate::machine::writes::WritePolicy;
 use crate::memory::Wake;
+use crate::memory::ring::Ring;
 use crate::stream::{RayKind, Step};
 
 /// A traversal unit.
@@ -18,23 +17,23 @@ pub struct Traversal {
     /// The common part.
     pub pipeline: Pipeline,
     /// Rays that wait to go to a list or intersection unit.
-    leaving: VecDeque<RayId>,
+    leaving: Ring<RayId>,
     /// Rays that are done and wait for the out FIFO.
-    done: VecDeque<RayId>,
+    done: Ring<RayId>,
 }
 
 impl Traversal {
     /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &TraversalSpec, line: u64, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &TraversalSpec, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.traversal(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         let core = links.parts.core(part);
         let pipeline = Pipeline::new(part, core, &spec.cache, stages, line, WritePolicy::Back);
-        Self { index, pipeline, leaving: VecDeque::new(), done: VecDeque::new() }
+        Self { index, pipeline, leaving: Ring::new(), done: Ring::new() }
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
             let ray = &mut links.rays[id as usize];
@@ -73,7 +72,7 @@ impl Traversal {
         }
     }
 
-    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &links.rays[id as usize];
         match ray.path_step() {
             Some(Step::Node(node)) => {
