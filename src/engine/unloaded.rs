@@ -34,10 +34,9 @@ impl Unloaded {
         }
     }
 
-    /// A path of a ray of a kind, with so many steps of each tag.
-    pub fn path(&self, tags: &[u64; Step::TAGS], ray: RayKind) -> u64 {
-        let taken = |(tag, &count)| Step::of_tag(tag).map_or(0, |step| count * self.step(step, ray));
-        tags.iter().enumerate().filter(|&(_, &count)| count > 0).map(taken).sum()
+    /// The steps of the path of a ray of a kind, by their tags.
+    pub fn by_tag(&self, ray: RayKind) -> [u64; Step::TAGS] {
+        std::array::from_fn(|tag| Step::of_tag(tag).map_or(0, |step| self.step(step, ray)))
     }
 
     /// From being handed over to the traversal unit.

@@ -69,6 +69,8 @@ pub struct Layout {
     entries: StoreEntries,
     /// How many there are of what the packed steps of each tag name.
     announced: [u32; Step::TAGS],
+    /// As `announced`, but there is nothing that steps name which no path can hold.
+    announced_in_paths: [u32; Step::TAGS],
     dynamic_base: u64,
     line_shift: u32,
 }
@@ -101,9 +103,19 @@ impl Layout {
         let triangles = array(stores.record_bytes(TRIANGLE_BYTES), header.static_slots.into());
         stores.set_records(triangles.static_base, triangles.element, TRIANGLE_BYTES);
         stores.place(header, |bytes| array(1, bytes).static_base);
-        let (entries, announced) = (header.stores, [0; Step::TAGS]);
+        let (entries, announced, announced_in_paths) = (header.stores, [0; Step::TAGS], [0; Step::TAGS]);
         let line_shift = line.trailing_zeros();
-        let mut layout = Self { nodes, lists, triangles, stores, entries, announced, dynamic_base: end, line_shift };
+        let mut layout = Self {
+            nodes,
+            lists,
+            triangles,
+            stores,
+            entries,
+            announced,
+            announced_in_paths,
+            dynamic_base: end,
+            line_shift,
+        };
         layout.announce();
         layout
     }
@@ -111,6 +123,9 @@ impl Layout {
     fn announce(&mut self) {
         self.announced = std::array::from_fn(|tag| {
             Step::of_tag(tag).map_or(0, |step| self.named_by(step).2.min(u64::from(Step::MAX_INDEX) + 1) as u32)
+        });
+        self.announced_in_paths = std::array::from_fn(|tag| {
+            if Step::of_tag(tag).is_some_and(Step::is_traversal) { self.announced[tag] } else { 0 }
         });
     }
 
@@ -164,6 +179,12 @@ impl Layout {
     #[inline]
     pub fn has(&self, word: u32) -> bool {
         Step::index(word) < self.announced[Step::tag(word)]
+    }
+
+    /// Whether a packed step is one of a path, and what it names exists.
+    #[inline]
+    pub fn has_in_path(&self, word: u32) -> bool {
+        Step::index(word) < self.announced_in_paths[Step::tag(word)]
     }
 
     /// Checks that what `step` names exists.

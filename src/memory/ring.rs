@@ -6,6 +6,7 @@
 pub struct Ring<T> {
     /// A power of two of places, or none. Those that hold no entry hold what was there.
     places: Vec<T>,
+    /// Below the number of places, if there are any.
     first: usize,
     len: usize,
 }
@@ -42,7 +43,7 @@ impl<T: Copy> Ring<T> {
     /// The first entry.
     #[inline]
     pub fn front(&self) -> Option<&T> {
-        if self.len == 0 { None } else { self.places.get(self.place(0)) }
+        if self.len == 0 { None } else { self.places.get(self.first) }
     }
 
     /// The last entry.

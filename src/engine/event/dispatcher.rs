@@ -43,7 +43,9 @@ pub struct Dispatcher {
     /// Rays that each core got in this cycle.
     handed_over: Vec<u64>,
     rays: u64,
-    unloaded: Unloaded,
+    /// The least that the hand-over, and steps of each tag of the path of a ray of each kind, take.
+    least_dispatch: u64,
+    least_by_tag: [[u64; Step::TAGS]; RayKind::ALL.len()],
     /// How long rays took.
     pub latencies: RayLatencies,
     /// The unit's cycles.
@@ -53,7 +55,7 @@ pub struct Dispatcher {
 impl Dispatcher {
     /// The dispatcher of `machine` at the beginning of a stream.
     pub fn new(machine: &MachineSpec) -> Self {
-        let cores = machine.cores.size();
+        let (cores, unloaded) = (machine.cores.size(), Unloaded::new(machine));
         Self {
             spec: machine.dispatcher,
             pool: machine.pool() as usize,
@@ -65,7 +67,8 @@ impl Dispatcher {
             next_in_turn: 0,
             handed_over: vec![0; cores],
             rays: 0,
-            unloaded: Unloaded::new(machine),
+            least_dispatch: unloaded.dispatch(),
+            least_by_tag: RayKind::ALL.map(|kind| unloaded.by_tag(kind)),
             latencies: RayLatencies::default(),
             causes: Causes::default(),
         }
@@ -164,13 +167,14 @@ impl Dispatcher {
         if !skipped && turn.is_none() {
             return Ok(false);
         }
-        let tags = count_tags(source, which.index, &links.layout)?;
+        let kind = source.head.kind;
+        let least = least_of_path(source, which.index, &links.layout, &self.least_by_tag[kind as usize])?;
         let ray = &mut links.rays[id as usize];
         ray.steps.clear();
         ray.steps.extend_from_slice(source.packed_path());
         ray.steps.extend_from_slice(source.packed_policy());
         ray.path_end = source.packed_path().len();
-        (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch() + self.unloaded.path(&tags, source.head.kind));
+        (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
         (ray.chunk, ray.index, ray.undecided, ray.marked) = (which.chunk, which.index, skipped, source.marked);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
@@ -184,7 +188,7 @@ impl Dispatcher {
                 self.next_in_turn = (turn + 1) % self.free_slots.len();
                 self.handed_over[turn % self.cores] += 1;
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
-                links.clock.wake(links.parts.traversal(unit as u32), now + self.spec.latency.get());
+                links.post(unit as u32, now + self.spec.latency.get());
             }
         }
         self.free.pop_front();
@@ -269,23 +273,22 @@ impl Dispatcher {
     }
 }
 
-/// Counts the steps of a ray's path by their tags. All of its steps are checked: ray `index` of a chunk.
-fn count_tags(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<[u64; Step::TAGS], StreamFault> {
-    let mut tags = [0; Step::TAGS];
-    let mut exist = true;
-    for &word in ray.packed_path() {
-        tags[Step::tag(word)] += 1;
-        exist &= layout.has(word);
+/// The least that the path of a ray takes, whose steps take what `by_tag` says. All of its steps are checked: ray `index` of a chunk.
+fn least_of_path(ray: Ray<'_>, index: u32, layout: &Layout, by_tag: &[u64; Step::TAGS]) -> Result<u64, StreamFault> {
+    let (path, policy) = (ray.packed_path(), ray.packed_policy());
+    let mut least = 0;
+    let exist = path.iter().all(|&word| {
+        least += by_tag[Step::tag(word)];
+        layout.has_in_path(word)
+    });
+    if exist && policy.iter().all(|&word| layout.has(word)) {
+        return Ok(least);
     }
-    let traverses = |(tag, &count)| count == 0 || Step::of_tag(tag).is_some_and(Step::is_traversal);
-    if exist && ray.packed_policy().iter().all(|&word| layout.has(word)) && tags.iter().enumerate().all(traverses) {
-        return Ok(tags);
-    }
-    for &word in ray.packed_path() {
+    for &word in path {
         if !check_step(word, layout)?.is_traversal() {
             return Err(StreamFault::Ray { index: index as usize, fault: "has a policy step in its path" });
         }
     }
-    ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))?;
-    Ok(tags)
+    policy.iter().try_for_each(|&word| check_step(word, layout).map(drop))?;
+    Ok(least)
 }

@@ -121,23 +121,28 @@ impl Event {
     }
 
     /// Lets all parts that are due act, but for the dispatcher: kind by kind, and of a kind number `now` modulo their count first.
+    #[inline]
     fn tick_parts(&mut self, now: u64, due: &PartSet) {
-        let parts = self.links.parts.count() as u32;
-        let mut from = 1;
-        while let Some(part) = due.next(from, parts) {
+        let parts = self.groups.len() as u32;
+        let mut next = due.next(1, parts);
+        while let Some(part) = next {
             let group = self.groups[part as usize];
-            if due.next(part + 1, group.end).is_none() {
+            next = due.next(part + 1, parts);
+            let Some(_) = next.filter(|&next| next < group.end) else {
                 self.tick_part(group, part, now);
-            } else {
-                let middle = group.first + (now % u64::from(group.end - group.first)) as u32;
-                for (mut from, end) in [(middle, group.end), (group.first, middle)] {
-                    while let Some(part) = due.next(from, end) {
-                        self.tick_part(group, part, now);
-                        from = part + 1;
-                    }
-                }
+                continue;
+            };
+            let middle = group.first + (now % u64::from(group.end - group.first)) as u32;
+            next = due.next(middle, parts);
+            while let Some(part) = next.filter(|&part| part < group.end) {
+                self.tick_part(group, part, now);
+                next = due.next(part + 1, parts);
             }
-            from = group.end;
+            let mut wrapped = Some(part);
+            while let Some(part) = wrapped.filter(|&part| part < middle) {
+                self.tick_part(group, part, now);
+                wrapped = due.next(part + 1, middle);
+            }
         }
     }
 

@@ -89,6 +89,8 @@ pub struct Links {
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
     header: Header,
+    /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
+    pub mail: Vec<u64>,
     /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is over.
     pub lines: Vec<Ring<Answer>>,
     /// The L2.
@@ -131,6 +133,7 @@ impl Links {
             stores: StoreWork::default(),
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
+            mail: vec![u64::MAX; parts.count()],
             lines: vec![Ring::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), parts.cores, line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
@@ -255,6 +258,15 @@ impl Links {
         self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
     }
 
+    /// Something comes to traversal unit `unit` in cycle `at`.
+    #[inline]
+    pub fn post(&mut self, unit: u32, at: u64) {
+        let part = self.parts.traversal(unit);
+        let mail = &mut self.mail[part.0 as usize];
+        *mail = (*mail).min(at);
+        self.clock.wake(part, at);
+    }
+
     /// Whether a line from the L2 has come to the L1 of `part`.
     #[inline]
     pub fn line_is_there(&self, part: PartId, now: u64) -> bool {
@@ -263,10 +275,11 @@ impl Links {
 
     /// Cycle `now` of bank `index` of the L2.
     pub fn tick_bank(&mut self, index: usize, now: u64) {
-        let Self { parts, l2, dram, clock, lines, .. } = self;
+        let Self { parts, l2, dram, clock, lines, mail, .. } = self;
         l2.banks[index].tick(now, dram, clock, |to, line, at| {
             let first = ((at - 1) % u64::from(parts.banks)) as u32;
             let turn = (index as u32 + parts.banks - first) % parts.banks;
+            mail[to.0 as usize] = mail[to.0 as usize].min(at);
             lines[to.0 as usize].insert_by_key(Answer { at, turn, line }, |answer| (answer.at, answer.turn));
         });
     }

@@ -3,7 +3,7 @@
 use super::causes::Causes;
 use super::links::{Answer, Links, take};
 use super::ray::{Fetch, Ray, RayId};
-use crate::machine::layout::Element;
+use crate::machine::layout::{Element, Layout};
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
 use crate::memory::ring::Ring;
@@ -170,6 +170,34 @@ impl Pipeline {
         take(&mut self.stages, now)
     }
 
+    /// The ray whose operation ends, if all other rays of the unit are in the pipeline or wait for lines from the L2.
+    #[inline]
+    pub fn leaves_alone(&self, now: u64) -> Option<RayId> {
+        let queued = self.fetching.len() | self.hits.len() | self.ready.len() | self.out.len() | self.released.len();
+        let &(at, ray) = self.stages.front()?;
+        (at == now && queued == 0).then_some(ray)
+    }
+
+    /// The whole cycle of a unit that [leaves](Pipeline::leaves_alone) a ray alone, if the ray fetches `element` next, to which an L1 without
+    /// banks gives one access: if the element lies in one line, which is there, its operation begins in the next cycle. No line comes
+    /// before. Returns when the next operation ends; `None` if it is not so, and nothing was done.
+    #[inline]
+    pub fn fetch_at_once(&mut self, ray: RayId, element: &Element, layout: &Layout, now: u64) -> Option<u64> {
+        let (line, lines) = layout.lines(element);
+        if lines > 1 || self.hit_latency > 1 || self.open_at > now + 1 {
+            return None;
+        }
+        if !self.cache.hit(line, element.class, Access::Read) {
+            return None;
+        }
+        self.requested[element.class as usize] += Bytes(element.bytes);
+        self.stages.drop_front();
+        self.enter(ray, now + 1);
+        self.causes.cycle(now, 0, Cause::Memory);
+        self.causes.ahead(now + 1, self.timing.interval, self.idle_cause(false));
+        self.stages.front().map(|stage| stage.0)
+    }
+
     /// A ray begins to fetch `element`.
     #[inline]
     pub fn fetch(&mut self, ray: RayId, element: &Element, links: &mut Links) {
@@ -260,10 +288,10 @@ impl Pipeline {
         begin.min(line).min(hit).min(stage)
     }
 
-    /// Counts the cycle by its cause; `held` says whether a ray waits for a place in the pipeline or elsewhere.
+    /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or elsewhere.
     #[inline]
-    fn account(&mut self, now: u64, began: bool, held: bool) {
-        let idle = if held {
+    fn idle_cause(&self, held: bool) -> Cause {
+        if held {
             Cause::Blocked
         } else if !self.fetching.is_empty() || self.waiting > 0 {
             Cause::Memory
@@ -271,7 +299,13 @@ impl Pipeline {
             Cause::Pipeline
         } else {
             Cause::Starved
-        };
+        }
+    }
+
+    /// Counts the cycle by its cause; `held` says whether a ray waits for a place in the pipeline or elsewhere.
+    #[inline]
+    fn account(&mut self, now: u64, began: bool, held: bool) {
+        let idle = self.idle_cause(held);
         let occupied = if began { self.timing.interval } else { 0 };
         if self.begins_next {
             // In this cycle its ray waits for the line.
