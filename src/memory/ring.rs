@@ -170,7 +170,9 @@ mod tests {
     #[test]
     fn entries_of_the_same_key_keep_their_order() {
         let mut ring = Ring::new();
-        [(3, 'a'), (1, 'b'), (3, 'c'), (2, 'd'), (1, 'e')].map(|entry| ring.insert_by_key(entry, |entry| entry.0));
+        for entry in [(3, 'a'), (1, 'b'), (3, 'c'), (2, 'd'), (1, 'e')] {
+            ring.insert_by_key(entry, |entry| entry.0);
+        }
         assert!(ring.iter().copied().eq([(1, 'b'), (1, 'e'), (2, 'd'), (3, 'a'), (3, 'c')]));
     }
 }
