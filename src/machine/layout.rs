@@ -67,10 +67,6 @@ pub struct Layout {
     triangles: Array,
     stores: Stores,
     entries: StoreEntries,
-    /// How many there are of what the packed steps of each tag name.
-    announced: [u32; Step::TAGS],
-    /// As `announced`, but there is nothing that steps name which no path can hold.
-    announced_in_paths: [u32; Step::TAGS],
     dynamic_base: u64,
     line_shift: u32,
 }
@@ -103,30 +99,8 @@ impl Layout {
         let triangles = array(stores.record_bytes(TRIANGLE_BYTES), header.static_slots.into());
         stores.set_records(triangles.static_base, triangles.element, TRIANGLE_BYTES);
         stores.place(header, |bytes| array(1, bytes).static_base);
-        let (entries, announced, announced_in_paths) = (header.stores, [0; Step::TAGS], [0; Step::TAGS]);
         let line_shift = line.trailing_zeros();
-        let mut layout = Self {
-            nodes,
-            lists,
-            triangles,
-            stores,
-            entries,
-            announced,
-            announced_in_paths,
-            dynamic_base: end,
-            line_shift,
-        };
-        layout.announce();
-        layout
-    }
-
-    fn announce(&mut self) {
-        self.announced = std::array::from_fn(|tag| {
-            Step::of_tag(tag).map_or(0, |step| self.named_by(step).2.min(u64::from(Step::MAX_INDEX) + 1) as u32)
-        });
-        self.announced_in_paths = std::array::from_fn(|tag| {
-            if Step::of_tag(tag).is_some_and(Step::is_traversal) { self.announced[tag] } else { 0 }
-        });
+        Self { nodes, lists, triangles, stores, entries: header.stores, dynamic_base: end, line_shift }
     }
 
     /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
@@ -141,7 +115,6 @@ impl Layout {
             (array.dynamic_base, array.dynamic_count) = (end, count.into());
             end = (end + array.element * u64::from(count)).next_multiple_of(ALIGNMENT);
         }
-        self.announce();
     }
 
     /// The first line of the dynamic part.
@@ -157,10 +130,10 @@ impl Layout {
         (LineAddr(first), last - first + 1)
     }
 
-    /// What `step` names, and how many of it there are.
+    /// Checks that what `step` names exists.
     #[inline]
-    fn named_by(&self, step: Step) -> (&'static str, u32, u64) {
-        match step {
+    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
+        let (what, index, len) = match step {
             Step::Node(NodeId(index)) => ("node", index, self.nodes.len()),
             Step::List(ListId(index)) => ("list entry", index, self.lists.len()),
             Step::Triangle { slot, .. } => ("triangle slot", slot.0, self.triangles.len()),
@@ -172,25 +145,7 @@ impl Layout {
                 };
                 (what, index, self.entries.of(store).into())
             }
-        }
-    }
-
-    /// Whether a packed step is of a kind, and what it names exists.
-    #[inline]
-    pub fn has(&self, word: u32) -> bool {
-        Step::index(word) < self.announced[Step::tag(word)]
-    }
-
-    /// Whether a packed step is one of a path, and what it names exists.
-    #[inline]
-    pub fn has_in_path(&self, word: u32) -> bool {
-        Step::index(word) < self.announced_in_paths[Step::tag(word)]
-    }
-
-    /// Checks that what `step` names exists.
-    #[inline]
-    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
-        let (what, index, len) = self.named_by(step);
+        };
         if u64::from(index) < len { Ok(()) } else { Err(OutOfRange { what, index, len }) }
     }
 

@@ -168,7 +168,11 @@ impl Dispatcher {
             return Ok(false);
         }
         let kind = source.head.kind;
-        let least = least_of_path(source, which.index, &links.layout, &self.least_by_tag[kind as usize])?;
+        if !self.host.is_sound(which) {
+            check_ray(source, which.index, &links.layout)?;
+        }
+        let by_tag = &self.least_by_tag[kind as usize];
+        let least: u64 = source.packed_path().iter().map(|&word| by_tag[Step::tag(word) as usize]).sum();
         let ray = &mut links.rays[id as usize];
         ray.steps.clear();
         ray.steps.extend_from_slice(source.packed_path());
@@ -273,22 +277,12 @@ impl Dispatcher {
     }
 }
 
-/// The least that the path of a ray takes, whose steps take what `by_tag` says. All of its steps are checked: ray `index` of a chunk.
-fn least_of_path(ray: Ray<'_>, index: u32, layout: &Layout, by_tag: &[u64; Step::TAGS]) -> Result<u64, StreamFault> {
-    let (path, policy) = (ray.packed_path(), ray.packed_policy());
-    let mut least = 0;
-    let exist = path.iter().all(|&word| {
-        least += by_tag[Step::tag(word)];
-        layout.has_in_path(word)
-    });
-    if exist && policy.iter().all(|&word| layout.has(word)) {
-        return Ok(least);
-    }
-    for &word in path {
+/// Checks the steps of ray `index` of a chunk.
+fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(), StreamFault> {
+    for &word in ray.packed_path() {
         if !check_step(word, layout)?.is_traversal() {
             return Err(StreamFault::Ray { index: index as usize, fault: "has a policy step in its path" });
         }
     }
-    policy.iter().try_for_each(|&word| check_step(word, layout).map(drop))?;
-    Ok(least)
+    ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))
 }
