@@ -75,6 +75,7 @@ pub mod reference;
 pub mod report;
 pub mod ron_file;
 pub mod scene;
+pub(crate) mod shipped;
 pub mod stats;
 pub mod stream;
 pub mod tracer;

@@ -11,7 +11,7 @@ use serde::Deserializer;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
-use crate::input;
+use crate::{input, shipped};
 
 /// Why a config cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -61,9 +61,11 @@ impl fmt::Display for Place {
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
-    let text = input::read_text(path, input::MAX_CONFIG_BYTES)
-        .map_err(|source| ConfigError::Read { path: path.into(), source })?;
-    parse(&text, path)
+    let failed = |source| ConfigError::Read { path: path.into(), source };
+    match shipped::text(path) {
+        Some(text) => parse(text.map_err(failed)?, path),
+        None => parse(&input::read_text(path, input::MAX_CONFIG_BYTES).map_err(failed)?, path),
+    }
 }
 
 /// Reads `text`, which came from `path`, as RON.

@@ -19,7 +19,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("named", &[]),
     ("output", &[]),
     ("input", &[]),
-    ("ron_file", &["ranged", "input"]),
+    ("shipped", &[]),
+    ("ron_file", &["ranged", "input", "shipped"]),
     ("stats", &["quantity"]),
     ("stream", &["quantity", "output", "input"]),
     // The functional wing.
@@ -58,7 +59,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "output", "stream", "machine", "engine", "report", "experiment"]),
+    ("cli", &["quantity", "shipped", "output", "stream", "machine", "engine", "report", "experiment"]),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

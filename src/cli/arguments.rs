@@ -5,15 +5,17 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use clap::Args;
 
+use super::config_path::config_path;
 use crate::experiment::frames::FrameRange;
 use crate::experiment::{self, Experiment, Overrides};
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
+use crate::shipped::Kind;
 
 /// The experiment that a command runs, and what the command line changes in it.
 #[derive(Args)]
 pub(super) struct ExperimentArgs {
-    /// The experiment's file, such as configs/experiments/quickstart.ron
+    /// The experiment: a file, or the name of a shipped one, such as quickstart
     #[arg(value_name = "CONFIG")]
     config: PathBuf,
     /// Trace these frames instead of the file's: A..B:STEP, B not included [example: 0..800:16]
@@ -27,7 +29,7 @@ pub(super) struct ExperimentArgs {
 impl ExperimentArgs {
     pub(super) fn load(&self) -> Result<Experiment> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
-        Ok(Experiment::load(&self.config, overrides)?)
+        Ok(Experiment::load(&config_path(Kind::Experiment, &self.config)?, overrides)?)
     }
 }
 
@@ -36,14 +38,14 @@ impl ExperimentArgs {
 pub(super) struct StreamAndMachine {
     /// The stream's file, from `umbrasim trace`
     pub(super) stream: PathBuf,
-    /// The machine's file, such as configs/machines/small.ron
-    #[arg(long, value_name = "FILE")]
+    /// The machine: a file, or the name of a shipped one, such as small
+    #[arg(long, value_name = "MACHINE")]
     machine: PathBuf,
 }
 
 impl StreamAndMachine {
     pub(super) fn machine(&self) -> Result<MachineSpec> {
-        Ok(experiment::read_machine(&self.machine)?)
+        Ok(experiment::read_machine(&config_path(Kind::Machine, &self.machine)?)?)
     }
 }
 

@@ -6,12 +6,14 @@ use std::sync::atomic::Ordering;
 use anyhow::Result;
 use clap::Args;
 
+use super::config_path::config_path;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::identities;
 use crate::output::signals;
 use crate::report;
+use crate::shipped::Kind;
 
 /// Replay rays of one kind on the T&I engine, beside its table
 ///
@@ -20,8 +22,8 @@ use crate::report;
 /// hit rates. The command fails if the first does not hold.
 #[derive(Args)]
 pub(super) struct Identities {
-    /// The table's file
-    #[arg(default_value = "configs/experiments/identities.ron")]
+    /// The table: a file, or the name of a shipped one
+    #[arg(default_value = "identities")]
     config: PathBuf,
     /// Write all rows to this file too, as JSON
     #[arg(long, value_name = "FILE")]
@@ -32,7 +34,7 @@ impl Identities {
     pub(super) fn run(self) -> Result<Outcome> {
         let stop = signals::stop_flag();
         let json = JsonFile::begin(self.json)?;
-        let (rows, published) = identities::identities(&self.config, &stop)?;
+        let (rows, published) = identities::identities(&config_path(Kind::Experiment, &self.config)?, &stop)?;
         print(report::drawn(&identities::grid(&rows, &published)))?;
         let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
         print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;

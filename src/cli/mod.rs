@@ -4,6 +4,7 @@
 mod arguments;
 mod chart;
 mod command;
+mod config_path;
 mod explain;
 mod help;
 mod identities;
@@ -46,7 +47,7 @@ struct Cli {
 }
 
 const AFTER_HELP: &str = "\
-Start with:  umbrasim run configs/experiments/quickstart.ron
+Start with:  umbrasim run quickstart
 then open    reports/quickstart/index.html
 
 Exit status: 0 done; 1 stopped by Ctrl-C, or a simulation failed; 2 a wrong command line, config, scene or stream.";

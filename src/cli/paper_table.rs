@@ -6,20 +6,22 @@ use std::sync::atomic::Ordering;
 use anyhow::Result;
 use clap::Args;
 
+use super::config_path::config_path;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::paper;
 use crate::output::signals;
 use crate::report;
+use crate::shipped::Kind;
 
 /// Print the published figures of GI09 beside ours
 ///
 /// Ours are given under every reading of the published text that the config lists.
 #[derive(Args)]
 pub(super) struct PaperTable {
-    /// The table's file
-    #[arg(default_value = "configs/experiments/paper_table.ron")]
+    /// The table: a file, or the name of a shipped one
+    #[arg(default_value = "paper_table")]
     config: PathBuf,
     /// Write all readings to this file too, as JSON
     #[arg(long, value_name = "FILE")]
@@ -30,7 +32,7 @@ impl PaperTable {
     pub(super) fn run(self) -> Result<Outcome> {
         let json = JsonFile::begin(self.json)?;
         let stop = signals::stop_flag();
-        let readings = paper::paper_table(&self.config, &stop)?;
+        let readings = paper::paper_table(&config_path(Kind::Experiment, &self.config)?, &stop)?;
         print(report::drawn(&paper::grid(&readings)))?;
         print("\ndistance: root mean square of the differences of the four shares, in points")?;
         json.finish(&readings)?;

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
+use super::config_path::config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::engine::Fidelity;
@@ -13,6 +14,7 @@ use crate::experiment::pareto;
 use crate::output::signals;
 use crate::report;
 use crate::report::pareto::ParetoReport;
+use crate::shipped::Kind;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -21,8 +23,8 @@ use crate::report::pareto::ParetoReport;
 /// none beats; and where one puts policies or machines in a wrong order.
 #[derive(Args)]
 pub(super) struct Pareto {
-    /// The comparison's file
-    #[arg(default_value = "configs/experiments/pareto.ron")]
+    /// The comparison: a file, or the name of a shipped one
+    #[arg(default_value = "pareto")]
     config: PathBuf,
     /// What the levels are held to, in place of the file's: Event or Cycle
     #[arg(long, value_name = "LEVEL")]
@@ -37,7 +39,7 @@ impl Pareto {
         let out = report_folder(self.out, &self.config)?;
         report::check_target(&out)?;
         let stop = signals::stop_flag();
-        let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
+        let (summary, timings) = pareto::pareto(&config_path(Kind::Experiment, &self.config)?, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
         print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
         Ok(Outcome::Done)

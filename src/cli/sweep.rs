@@ -6,11 +6,13 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
+use super::config_path::config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::sweep;
 use crate::output::signals;
 use crate::report;
+use crate::shipped::Kind;
 
 /// Replay the same rays on machines that differ in named fields
 ///
@@ -18,8 +20,8 @@ use crate::report;
 /// on when it is started again. The report has a table (`sweep.csv`), a plot and a page.
 #[derive(Args)]
 pub(super) struct Sweep {
-    /// The sweep's file
-    #[arg(default_value = "configs/experiments/sweep_words.ron")]
+    /// The sweep: a file, or the name of a shipped one
+    #[arg(default_value = "sweep_words")]
     config: PathBuf,
     /// Where streams, points and the report go [default: reports/, the name of the sweep's file]
     #[arg(long, value_name = "DIR")]
@@ -30,7 +32,7 @@ impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = report_folder(self.out, &self.config)?;
         let stop = signals::stop_flag();
-        let summary = sweep::sweep(&self.config, &out, &stop)?;
+        let summary = sweep::sweep(&config_path(Kind::Experiment, &self.config)?, &out, &stop)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
         print(report::update(&out, &summary)?.display())?;
         Ok(Outcome::Done)

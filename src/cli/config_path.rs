@@ -1,0 +1,45 @@
+//! Configs on the command line: files, or names of shipped configs.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+
+use crate::shipped::{self, Kind};
+
+/// How alike two names must be for one to be proposed in place of the other, from 0 to 1.
+const ALIKE: f64 = 0.7;
+
+/// The path of the config that `argument` names: a file, or the shipped config of that name.
+///
+/// # Errors
+/// `argument` looks like a name, and there is neither a file nor a shipped config of that name.
+pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
+    let name = argument.to_str().filter(|text| !text.contains(['.', '/', '\\']));
+    let Some(name) = name.filter(|_| !argument.exists()) else { return Ok(argument.into()) };
+    if let Some(path) = shipped::path(kind, name) {
+        return Ok(path);
+    }
+    let names = shipped::names(kind);
+    let alike = names.iter().map(|other| (strsim::jaro_winkler(name, other), other));
+    let closest = alike.filter(|(alike, _)| *alike >= ALIKE).max_by(|(one, _), (other, _)| one.total_cmp(other));
+    let proposal = closest.map(|(_, other)| format!("; did you mean `{other}`?")).unwrap_or_default();
+    let known = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let kind = kind.name();
+    bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_is_a_shipped_config_or_an_error_with_a_proposal() {
+        let path = config_path(Kind::Experiment, Path::new("quickstart")).unwrap();
+        assert!(shipped::text(&path).is_some());
+        let error = config_path(Kind::Machine, Path::new("smal")).unwrap_err().to_string();
+        assert!(error.contains("no shipped machine `smal`; did you mean `small`?\nshipped machines: "), "{error}");
+        assert!(!config_path(Kind::Machine, Path::new("qqq")).unwrap_err().to_string().contains("did you mean"));
+        let file = Path::new("no/such/file.ron");
+        assert_eq!(config_path(Kind::Machine, file).unwrap(), file, "a path is left to who reads it");
+    }
+}

@@ -1,0 +1,82 @@
+//! The configs that are in the program itself, so that `umbrasim run quickstart` works in any folder.
+
+use std::io;
+use std::path::{Component, Path, PathBuf};
+
+use include_dir::{Dir, include_dir};
+
+static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
+
+/// The folder that shipped configs seem to lie in.
+const ROOT: &str = "shipped:";
+
+/// Kinds of configs: the folders of `configs/`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    Experiment,
+    Machine,
+}
+
+impl Kind {
+    /// The kind's name for a user.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Experiment => "experiment",
+            Self::Machine => "machine",
+        }
+    }
+
+    fn folder(self) -> &'static str {
+        match self {
+            Self::Experiment => "experiments",
+            Self::Machine => "machines",
+        }
+    }
+}
+
+/// Names of the shipped configs of a kind, in alphabetical order.
+pub(crate) fn names(kind: Kind) -> Vec<&'static str> {
+    let files = CONFIGS.get_dir(kind.folder()).into_iter().flat_map(Dir::files);
+    let mut names: Vec<_> = files.filter_map(|file| file.path().file_stem()?.to_str()).collect();
+    names.sort_unstable();
+    names
+}
+
+/// The path under which [`text`] finds the shipped config `name`; none if there is no such config.
+pub(crate) fn path(kind: Kind, name: &str) -> Option<PathBuf> {
+    names(kind).contains(&name).then(|| Path::new(ROOT).join(kind.folder()).join(format!("{name}.ron")))
+}
+
+/// The text of the shipped config at `path`; none if the path is not that of a shipped config.
+pub(crate) fn text(path: &Path) -> Option<io::Result<&'static str>> {
+    let inside = path.strip_prefix(ROOT).ok()?;
+    // Configs name each other with `..`, as on a disk.
+    let mut plain = PathBuf::new();
+    for part in inside.components() {
+        match part {
+            Component::ParentDir => {
+                plain.pop();
+            }
+            part => plain.push(part),
+        }
+    }
+    let missing = || io::Error::new(io::ErrorKind::NotFound, "the program ships no such config");
+    Some(CONFIGS.get_file(plain).and_then(|file| file.contents_utf8()).ok_or_else(missing))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shipped_configs_are_found_by_name_and_name_each_other() {
+        assert!(names(Kind::Machine).contains(&"small") && names(Kind::Experiment).contains(&"quickstart"));
+        let small = path(Kind::Machine, "small").unwrap();
+        assert!(text(&small).unwrap().unwrap().contains("name: \"small\""));
+        let part = small.parent().unwrap().join("../dram/lpddr4_3200.ron");
+        assert!(text(&part).unwrap().unwrap().contains("LPDDR4"));
+        assert_eq!(path(Kind::Machine, "large"), None);
+        assert_eq!(text(&small.with_file_name("large.ron")).unwrap().unwrap_err().kind(), io::ErrorKind::NotFound);
+        assert!(text(Path::new("configs/machines/small.ron")).is_none());
+    }
+}
