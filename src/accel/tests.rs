@@ -65,6 +65,7 @@ impl Soup {
             textures: Vec::new(),
             background: Vec3::ZERO,
             ambient: Vec3::ZERO,
+            origin: crate::scene::Origin::default(),
             animation: Box::new(Still(frame.clone())),
         };
         Self { scene, frame }

@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::aff;
 use super::builtin::{self, BuiltInSpec};
-use super::obj::{self, ObjSpec};
-use super::{Scene, SceneError, aff};
+use super::composed::{self, ComposedSpec};
+use super::error::SceneError;
+use super::frame::Scene;
 
 /// Where a scene comes from. Paths are relative to the folder of the config.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,8 +16,9 @@ use super::{Scene, SceneError, aff};
 pub enum SceneSpec {
     /// An AFF file of the BART suite.
     Aff(PathBuf),
-    /// An OBJ file with lights, a camera and moving objects.
-    Obj(ObjSpec),
+    /// Files of triangles (OBJ, PLY, glTF) with lights, a camera and moving objects.
+    #[serde(alias = "Obj")]
+    Files(ComposedSpec),
     /// A scene made in code.
     BuiltIn(BuiltInSpec),
 }
@@ -28,7 +31,7 @@ impl SceneSpec {
     pub fn load(&self, base: &Path) -> Result<Scene, SceneError> {
         match self {
             Self::Aff(path) => aff::load(&base.join(path)),
-            Self::Obj(spec) => obj::load(spec, base),
+            Self::Files(spec) => composed::load(spec, base),
             Self::BuiltIn(spec) => Ok(builtin::build(spec)),
         }
     }
