@@ -6,8 +6,6 @@ use std::borrow::Cow;
 /// A statement's line.
 #[derive(Debug)]
 pub struct Line<'a> {
-    /// Its number, counted from 1; the first one's if it is continued.
-    pub number: usize,
     /// The first word.
     pub word: &'a str,
     /// What follows the first word, trimmed. A comment may be part of it: a name can hold a `#`.
@@ -40,7 +38,7 @@ pub fn each_line(bytes: &[u8], mut each: impl FnMut(&Line<'_>) -> Result<(), Str
             continue;
         }
         let (word, rest) = text.split_once(|letter: char| letter.is_ascii_whitespace()).unwrap_or((text, ""));
-        each(&Line { number, word, rest: rest.trim_ascii() }).map_err(|what| (number, what))?;
+        each(&Line { word, rest: rest.trim_ascii() }).map_err(|what| (number, what))?;
     }
     Ok(())
 }
@@ -92,27 +90,32 @@ pub fn shortened_to(text: &str, most: usize) -> &str {
 mod tests {
     use super::*;
 
-    fn lines(bytes: &[u8]) -> Vec<(usize, String, String)> {
+    fn lines(bytes: &[u8]) -> Vec<(String, String)> {
         let mut found = Vec::new();
         each_line(bytes, |line| {
-            found.push((line.number, line.word.to_owned(), line.rest.to_owned()));
+            found.push((line.word.to_owned(), line.rest.to_owned()));
             Ok(())
         })
         .unwrap();
         found
     }
 
-    fn line(number: usize, word: &str, rest: &str) -> (usize, String, String) {
-        (number, word.into(), rest.into())
+    fn line(word: &str, rest: &str) -> (String, String) {
+        (word.into(), rest.into())
     }
 
     #[test]
     fn lines_of_all_systems_are_counted() {
         let text = b"\xEF\xBB\xBFv 1\r\n\r# c\rvt\t2 \n\n f \\\r\n3\\\n 4\\\r5\nlast x\\";
-        let expected = [line(1, "v", "1"), line(4, "vt", "2"), line(6, "f", "3  4 5"), line(10, "last", "x\\")];
+        let expected = [line("v", "1"), line("vt", "2"), line("f", "3  4 5"), line("last", "x\\")];
         assert_eq!(lines(text), expected);
-        assert_eq!(lines(b"# a comment is not continued \\\nv 1"), [line(2, "v", "1")]);
-        assert_eq!(each_line(b"\n\na", |_| Err("no".into())), Err((3, "no".into())));
+        assert_eq!(lines(b"# a comment is not continued \\\nv 1"), [line("v", "1")]);
+        // The number of a statement's first line is the one that errors name.
+        let failing = |bytes: &[u8], word: &str| {
+            each_line(bytes, |line| if line.word == word { Err("no".into()) } else { Ok(()) }).unwrap_err().0
+        };
+        assert_eq!(["v", "vt", "f", "last"].map(|word| failing(text, word)), [1, 4, 6, 10]);
+        assert_eq!(failing(b"\n\na", "a"), 3);
     }
 
     #[test]
