@@ -16,11 +16,6 @@ const OPEN: &[(&str, usize)] = &[
     ("engine/sampling/", 5),
     ("report/", 10),
     ("report/plots/", 9),
-    ("scene/", 3),
-    ("scene/builtin/", 4),
-    ("scene/builtin/cases/", 2),
-    ("scene/keyframes/", 3),
-    ("scene/obj/", 2),
 ];
 
 /// Who imports what from whom: the importing file, the path, and the file that holds it.

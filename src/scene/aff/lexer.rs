@@ -32,7 +32,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// The line of the word that was read last.
-    pub fn line(&self) -> usize {
+    pub fn word_line(&self) -> usize {
         self.word_line
     }
 

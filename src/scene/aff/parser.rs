@@ -124,7 +124,7 @@ impl Parser {
         let start = lexer.clone();
         let Shapes { faces, texture, crosses_itself } = read(lexer)?;
         if crosses_itself {
-            let line = start.line();
+            let line = start.word_line();
             let what = format!("the polygon in line {line} crosses itself: a fan from its first corner stands for it");
             self.builder.loader.notice(lexer.path(), &what);
         }

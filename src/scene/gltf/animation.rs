@@ -8,7 +8,7 @@ use gltf_json::validation::Checked;
 
 use super::accessor::Elements;
 use super::buffers::Buffers;
-use super::nodes::{self, unit};
+use super::document::name;
 use crate::scene::limits::COORDINATE;
 
 /// What moves a node; what is `None` stands still.
@@ -135,7 +135,7 @@ pub fn read(root: &Root, buffers: &Buffers, wanted: Option<&str>) -> Result<Vec<
     };
     for channel in &animation.channels {
         let index = channel.target.node.value();
-        let place = || format!("the animation of node {}", nodes::name(root, index));
+        let place = || format!("the animation of node {}", name(root, index));
         let motion = motions.get_mut(index).ok_or_else(|| format!("{}: it is not there", place()))?;
         read_channel(root, buffers, animation, channel, motion).map_err(|what| format!("{}: {what}", place()))?;
     }
@@ -203,5 +203,15 @@ fn track<V>(times: Vec<f64>, interpolation: Interpolation, values: Vec<V>) -> Re
         Ok(Track { times, interpolation, values })
     } else {
         Err(format!("{} keys and {} values: {each} for each key are needed", times.len(), values.len()))
+    }
+}
+
+/// A rotation of four numbers. The file's are rounded, so that their length is about 1.
+pub fn unit(numbers: [f64; 4]) -> Result<DQuat, String> {
+    let rotation = DQuat::from_array(numbers);
+    if (rotation.length() - 1.0).abs() < 0.01 {
+        Ok(rotation.normalize())
+    } else {
+        Err(format!("a rotation of {numbers:?} is not allowed: a quaternion of length 1 is"))
     }
 }

@@ -82,3 +82,11 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
     }
     Ok((json.ok_or("its GLB container has no JSON")?, binary))
 }
+
+/// A node's number and name, for messages.
+pub fn name(root: &Root, index: usize) -> String {
+    match root.nodes.get(index).and_then(|node| node.name.as_deref()) {
+        Some(name) => format!("{index} ({name:?})"),
+        None => index.to_string(),
+    }
+}

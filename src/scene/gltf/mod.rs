@@ -72,7 +72,7 @@ fn parse(
     let mut model = Model::default();
     for &index in tree.order() {
         let node = &root.nodes[index];
-        let name = || nodes::name(&root, index);
+        let name = || document::name(&root, index);
         if node.skin.is_some() {
             return Err(format!("node {} has a skin: skins are not read", name()));
         }

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use gltf_json::Root;
 
-use super::animation::Motion;
+use super::animation::{Motion, unit};
+use super::document::name;
 use crate::scene::limits::COORDINATE;
 use crate::scene::model::PoseAt;
 
@@ -129,22 +130,4 @@ fn local(node: &gltf_json::Node) -> Result<Local, String> {
     let scale = COORDINATE.check_vector("a scale", node.scale.map_or(DVec3::ONE, vector))?;
     let rotation = node.rotation.map_or(Ok(DQuat::IDENTITY), |rotation| unit(rotation.0.map(f64::from)))?;
     Ok(Local::Parts { translation, rotation, scale })
-}
-
-/// A rotation of four numbers. The file's are rounded, so that their length is about 1.
-pub fn unit(numbers: [f64; 4]) -> Result<DQuat, String> {
-    let rotation = DQuat::from_array(numbers);
-    if (rotation.length() - 1.0).abs() < 0.01 {
-        Ok(rotation.normalize())
-    } else {
-        Err(format!("a rotation of {numbers:?} is not allowed: a quaternion of length 1 is"))
-    }
-}
-
-/// A node's number and name, for messages.
-pub fn name(root: &Root, index: usize) -> String {
-    match root.nodes.get(index).and_then(|node| node.name.as_deref()) {
-        Some(name) => format!("{index} ({name:?})"),
-        None => index.to_string(),
-    }
 }

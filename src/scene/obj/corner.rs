@@ -1,5 +1,7 @@
 //! The corners of a face: indices of vertices, texture coordinates and normals.
 
+use crate::scene::text::{shortened, words};
+
 /// How many vertices, texture coordinates and normals there are.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts(pub [usize; 3]);
@@ -24,7 +26,7 @@ pub struct Corner {
 /// Fewer than three corners, a word that is no corner, corners of different kinds, an index without its vertex.
 pub fn read(text: &str, seen: Counts, all: Counts, corners: &mut Vec<Corner>) -> Result<(), String> {
     corners.clear();
-    for word in super::words(text) {
+    for word in words(text) {
         let mut places = [None; 3];
         let mut parts = word.split('/');
         for (kind, part) in (0..3).zip(&mut parts) {
@@ -49,11 +51,11 @@ pub fn read(text: &str, seen: Counts, all: Counts, corners: &mut Vec<Corner>) ->
 }
 
 fn no_corner(word: &str) -> String {
-    format!("{:?} is not a face's corner: v, v/vt, v//vn or v/vt/vn is", super::shortened(word))
+    format!("{:?} is not a face's corner: v, v/vt, v//vn or v/vt/vn is", shortened(word))
 }
 
 fn place(part: &str, kind: usize, seen: usize, all: usize) -> Result<usize, String> {
-    let no_index = || format!("{:?} is not an index of a face's corner", super::shortened(part));
+    let no_index = || format!("{:?} is not an index of a face's corner", shortened(part));
     let asked: i64 = part.parse().map_err(|_| no_index())?;
     let distance = usize::try_from(asked.unsigned_abs()).map_err(|_| no_index())?;
     let place = if asked > 0 { distance.checked_sub(1) } else { seen.checked_sub(distance).filter(|_| distance > 0) };

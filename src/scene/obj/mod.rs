@@ -4,6 +4,7 @@
 //! takes a polyline of three points for a triangle, cuts concave polygons wrongly and holds materials of one library only.
 
 mod corner;
+mod libraries;
 mod map;
 mod mtl;
 mod names;
@@ -18,7 +19,8 @@ use glam::{DVec3, Vec2, Vec3};
 use smallvec::SmallVec;
 
 use self::corner::{Corner, Counts};
-use self::names::Materials;
+use self::libraries::Failure;
+use self::names::{Entry, Materials};
 use super::error::SceneError;
 use super::geometry::{Attributes, Geometry, Triangle};
 use super::limits::{self, COORDINATE};
@@ -27,7 +29,7 @@ use super::material::MaterialId;
 use super::polygon::{Cut, MAX_CORNERS};
 use super::text::{Line, each_line, number, shortened, without_comment, words};
 
-pub use self::names::Libraries;
+pub use self::libraries::Libraries;
 
 /// The triangles of the OBJ file at `path`. Faces without a material get `plain`.
 ///
@@ -65,8 +67,8 @@ fn parse(
         }
         match libraries.named_by(line, path, loader) {
             Ok(found) => definitions.materials.extend(found),
-            Err(names::Failure::Line(what)) => return Err(what),
-            Err(names::Failure::Library(error)) => {
+            Err(Failure::Line(what)) => return Err(what),
+            Err(Failure::Library(error)) => {
                 in_library = Some(error);
                 return Err(String::new());
             }
@@ -164,7 +166,7 @@ struct Faces<'a> {
     /// Vertices, texture coordinates and normals that stand before the line.
     seen: Counts,
     plain: MaterialId,
-    material: names::Entry,
+    material: Entry,
     geometry: Geometry,
     corners: Vec<Corner>,
     points: Vec<DVec3>,
@@ -174,7 +176,7 @@ struct Faces<'a> {
 
 impl<'a> Faces<'a> {
     fn new(definitions: &'a Definitions, plain: MaterialId) -> Self {
-        let material = names::Entry::of(plain);
+        let material = Entry::of(plain);
         let (geometry, corners, points) = Default::default();
         Self { definitions, seen: Counts::default(), plain, material, geometry, corners, points, crossing: 0 }
     }
@@ -192,10 +194,10 @@ impl<'a> Faces<'a> {
         Ok(())
     }
 
-    fn used(&self, line: &Line<'_>, path: &Path, loader: &mut Loader) -> Result<names::Entry, String> {
+    fn used(&self, line: &Line<'_>, path: &Path, loader: &mut Loader) -> Result<Entry, String> {
         if self.definitions.materials.is_empty() {
             loader.count_without_effect(path, "usemtl without a mtllib");
-            return Ok(names::Entry::of(self.plain));
+            return Ok(Entry::of(self.plain));
         }
         // Of several libraries the first that has the name counts (section "mtllib").
         let found = self.definitions.materials.iter().find_map(|library| library.find(line.rest));

@@ -50,11 +50,9 @@ fn parse(path: &Path, bytes: &[u8], plain: MaterialId, loader: &mut Loader) -> R
                 tell_ignored(element, vertex::PROPERTIES, path, loader);
                 vertices =
                     Parser::<Vertex>::new().read_payload_for_element(&mut reader, element, &header).map_err(failed)?;
-                let numbered = vertices.iter().enumerate();
-                numbered
-                    .map(|(at, vertex)| check(vertex).map_err(|what| format!("vertex {at}: {what}")))
-                    .collect::<Result<(), _>>()
-                    .map_err(content)?;
+                for (at, vertex) in vertices.iter().enumerate() {
+                    check(vertex).map_err(|what| content(format!("vertex {at}: {what}")))?;
+                }
             }
             "face" => {
                 tell_ignored(element, face::PROPERTIES, path, loader);
