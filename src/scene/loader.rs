@@ -69,7 +69,7 @@ impl Loader {
 
     /// Tells the user something of a file.
     pub fn notice(&mut self, path: &Path, what: &str) {
-        self.notices.push(format!("{}: {what}", path.display()));
+        self.notices.push(format!("{}: {what}", name(path)));
     }
 
     /// The materials, textures and origin of the scene.
@@ -83,7 +83,12 @@ impl Loader {
 fn counted(path: &Path, counts: &BTreeMap<String, usize>) -> String {
     let (kinds, verb) = if counts.len() == 1 { ("kind", "has") } else { ("kinds", "have") };
     let list: Vec<_> = counts.iter().map(|(statement, count)| format!("`{statement}` ({count})")).collect();
-    format!("{}: {} {kinds} of statements {verb} no effect: {}", path.display(), counts.len(), list.join(", "))
+    format!("{}: {} {kinds} of statements {verb} no effect: {}", name(path), counts.len(), list.join(", "))
+}
+
+/// A file's name without its folder: a report does not depend on where it was made.
+fn name(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 #[cfg(test)]

@@ -23,9 +23,15 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// Whether anything moves.
+    /// Whether there is a track.
     pub fn is_there(&self) -> bool {
         self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
+    }
+
+    /// Whether a track changes anything: one that has the same value at every key holds the node in one pose.
+    pub fn moves(&self) -> bool {
+        let vectors = [&self.translation, &self.scale].into_iter().flatten().any(|track| track.0.moves());
+        vectors || self.rotation.as_ref().is_some_and(|track| track.0.moves())
     }
 }
 
@@ -49,7 +55,22 @@ enum Place<V> {
     Cubic([(V, f64); 4]),
 }
 
-impl<V: Copy> Track<V> {
+impl<V: Copy + PartialEq + Default> Track<V> {
+    /// Whether the value changes with time.
+    fn moves(&self) -> bool {
+        match self.interpolation {
+            // Tangents of zero between equal values; the first tangent in and the last one out have no effect.
+            Interpolation::CubicSpline => {
+                let values = self.values.chunks_exact(3);
+                let tangents = self.values.iter().enumerate().filter(|(at, _)| at % 3 != 1);
+                let inner = tangents.skip(1).take(self.values.len() / 3 * 2 - 2);
+                let straight = inner.map(|(_, tangent)| *tangent).all(|tangent| tangent == V::default());
+                !straight || values.map(|key| key[1]).any(|value| value != self.values[1])
+            }
+            _ => self.values.iter().any(|value| *value != self.values[0]),
+        }
+    }
+
     fn place(&self, time: f64) -> Place<V> {
         let (step, middle) = if self.interpolation == Interpolation::CubicSpline { (3, 1) } else { (1, 0) };
         let value = |key: usize| self.values[step * key + middle];

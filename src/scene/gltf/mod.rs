@@ -5,7 +5,8 @@
 //! crate `gltf` panic on indices that no validation reaches.
 //!
 //! - Every mesh node of the scene becomes triangles of its own, placed by its node: an instance is stored as often as it is
-//!   placed. Nodes that an animation moves, and all below them, are dynamic; all else is static.
+//!   placed. Nodes that an animation moves, and all below them, are dynamic; all else is static, also a node whose keys all
+//!   have the same value.
 //! - Cameras go by the name of their node. Point lights shine without attenuation, as all lights here do.
 //! - Skins and morph targets are refused. A required extension that touches geometry is refused; others are told.
 
@@ -68,6 +69,10 @@ fn parse(
     let buffers = Buffers::read(&root, chunk, path, loader)?;
     let motions = animation::read(&root, &buffers, animation)?;
     let tree = Arc::new(Tree::new(&root, motions, place)?);
+    if tree.held() > 0 {
+        let what = format!("the animation holds {} nodes in one pose: they are static", tree.held());
+        loader.notice(path, &what);
+    }
     let mut meshes = Meshes::new(&root, &buffers, path, plain);
     let mut model = Model::default();
     for &index in tree.order() {

@@ -25,7 +25,7 @@ struct Node {
     parent: Option<usize>,
     local: Local,
     motion: Motion,
-    /// Whether it or a node above it is moved.
+    /// Whether it or a node above it moves.
     moves: bool,
 }
 
@@ -57,7 +57,7 @@ impl Tree {
             if motion.is_there() && matches!(local, Local::Matrix(_)) {
                 return Err(format!("node {} has a matrix and is moved: only one is allowed", name(root, index)));
             }
-            let moves = motion.is_there() || parent.is_some_and(|parent| tree.moves(parent));
+            let moves = motion.moves() || parent.is_some_and(|parent| tree.moves(parent));
             tree.nodes[index] = Some(Node { parent, local, motion, moves });
             tree.order.push(index);
             let children = node.children.iter().flatten().rev();
@@ -71,9 +71,15 @@ impl Tree {
         &self.order
     }
 
-    /// Whether a node or one above it is moved.
+    /// Whether a node or one above it moves.
     pub fn moves(&self, index: usize) -> bool {
         self.nodes[index].as_ref().is_some_and(|node| node.moves)
+    }
+
+    /// How many of the scene's nodes an animation holds in one pose.
+    pub fn held(&self) -> usize {
+        let motions = self.nodes.iter().flatten().map(|node| &node.motion);
+        motions.filter(|motion| motion.is_there() && !motion.moves()).count()
     }
 
     /// From the node's space to the world at a time in seconds.

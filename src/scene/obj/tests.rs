@@ -185,10 +185,7 @@ fn materials_come_from_the_library_that_the_file_names() {
         ("", "a.obj:7: no material is named \"red one\""),
         ("Kd 1 0 0\nnewmtl red one\n", "b.mtl:1: `Kd` stands before the first `newmtl`"),
         ("\nnewmtl\n", "b.mtl:2: `newmtl` needs a name"),
-        (
-            "newmtl red one\nnewmtl red one\nKd 1 1 1\nnewmtl red one\n",
-            "b.mtl:3: a material \"red one\" is defined already",
-        ),
+        ("newmtl red one\nKd 1 1 1\nnewmtl red one\n", "b.mtl:3: a material \"red one\" is defined already"),
         ("newmtl red one\nmap_Kd\n", "b.mtl:2: `map_Kd` needs the name of a picture"),
         ("newmtl red one\nmap_Kd x.png\n", "b.mtl:2: map_Kd \"x.png\": cannot read"),
     ] {
