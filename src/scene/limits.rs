@@ -8,6 +8,9 @@ pub const MAX_REACH: f64 = 1e9;
 /// The largest number of triangles of a scene; the BART scenes have up to 111,000.
 pub const MAX_TRIANGLES: usize = 1 << 24;
 
+/// The largest width and height of a picture, in pixels.
+pub const MAX_SIDE: u32 = 1 << 15;
+
 /// Numbers from `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {

@@ -5,9 +5,6 @@ mod ppm;
 
 use super::material::Texture;
 
-/// The largest width and height of a picture, in pixels.
-const MAX_SIDE: u32 = 1 << 15;
-
 /// The picture in the bytes of a file, its first row at v = 1. Its first bytes tell the format.
 ///
 /// # Errors

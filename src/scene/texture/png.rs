@@ -2,7 +2,7 @@
 
 use std::io::Cursor;
 
-use super::MAX_SIDE;
+use crate::scene::limits::MAX_SIDE;
 use crate::scene::material::Texture;
 
 /// The most pixels of a picture: a small file can ask for gigabytes.

@@ -1,6 +1,6 @@
 //! Binary PPM (`P6`) with one byte a colour, as the netpbm manual page `ppm(5)` defines it.
 
-use super::MAX_SIDE;
+use crate::scene::limits::MAX_SIDE;
 use crate::scene::material::Texture;
 
 /// The texture in the bytes of a PPM file. The error says what is wrong and what is allowed.
