@@ -80,6 +80,20 @@ mod tests {
     }
 
     #[test]
+    fn sponza_sibenik_and_the_gltf_scenes_have_the_published_numbers_of_triangles() {
+        for (name, needs, expected) in [
+            ("sponza", "dabrovic-sponza/sponza.obj", [66_450, 0, 1, 1]),
+            ("sibenik", "sibenik/sibenik.obj", [73_564, 0, 1, 1]),
+            ("crytek_sponza", "crytek-sponza/Sponza.gltf", [262_087, 0, 3, 1]),
+            // A ball rolls.
+            ("gas_station", "gas-station/GasStation.gltf", [99_002, 528, 3, 60]),
+        ] {
+            let Some(scene) = load(name, Some(&format!("../shared/scenes/{needs}"))) else { continue };
+            assert_eq!(counts(&scene), expected, "{name}");
+        }
+    }
+
+    #[test]
     fn the_configs_of_built_in_scenes_are_their_defaults() {
         for (name, text) in
             [("room", "BuiltIn(Room())"), ("street", "BuiltIn(Street())"), ("thicket", "BuiltIn(Thicket())")]

@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::Path;
 
+use glam::DVec3;
+
 use super::*;
 
 fn spec(text: &str) -> Result<ComposedSpec, String> {
@@ -117,4 +119,32 @@ fn what_a_config_moves_too_far_is_refused() {
     let shrinks = "(frame: 0, position: (0, 0, 0), scale: 1), (frame: 5, position: (0, 0, 0), scale: 0.01),
         (frame: 10, position: (0, 0, 0), scale: 1e-9)";
     assert!(moving(shrinks).unwrap_err().contains("a scale of"), "the curve overshoots below 0");
+}
+
+#[test]
+fn a_gltf_file_brings_its_camera_lights_and_motion() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/gltf");
+    let load_with = |more: &str| {
+        let text =
+            format!("(files: \"yard.gltf\", frame_count: 3, frame_rate: 1, lights: [(position: (0, 9, 0))]{more})");
+        load(&spec(&text)?, &folder).map_err(|error| error.to_string())
+    };
+    let scene = load_with(", camera: \"eye\"").unwrap();
+    assert_eq!((scene.statics.len(), scene.dynamic_count, scene.light_count), (43, 31, 2));
+    let [first, second] = [0, 1].map(|number| scene.animation.frame(number));
+    assert_eq!((first.camera.eye, first.camera), (DVec3::new(0.0, 2.0, 12.0), second.camera));
+    // The lamp of the config, then that of the file.
+    assert_eq!(first.lights[1], Light { position: Vec3::Y * 6.0, color: Vec3::new(2.0, 1.0, 0.5) });
+    // The flag's first corner is the last node's origin; it jumps at half a second.
+    let flag = |frame: &crate::scene::frame::Frame| frame.dynamic.triangles[24].v[0];
+    assert_eq!([flag(&first), flag(&second)], [Vec3::splat(5.0), Vec3::new(5.0, 7.0, 5.0)]);
+    assert_eq!(load_with(", camera: \"eye\", file_lights: Ignore").unwrap().light_count, 1);
+    assert!(load_with(", camera: \"ear\"").unwrap_err().contains("no camera is named \"ear\": \"eye\""));
+    assert!(
+        load_with(&format!(
+            ", {STILL}, moving: [(shape: File(\"yard.gltf\"), path: [(frame: 0, position: (0, 0, 0))])]"
+        ))
+        .unwrap_err()
+        .contains("with an animation")
+    );
 }
