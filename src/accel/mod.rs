@@ -21,7 +21,7 @@ use self::ancestry::Ancestry;
 use self::build::{Base, Build, Item};
 pub use self::ray::Ray;
 pub use self::shaft::{Relation, Shaft, Sight};
-pub use self::trail::{Mark, Observer, Path, Silent, Trail};
+pub use self::trail::{Fresh, Mark, Observer, Path, Silent, Trail};
 use self::tree::{Child, Forest, Node, Tree};
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 use crate::ranged::Within;

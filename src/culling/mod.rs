@@ -29,7 +29,7 @@ use self::cells::Receiver;
 use crate::accel::{Order, Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{LightId, NodeId, PrimitiveId};
 use crate::scene::{Lamps, Light, Scene};
-use crate::stream::{Decision, Store, StoreEntries};
+use crate::stream::{Decision, Effect, Store, StoreEntries};
 
 /// A culling policy as a config names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -361,5 +361,10 @@ impl<'a> Probe<'a> {
     /// Reads, changes and writes an entry of a store.
     pub fn update(&mut self, store: Store, index: u32) {
         self.trail.update(store, index);
+    }
+
+    /// Sets bits of a mode word, with this effect as far as the worker knows.
+    pub fn set_bits(&mut self, word: u32, bits: u32, effect: Effect) {
+        self.trail.set_bits(word, bits, effect);
     }
 }

@@ -6,6 +6,7 @@ use crate::machine::MachineSpec;
 use crate::machine::pipeline::Past;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
 use crate::machine::source::{FrameCounts, StoreWork};
+use crate::machine::word_traffic::{Decide, SilentUpdates};
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
 
@@ -13,12 +14,26 @@ use crate::stats::{Bounds, MachineStats, TrafficClass};
 /// say.
 pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError<E>> {
     let FrameCounts { frame, tracer, machine, stores } = counts;
-    let StoreWork { merged_reads, merged_writes, raised_reads, added_writes, deferred_writes, covered_writes } =
-        *stores;
+    let StoreWork {
+        merged_reads,
+        merged_writes,
+        raised_reads,
+        added_writes,
+        deferred_writes,
+        covered_writes,
+        dropped_writes,
+        answered_rays,
+    } = *stores;
     let lazy = spec.frame_end == FrameEnd::Epoch;
     let sweeps = spec.frame_end == FrameEnd::Sweep;
     let only = |allowed: bool, what, count| (what, count, if allowed { count } else { 0 });
-    let performed_otherwise = machine.policy_writes + merged_writes + deferred_writes + covered_writes;
+    let performed_otherwise =
+        machine.policy_writes + merged_writes + deferred_writes + covered_writes + dropped_writes;
+    let droppable = match spec.silent {
+        SilentUpdates::Sent => 0,
+        SilentUpdates::Latched => tracer.silent_updates,
+        SilentUpdates::Live => tracer.silent_updates + tracer.repeated_updates,
+    };
     let pairs = [
         ("primary rays", machine.primary_rays, tracer.primary_rays),
         ("secondary rays", machine.secondary_rays, tracer.secondary_rays),
@@ -34,6 +49,8 @@ pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(
         ("node visits of the policy", machine.policy_node_visits, tracer.policy_node_visits),
         ("reads of the policy", machine.policy_reads + merged_reads + raised_reads, tracer.policy_reads),
         ("writes of the policy", performed_otherwise, tracer.policy_writes + added_writes + raised_reads),
+        ("updates dropped at rays", dropped_writes, droppable),
+        only(spec.decide == Decide::Hit, "rays that the host answers with `decide: Unit`", answered_rays),
         only(spec.register.get() > 0, "merged steps without a register", merged_reads + merged_writes),
         only(lazy, "first touches without `Epoch`", raised_reads + deferred_writes),
         only(sweeps, "swept steps without `Sweep`", covered_writes),

@@ -18,5 +18,6 @@ pub mod spec;
 pub mod stores;
 pub mod traversal;
 pub mod unloaded;
+pub mod word_traffic;
 
 pub use spec::{MachineSpec, SpecError};

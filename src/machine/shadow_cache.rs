@@ -10,6 +10,7 @@ use super::pipeline::{Pipeline, Stages, WritePolicy};
 use super::ray::{Owner, RayId};
 use super::register::{Kept, Register};
 use super::stores::StoreLayout;
+use super::word_traffic::{Decide, SilentUpdates};
 use crate::memory::Wake;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
@@ -54,6 +55,13 @@ pub struct ShadowCacheSpec {
     pub interval: Within<1, 1000>,
     /// Rays that a unit works on at once.
     pub contexts: Within<1, 4096>,
+    /// Rays that a unit takes a cycle, and operations that begin in it. Several units a core (`count`) share the words
+    /// among them by lines; a wider one has them all.
+    pub width: Within<1, 64>,
+    /// Which updates of mode words are sent.
+    pub silent: SilentUpdates,
+    /// Where decisions fall.
+    pub decide: Decide,
     /// Which way accesses to stores go.
     pub place: Place,
     /// How stores lie in memory.
@@ -75,6 +83,9 @@ impl Default for ShadowCacheSpec {
             latency: const { Within::literal(2) },
             interval: const { Within::literal(1) },
             contexts: const { Within::literal(8) },
+            width: const { Within::literal(1) },
+            silent: SilentUpdates::Sent,
+            decide: Decide::Unit,
             place: Place::Own,
             layout: StoreLayout::Dense,
             writes: WritePolicy::Back,

@@ -29,7 +29,7 @@ pub use error::{Fault, Place, StreamError};
 pub use format::FrameEntry;
 pub use packed::PackedChunk;
 pub use reader::StreamReader;
-pub use step::{Step, Stop, Store};
+pub use step::{Effect, Step, Stop, Store};
 pub use writer::StreamWriter;
 
 use crate::quantity::{Resolution, TriangleSlot};
@@ -171,6 +171,10 @@ pub struct Totals {
     pub policy_reads: u64,
     /// Writes and read-modify-writes of the policy's stores.
     pub policy_writes: u64,
+    /// Updates among them, on rays' account, of which an earlier one of the frame has set all bits ([`Effect::Repeats`]).
+    pub repeated_updates: u64,
+    /// Updates among them, on rays' account, that change no bit of the latched word ([`Effect::Silent`]).
+    pub silent_updates: u64,
 }
 
 impl Totals {
@@ -211,6 +215,9 @@ impl Totals {
             self.triangle_tests += triangles;
         }
         self.count_policy(ray.policy());
+        let with = |effect| ray.packed_policy().iter().filter(|&&word| Step::effect(word) == Some(effect)).count();
+        self.repeated_updates += with(Effect::Repeats) as u64;
+        self.silent_updates += with(Effect::Silent) as u64;
     }
 }
 
@@ -230,6 +237,8 @@ impl std::ops::AddAssign for Totals {
         self.policy_node_visits += other.policy_node_visits;
         self.policy_reads += other.policy_reads;
         self.policy_writes += other.policy_writes;
+        self.repeated_updates += other.repeated_updates;
+        self.silent_updates += other.silent_updates;
     }
 }
 

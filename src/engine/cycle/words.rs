@@ -8,7 +8,7 @@ use crate::machine::source::StoreWork;
 use crate::stream::{Header, Step, Store};
 
 pub struct Words {
-    spec: ShadowCacheSpec,
+    pub spec: ShadowCacheSpec,
     /// Shadow-cache units of all cores.
     units: usize,
     header: Header,

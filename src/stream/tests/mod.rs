@@ -148,10 +148,10 @@ fn ray_plan() -> impl Strategy<Value = RayPlan> {
 
 fn steps(words: &Words, tags: u8) -> Vec<u32> {
     // Ids of each tag below the counts of `header` and `info`.
-    let counts = [7, 5, 11, 11, 11, 10, 10, 30, 10, 10, 30, 10, 10, 30];
+    let counts = [7, 5, 11, 11, 11, 10, 10, 30, 10, 10, 30, 10, 10, 30, 10, 10];
     let word = |&(tag, index): &(u8, u32)| {
         let tag = tag % tags;
-        (u32::from(tag) << 28) | (index % counts[usize::from(tag)])
+        (u32::from(tag) << 27) | (index % counts[usize::from(tag)])
     };
     words.iter().map(word).collect()
 }
@@ -184,7 +184,7 @@ fn plan_chunk(groups: &[Vec<RayPlan>]) -> Chunk {
                 parent: parent as u32,
             };
             let path = if decision == Decision::Skip { vec![] } else { steps(&plan.path, 5) };
-            chunk.push(head, &path, &steps(&plan.policy, 14));
+            chunk.push(head, &path, &steps(&plan.policy, 16));
             if matches!(outcome, Outcome::Hit(_)) {
                 hits.push(index);
             }
