@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{Effect, Step, Store};
+use super::step::{Effect, Step, Store};
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
 /// What a ray is for.
