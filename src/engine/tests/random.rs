@@ -5,9 +5,10 @@ use proptest::prelude::*;
 use super::synthetic::{STATIC, SyntheticRay, frame, triangle};
 use super::{num, pow};
 use crate::machine::MachineSpec;
-use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
+use crate::machine::word_traffic::{Decide, SilentUpdates};
+use crate::machine::writes::WritePolicy;
 use crate::memory::allocation::{Classes, NoAllocate};
 use crate::memory::bank::BankedSpec;
 use crate::memory::cache::{CacheSpec, Release};
@@ -19,7 +20,7 @@ use crate::memory::replacement::Policy;
 use crate::memory::tags::Contents;
 use crate::quantity::{ListId, NodeId};
 use crate::stats::TrafficClass;
-use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
+use crate::stream::{Decision, Effect, FrameInfo, Item, RayKind, Step, Stop, Store};
 
 /// A latency: mostly small, one now and then, or as long as `most`.
 fn latency(most: u64) -> impl Strategy<Value = u64> {
@@ -178,10 +179,16 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
         1 => Just(WritePolicy::Through),
         1 => classes().prop_map(WritePolicy::ThroughFor)
     ];
-    (1..4u64, 1..5u64, place, layout, writes, register, frame_end).prop_map(
-        |(count, contexts, place, layout, writes, register, frame_end)| ShadowCacheSpec {
+    let silent = prop_oneof![Just(SilentUpdates::Sent), Just(SilentUpdates::Latched), Just(SilentUpdates::Live)];
+    let decide = prop_oneof![Just(Decide::Unit), Just(Decide::Hit)];
+    let taking = (1..4u64, prop_oneof![3 => 1..5u64, 1 => 5..20u64], 1..5u64);
+    (taking, place, layout, writes, register, frame_end, silent, decide).prop_map(
+        |((count, contexts, width), place, layout, writes, register, frame_end, silent, decide)| ShadowCacheSpec {
             count: num(count),
             contexts: num(contexts),
+            width: num(width),
+            silent,
+            decide,
             place,
             layout,
             writes,
@@ -286,8 +293,16 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     });
     let traversal = traversal.boxed();
     let path = prop::collection::vec(traversal.clone(), 0..12);
-    let policy = prop::collection::vec(prop_oneof![2 => store, 1 => traversal], 0..6).boxed();
-    let ray = (0..5u8, path, policy.clone());
+    let step = prop_oneof![2 => store, 1 => traversal];
+    // An update of a mode word has any effect.
+    let effect = prop_oneof![Just(Effect::Changes), Just(Effect::Repeats), Just(Effect::Silent)];
+    let packed = (step.clone(), effect).prop_map(|(step, effect)| match step {
+        Step::Update { store: Store::ModeWord, index } => Step::pack_word_update(index, effect),
+        step => step.pack(),
+    });
+    let end = prop::collection::vec(step, 0..6);
+    let policy = prop::collection::vec(packed, 0..6);
+    let ray = (0..5u8, path, policy);
     let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
         rays.into_iter()
             .enumerate()
@@ -300,11 +315,11 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
                     (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
                     _ => SyntheticRay { kind: RayKind::Reflection, parent, ..SyntheticRay::primary(path) },
                 };
-                ray.with_policy(policy)
+                SyntheticRay { policy, ..ray }
             })
             .collect::<Vec<_>>()
     });
-    let frames = (prop::collection::vec(group, 0..12), policy, 1..9usize).prop_map(|(groups, end, chunk)| {
+    let frames = (prop::collection::vec(group, 0..12), end, 1..9usize).prop_map(|(groups, end, chunk)| {
         let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
         frame(info, &groups.concat(), &end, chunk)
     });

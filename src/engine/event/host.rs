@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::links::Links;
-use super::source::{StreamFault, check_step, parents};
+use crate::engine::source::{StreamFault, check_step, parents};
 use crate::memory::Wake;
 use crate::stream::{Chunk, Item, Totals};
 
@@ -164,8 +164,8 @@ impl Host {
         self.chunks[place as usize].as_ref().expect("a chunk stays while it has rays that are not done")
     }
 
-    /// Parents whose shading ends in cycle `now` have their children ready.
-    pub fn shade(&mut self, now: u64) {
+    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once.
+    pub fn shade(&mut self, now: u64, links: &mut Links<impl Wake>) -> Result<(), StreamFault> {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
@@ -173,7 +173,26 @@ impl Host {
             let Some(active) = &self.chunks[parent.chunk as usize] else {
                 unreachable!("a chunk stays while it has rays")
             };
-            self.ready.extend(active.children(parent.index).iter().map(|&index| ChunkRay { index, ..parent }));
+            let mut answered = 0;
+            for &index in active.children(parent.index) {
+                if links.answer(&active.chunk.ray(index as usize))? {
+                    answered += 1;
+                } else {
+                    self.ready.push_back(ChunkRay { index, ..parent });
+                }
+            }
+            self.are_done(parent.chunk, answered);
+        }
+        Ok(())
+    }
+
+    /// So many rays of a chunk are done.
+    fn are_done(&mut self, chunk: u32, rays: usize) {
+        if let Some(active) = &mut self.chunks[chunk as usize] {
+            active.left -= rays;
+            if active.left == 0 {
+                self.chunks[chunk as usize] = None;
+            }
         }
     }
 
@@ -200,16 +219,13 @@ impl Host {
 
     /// Takes a ray's results in cycle `now`.
     pub fn take(&mut self, ray: ChunkRay, now: u64) {
-        let Some(active) = &mut self.chunks[ray.chunk as usize] else {
+        let Some(active) = &self.chunks[ray.chunk as usize] else {
             unreachable!("a chunk stays while it has rays")
         };
-        active.left -= 1;
         if !active.children(ray.index).is_empty() {
             self.shading.push_back((now + self.shading_cycles, ray));
         }
-        if active.left == 0 {
-            self.chunks[ray.chunk as usize] = None;
-        }
+        self.are_done(ray.chunk, 1);
     }
 
     /// The state of the lists, for the report of a deadlock.

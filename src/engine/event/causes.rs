@@ -20,14 +20,14 @@ impl Default for Causes {
 }
 
 impl Causes {
-    /// Cycle `now` has passed: the unit began an operation that occupies its entry for so many cycles (0: it began none), and
-    /// in others `idle` is the cause until something happens.
-    pub fn cycle(&mut self, now: u64, occupied: u64, idle: Cause) {
+    /// Cycle `now` has passed: the unit began an operation that occupies its entry for so many cycles (0: it began none). If
+    /// none occupies this cycle, `here` is its cause; in later ones `idle` is until something happens.
+    pub fn cycle(&mut self, now: u64, occupied: u64, here: Cause, idle: Cause) {
         self.totals = self.until(now);
         if occupied > 0 {
             self.busy_until = now + occupied;
         }
-        self.totals[if now < self.busy_until { Cause::Busy } else { idle } as usize] += 1;
+        self.totals[if now < self.busy_until { Cause::Busy } else { here } as usize] += 1;
         (self.idle, self.from) = (idle, now + 1);
     }
 

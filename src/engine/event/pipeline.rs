@@ -3,55 +3,14 @@
 use std::collections::VecDeque;
 
 use super::causes::Causes;
-use super::layout::Element;
 use super::links::{Links, take};
 use super::ray::{Ray, RayId};
-use crate::memory::allocation::Classes;
-use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Release};
+use crate::machine::layout::Element;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
-
-/// What becomes of writes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum WritePolicy {
-    /// A write makes its line dirty; dirty lines go down when they are displaced.
-    #[default]
-    Back,
-    /// A write goes down at once.
-    Through,
-    /// Writes of these classes go down at once, others do not.
-    ThroughFor(Classes),
-}
-
-impl WritePolicy {
-    /// Whether a write of `class` goes down at once.
-    pub fn go_through(self, class: TrafficClass) -> bool {
-        match self {
-            Self::Back => false,
-            Self::Through => true,
-            Self::ThroughFor(classes) => classes.contains(class),
-        }
-    }
-
-    /// What a read, or a write, of `class` does in the L1.
-    pub fn access(self, class: TrafficClass, write: bool) -> Access {
-        match (write, self.go_through(class)) {
-            (false, _) => Access::Read,
-            (true, false) => Access::Write,
-            (true, true) => Access::WriteThrough,
-        }
-    }
-}
-
-/// What went past an L1, or through it: reads or writes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Past {
-    /// How many.
-    pub count: u64,
-    /// Their data.
-    pub bytes: Bytes,
-}
 
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +19,8 @@ pub struct Stages {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
+    /// Operations that begin at once.
+    pub width: u64,
 }
 
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
@@ -225,9 +186,21 @@ impl Pipeline {
         self.ready.push_back(ray);
     }
 
-    /// Step 5: whether an operation began.
+    /// Step 5: whether operations began.
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        let Some(&ray) = self.ready.front().filter(|_| now >= self.open_at) else { return false };
+        if now < self.open_at {
+            return false;
+        }
+        let began = (0..self.timing.width).take_while(|_| self.begin_one(now, rays)).count() > 0;
+        if began {
+            self.open_at = now + self.timing.interval;
+        }
+        began
+    }
+
+    /// The first ray of the ready list begins its operation, if nothing is missing.
+    fn begin_one(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let Some(&ray) = self.ready.front() else { return false };
         let fetch = &rays[ray as usize].fetch;
         if fetch.write && self.writes.go_through(fetch.class) {
             if self.out.len() == self.out_places {
@@ -242,20 +215,21 @@ impl Pipeline {
         }
         self.ready.pop_front();
         self.stages.push_back((now + self.timing.latency, ray));
-        self.open_at = now + self.timing.interval;
         true
     }
 
     /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
-    /// to go to another unit.
-    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool) {
+    /// to go to another unit, `passed_by` whether rays had to wait because the unit took as many as it can.
+    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool, passed_by: bool) {
         self.accessed = false;
         let stalled = self.access(now, &mut links.rays);
         let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.pop_front();
         }
-        self.causes.cycle(now, if began { self.timing.interval } else { 0 }, self.idle_cause(leaving));
+        let idle = self.idle_cause(leaving);
+        let here = if passed_by { Cause::Intake } else { idle };
+        self.causes.cycle(now, if began { self.timing.interval } else { 0 }, here, idle);
 
         let lines = links.lines[self.part.0 as usize].front().map(|line| line.0);
         let at_once = !self.released.is_empty()
