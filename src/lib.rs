@@ -2,13 +2,15 @@
 //! primitive.
 
 pub mod accel;
+pub mod cli;
 pub mod culling;
 pub mod engine;
 pub mod experiment;
+pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;
-pub mod new_file;
+pub mod output;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;
