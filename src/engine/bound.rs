@@ -365,7 +365,8 @@ impl Bound {
         for ((kind, unit), work) in Kind::ALL.into_iter().zip(&self.kinds).zip(&self.work) {
             let (name, level) = kind.names();
             stats.bytes.insert(level.into(), present(&self.requested[kind as usize]));
-            stats.units.insert(name.into(), [(Cause::Busy, work.all_operations * unit.interval)].into());
+            let busy = (work.all_operations * unit.interval).div_ceil(unit.width);
+            stats.units.insert(name.into(), [(Cause::Busy, busy)].into());
             stats.unit_counts.insert(name.into(), unit.count);
         }
         stats
