@@ -184,3 +184,27 @@ impl Step {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_update_is_the_same_step_whatever_it_changes() {
+        for (effect, bits, latched, learned) in [
+            (Effect::Changes, 0b0110, 0b0100, 0),
+            (Effect::Changes, 0b0110, 0b0100, 0b1000),
+            (Effect::Repeats, 0b0110, 0b0100, 0b0010),
+            (Effect::Silent, 0b0110, 0b1110, 0),
+        ] {
+            assert_eq!(Effect::of_bits(bits, latched, learned), effect);
+            let word = Step::pack_word_update(7, effect);
+            assert_eq!(Step::unpack(word), Some(Step::Update { store: Store::ModeWord, index: 7 }));
+            assert_eq!(Step::effect(word), Some(effect));
+        }
+        let other = Step::Update { store: Store::PixelCounter, index: 7 };
+        assert_eq!(Step::effect(other.pack()), Some(Effect::Changes));
+        assert_eq!(Step::effect(Step::Read { store: Store::ModeWord, index: 7 }.pack()), None);
+        assert_eq!(Step::unpack(16 << INDEX_BITS), None);
+    }
+}

@@ -83,7 +83,7 @@ fn small_chunk() -> Chunk {
     chunk.push(
         RayHead { light: LightId(2), ..head(RayKind::Shadow, Outcome::Dark, 2) },
         &packed(&[Step::Node(NodeId(0)), hit]),
-        &packed(&[Step::Update { store: Store::ModeWord, index: 9 }]),
+        &[Step::pack_word_update(9, Effect::Silent)],
     );
     chunk
 }
@@ -277,7 +277,7 @@ fn the_layout_is_as_ever() {
     let (header, items) = small_stream();
     let bytes = written(&header, &items);
     let text_len = u32::from_le_bytes(field(&bytes, 12)) as usize;
-    assert_eq!(bytes[..12], *b"\x89RAYS\r\n\x1a\x02\0\0\0");
+    assert_eq!(bytes[..12], *b"\x89RAYS\r\n\x1a\x03\0\0\0");
     let seed = u32::from_le_bytes(field(&bytes, 16));
     let text = &bytes[PREAMBLE_BYTES..PREAMBLE_BYTES + text_len];
     assert_eq!(
@@ -328,11 +328,11 @@ fn an_inspection_reads_as_tables() {
  lights      3
  triangles   7 static, 3 dynamic
  input hash  fffffffffffffffe
- file        version 2, 802 bytes, 2 frames
+ file        version 3, 808 bytes, 2 frames
 
  frame  rays  shadow  skipped  dyn. only  dark  policy steps  bytes  raw/stored  bytes/ray
-    16     3       2        1          0     1             3    196        1.21      65.33
-    32     0       0        0          0     0             0     78        1.64          -
+    16     3       2        1          0     1             3    199        1.28      66.33
+    32     0       0        0          0     0             0     78        1.85          -
 
 Rays by the steps of their paths:
  frame  kind     rays  steps/ray  0  1  2-3  4-7
