@@ -22,13 +22,14 @@ pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(
         deferred_writes,
         covered_writes,
         dropped_writes,
+        gathered_writes,
         answered_rays,
     } = *stores;
     let lazy = spec.frame_end == FrameEnd::Epoch;
     let sweeps = spec.frame_end == FrameEnd::Sweep;
     let only = |allowed: bool, what, count| (what, count, if allowed { count } else { 0 });
     let performed_otherwise =
-        machine.policy_writes + merged_writes + deferred_writes + covered_writes + dropped_writes;
+        machine.policy_writes + merged_writes + deferred_writes + covered_writes + dropped_writes + gathered_writes;
     let droppable = match spec.silent {
         SilentUpdates::Sent => 0,
         SilentUpdates::Latched => tracer.silent_updates,
@@ -50,6 +51,7 @@ pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(
         ("reads of the policy", machine.policy_reads + merged_reads + raised_reads, tracer.policy_reads),
         ("writes of the policy", performed_otherwise, tracer.policy_writes + added_writes + raised_reads),
         ("updates dropped at rays", dropped_writes, droppable),
+        only(spec.gather.get() > 0, "updates gathered without a table", gathered_writes),
         only(spec.decide == Decide::Hit, "rays that the host answers with `decide: Unit`", answered_rays),
         only(spec.register.get() > 0, "merged steps without a register", merged_reads + merged_writes),
         only(lazy, "first touches without `Epoch`", raised_reads + deferred_writes),

@@ -61,6 +61,8 @@ pub struct StoreWork {
     pub covered_writes: u64,
     /// Updates that change nothing and were dropped at their rays.
     pub dropped_writes: u64,
+    /// Updates that were merged with another of the same hit.
+    pub gathered_writes: u64,
     /// Skipped shadow rays that the host answered.
     pub answered_rays: u64,
 }
@@ -74,6 +76,7 @@ impl std::ops::AddAssign for StoreWork {
         self.deferred_writes += other.deferred_writes;
         self.covered_writes += other.covered_writes;
         self.dropped_writes += other.dropped_writes;
+        self.gathered_writes += other.gathered_writes;
         self.answered_rays += other.answered_rays;
     }
 }

@@ -29,7 +29,7 @@ impl Holder {
 /// Whether stores are accessed as the stream records it: by the shadow-cache units' own L1s, step by step.
 pub fn stores_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
-    unit.place == Place::Own && unit.register.get() == 0 && unit.frame_end == FrameEnd::List
+    unit.place == Place::Own && unit.register.get() == 0 && unit.gather.get() == 0 && unit.frame_end == FrameEnd::List
 }
 
 /// What a step asks for.

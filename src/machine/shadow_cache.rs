@@ -55,6 +55,9 @@ pub struct ShadowCacheSpec {
     pub silent: SilentUpdates,
     /// Where decisions fall.
     pub decide: Decide,
+    /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights sets bits of one
+    /// word several times; a table beside the dispatcher holds them until the hit's last traced shadow ray is done.
+    pub gather: Within<0, 65_536>,
     /// Which way accesses to stores go.
     pub place: Place,
     /// How stores lie in memory.
@@ -93,6 +96,7 @@ impl Default for ShadowCacheSpec {
             width: const { Within::literal(1) },
             silent: SilentUpdates::Sent,
             decide: Decide::Unit,
+            gather: const { Within::literal(0) },
             place: Place::Own,
             layout: StoreLayout::Dense,
             writes: WritePolicy::Back,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::TriangleSlot;
-use crate::stream::{Header, NO_RECORD, Store};
+use crate::stream::{Header, NO_RECORD, Step, Store};
 
 /// Bytes of an entry of a store that is an array of its own.
 const WORD_BYTES: u64 = 4;
@@ -244,6 +244,14 @@ impl Stores {
             StoreLayout::Dense | StoreLayout::Packed | StoreLayout::Beside => (row, COUNTER_BYTES),
             StoreLayout::Record => (self.in_record(primitive).unwrap_or(row), COUNTER_BYTES),
             StoreLayout::Tagged => (row, WORD_BYTES),
+        }
+    }
+
+    /// Whether the step is an update of a primitive's mode word.
+    pub fn updates_word(&self, step: Step) -> bool {
+        match step {
+            Step::Update { store: Store::ModeWord, index } => u64::from(index) < self.owners * self.words,
+            _ => false,
         }
     }
 

@@ -16,9 +16,9 @@ use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
 /// A chunk of which somebody still needs a ray.
 #[derive(Debug)]
 pub struct Group {
-    chunk: Arc<Chunk>,
+    pub chunk: Arc<Chunk>,
     /// The children of each ray, in the stream's order.
-    children: Vec<Vec<usize>>,
+    pub children: Vec<Vec<usize>>,
 }
 
 /// Where the dispatcher stands in the stream.

@@ -69,7 +69,8 @@ impl Traversal {
             Some(&Step::Node(node)) => self.unit.fetch(id, wires.layout.node(node), &wires.layout),
             Some(_) => self.leaving.push_back(id),
             None => {
-                if ray.policy.is_empty() {
+                wires.path_done(id);
+                if wires.ray(id).policy.is_empty() {
                     self.done.push_back(id);
                 } else {
                     wires.send_to_policy(now, id);

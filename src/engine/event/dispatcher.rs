@@ -184,6 +184,9 @@ impl Dispatcher {
         (ray.chunk, ray.index, ray.marked) = (which.chunk, which.index, source.marked);
         ray.undecided = links.shadow_cache.decide.takes_an_operation(source.head.decision);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
+        if links.gathering.is_there() {
+            (ray.hit, ray.siblings) = self.host.siblings(which, source.head.parent);
+        }
         links.leave_out(id);
         match turn {
             None => links.send_to_shadow_cache(id, now),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::links::Links;
 use crate::engine::source::{StreamFault, check_step, parents};
 use crate::memory::Wake;
-use crate::stream::{Chunk, Item, Totals};
+use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
 
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -158,6 +158,17 @@ impl Host {
     /// The ray in its chunk.
     pub fn ray(&self, which: ChunkRay) -> crate::stream::Ray<'_> {
         self.active(which.chunk).chunk.ray(which.index as usize)
+    }
+
+    /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
+    pub fn siblings(&self, which: ChunkRay, back: u32) -> (u32, u32) {
+        let active = self.active(which.chunk);
+        let hit = which.index - back;
+        let traced = |&&index: &&u32| {
+            let head = active.chunk.head(index as usize);
+            head.kind == RayKind::Shadow && head.decision != Decision::Skip
+        };
+        (hit, active.children(hit).iter().filter(traced).count() as u32)
     }
 
     fn active(&self, place: u32) -> &ActiveChunk {

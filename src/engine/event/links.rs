@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 
 use rustc_hash::FxHashSet;
 
+use super::gathering::Gathering;
 use super::ray::{Ray, RayId};
 use crate::engine::source::{StoreWork, StreamFault, check_step};
 use crate::machine::MachineSpec;
@@ -71,6 +72,8 @@ pub struct Links<W> {
     touched: FxHashSet<u32>,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
+    /// Hits whose updates are gathered.
+    pub gathering: Gathering,
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
     header: Header,
@@ -114,6 +117,7 @@ impl<W: Wake> Links<W> {
             frame_over: false,
             touched: FxHashSet::default(),
             stores: StoreWork::default(),
+            gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
             lines: vec![Inbox::new(); parts.count()],
@@ -161,6 +165,11 @@ impl<W: Wake> Links<W> {
         self.replayed.shadow_rays += 1;
         self.replayed.shadow_rays_skipped += 1;
         Ok(true)
+    }
+
+    /// The ray has done its path.
+    pub fn retire(&mut self, ray: RayId) {
+        self.stores.gathered_writes += self.gathering.retire(&mut self.rays[ray as usize], self.layout.stores());
     }
 
     /// The entry of a ray's next step.

@@ -82,7 +82,8 @@ impl Traversal {
             }
             Some(_) => self.leaving.push_back(id),
             None => {
-                if ray.has_policy() {
+                links.retire(id);
+                if links.rays[id as usize].has_policy() {
                     links.freed.push(self.index);
                     links.send_to_shadow_cache(id, now);
                     links.clock.wake(Parts::DISPATCHER, now + 1);

@@ -181,14 +181,16 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     ];
     let silent = prop_oneof![Just(SilentUpdates::Sent), Just(SilentUpdates::Latched), Just(SilentUpdates::Live)];
     let decide = prop_oneof![Just(Decide::Unit), Just(Decide::Hit)];
+    let gather = prop_oneof![Just(0), 1..3u64, Just(100)];
     let taking = (1..4u64, prop_oneof![3 => 1..5u64, 1 => 5..20u64], 1..5u64);
-    (taking, place, layout, writes, register, frame_end, silent, decide).prop_map(
-        |((count, contexts, width), place, layout, writes, register, frame_end, silent, decide)| ShadowCacheSpec {
+    (taking, place, layout, writes, register, frame_end, (silent, decide, gather)).prop_map(
+        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather))| ShadowCacheSpec {
             count: num(count),
             contexts: num(contexts),
             width: num(width),
             silent,
             decide,
+            gather: num(gather),
             place,
             layout,
             writes,
