@@ -203,7 +203,8 @@ impl Bound {
     /// Counts a step; cycles that it takes at least.
     fn step(&mut self, step: Step, holder: Holder, ray: RayKind) -> u64 {
         if step.entry().is_some() && !self.stores_count {
-            self.left_out += 1;
+            // Learned bits may be read and taken over beside it.
+            self.left_out += 3;
             return 0;
         }
         let work = Work::of(step, holder, ray, &self.layout);

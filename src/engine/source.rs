@@ -61,6 +61,8 @@ pub struct StoreWork {
     pub covered_writes: u64,
     /// Updates that change nothing and were dropped at their rays.
     pub dropped_writes: u64,
+    /// Reads that are not recorded: of learned bits at a frame's end.
+    pub added_reads: u64,
     /// Updates that were merged with another of the same hit.
     pub gathered_writes: u64,
     /// Skipped shadow rays that the host answered.
@@ -76,6 +78,7 @@ impl std::ops::AddAssign for StoreWork {
         self.deferred_writes += other.deferred_writes;
         self.covered_writes += other.covered_writes;
         self.dropped_writes += other.dropped_writes;
+        self.added_reads += other.added_reads;
         self.gathered_writes += other.gathered_writes;
         self.answered_rays += other.answered_rays;
     }

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::stores::StoreLayout;
-use super::word_traffic::{Decide, SilentUpdates};
+use super::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
@@ -58,6 +58,8 @@ pub struct ShadowCacheSpec {
     /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights sets bits of one
     /// word several times; a table beside the dispatcher holds them until the hit's last traced shadow ray is done.
     pub gather: Within<0, 65_536>,
+    /// How latched words and learned bits are kept apart.
+    pub latched: LatchedCopy,
     /// Which way accesses to stores go.
     pub place: Place,
     /// How stores lie in memory.
@@ -80,9 +82,9 @@ impl ShadowCacheSpec {
         !self.silent.drops(word) && !free()
     }
 
-    /// Whether all such steps are performed, whatever the stream is.
+    /// Whether all such steps are performed as recorded, whatever the stream is.
     pub fn performs_all(&self) -> bool {
-        self.place != Place::Free && self.silent == SilentUpdates::Sent
+        self.place != Place::Free && self.silent == SilentUpdates::Sent && self.latched != LatchedCopy::Buffers
     }
 }
 
@@ -97,6 +99,7 @@ impl Default for ShadowCacheSpec {
             silent: SilentUpdates::Sent,
             decide: Decide::Unit,
             gather: const { Within::literal(0) },
+            latched: LatchedCopy::Free,
             place: Place::Own,
             layout: StoreLayout::Dense,
             writes: WritePolicy::Back,

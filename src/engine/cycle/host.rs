@@ -118,6 +118,8 @@ impl Host {
                 let origin = Origin { group: Rc::clone(&group), index };
                 if !answered(&origin, wires)? {
                     self.ready.push_back(origin);
+                } else if !group.children[index].is_empty() {
+                    self.shading.push_back((now + self.spec.shading_cycles.get(), origin));
                 }
             }
         }
@@ -299,12 +301,15 @@ struct LeftOut {
     dropped: u64,
     /// Steps that cost nothing.
     free: VecDeque<Step>,
+    /// What it performs otherwise: entries of learned bits that it updates.
+    learned: Vec<u32>,
 }
 
 impl LeftOut {
     fn count(self, wires: &mut Wires) {
         wires.words.work.dropped_writes += self.dropped;
         wires.replayed.count_policy(self.free.into_iter());
+        wires.words.learned.extend(self.learned);
     }
 }
 
@@ -343,7 +348,14 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<(Ray, LeftOut), StreamFault
             policy.push_back(step);
         }
     }
-    let (policy, free) = wires.words.without_free(policy);
+    let (mut policy, free) = wires.words.without_free(policy);
+    let mut learned = Vec::new();
+    for step in &mut policy {
+        if let Some(update) = wires.layout.stores().learns(*step) {
+            learned.extend(update.entry().map(|(_, index)| index));
+            *step = update;
+        }
+    }
     let ray = Ray {
         kind: source.head.kind,
         decision: source.head.decision,
@@ -360,5 +372,5 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<(Ray, LeftOut), StreamFault
         unloaded: 0,
         origin: Some(origin),
     };
-    Ok((ray, LeftOut { dropped, free }))
+    Ok((ray, LeftOut { dropped, free, learned }))
 }

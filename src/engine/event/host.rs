@@ -186,10 +186,14 @@ impl Host {
             };
             let mut answered = 0;
             for &index in active.children(parent.index) {
-                if links.answer(&active.chunk.ray(index as usize))? {
-                    answered += 1;
-                } else {
-                    self.ready.push_back(ChunkRay { index, ..parent });
+                let child = ChunkRay { index, ..parent };
+                if !links.answer(&active.chunk.ray(index as usize))? {
+                    self.ready.push_back(child);
+                    continue;
+                }
+                answered += 1;
+                if !active.children(index).is_empty() {
+                    self.shading.push_back((now + self.shading_cycles, child));
                 }
             }
             self.are_done(parent.chunk, answered);

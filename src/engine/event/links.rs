@@ -1,7 +1,7 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 
 use rustc_hash::FxHashSet;
 
@@ -72,6 +72,8 @@ pub struct Links<W> {
     touched: FxHashSet<u32>,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
+    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
+    learned: BTreeSet<u32>,
     /// Hits whose updates are gathered.
     pub gathering: Gathering,
     /// The shadow-cache units' spec.
@@ -117,6 +119,7 @@ impl<W: Wake> Links<W> {
             frame_over: false,
             touched: FxHashSet::default(),
             stores: StoreWork::default(),
+            learned: BTreeSet::new(),
             gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
@@ -138,7 +141,9 @@ impl<W: Wake> Links<W> {
         for at in ray.path_end..ray.steps.len() {
             let word = ray.steps[at];
             if self.shadow_cache.performs(word) {
-                ray.steps[kept] = word;
+                let learns = Step::unpack(word).and_then(|step| self.layout.stores().learns(step));
+                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
+                ray.steps[kept] = learns.map_or(word, Step::pack);
                 kept += 1;
             } else {
                 count_left_out(word, &self.shadow_cache, &mut self.stores, &mut self.replayed);
@@ -242,6 +247,11 @@ impl<W: Wake> Links<W> {
             } else {
                 self.stores.deferred_writes += 1;
             }
+        }
+        for learned in std::mem::take(&mut self.learned) {
+            steps.extend(self.layout.stores().fold(learned));
+            self.stores.added_reads += 1;
+            self.stores.added_writes += 1;
         }
         let register = spec.register.get() > 0 && spec.place != Place::Free;
         if steps.is_empty() && !register {

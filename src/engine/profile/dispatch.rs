@@ -335,8 +335,8 @@ impl Dispatch {
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub fn shaded(&mut self, now: u64) {
-        let Self { host, words, stores, replayed, .. } = self;
-        host.shaded(now, |ray| {
+        let Self { spec, host, words, stores, replayed, .. } = self;
+        host.shaded(now, spec.shading_cycles.get(), |ray| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {

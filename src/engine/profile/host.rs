@@ -152,7 +152,7 @@ impl Host {
     }
 
     /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are done at once.
-    pub fn shaded(&mut self, now: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
+    pub fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
@@ -162,11 +162,15 @@ impl Host {
             };
             let mut index = active.first_child[parent.index as usize];
             while index != NONE {
+                let child = Place { index, ..parent };
                 if answered(&active.chunk.ray(index as usize)) {
                     active.left -= 1;
                     self.rays_over += 1;
+                    if active.first_child[index as usize] != NONE {
+                        self.shading.push_back((now + shading, child));
+                    }
                 } else {
-                    self.ready.push_back(Place { index, ..parent });
+                    self.ready.push_back(child);
                 }
                 index = active.next_sibling[index as usize];
             }

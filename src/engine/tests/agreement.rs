@@ -119,6 +119,7 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("writes left to first touches", |tally| tally.stores.deferred_writes);
     reached("writes that a sweep covers", |tally| tally.stores.covered_writes);
     reached("updates dropped at rays", |tally| tally.stores.dropped_writes);
+    reached("reads of learned bits at a frame's end", |tally| tally.stores.added_reads);
     reached("updates gathered", |tally| tally.stores.gathered_writes);
     reached("rays that the host answers", |tally| tally.stores.answered_rays);
     reached("reads past the L1", |tally| {

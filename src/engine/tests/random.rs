@@ -7,7 +7,7 @@ use super::{num, pow};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
-use crate::machine::word_traffic::{Decide, SilentUpdates};
+use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use crate::machine::writes::WritePolicy;
 use crate::memory::allocation::{Classes, NoAllocate};
 use crate::memory::bank::BankedSpec;
@@ -181,16 +181,18 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     ];
     let silent = prop_oneof![Just(SilentUpdates::Sent), Just(SilentUpdates::Latched), Just(SilentUpdates::Live)];
     let decide = prop_oneof![Just(Decide::Unit), Just(Decide::Hit)];
+    let latched = prop_oneof![Just(LatchedCopy::Free), Just(LatchedCopy::Wide), Just(LatchedCopy::Buffers)];
     let gather = prop_oneof![Just(0), 1..3u64, Just(100)];
     let taking = (1..4u64, prop_oneof![3 => 1..5u64, 1 => 5..20u64], 1..5u64);
-    (taking, place, layout, writes, register, frame_end, (silent, decide, gather)).prop_map(
-        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather))| ShadowCacheSpec {
+    (taking, place, layout, writes, register, frame_end, (silent, decide, gather, latched)).prop_map(
+        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather, latched))| ShadowCacheSpec {
             count: num(count),
             contexts: num(contexts),
             width: num(width),
             silent,
             decide,
             gather: num(gather),
+            latched,
             place,
             layout,
             writes,
