@@ -1,6 +1,7 @@
 //! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
 //! decisions for skipped rays.
 
+use crate::memory::ring::Ring;
 use std::collections::VecDeque;
 
 use super::links::{Links, take};
@@ -30,22 +31,22 @@ pub struct ShadowCache {
     pub pipeline: Pipeline,
     register: Register,
     /// Rays that wait to go to an intersection unit.
-    leaving: VecDeque<RayId>,
+    leaving: Ring<RayId>,
     /// Rays that are done and wait for the out FIFO.
-    done: VecDeque<RayId>,
+    done: Ring<RayId>,
     contexts: usize,
     free: usize,
     /// Rays that it takes a cycle.
     width: usize,
     /// The first entry after the pool's: steps of a frame's end use the entries from here on.
     first_entry: RayId,
-    free_entries: VecDeque<RayId>,
+    free_entries: Ring<RayId>,
     ending: Option<Ending>,
 }
 
 impl ShadowCache {
     /// Unit `index`, empty, of a machine whose pool has `pool` entries.
-    pub fn new<W: Wake>(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.shadow_cache(index);
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first_entry = pool as RayId;
@@ -57,8 +58,8 @@ impl ShadowCache {
             place: spec.place,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
             register: Register::new(spec.register.size()),
-            leaving: VecDeque::new(),
-            done: VecDeque::new(),
+            leaving: Ring::new(),
+            done: Ring::new(),
             contexts: spec.contexts.size(),
             free: spec.contexts.size(),
             width: spec.width.size(),
@@ -69,7 +70,7 @@ impl ShadowCache {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         let free_at_start = self.free;
         self.pipeline.arrive(now, links);
         while let Some(id) = self.pipeline.leave(now) {
@@ -90,7 +91,7 @@ impl ShadowCache {
             self.done.pop_front();
             self.free += 1;
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        let began = self.pipeline.begin_several(now, &links.rays);
         let core = self.pipeline.core();
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
             Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
@@ -99,7 +100,12 @@ impl ShadowCache {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty(), passed_by);
+        let leaving = !self.leaving.is_empty() || !self.done.is_empty();
+        if passed_by {
+            self.pipeline.end_full(now, links, began, leaving);
+        } else {
+            self.pipeline.end(now, links, began, leaving);
+        }
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
         if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
@@ -107,7 +113,7 @@ impl ShadowCache {
         }
     }
 
-    fn hear_of_the_end(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn hear_of_the_end(&mut self, now: u64, links: &mut Links) {
         let Some(planned) = links.hear_of_the_end(self.index, now) else { return };
         let waiting = self.register.drain().map(|step| (step, true));
         let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
@@ -116,7 +122,7 @@ impl ShadowCache {
         self.end_if_done(now, links);
     }
 
-    fn end_if_done(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn end_if_done(&mut self, now: u64, links: &mut Links) {
         if self.ending.as_ref().is_some_and(|ending| ending.left == 0) {
             self.ending = None;
             links.units_at_the_end -= 1;
@@ -128,13 +134,13 @@ impl ShadowCache {
     }
 
     /// Whether a ray that has come, or a step of a frame's end, waits in front of the unit.
-    fn more_wait<W>(&self, now: u64, links: &Links<W>) -> bool {
+    fn more_wait(&self, now: u64, links: &Links) -> bool {
         links.retired[self.index as usize].front().is_some_and(|&(at, _)| at <= now)
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty())
     }
 
     /// Takes on a ray, or a step of a frame's end; whether there was one.
-    fn take_on(&mut self, now: u64, links: &mut Links<impl Wake>) -> bool {
+    fn take_on(&mut self, now: u64, links: &mut Links) -> bool {
         if let Some(id) = take(&mut links.retired[self.index as usize], now) {
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
@@ -160,7 +166,7 @@ impl ShadowCache {
     }
 
     /// An operation of the ray has ended.
-    fn passed(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn passed(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
         if ray.undecided {
             ray.undecided = false;
@@ -180,7 +186,7 @@ impl ShadowCache {
     }
 
     /// Performs what the ray does next.
-    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links) {
         loop {
             let Some(step) = links.rays[id as usize].step() else { return self.finish(id, now, links) };
             let Some((store, index)) = step.entry() else {
@@ -231,7 +237,7 @@ impl ShadowCache {
     }
 
     /// Accesses the entry of the ray's next step.
-    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links<impl Wake>) {
+    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links) {
         let element = links.entry_element(id);
         match self.place {
             Place::Triangle => self.leaving.push_back(id),
@@ -241,7 +247,7 @@ impl ShadowCache {
         }
     }
 
-    fn finish(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn finish(&mut self, id: RayId, now: u64, links: &mut Links) {
         if id < self.first_entry {
             return self.done.push_back(id);
         }
@@ -254,7 +260,7 @@ impl ShadowCache {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
+    pub fn queues(&self, links: &Links) -> String {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}",
             self.pipeline.queues(),
