@@ -65,8 +65,7 @@ pub enum Cause {
 
 impl Cause {
     /// All causes, in the order of plots.
-    pub const ALL: [Self; 6] =
-        [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Intake, Self::Starved];
+    pub const ALL: [Self; 6] = [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Intake, Self::Starved];
 
     /// The cause's name in reports, as in files.
     pub fn name(self) -> &'static str {

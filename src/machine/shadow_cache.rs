@@ -55,8 +55,9 @@ pub struct ShadowCacheSpec {
     pub silent: SilentUpdates,
     /// Where decisions fall.
     pub decide: Decide,
-    /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights sets bits of one
-    /// word several times; a table beside the dispatcher holds them until the hit's last traced shadow ray is done.
+    /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights
+    /// sets bits of one word several times; a table beside the dispatcher holds them until the hit's last traced
+    /// shadow ray is done.
     pub gather: Within<0, 65_536>,
     /// How latched words and learned bits are kept apart.
     pub latched: LatchedCopy,
@@ -75,8 +76,8 @@ pub struct ShadowCacheSpec {
 }
 
 impl ShadowCacheSpec {
-    /// Whether a step that the policy recorded on a ray's account, packed, is performed: it is not an update that is dropped,
-    /// and no entry that costs nothing.
+    /// Whether a step that the policy recorded on a ray's account, packed, is performed: it is not an update that
+    /// is dropped, and no entry that costs nothing.
     pub fn performs(&self, word: u32) -> bool {
         let free = || self.place == Place::Free && Step::unpack(word).and_then(Step::entry).is_some();
         !self.silent.drops(word) && !free()

@@ -277,7 +277,8 @@ impl Stores {
         }
     }
 
-    /// The update of learned bits that stands in place of a ray's update of a mode word, if they have words of their own.
+    /// The update of learned bits that stands in place of a ray's update of a mode word, if they have words of
+    /// their own.
     pub fn learns(&self, step: Step) -> Option<Step> {
         match step {
             Step::Update { store: Store::ModeWord, index } if self.learned.is_some() && self.updates_word(step) => {
@@ -287,7 +288,8 @@ impl Stores {
         }
     }
 
-    /// What takes learned bits into the latched word at the frame's end: a read of the bits of the update `learned`, and an update.
+    /// What takes learned bits into the latched word at the frame's end: a read of the bits of the update
+    /// `learned`, and an update.
     pub fn fold(&self, learned: u32) -> [Step; 2] {
         let store = Store::ModeWord;
         [Step::Read { store, index: learned }, Step::Update { store, index: learned - self.entries as u32 }]

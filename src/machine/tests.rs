@@ -114,7 +114,8 @@ fn layouts_take_the_memory_that_they_should() {
     }
 }
 
-/// Two copies of the modes and the frame's number fit a word up to 6 lights; learned bits of their own are as many words again.
+/// Two copies of the modes and the frame's number fit a word up to 6 lights; learned bits of their own are as many
+/// words again.
 #[test]
 fn latched_copies_take_the_memory_that_they_should() {
     let word = |lights, copy| {

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::stream::{Decision, Effect, Step};
 
-/// Which updates of mode words are sent to a shadow-cache unit. Nearly all of them change no bit: a word is learned once
-/// and then confirmed by every ray. (Silent stores of processors are the same case: Lepak and Lipasti, "On the value
-/// locality of store instructions", ISCA 2000.)
+/// Which updates of mode words are sent to a shadow-cache unit. Nearly all of them change no bit: a word is learned
+/// once and then confirmed by every ray. (Silent stores of processors are the same case: Lepak and Lipasti, "On the
+/// value locality of store instructions", ISCA 2000.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SilentUpdates {
     /// All.
@@ -54,18 +54,18 @@ impl Decide {
     }
 }
 
-/// How the word as latched at the frame's start, which decisions read, and the bits that the frame learns are kept apart. It matters
-/// for policies that keep counters: the others change no word before the frame's end.
+/// How the word as latched at the frame's start, which decisions read, and the bits that the frame learns are kept
+/// apart. It matters for policies that keep counters: the others change no word before the frame's end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LatchedCopy {
     /// One word stands for both values and costs no more than one. A limit.
     #[default]
     Free,
-    /// The word has the modes twice and two bits of the frame's number. A read whose number is old takes both halves together,
-    /// an update whose number is old folds them; neither costs an access. The word takes 8 bytes where 4 are too few: up to
-    /// 6 lights fit (2 x (2 + 2 x 6) + 2 = 30 bits).
+    /// The word has the modes twice and two bits of the frame's number. A read whose number is old takes both
+    /// halves together, an update whose number is old folds them; neither costs an access. The word takes 8 bytes
+    /// where 4 are too few: up to 6 lights fit (2 x (2 + 2 x 6) + 2 = 30 bits).
     Wide,
-    /// Learned bits have an array of words of their own, which updates of rays go to. At the frame's end each word that was updated
-    /// is read there, and the latched one is updated.
+    /// Learned bits have an array of words of their own, which updates of rays go to. At the frame's end each word
+    /// that was updated is read there, and the latched one is updated.
     Buffers,
 }

@@ -145,7 +145,8 @@ impl Chunk {
         self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
     }
 
-    /// Changes the effect of the update of a mode word that is step `at` of all rays' steps. Its id stays, and with it the extent.
+    /// Changes the effect of the update of a mode word that is step `at` of all rays' steps. Its id stays, and with
+    /// it the extent.
     pub fn set_effect(&mut self, at: usize, effect: Effect) {
         let step = Step::unpack(self.steps[at]).and_then(Step::entry);
         debug_assert!(step.is_some_and(|(store, _)| store == Store::ModeWord));

@@ -39,7 +39,8 @@ pub enum Effect {
 }
 
 impl Effect {
-    /// The effect of setting `bits` in a word that was `latched` at the frame's start and has `learned` more bits by now.
+    /// The effect of setting `bits` in a word that was `latched` at the frame's start and has `learned` more bits
+    /// by now.
     pub fn of_bits(bits: u32, latched: u32, learned: u32) -> Self {
         match (bits & !latched, bits & !(latched | learned)) {
             (0, _) => Self::Silent,

@@ -38,7 +38,8 @@ pub struct Totals {
     pub policy_reads: u64,
     /// Writes and read-modify-writes of the policy's stores.
     pub policy_writes: u64,
-    /// Updates among them, on rays' account, of which an earlier one of the frame has set all bits ([`Effect::Repeats`]).
+    /// Updates among them, on rays' account, of which an earlier one of the frame has set all bits
+    /// ([`Effect::Repeats`]).
     pub repeated_updates: u64,
     /// Updates among them, on rays' account, that change no bit of the latched word ([`Effect::Silent`]).
     pub silent_updates: u64,

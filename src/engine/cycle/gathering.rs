@@ -26,7 +26,9 @@ impl Gathering {
 
     /// A ray has done its path; how many updates are merged thereby.
     pub fn path_done(&mut self, ray: &mut Ray, layout: &Layout) -> u64 {
-        let Some(origin) = ray.origin.as_ref().filter(|_| self.places > 0 && ray.kind == RayKind::Shadow) else { return 0 };
+        let Some(origin) = ray.origin.as_ref().filter(|_| self.places > 0 && ray.kind == RayKind::Shadow) else {
+            return 0;
+        };
         let back = origin.group.chunk.head(origin.index).parent as usize;
         let hit = origin.index - back;
         let heads = origin.group.children[hit].iter().map(|&child| origin.group.chunk.head(child));

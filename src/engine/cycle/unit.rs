@@ -261,8 +261,8 @@ impl Unit {
         }
     }
 
-    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit, `passed_by` whether
-    /// rays had to wait because the unit took as many as it can.
+    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit,
+    /// `passed_by` whether rays had to wait because the unit took as many as it can.
     pub fn account(&mut self, now: u64, began: bool, leaving: bool, passed_by: bool) {
         let memory = !self.fetches.is_empty();
         let pipeline = !self.stages.is_empty();

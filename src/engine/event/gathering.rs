@@ -34,8 +34,8 @@ impl Gathering {
         self.entries > 0
     }
 
-    /// The ray has done its path: leaves its updates in the table, or takes along what is there. Gives how many updates were
-    /// merged with others.
+    /// The ray has done its path: leaves its updates in the table, or takes along what is there. Gives how many
+    /// updates were merged with others.
     pub fn retire(&mut self, ray: &mut Ray, stores: &Stores) -> u64 {
         if ray.kind != RayKind::Shadow || ray.siblings < 2 || !self.is_there() {
             return 0;

@@ -244,9 +244,7 @@ impl Host {
 
     /// Takes a ray's results in cycle `now`.
     pub fn take(&mut self, ray: ChunkRay, now: u64) {
-        let Some(active) = &self.chunks[ray.chunk as usize] else {
-            unreachable!("a chunk stays while it has rays")
-        };
+        let Some(active) = &self.chunks[ray.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
         if !active.children(ray.index).is_empty() {
             self.shading.push_back((now + self.shading_cycles, ray));
         }

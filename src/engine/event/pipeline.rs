@@ -433,8 +433,8 @@ impl Pipeline {
     }
 
     /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it does if it is the first of
-    /// the ready list, and no other can begin beside it. `line` is the first to come from the L2: of those that come in the next cycle all are known, since an answer takes
-    /// the L2's latency.
+    /// the ready list, and no other can begin beside it. `line` is the first to come from the L2: of those that
+    /// come in the next cycle all are known, since an answer takes the L2's latency.
     #[inline]
     fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
         self.hit_latency == 1

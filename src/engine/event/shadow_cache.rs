@@ -145,7 +145,11 @@ impl ShadowCache {
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
             ray.owner = Owner::ShadowCache(self.index);
-            if ray.undecided { self.pipeline.ready(id, links) } else { self.route(id, now, links) }
+            if ray.undecided {
+                self.pipeline.ready(id, links)
+            } else {
+                self.route(id, now, links)
+            }
             true
         } else if let Some(ending) = &mut self.ending
             && let Some(&id) = self.free_entries.front()

@@ -151,7 +151,8 @@ impl Host {
         parent
     }
 
-    /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are done at once.
+    /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are
+    /// done at once.
     pub fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now

@@ -125,7 +125,8 @@ impl Unit {
         at + self.latency
     }
 
-    /// An operation began in cycle `at` that takes the unit for so many cycles, if it is the last that can begin beside others.
+    /// An operation began in cycle `at` that takes the unit for so many cycles, if it is the last that can begin
+    /// beside others.
     fn began(&mut self, at: u64, cycles: u64) {
         self.operations += 1;
         self.begun = if at == self.last_begun { self.begun + 1 } else { 1 };

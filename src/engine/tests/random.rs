@@ -185,20 +185,22 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     let gather = prop_oneof![Just(0), 1..3u64, Just(100)];
     let taking = (1..4u64, prop_oneof![3 => 1..5u64, 1 => 5..20u64], 1..5u64);
     (taking, place, layout, writes, register, frame_end, (silent, decide, gather, latched)).prop_map(
-        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather, latched))| ShadowCacheSpec {
-            count: num(count),
-            contexts: num(contexts),
-            width: num(width),
-            silent,
-            decide,
-            gather: num(gather),
-            latched,
-            place,
-            layout,
-            writes,
-            register: num(register),
-            frame_end,
-            ..ShadowCacheSpec::default()
+        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather, latched))| {
+            ShadowCacheSpec {
+                count: num(count),
+                contexts: num(contexts),
+                width: num(width),
+                silent,
+                decide,
+                gather: num(gather),
+                latched,
+                place,
+                layout,
+                writes,
+                register: num(register),
+                frame_end,
+                ..ShadowCacheSpec::default()
+            }
         },
     )
 }
@@ -323,11 +325,30 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
             })
             .collect::<Vec<_>>()
     });
-    let frames = (prop::collection::vec(group, 0..12), end, 1..9usize).prop_map(|(groups, end, chunk)| {
-        let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
-        frame(info, &groups.concat(), &end, chunk)
-    });
+    let frames = (prop::collection::vec(prop_oneof![3 => group, 1 => fans()], 0..12), end, 1..9usize).prop_map(
+        |(groups, end, chunk)| {
+            let info =
+                FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
+            frame(info, &groups.concat(), &end, chunk)
+        },
+    );
     prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
+}
+
+/// A hit with several traced shadow rays, which update few words.
+fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
+    let update = (0..3u32, any::<bool>()).prop_map(|(index, silent)| {
+        Step::pack_word_update(index, if silent { Effect::Silent } else { Effect::Changes })
+    });
+    let shadow = (0..30u32, prop::collection::vec(update, 0..3));
+    prop::collection::vec(shadow, 2..6).prop_map(|shadows| {
+        let hit = SyntheticRay::primary(vec![Step::Node(NodeId(0))]);
+        let shadow = |((node, policy), parent)| {
+            let path = vec![Step::Node(NodeId(node))];
+            SyntheticRay { policy, ..SyntheticRay::shadow(parent, Decision::Trace, path) }
+        };
+        [hit].into_iter().chain(shadows.into_iter().zip(1..).map(shadow)).collect()
+    })
 }
 
 /// Streams of a frame's end alone, with stores of a few lines.

@@ -94,7 +94,10 @@ fn cycles_lost_at_the_intake_are_not_starved() {
         (machine.shadow_cache.register, machine.shadow_cache.width) = (num(4), num(width));
         (machine.dispatcher.in_fifo, machine.dispatcher.out_fifo) = (num(64), num(64));
         let rays: Vec<_> = (0..256)
-            .map(|_| SyntheticRay { policy: vec![Step::pack_word_update(3, Effect::Silent)], ..SyntheticRay::primary(nodes([0])) })
+            .map(|_| SyntheticRay {
+                policy: vec![Step::pack_word_update(3, Effect::Silent)],
+                ..SyntheticRay::primary(nodes([0]))
+            })
             .collect();
         let tally = tally(&machine, &rays);
         let causes = tally.units[Kind::ShadowCache as usize][0].causes;
