@@ -22,9 +22,14 @@
 //! FEND        0 128  totals: 16 integers of 8 bytes in the order of stream::Totals
 //!           128  .  the policy's steps at the frame's end, 4 bytes each
 //! INDX               for each frame 172 bytes, then for each static primitive 4 bytes, its triangle record
-//! (ffffffff: none). A frame's:             0  4  the frame's number             4  8  offset of its FRAM block in
-//! the file            12  8  bytes of its blocks in the file            20  8  bytes of its payloads            28
-//! 8  its rays            36  8  its blocks            44 128  its totals, as in FEND
+//!                    (ffffffff: none). A frame's:
+//!             0  4  the frame's number
+//!             4  8  offset of its FRAM block in the file
+//!            12  8  bytes of its blocks in the file
+//!            20  8  bytes of its payloads
+//!            28  8  its rays
+//!            36  8  its blocks
+//!            44 128  its totals, as in FEND
 //!
 //! footer      0  8  offset of the INDX block in the file
 //!             8  4  CRC-32 that starts from the file's seed, of bytes 0 to 7
