@@ -27,9 +27,12 @@ pub(super) struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
+    /// Loads the experiment, and tells what of the scene's files has no effect.
     pub(super) fn load(&self) -> Result<Experiment> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
-        Ok(Experiment::load(&config_path(Kind::Experiment, &self.config)?, overrides)?)
+        let experiment = Experiment::load(&config_path(Kind::Experiment, &self.config)?, overrides)?;
+        experiment.scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
+        Ok(experiment)
     }
 }
 
