@@ -12,7 +12,6 @@ const OPEN: &[(&str, usize)] = &[
     ("accel/", 7),
     ("accel/kdtree/", 4),
     ("engine/", 13),
-    ("engine/cycle/", 3),
     ("engine/sampling/", 5),
     ("scene/", 3),
     ("scene/builtin/", 4),

@@ -230,8 +230,7 @@ impl Pipeline {
         if now < self.open_at {
             return false;
         }
-        let fetch = &rays[ray as usize].fetch;
-        if fetch.write && self.writes.go_through(fetch.class) && !self.write_through(fetch) {
+        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
             return false;
         }
         self.ready.drop_front();
@@ -246,8 +245,11 @@ impl Pipeline {
         self.open_at = at + self.timing.interval;
     }
 
-    /// Sends the write of an operation down, if there is a place.
+    /// Sends the write of an operation down, if it goes through; false if there is no place.
     fn write_through(&mut self, fetch: &Fetch) -> bool {
+        if !fetch.write || !self.writes.go_through(fetch.class) {
+            return true;
+        }
         if self.out.len() == self.out_places {
             return false;
         }
@@ -325,43 +327,44 @@ impl Pipeline {
         }
         self.banks.clear();
         for _ in 0..self.ports {
-            let Some(&ray) = self.fetching.front() else { return false };
-            let fetch = links.rays[ray as usize].fetch;
-            if fetch.straight {
-                if !self.ask_straight(ray, &mut links.rays) {
+            let Some(&id) = self.fetching.front() else { return false };
+            let ray = &mut links.rays[id as usize];
+            let Fetch { line, class, write, straight, .. } = ray.fetch;
+            if straight {
+                if !self.ask_straight(id, ray) {
                     return true;
                 }
                 continue;
             }
-            if !self.banks.take(fetch.line) {
-                self.cache.conflict(fetch.class);
+            if !self.banks.take(line) {
+                self.cache.conflict(class);
                 return false;
             }
-            let access = self.writes.access(fetch.class, fetch.write);
-            let hit = self.cache.hit(fetch.line, fetch.class, access);
-            if !hit && !self.miss(ray, access, &mut links.rays) {
+            let access = if write { self.writes.access(class, true) } else { Access::Read };
+            let hit = self.cache.hit(line, class, access);
+            if !hit && !self.miss(id, ray, access) {
                 return true;
             }
             self.accessed = true;
-            let fetch = &mut links.rays[ray as usize].fetch;
+            let fetch = &mut ray.fetch;
             fetch.line.0 += 1;
             fetch.left -= 1;
             if fetch.left > 0 {
                 // With a latency of one cycle, the line is there when the next one is accessed.
                 if !hit || self.hit_latency > 1 {
-                    self.wait(ray, hit, now, fetch);
+                    self.wait(id, hit, now, fetch);
                 }
                 continue;
             }
-            self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+            self.requested[class as usize] += Bytes(fetch.bytes.into());
             self.fetching.drop_front();
-            let alone = hit && fetch.missing == 0 && !(fetch.write && self.writes.go_through(fetch.class));
+            let alone = hit && fetch.missing == 0 && access != Access::WriteThrough;
             if alone && self.is_open_next(now, links.lines[self.part.0 as usize].front()) {
-                self.enter(ray, now + 1);
+                self.enter(id, now + 1);
                 self.begins_next = true;
             } else {
                 self.waiting += 1;
-                self.wait(ray, hit, now, fetch);
+                self.wait(id, hit, now, fetch);
             }
         }
         false
@@ -388,11 +391,11 @@ impl Pipeline {
             && line.is_none_or(|line| line.at > now + 1)
     }
 
-    /// An access of `ray` to a line that is not there; false if it has to wait.
-    fn miss(&mut self, ray: RayId, access: Access, rays: &mut [Ray]) -> bool {
-        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = rays[ray as usize];
+    /// An access of ray `id` to a line that is not there; false if it has to wait.
+    fn miss(&mut self, id: RayId, ray: &Ray, access: Access) -> bool {
+        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = *ray;
         let room = self.out.len() < self.out_places;
-        match self.cache.miss(line, class, access, Some(ray), room) {
+        match self.cache.miss(line, class, access, Some(id), room) {
             Lookup::Stalled => return false,
             Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
             Lookup::Merged => {}
@@ -405,17 +408,16 @@ impl Pipeline {
         true
     }
 
-    /// The first ray of the fetch queue asks the L2 for its line; false if it has to wait.
-    fn ask_straight(&mut self, ray: RayId, rays: &mut [Ray]) -> bool {
+    /// The first ray of the fetch queue, `id`, asks the L2 for its line; false if it has to wait.
+    fn ask_straight(&mut self, id: RayId, ray: &mut Ray) -> bool {
         if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
             return false;
         }
-        let marked = rays[ray as usize].marked;
-        let fetch = &mut rays[ray as usize].fetch;
+        let (marked, fetch) = (ray.marked, &mut ray.fetch);
         let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
         (fetch.left, fetch.missing) = (0, 1);
         self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
-        self.straight.push_back((line, ray));
+        self.straight.push_back((line, id));
         self.read_straight[class as usize].add(bytes);
         self.waiting += 1;
         self.fetching.drop_front();
