@@ -2,11 +2,10 @@
 
 use crate::stats::Cause;
 
-/// An operation that begins in a cycle to come, as is known for sure.
+/// A cycle to come in which the last of the operations begins that are known to, and the cause of those after it.
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
     at: u64,
-    occupied: u64,
     idle: Cause,
 }
 
@@ -40,26 +39,35 @@ impl Causes {
     #[inline]
     pub fn cycle(&mut self, now: u64, occupied: u64, idle: Cause) {
         if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
-            self.note(ahead.at, ahead.occupied, ahead.idle);
+            self.change(ahead.at, ahead.idle);
         }
         self.note(now, occupied, idle);
     }
 
-    /// What [`Causes::cycle`] is to be told of cycle `at`, which is to come. Nothing else happens before it.
+    /// Operations are known to begin in cycles to come, those before `cycle`, one right after another, the last in cycle `last`, which occupies
+    /// its entry for `interval` cycles. More than were told before occupy it for `more` cycles. From `last` on, `idle` is the cause of other cycles.
     #[inline]
-    pub fn ahead(&mut self, at: u64, occupied: u64, idle: Cause) {
-        self.ahead = Some(Ahead { at, occupied, idle });
+    pub fn ahead(&mut self, more: u64, last: u64, interval: u64, idle: Cause) {
+        self.busy += more;
+        self.busy_until = last + interval;
+        self.ahead = Some(Ahead { at: last, idle });
     }
 
     #[inline]
     fn note(&mut self, now: u64, occupied: u64, idle: Cause) {
-        if idle != self.idle {
-            self.settle(now);
-            self.idle = idle;
-        }
+        self.change(now, idle);
         if occupied > 0 {
             self.busy += occupied;
             self.busy_until = now + occupied;
+        }
+    }
+
+    /// From cycle `now` on, `idle` is the cause.
+    #[inline]
+    fn change(&mut self, now: u64, idle: Cause) {
+        if idle != self.idle {
+            self.settle(now);
+            self.idle = idle;
         }
     }
 
@@ -79,14 +87,19 @@ impl Causes {
         self.busy
     }
 
-    /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of the last cycle that counts which has passed.
+    /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to begin in the last one, its
+    /// ray still waits.
     pub fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
         let mut end = *self;
-        if let Some(Ahead { at, occupied, idle }) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {
-            end.note(at, occupied, idle);
+        if let Some(ahead) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {
+            end.change(ahead.at, ahead.idle);
         }
         end.settle(cycles);
         end.totals[Cause::Busy as usize] += end.busy_before;
+        if self.ahead.is_some_and(|ahead| ahead.at + 1 == cycles) {
+            end.totals[Cause::Busy as usize] -= 1;
+            end.totals[end.idle as usize] += 1;
+        }
         end.totals
     }
 }
@@ -101,7 +114,7 @@ mod tests {
         let of = |causes: &Causes, cycles| Cause::ALL.map(|cause| (cause, causes.until(cycles)[cause as usize]));
         causes.cycle(2, 0, Cause::Memory);
         causes.cycle(3, 4, Cause::Pipeline);
-        causes.ahead(9, 2, Cause::Starved);
+        causes.ahead(2, 9, 2, Cause::Starved);
         let of_cause = |cycles, cause| of(&causes, cycles).into_iter().find(|&(it, _)| it == cause).map(|(_, it)| it);
         // Starved 0 and 1, waiting for memory in 2, busy 3 to 6, in the pipeline 7 and 8, busy 9 and 10, starved 11.
         for (cycles, busy, starved) in [(3, 0, 2), (5, 2, 2), (12, 6, 3)] {

@@ -3,7 +3,8 @@
 use super::causes::Causes;
 use super::links::{Answer, Links, take};
 use super::ray::{Fetch, Ray, RayId};
-use crate::machine::layout::{Element, Layout};
+use crate::machine::MachineSpec;
+use crate::machine::layout::Element;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
 use crate::memory::ring::Ring;
@@ -18,6 +19,23 @@ pub struct Stages {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
+}
+
+/// What a unit knows of the memory below its L1.
+#[derive(Clone, Copy, Debug)]
+pub struct Memory {
+    /// Bytes of a line.
+    pub line: u64,
+    /// The shortest latency of a cache of the L2.
+    pub answer_latency: u64,
+}
+
+impl Memory {
+    /// Of `machine`.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let latencies = machine.l2.caches().into_iter().map(|(_, cache)| cache.latency.get());
+        Self { line: machine.line_bytes.get(), answer_latency: latencies.min().unwrap_or(0) }
+    }
 }
 
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
@@ -51,8 +69,14 @@ pub struct Pipeline {
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
     accessed: bool,
-    /// Whether the access of this cycle is a hit whose operation begins in the next one.
-    begins_next: bool,
+    /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
+    foresees: bool,
+    answer_latency: u64,
+    /// The first cycle in which the port of the L1 is free.
+    access_at: u64,
+    /// Operations of this cycle's rays that begin in cycles to come, and when the last of all such begins.
+    foreseen: u64,
+    begins_last: u64,
     filled_for: Vec<RayId>,
     release: Release,
     /// Rays whose lines have come and are given out one by one.
@@ -66,8 +90,18 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// An empty unit with the number `part`, of a core, whose L1 has lines of `line` bytes.
-    pub fn new(part: PartId, core: u32, cache: &CacheSpec, timing: Stages, line: u64, writes: WritePolicy) -> Self {
+    /// An empty unit with the number `part`, of a core.
+    pub fn new(
+        part: PartId,
+        core: u32,
+        cache: &CacheSpec,
+        timing: Stages,
+        writes: WritePolicy,
+        memory: Memory,
+    ) -> Self {
+        let Memory { line, answer_latency } = memory;
+        let in_step = cache.ports.get() == 1 && cache.latency.get() == 1 && timing.interval == 1;
+        let foresees = in_step && writes == WritePolicy::Back;
         Self {
             part,
             core,
@@ -91,7 +125,11 @@ impl Pipeline {
             causes: Causes::default(),
             filled: false,
             accessed: false,
-            begins_next: false,
+            foresees,
+            answer_latency,
+            access_at: 0,
+            foreseen: 0,
+            begins_last: 0,
             filled_for: Vec::new(),
             release: cache.release,
             released: Ring::new(),
@@ -170,45 +208,62 @@ impl Pipeline {
         take(&mut self.stages, now)
     }
 
-    /// The ray whose operation ends, if all other rays of the unit are in the pipeline or wait for lines from the L2.
-    #[inline]
-    pub fn leaves_alone(&self, now: u64) -> Option<RayId> {
-        let queued = self.fetching.len() | self.hits.len() | self.ready.len() | self.out.len() | self.released.len();
-        let &(at, ray) = self.stages.front()?;
-        (at == now && queued == 0).then_some(ray)
-    }
-
-    /// The whole cycle of a unit that [leaves](Pipeline::leaves_alone) a ray alone, if the ray fetches `element` next, to which an L1 without
-    /// banks gives one access: if the element lies in one line, which is there, its operation begins in the next cycle. No line comes
-    /// before. Returns when the next operation ends; `None` if it is not so, and nothing was done.
-    #[inline]
-    pub fn fetch_at_once(&mut self, ray: RayId, element: &Element, layout: &Layout, now: u64) -> Option<u64> {
-        let (line, lines) = layout.lines(element);
-        if lines > 1 || self.hit_latency > 1 || self.open_at > now + 1 {
-            return None;
-        }
-        if !self.cache.hit(line, element.class, Access::Read) {
-            return None;
-        }
-        self.requested[element.class as usize] += Bytes(element.bytes);
-        self.stages.drop_front();
-        self.enter(ray, now + 1);
-        self.causes.cycle(now, 0, Cause::Memory);
-        self.causes.ahead(now + 1, self.timing.interval, self.idle_cause(false));
-        self.stages.front().map(|stage| stage.0)
+    /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be replaced while it works.
+    pub fn foresee_nothing(&mut self) {
+        self.foresees = false;
     }
 
     /// A ray begins to fetch `element`.
     #[inline]
-    pub fn fetch(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].begin_fetch(element, &links.layout);
-        self.fetching.push_back(ray);
+    pub fn fetch(&mut self, ray: RayId, element: &Element, now: u64, links: &mut Links) {
+        if !self.foresees || self.queued() > 0 || !self.foresee(ray, element, now, links) {
+            links.rays[ray as usize].begin_fetch(element, &links.layout);
+            self.fetching.push_back(ray);
+        }
+    }
+
+    /// Entries of all queues and lists that an access or an operation waits in.
+    #[inline]
+    fn queued(&self) -> usize {
+        self.fetching.len() | self.hits.len() | self.ready.len() | self.released.len()
+    }
+
+    /// Most fetches are hits, and all that becomes of one is known when its ray arrives, if nothing is queued but rays of which this is known:
+    /// the port is free from cycle `access_at` on, the line is there in the cycle after its access, and the operation begins when those before
+    /// it have begun. So the access is made at once, in its turn, and the ray enters the pipeline, for a later cycle. What could come between is
+    /// a line from the L2: lines on their way are known, and others take the L2's latency. Whether it is so; if not, nothing was done.
+    #[inline]
+    fn foresee(&mut self, ray: RayId, element: &Element, now: u64, links: &Links) -> bool {
+        let (line, lines) = links.layout.lines(element);
+        let access_at = now.max(self.access_at);
+        let begin = (access_at + 1).max(self.open_at);
+        let next_line = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        if lines > 1 || begin >= next_line.min(now + self.answer_latency + 1) {
+            return false;
+        }
+        let access = if element.write { Access::Write } else { Access::Read };
+        if !self.cache.hit(line, element.class, access) {
+            return false;
+        }
+        self.requested[element.class as usize] += Bytes(element.bytes);
+        self.access_at = access_at + 1;
+        self.enter_ahead(ray, begin);
+        true
+    }
+
+    /// An operation of `ray` begins in cycle `at`, which is to come: its ray waits for its line until then.
+    #[inline]
+    fn enter_ahead(&mut self, ray: RayId, at: u64) {
+        self.enter(ray, at);
+        self.foreseen += 1;
+        self.begins_last = at;
     }
 
     /// A ray begins to fetch `element` from the L2.
     pub fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        self.fetch(ray, element, links);
+        links.rays[ray as usize].begin_fetch(element, &links.layout);
         links.rays[ray as usize].fetch.straight = true;
+        self.fetching.push_back(ray);
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
@@ -264,7 +319,21 @@ impl Pipeline {
     /// to go to another unit.
     #[inline]
     pub fn end(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
-        (self.accessed, self.begins_next) = (false, false);
+        let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        let at = if self.queued() | self.out.len() == 0 && lines > now {
+            self.account(now, began, leaving);
+            self.stages.front().map_or(u64::MAX, |stage| stage.0).min(lines)
+        } else {
+            self.end_crowded(now, links, began, leaving)
+        };
+        if at != u64::MAX {
+            links.clock.wake(self.part, at);
+        }
+    }
+
+    /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is known.
+    fn end_crowded(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) -> u64 {
+        self.accessed = false;
         let stalled = self.access(now, links);
         let sent = !self.out.is_empty() && self.send(now, links);
         self.account(now, began, leaving || !self.ready.is_empty());
@@ -274,10 +343,7 @@ impl Pipeline {
             || !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
             || lines <= now && (self.filled || sent || self.accessed);
-        let at = if at_once { now + 1 } else { self.next_event(now, lines) };
-        if at != u64::MAX {
-            links.clock.wake(self.part, at);
-        }
+        if at_once { now + 1 } else { self.next_event(now, lines) }
     }
 
     /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first line comes.
@@ -309,13 +375,13 @@ impl Pipeline {
     fn account(&mut self, now: u64, began: bool, held: bool) {
         let idle = self.idle_cause(held);
         let occupied = if began { self.timing.interval } else { 0 };
-        if self.begins_next {
-            // In this cycle its ray waits for the line.
-            self.causes.cycle(now, occupied, if held { Cause::Blocked } else { Cause::Memory });
-            self.causes.ahead(now + 1, self.timing.interval, idle);
-        } else {
-            self.causes.cycle(now, occupied, idle);
+        if self.begins_last <= now {
+            return self.causes.cycle(now, occupied, idle);
         }
+        // Until its operation begins, the last ray waits for its line.
+        self.causes.cycle(now, occupied, if held { Cause::Blocked } else { Cause::Memory });
+        let occupied = std::mem::take(&mut self.foreseen) * self.timing.interval;
+        self.causes.ahead(occupied, self.begins_last, self.timing.interval, idle);
     }
 
     /// Step 6; whether the queue was stopped.
@@ -323,6 +389,9 @@ impl Pipeline {
     fn access(&mut self, now: u64, links: &mut Links) -> bool {
         if let Some(ray) = self.released.pop_front() {
             self.line_came(ray, &mut links.rays);
+            return false;
+        }
+        if now < self.access_at {
             return false;
         }
         self.banks.clear();
@@ -360,8 +429,7 @@ impl Pipeline {
             self.fetching.drop_front();
             let alone = hit && fetch.missing == 0 && access != Access::WriteThrough;
             if alone && self.is_open_next(now, links.lines[self.part.0 as usize].front()) {
-                self.enter(id, now + 1);
-                self.begins_next = true;
+                self.enter_ahead(id, now + 1);
             } else {
                 self.waiting += 1;
                 self.wait(id, hit, now, fetch);

@@ -1,7 +1,7 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
 use crate::machine::layout::{Element, Layout};
-use crate::quantity::{LineAddr, NodeId};
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step};
 
@@ -127,13 +127,6 @@ impl Ray {
     #[inline]
     pub fn path_step(&self) -> Option<Step> {
         if self.next < self.path_end { self.step() } else { None }
-    }
-
-    /// The node that the step of the path after the next one visits, if it does.
-    #[inline]
-    pub fn node_after(&self) -> Option<NodeId> {
-        let after = self.next + 1;
-        if after >= self.path_end { None } else { self.steps.get(after).and_then(|&word| Step::node(word)) }
     }
 
     /// Whether the ray has policy steps.
