@@ -1,5 +1,6 @@
 //! Why each cycle of a unit went as it did, counted at changes: a part that is not looked at does not change.
 
+use crate::memory::ring::Ring;
 use crate::stats::Cause;
 
 /// A cycle to come in which the last of the operations begins that are known to, and the cause of those after it.
@@ -9,57 +10,60 @@ struct Ahead {
     idle: Cause,
 }
 
+/// Cycles that operations occupy, one right after another: from the first to before the second.
+type Run = (u64, u64);
+
 /// A unit's cycles by cause.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Causes {
     /// Idle cycles before `from`, by cause.
     totals: [u64; Cause::ALL.len()],
     /// The cause of the cycles from `from` on in which the unit is not busy, until something happens.
     idle: Cause,
     from: u64,
-    /// Cycles that operations occupy, those of the last one that are still to come included.
+    /// Cycles that operations occupy, those that are still to come included.
     busy: u64,
     /// How many of them lie before `from`.
     busy_before: u64,
-    /// The first cycle that no operation occupies.
-    busy_until: u64,
+    /// Those that may not have passed, in order.
+    runs: Ring<Run>,
     ahead: Option<Ahead>,
 }
 
 impl Default for Causes {
     fn default() -> Self {
         let totals = [0; Cause::ALL.len()];
-        Self { totals, idle: Cause::Starved, from: 0, busy: 0, busy_before: 0, busy_until: 0, ahead: None }
+        Self { totals, idle: Cause::Starved, from: 0, busy: 0, busy_before: 0, runs: Ring::new(), ahead: None }
     }
 }
 
 impl Causes {
-    /// Cycle `now` has passed: the unit began an operation that occupies its entry for so many cycles (0: it began none), and
-    /// in others `idle` is the cause until something happens.
+    /// An operation begins in cycle `at`, after all others, and occupies its entry for so many cycles.
     #[inline]
-    pub fn cycle(&mut self, now: u64, occupied: u64, idle: Cause) {
+    pub fn begin(&mut self, at: u64, cycles: u64) {
+        self.busy += cycles;
+        match self.runs.back_mut().filter(|run| run.1 == at) {
+            Some(run) => run.1 += cycles,
+            None => self.runs.push_back((at, at + cycles)),
+        }
+    }
+
+    /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no operation occupies the unit.
+    #[inline]
+    pub fn cycle(&mut self, now: u64, idle: Cause) {
         if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
             self.change(ahead.at, ahead.idle);
         }
-        self.note(now, occupied, idle);
-    }
-
-    /// Operations are known to begin in cycles to come, those before `cycle`, one right after another, the last in cycle `last`, which occupies
-    /// its entry for `interval` cycles. More than were told before occupy it for `more` cycles. From `last` on, `idle` is the cause of other cycles.
-    #[inline]
-    pub fn ahead(&mut self, more: u64, last: u64, interval: u64, idle: Cause) {
-        self.busy += more;
-        self.busy_until = last + interval;
-        self.ahead = Some(Ahead { at: last, idle });
-    }
-
-    #[inline]
-    fn note(&mut self, now: u64, occupied: u64, idle: Cause) {
         self.change(now, idle);
-        if occupied > 0 {
-            self.busy += occupied;
-            self.busy_until = now + occupied;
+        while self.runs.front().is_some_and(|run| run.1 <= now) {
+            self.runs.drop_front();
         }
+    }
+
+    /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the cause.
+    #[inline]
+    pub fn ahead(&mut self, at: u64, idle: Cause) {
+        self.ahead = Some(Ahead { at, idle });
     }
 
     /// From cycle `now` on, `idle` is the cause.
@@ -73,13 +77,10 @@ impl Causes {
 
     /// Counts the idle cycles before `now`.
     fn settle(&mut self, now: u64) {
-        let busy_before = self.busy_up_to(now);
+        let to_come = self.runs.iter().map(|&(from, until)| until.saturating_sub(from.max(now)));
+        let busy_before = self.busy - to_come.sum::<u64>();
         self.totals[self.idle as usize] += (now - self.from) - (busy_before - self.busy_before);
         (self.from, self.busy_before) = (now, busy_before);
-    }
-
-    fn busy_up_to(&self, now: u64) -> u64 {
-        self.busy - self.busy_until.saturating_sub(now)
     }
 
     /// Cycles in which an operation occupied the unit, so far as is known.
@@ -90,7 +91,7 @@ impl Causes {
     /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to begin in the last one, its
     /// ray still waits.
     pub fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
-        let mut end = *self;
+        let mut end = self.clone();
         if let Some(ahead) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {
             end.change(ahead.at, ahead.idle);
         }
@@ -112,9 +113,11 @@ mod tests {
     fn every_cycle_has_one_cause() {
         let mut causes = Causes::default();
         let of = |causes: &Causes, cycles| Cause::ALL.map(|cause| (cause, causes.until(cycles)[cause as usize]));
-        causes.cycle(2, 0, Cause::Memory);
-        causes.cycle(3, 4, Cause::Pipeline);
-        causes.ahead(2, 9, 2, Cause::Starved);
+        causes.cycle(2, Cause::Memory);
+        causes.begin(3, 4);
+        causes.cycle(3, Cause::Pipeline);
+        causes.begin(9, 2);
+        causes.ahead(9, Cause::Starved);
         let of_cause = |cycles, cause| of(&causes, cycles).into_iter().find(|&(it, _)| it == cause).map(|(_, it)| it);
         // Starved 0 and 1, waiting for memory in 2, busy 3 to 6, in the pipeline 7 and 8, busy 9 and 10, starved 11.
         for (cycles, busy, starved) in [(3, 0, 2), (5, 2, 2), (12, 6, 3)] {

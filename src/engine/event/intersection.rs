@@ -47,13 +47,13 @@ impl Intersection {
             self.free -= 1;
             self.take_on(id, now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let (core, part) = (self.pipeline.core(), self.pipeline.part());
         let sent = self.leaving.front().is_some_and(|&id| links.send_to_division(id, core, part, now));
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }

@@ -54,13 +54,13 @@ impl List {
             links.rays[id as usize].list = Some(self.index);
             self.route(id, now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let part = self.pipeline.part();
         let sent = self.leaving.front().is_some_and(|&id| links.send_to_test(id, self.pipeline.core(), part, now));
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }

@@ -74,8 +74,7 @@ pub struct Pipeline {
     answer_latency: u64,
     /// The first cycle in which the port of the L1 is free.
     access_at: u64,
-    /// Operations of this cycle's rays that begin in cycles to come, and when the last of all such begins.
-    foreseen: u64,
+    /// When the last operation begins of those that were entered ahead.
     begins_last: u64,
     filled_for: Vec<RayId>,
     release: Release,
@@ -128,7 +127,6 @@ impl Pipeline {
             foresees,
             answer_latency,
             access_at: 0,
-            foreseen: 0,
             begins_last: 0,
             filled_for: Vec::new(),
             release: cache.release,
@@ -216,10 +214,15 @@ impl Pipeline {
     /// A ray begins to fetch `element`.
     #[inline]
     pub fn fetch(&mut self, ray: RayId, element: &Element, now: u64, links: &mut Links) {
-        if !self.foresees || self.queued() > 0 || !self.foresee(ray, element, now, links) {
-            links.rays[ray as usize].begin_fetch(element, &links.layout);
-            self.fetching.push_back(ray);
+        let mut fetch = Fetch::of(element, &links.layout);
+        if self.foresees && self.queued() == 0 {
+            let bound = self.first_unknown(now, links);
+            if self.foresee(ray, &mut fetch, now, bound) {
+                return;
+            }
         }
+        links.rays[ray as usize].fetch = fetch;
+        self.fetching.push_back(ray);
     }
 
     /// Entries of all queues and lists that an access or an operation waits in.
@@ -228,47 +231,85 @@ impl Pipeline {
         self.fetching.len() | self.hits.len() | self.ready.len() | self.released.len()
     }
 
-    /// Most fetches are hits, and all that becomes of one is known when its ray arrives, if nothing is queued but rays of which this is known:
-    /// the port is free from cycle `access_at` on, the line is there in the cycle after its access, and the operation begins when those before
-    /// it have begun. So the access is made at once, in its turn, and the ray enters the pipeline, for a later cycle. What could come between is
-    /// a line from the L2: lines on their way are known, and others take the L2's latency. Whether it is so; if not, nothing was done.
+    /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's latency.
     #[inline]
-    fn foresee(&mut self, ray: RayId, element: &Element, now: u64, links: &Links) -> bool {
-        let (line, lines) = links.layout.lines(element);
-        let access_at = now.max(self.access_at);
-        let begin = (access_at + 1).max(self.open_at);
-        let next_line = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
-        if lines > 1 || begin >= next_line.min(now + self.answer_latency + 1) {
-            return false;
-        }
-        let access = if element.write { Access::Write } else { Access::Read };
-        if !self.cache.hit(line, element.class, access) {
-            return false;
-        }
-        self.requested[element.class as usize] += Bytes(element.bytes);
-        self.access_at = access_at + 1;
-        self.enter_ahead(ray, begin);
-        true
+    fn first_unknown(&self, now: u64, links: &Links) -> u64 {
+        let line = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        line.min(now + self.answer_latency + 1)
     }
 
-    /// An operation of `ray` begins in cycle `at`, which is to come: its ray waits for its line until then.
+    /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and all before it have left the
+    /// ready list: the port is free from cycle `access_at` on, a line is there in the cycle after its access, and the operation begins when those
+    /// before it have begun. So accesses are made at once, in their turn, from cycle `from` on, and the ray enters the pipeline, for a
+    /// later cycle. All that is before cycle `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes on
+    /// as others do.
+    #[inline]
+    fn foresee(&mut self, ray: RayId, fetch: &mut Fetch, from: u64, bound: u64) -> bool {
+        let access = if fetch.write { Access::Write } else { Access::Read };
+        loop {
+            let access_at = from.max(self.access_at);
+            let begin = (access_at + 1).max(self.open_at);
+            if begin >= bound || !self.cache.hit(fetch.line, fetch.class, access) {
+                return false;
+            }
+            self.access_at = access_at + 1;
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+            if fetch.left == 0 {
+                self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+                if fetch.missing == 0 {
+                    self.enter_ahead(ray, begin);
+                } else {
+                    self.waiting += 1;
+                }
+                return true;
+            }
+        }
+    }
+
+    /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready list, hits that get their
+    /// lines in the next cycle, and the fetch queue up to the first line that is not there.
+    fn foresee_queued(&mut self, now: u64, links: &mut Links) {
+        while let Some(ray) = self.ready.pop_front() {
+            self.enter_ahead(ray, self.open_at.max(now + 1));
+        }
+        let bound = self.first_unknown(now, links);
+        if bound <= now + 1 || !self.released.is_empty() {
+            return;
+        }
+        while let Some((_, ray)) = self.hits.pop_front() {
+            let fetch = &mut links.rays[ray as usize].fetch;
+            fetch.missing -= 1;
+            if fetch.missing == 0 && fetch.left == 0 {
+                self.waiting -= 1;
+                self.enter_ahead(ray, self.open_at.max(now + 1));
+            }
+        }
+        while let Some(&ray) = self.fetching.front() {
+            let fetch = &mut links.rays[ray as usize].fetch;
+            if !self.foresee(ray, fetch, now + 1, bound) {
+                return;
+            }
+            self.fetching.drop_front();
+        }
+    }
+
+    /// An operation of `ray` begins in cycle `at`, which is to come.
     #[inline]
     fn enter_ahead(&mut self, ray: RayId, at: u64) {
         self.enter(ray, at);
-        self.foreseen += 1;
         self.begins_last = at;
     }
 
     /// A ray begins to fetch `element` from the L2.
     pub fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].begin_fetch(element, &links.layout);
-        links.rays[ray as usize].fetch.straight = true;
+        links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
         self.fetching.push_back(ray);
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
     pub fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].begin_fetch(element, &links.layout);
+        links.rays[ray as usize].fetch = Fetch::of(element, &links.layout);
         self.ready.push_back(ray);
     }
 
@@ -278,19 +319,15 @@ impl Pipeline {
         self.ready.push_back(ray);
     }
 
-    /// Step 5: whether an operation began.
+    /// Step 5: an operation begins, if one can.
     #[inline]
-    pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        let Some(&ray) = self.ready.front() else { return false };
-        if now < self.open_at {
-            return false;
-        }
-        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
-            return false;
+    pub fn begin(&mut self, now: u64, rays: &[Ray]) {
+        let Some(&ray) = self.ready.front() else { return };
+        if now < self.open_at || self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
+            return;
         }
         self.ready.drop_front();
         self.enter(ray, now);
-        true
     }
 
     /// An operation of `ray` begins in cycle `at`.
@@ -298,6 +335,7 @@ impl Pipeline {
     fn enter(&mut self, ray: RayId, at: u64) {
         self.stages.push_back((at + self.timing.latency, ray));
         self.open_at = at + self.timing.interval;
+        self.causes.begin(at, self.timing.interval);
     }
 
     /// Sends the write of an operation down, if it goes through; false if there is no place.
@@ -315,16 +353,16 @@ impl Pipeline {
         true
     }
 
-    /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
-    /// to go to another unit.
+    /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit.
     #[inline]
-    pub fn end(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
+    pub fn end(&mut self, now: u64, links: &mut Links, leaving: bool) {
         let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         let at = if self.queued() | self.out.len() == 0 && lines > now {
-            self.account(now, began, leaving);
+            self.account(now, leaving);
+            self.account_ahead(now, leaving);
             self.stages.front().map_or(u64::MAX, |stage| stage.0).min(lines)
         } else {
-            self.end_crowded(now, links, began, leaving)
+            self.end_crowded(now, links, leaving)
         };
         if at != u64::MAX {
             links.clock.wake(self.part, at);
@@ -332,18 +370,31 @@ impl Pipeline {
     }
 
     /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is known.
-    fn end_crowded(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) -> u64 {
+    fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool) -> u64 {
         self.accessed = false;
         let stalled = self.access(now, links);
         let sent = !self.out.is_empty() && self.send(now, links);
-        self.account(now, began, leaving || !self.ready.is_empty());
+        let ready = !self.ready.is_empty();
+        self.account(now, leaving || ready);
+        if self.foresees {
+            self.foresee_queued(now, links);
+            if ready && !leaving {
+                // Where no operation begins from the next cycle on, the next ray waits for a line.
+                self.causes.cycle(now + 1, Cause::Memory);
+            }
+        }
+        self.account_ahead(now, leaving || !self.ready.is_empty());
 
         let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         let at_once = !self.released.is_empty()
-            || !self.fetching.is_empty() && (!stalled || sent)
+            || !self.fetching.is_empty() && sent
             || !self.out.is_empty() && sent
             || lines <= now && (self.filled || sent || self.accessed);
-        if at_once { now + 1 } else { self.next_event(now, lines) }
+        if at_once {
+            return now + 1;
+        }
+        let access = if self.fetching.is_empty() || stalled { u64::MAX } else { self.access_at.max(now + 1) };
+        self.next_event(now, lines).min(access)
     }
 
     /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first line comes.
@@ -372,16 +423,18 @@ impl Pipeline {
 
     /// Counts the cycle by its cause; `held` says whether a ray waits for a place in the pipeline or elsewhere.
     #[inline]
-    fn account(&mut self, now: u64, began: bool, held: bool) {
-        let idle = self.idle_cause(held);
-        let occupied = if began { self.timing.interval } else { 0 };
-        if self.begins_last <= now {
-            return self.causes.cycle(now, occupied, idle);
+    fn account(&mut self, now: u64, held: bool) {
+        let waits_for_line = self.begins_last > now && !held;
+        let idle = if waits_for_line { Cause::Memory } else { self.idle_cause(held) };
+        self.causes.cycle(now, idle);
+    }
+
+    /// Counts the cycles up to that in which the last operation begins that is known to: until then, its ray waits for its line.
+    #[inline]
+    fn account_ahead(&mut self, now: u64, held: bool) {
+        if self.begins_last > now {
+            self.causes.ahead(self.begins_last, self.idle_cause(held));
         }
-        // Until its operation begins, the last ray waits for its line.
-        self.causes.cycle(now, occupied, if held { Cause::Blocked } else { Cause::Memory });
-        let occupied = std::mem::take(&mut self.foreseen) * self.timing.interval;
-        self.causes.ahead(occupied, self.begins_last, self.timing.interval, idle);
     }
 
     /// Step 6; whether the queue was stopped.

@@ -133,12 +133,14 @@ impl Ray {
     pub fn has_policy(&self) -> bool {
         self.path_end < self.steps.len()
     }
+}
 
-    /// Begins to fetch `element`.
+impl Fetch {
+    /// A fetch of `element`, not begun yet.
     #[inline]
-    pub fn begin_fetch(&mut self, element: &Element, layout: &Layout) {
+    pub fn of(element: &Element, layout: &Layout) -> Self {
         let (line, lines) = layout.lines(element);
-        self.fetch = Fetch {
+        Self {
             first: line,
             line,
             left: lines as u8,
@@ -147,6 +149,6 @@ impl Ray {
             straight: false,
             class: element.class,
             bytes: element.bytes as u32,
-        };
+        }
     }
 }

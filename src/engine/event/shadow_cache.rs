@@ -92,7 +92,7 @@ impl ShadowCache {
             self.done.pop_front();
             self.free += 1;
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let core = self.pipeline.core();
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
             Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
@@ -101,7 +101,7 @@ impl ShadowCache {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty() || !self.done.is_empty());
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
         if sent && !self.leaving.is_empty() || self.free > 0 && to_come {

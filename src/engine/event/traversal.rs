@@ -50,9 +50,9 @@ impl Traversal {
             self.done.drop_front();
             links.freed.push(self.index);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let sent = !self.leaving.is_empty() && self.send(now, links);
-        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty() || !self.done.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }
