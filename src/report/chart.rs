@@ -1,7 +1,5 @@
 //! The chart of saving against error over several runs: every policy of every scene.
 
-use std::path::Path;
-
 use minijinja::context;
 use serde::{Deserialize, Serialize};
 
@@ -115,8 +113,8 @@ fn point(run: &Summary, name: &str, policy: &PolicySummary, off: &PolicySummary)
 }
 
 /// Writes the chart at `target`, in the place of an earlier report if there is one, complete or not at all.
-pub fn write_chart(target: &Path, chart: &ChartSummary) -> Result<(), ReportError> {
-    replace(target, |dir| {
+pub fn write_chart(folder: &ResultsFolder, chart: &ChartSummary) -> Result<(), ReportError> {
+    replace(folder, |dir| {
         let mut text = serde_json::to_vec_pretty(chart).map_err(ReportError::Summary)?;
         text.push(b'\n');
         put(&dir.join(SUMMARY_FILE), &text)?;
@@ -135,6 +133,7 @@ fn page(chart: &ChartSummary, plot: &str) -> Result<String, minijinja::Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::ResultsFolder;
     use crate::report::sample;
 
     #[test]
@@ -155,7 +154,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("chart");
         let chart = ChartSummary::new(&[sample::sample(&[0, 2]).summary]);
-        (0..2).for_each(|_| write_chart(&target, &chart).unwrap());
+        (0..2).for_each(|_| write_chart(&ResultsFolder::claim(&target).unwrap(), &chart).unwrap());
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<ChartSummary>(&text).unwrap(), chart);
         let page = std::fs::read_to_string(target.join(PAGE_FILE)).unwrap();

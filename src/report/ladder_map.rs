@@ -1,12 +1,11 @@
 //! The failure map of the ladder: how far each rung is from `Event` where streams and machines are made to hurt it.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::format::percent;
 use super::table::Grid;
 use super::{PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+use crate::output::ResultsFolder;
 use crate::quantity::Cycle;
 use crate::stats::MachineStats;
 
@@ -178,8 +177,8 @@ fn csv(map: &LadderMap) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Writes the map at `target`, in the place of an earlier one if there is one, complete or not at all.
-pub fn write_map(target: &Path, map: &LadderMap) -> Result<(), ReportError> {
-    replace(target, |dir| {
+pub fn write_map(folder: &ResultsFolder, map: &LadderMap) -> Result<(), ReportError> {
+    replace(folder, |dir| {
         let mut text = serde_json::to_vec_pretty(map).map_err(ReportError::Summary)?;
         text.push(b'\n');
         put(&dir.join(SUMMARY_FILE), &text)?;

@@ -25,7 +25,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
-use crate::output::write_whole;
+use crate::output::{FolderError, ResultsFolder, write_whole};
 pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
@@ -61,12 +61,9 @@ pub enum ReportError {
         /// What the system said.
         source: io::Error,
     },
-    /// Something that is no report is in the way.
-    #[error("{} is not an umbrasim report (it has no {SUMMARY_FILE} of one) and will not be overwritten", path.display())]
-    Foreign {
-        /// What is in the way.
-        path: PathBuf,
-    },
+    /// The folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The file is no summary.
     #[error("{} is not a summary of a run", path.display())]
     Broken {
@@ -124,67 +121,25 @@ pub struct Report {
     pub pictures: Vec<(PictureInfo, Image)>,
 }
 
-/// Whether a report can be written at `target`: there is nothing, an empty directory, or an earlier report. To be asked
-/// before a long run.
-pub fn check_target(target: &Path) -> Result<(), ReportError> {
-    let foreign = || ReportError::Foreign { path: target.into() };
-    match fs::read_dir(target) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) if error.kind() == io::ErrorKind::NotADirectory => Err(foreign()),
-        Err(source) => Err(ReportError::Read { path: target.into(), source }),
-        Ok(mut entries) => {
-            if entries.next().is_none() {
-                return Ok(());
-            }
-            // Any version of a summary will do, but a summary it must be.
-            let text = fs::read(target.join(SUMMARY_FILE)).map_err(|_| foreign())?;
-            let summary: serde_json::Value = serde_json::from_slice(&text).map_err(|_| foreign())?;
-            summary.get("schema").and(summary.get("policies")).map(|_| ()).ok_or_else(foreign)
-        }
-    }
+/// Writes a report into the folder, in the place of an earlier one if there is one: complete or not at all.
+///
+/// # Errors
+/// A part of the report cannot be made or written.
+pub fn write_report(folder: &ResultsFolder, report: &Report) -> Result<(), ReportError> {
+    replace(folder, |dir| fill(dir, report))
 }
 
-/// Writes a report at `target`, in the place of an earlier one if there is one. It is made in a directory beside it and
-/// comes into its place complete or not at all: after an error the place is as it was.
-pub fn write_report(target: &Path, report: &Report) -> Result<(), ReportError> {
-    replace(target, |dir| fill(dir, report))
-}
-
-/// Puts what `fill` makes in a new directory at `target`, complete or not at all.
-fn replace(target: &Path, fill: impl FnOnce(&Path) -> Result<(), ReportError>) -> Result<(), ReportError> {
-    check_target(target)?;
-    let parent = match target.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(parent).map_err(|source| ReportError::Write { path: parent.into(), source })?;
-    let beside = tempfile::Builder::new()
-        .prefix(".umbrasim-report-")
-        .tempdir_in(parent)
-        .map_err(|source| ReportError::Write { path: parent.into(), source })?;
-
-    // The directory beside is private to the user; the one in it has the rights that directories usually get.
-    let staging = beside.path().join("new");
-    fill(&staging).map_err(|error| match error {
-        // The place that the file was meant for: the one beside it is gone when the user reads this.
-        ReportError::Write { path, source } => ReportError::Write {
-            path: path.strip_prefix(&staging).map_or(path.clone(), |file| target.join(file)),
-            source,
-        },
-        other => other,
-    })?;
-    let earlier = beside.path().join("earlier");
-    let in_the_way = match fs::rename(target, &earlier) {
-        Ok(()) => true,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
-        Err(source) => return Err(ReportError::Write { path: target.into(), source }),
-    };
-    fs::rename(&staging, target).map_err(|source| {
-        if in_the_way {
-            // The first error is the one to tell; the earlier report goes back if it can.
-            let _ = fs::rename(&earlier, target);
-        }
-        ReportError::Write { path: target.into(), source }
+/// Puts what `fill` makes in a new directory into the folder, complete or not at all.
+fn replace(folder: &ResultsFolder, fill: impl FnOnce(&Path) -> Result<(), ReportError>) -> Result<(), ReportError> {
+    folder.replace(|dir| {
+        fill(dir).map_err(|error| match error {
+            // The place that the file was meant for: the new directory is gone when the user reads this.
+            ReportError::Write { path, source } => ReportError::Write {
+                path: path.strip_prefix(dir).map_or(path.clone(), |file| folder.path().join(file)),
+                source,
+            },
+            other => other,
+        })
     })
 }
 

@@ -1,8 +1,6 @@
 //! Speed against accuracy of the rungs of the ladder: tables, a chart and a page. Times differ from run to run, and lie apart from all
 //! that does not.
 
-use std::path::Path;
-
 use minijinja::context;
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +8,7 @@ use super::format::{or_absent, percent, short};
 use super::rung::{Rung, Spread};
 use super::table::Grid;
 use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
+use crate::output::ResultsFolder;
 use crate::stats::{Accuracy, MachineStats};
 
 /// The version of the names in `summary.json`.
@@ -260,8 +259,8 @@ fn csv(summary: &ParetoSummary) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Writes the report at `target`, in the place of an earlier one if there is one, complete or not at all.
-pub fn write_pareto(target: &Path, summary: &ParetoSummary, timings: &[Timing]) -> Result<(), ReportError> {
-    replace(target, |dir| {
+pub fn write_pareto(folder: &ResultsFolder, summary: &ParetoSummary, timings: &[Timing]) -> Result<(), ReportError> {
+    replace(folder, |dir| {
         let json = |text: Result<Vec<u8>, _>| text.map_err(ReportError::Summary);
         put(&dir.join(SUMMARY_FILE), &json(serde_json::to_vec_pretty(summary))?)?;
         put(&dir.join(TIMINGS_FILE), &json(serde_json::to_vec_pretty(timings))?)?;
@@ -363,7 +362,7 @@ mod tests {
         let row = &summary.grid(&timings).rows[1];
         assert_eq!((row[1].as_str(), row[2].as_str(), row[10].as_str()), ("\u{2013}", "\u{2013}", "2"));
         let folder = tempfile::tempdir().unwrap();
-        write_pareto(&folder.path().join("pareto"), &summary, &timings).unwrap();
+        write_pareto(&ResultsFolder::claim(&folder.path().join("pareto")).unwrap(), &summary, &timings).unwrap();
         assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [false]);
     }
 
@@ -372,7 +371,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("pareto");
         let (summary, timings) = summary();
-        (0..2).for_each(|_| write_pareto(&target, &summary, &timings).unwrap());
+        (0..2).for_each(|_| write_pareto(&ResultsFolder::claim(&target).unwrap(), &summary, &timings).unwrap());
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<ParetoSummary>(&text).unwrap().runs, summary.runs);
         let page = std::fs::read_to_string(target.join(PAGE_FILE)).unwrap();

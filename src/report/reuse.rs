@@ -1,12 +1,11 @@
 //! Misses of caches of all sizes: `reuse.csv`, a plot, and a table of the caches that the machine has.
 
-use std::path::Path;
-
 use serde::{Deserialize, Serialize};
 
 use super::format::{exact, percent};
 use super::table::Grid;
 use super::{PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace};
+use crate::output::ResultsFolder;
 use crate::stats::{MachineStats, ReuseCurve, ReuseLevel};
 
 /// The file with a row a cache, class and size.
@@ -86,8 +85,8 @@ fn csv(summary: &ReuseSummary) -> Result<Vec<u8>, csv::Error> {
 }
 
 /// Writes the report at `target`, in the place of an earlier one if there is one, complete or not at all.
-pub fn write_reuse(target: &Path, summary: &ReuseSummary) -> Result<(), ReportError> {
-    replace(target, |dir| {
+pub fn write_reuse(folder: &ResultsFolder, summary: &ReuseSummary) -> Result<(), ReportError> {
+    replace(folder, |dir| {
         let mut text = serde_json::to_vec_pretty(summary).map_err(ReportError::Summary)?;
         text.push(b'\n');
         put(&dir.join(SUMMARY_FILE), &text)?;

@@ -1,12 +1,11 @@
 //! The stress report: where each policy is wrong, for how long, and how far the published text's open ends move it.
 
-use std::path::Path;
-
 use minijinja::{Value, context};
 use serde::{Deserialize, Serialize};
 
 use super::format::{exact, percent};
 use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
+use crate::output::ResultsFolder;
 use crate::quantity::Cycle;
 
 /// The version of the names in `summary.json`.
@@ -200,8 +199,8 @@ impl StressSummary {
 }
 
 /// Writes the report at `target`, in the place of an earlier one if there is one, complete or not at all.
-pub fn write_stress(target: &Path, summary: &StressSummary) -> Result<(), ReportError> {
-    replace(target, |dir| {
+pub fn write_stress(folder: &ResultsFolder, summary: &StressSummary) -> Result<(), ReportError> {
+    replace(folder, |dir| {
         let mut text = serde_json::to_vec_pretty(summary).map_err(ReportError::Summary)?;
         text.push(b'\n');
         put(&dir.join(SUMMARY_FILE), &text)?;
@@ -317,7 +316,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("stress");
         for _ in 0..2 {
-            write_stress(&target, &summary()).unwrap();
+            write_stress(&ResultsFolder::claim(&target).unwrap(), &summary()).unwrap();
         }
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<StressSummary>(&text).unwrap(), summary());
@@ -328,7 +327,10 @@ mod tests {
         let foreign = folder.path().join("foreign");
         std::fs::create_dir(&foreign).unwrap();
         std::fs::write(foreign.join("notes.txt"), "mine").unwrap();
-        assert!(matches!(write_stress(&foreign, &summary()), Err(ReportError::Foreign { .. })));
+        assert!(matches!(
+            write_stress(&ResultsFolder::claim(&foreign).unwrap(), &summary()),
+            Err(ReportError::Foreign { .. })
+        ));
     }
 
     #[test]

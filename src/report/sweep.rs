@@ -1,7 +1,6 @@
 //! The report of a sweep: `sweep.csv`, `summary.json`, a plot, and a page.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 use minijinja::context;
 use serde::{Deserialize, Serialize};
@@ -9,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use super::format::{or_absent, percent, words};
 use super::split::Split;
 use super::table::Grid;
-use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, put};
+use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, put, replace};
 use super::{plots, template};
+use crate::output::ResultsFolder;
 use crate::quantity::{Bytes, Resolution};
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
@@ -140,23 +140,28 @@ fn csv(summary: &SweepSummary) -> Result<Vec<u8>, csv::Error> {
     csv.into_inner().map_err(|error| error.into_error().into())
 }
 
-/// Writes the report beside the points in `folder`, each file whole.
-pub fn write_sweep(folder: &Path, summary: &SweepSummary) -> Result<(), ReportError> {
-    let mut text = serde_json::to_vec_pretty(summary).map_err(ReportError::Summary)?;
-    text.push(b'\n');
-    let plot = plots::sweep::draw(summary).map_err(ReportError::Plot)?;
-    let context = context! {
-        experiment => summary.experiment.as_str(),
-        scene => summary.scene.as_str(),
-        frames => summary.frames.len(),
-        resolution => summary.resolution.to_string(),
-        points => template::grid(grid(summary)),
-        hit_rates => hit_rates(summary).into_iter().map(|(cache, of)| (cache, template::grid(of))).collect::<Vec<_>>(),
-        plot => plot.as_str(),
-    };
-    let page = template::render("sweep.html", include_str!("sweep.html"), context).map_err(ReportError::Page)?;
-    put(&folder.join(SUMMARY_FILE), &text)?;
-    put(&folder.join(SWEEP_FILE), &csv(summary).map_err(ReportError::Table)?)?;
-    put(&folder.join(PLOTS_FOLDER).join("sweep.svg"), plot.as_bytes())?;
-    put(&folder.join(PAGE_FILE), page.as_bytes())
+/// Writes the report beside the points in `folder`, complete or not at all.
+///
+/// # Errors
+/// A part of the report cannot be made or written.
+pub fn write_sweep(folder: &ResultsFolder, summary: &SweepSummary) -> Result<(), ReportError> {
+    replace(folder, |dir| {
+        let mut text = serde_json::to_vec_pretty(summary).map_err(ReportError::Summary)?;
+        text.push(b'\n');
+        let plot = plots::sweep::draw(summary).map_err(ReportError::Plot)?;
+        let context = context! {
+            experiment => summary.experiment.as_str(),
+            scene => summary.scene.as_str(),
+            frames => summary.frames.len(),
+            resolution => summary.resolution.to_string(),
+            points => template::grid(grid(summary)),
+            hit_rates => hit_rates(summary).into_iter().map(|(cache, of)| (cache, template::grid(of))).collect::<Vec<_>>(),
+            plot => plot.as_str(),
+        };
+        let page = template::render("sweep.html", include_str!("sweep.html"), context).map_err(ReportError::Page)?;
+        put(&dir.join(SUMMARY_FILE), &text)?;
+        put(&dir.join(SWEEP_FILE), &csv(summary).map_err(ReportError::Table)?)?;
+        put(&dir.join(PLOTS_FOLDER).join("sweep.svg"), plot.as_bytes())?;
+        put(&dir.join(PAGE_FILE), page.as_bytes())
+    })
 }

@@ -74,7 +74,7 @@ fn no_run_is_silent_about_its_error() {
 #[test]
 fn the_names_in_the_summary_stay() {
     let (_dir, target) = place();
-    write_report(&target, &sample(&[0, 16])).unwrap();
+    written(&target, &sample(&[0, 16])).unwrap();
     let value = serde_json::from_slice(&fs::read(target.join(SUMMARY_FILE)).unwrap()).unwrap();
     let mut found = BTreeSet::new();
     keys(&value, "", &mut found);
@@ -229,7 +229,7 @@ fn a_run_with_little_data_is_drawn_too() {
     let names: Vec<String> = plots::draw(&report.summary).unwrap().into_iter().map(|drawing| drawing.name).collect();
     assert_eq!(names, ["wrong"]);
     let (_dir, target) = place();
-    write_report(&target, &report).unwrap();
+    written(&target, &report).unwrap();
     assert!(fs::read_to_string(target.join(PAGE_FILE)).unwrap().contains("Nothing to compare"));
 }
 
@@ -237,7 +237,7 @@ fn a_run_with_little_data_is_drawn_too() {
 fn the_page_has_every_part_and_needs_no_other_file() {
     let (_dir, target) = place();
     let report = sample(&[0, 16]);
-    write_report(&target, &report).unwrap();
+    written(&target, &report).unwrap();
     let page = fs::read_to_string(target.join(PAGE_FILE)).unwrap();
     for id in ["result", "saving", "correctness", "machine-1", "machine-2", "run"] {
         assert_eq!(page.matches(&format!("<section id=\"{id}\">")).count(), 1, "{id}");
@@ -254,7 +254,7 @@ fn the_page_has_every_part_and_needs_no_other_file() {
 fn the_same_run_gives_the_same_bytes_and_so_does_drawing_again() {
     let (_dir, target) = place();
     let report = sample(&[0, 16]);
-    write_report(&target, &report).unwrap();
+    written(&target, &report).unwrap();
     let first = files(&target);
     assert!(first.len() > 15 && first.values().all(|bytes| !bytes.is_empty()));
 
@@ -264,7 +264,7 @@ fn the_same_run_gives_the_same_bytes_and_so_does_drawing_again() {
     redraw(&target).unwrap();
     assert_eq!(files(&target), first);
 
-    write_report(&target, &report).unwrap();
+    written(&target, &report).unwrap();
     assert_eq!(files(&target), first);
     assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 1, "something was left beside the report");
 }
@@ -275,13 +275,13 @@ fn a_failure_leaves_the_place_as_it_was() {
     let mut report = sample(&[0, 16]);
     // A picture with a pixel too few is found out when most is written already.
     report.pictures[3].1.pixels.pop();
-    let error = write_report(&target, &report).unwrap_err();
+    let error = written(&target, &report).unwrap_err();
     assert!(matches!(&error, ReportError::Picture { file, .. } if file.contains("words-light0")), "{error}");
     assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 0);
 
-    write_report(&target, &sample(&[0])).unwrap();
+    written(&target, &sample(&[0])).unwrap();
     let earlier = files(&target);
-    assert!(write_report(&target, &report).is_err());
+    assert!(written(&target, &report).is_err());
     assert_eq!(files(&target), earlier);
     assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 1);
 }
@@ -290,23 +290,26 @@ fn a_failure_leaves_the_place_as_it_was() {
 fn what_is_no_report_is_not_overwritten() {
     let (dir, target) = place();
     fs::create_dir_all(&target).unwrap();
-    write_report(&target, &sample(&[0])).expect("an empty directory is free");
+    written(&target, &sample(&[0])).expect("an empty directory is free");
 
     let file = dir.path().join("file");
     fs::write(&file, "mine").unwrap();
-    let error = write_report(&file, &sample(&[0])).unwrap_err();
-    assert!(matches!(error, ReportError::Foreign { .. }), "{error}");
+    let error = written(&file, &sample(&[0])).unwrap_err();
+    assert!(matches!(error, ReportError::Folder(FolderError::Foreign { .. })), "{error}");
     assert_eq!(fs::read(&file).unwrap(), b"mine");
-    let error = write_report(&file.join("below"), &sample(&[0])).unwrap_err();
-    assert!(matches!(error, ReportError::Foreign { .. }), "{error}");
+    let error = written(&file.join("below"), &sample(&[0])).unwrap_err();
+    assert!(matches!(error, ReportError::Folder(FolderError::Foreign { .. })), "{error}");
 
     let folder = dir.path().join("folder");
     fs::create_dir(&folder).unwrap();
     fs::write(folder.join("thesis.tex"), "mine").unwrap();
-    let error = write_report(&folder, &sample(&[0])).unwrap_err();
+    let error = written(&folder, &sample(&[0])).unwrap_err();
     assert!(error.to_string().contains("folder is not an umbrasim report"), "{error}");
     fs::write(folder.join(SUMMARY_FILE), "{\"title\": \"of a book\"}").unwrap();
-    assert!(matches!(check_target(&folder), Err(ReportError::Foreign { .. })));
+    assert!(matches!(
+        ResultsFolder::claim(&folder).map_err(ReportError::from),
+        Err(ReportError::Folder(FolderError::Foreign { .. }))
+    ));
     assert_eq!(files(&folder).len(), 2);
 }
 
@@ -314,7 +317,7 @@ fn what_is_no_report_is_not_overwritten() {
 fn a_broken_or_other_summary_is_not_drawn() {
     let (_dir, target) = place();
     assert!(matches!(redraw(&target), Err(ReportError::Read { .. })));
-    write_report(&target, &sample(&[0, 16])).unwrap();
+    written(&target, &sample(&[0, 16])).unwrap();
     let path = target.join(SUMMARY_FILE);
     let text = fs::read_to_string(&path).unwrap();
     let with = |from: &str, to: &str| {

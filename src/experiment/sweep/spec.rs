@@ -159,8 +159,9 @@ impl Sweep {
         let all = self.experiment.machines.iter().nth(combination.base);
         let (name, base) = all.ok_or("there is no such machine")?;
         let values = combination.values.iter();
-        let changes: Vec<(&str, &str)> =
-            values.map(|&(field, value)| (self.fields[field].path.as_str(), self.fields[field].values[value].as_str())).collect();
+        let changes: Vec<(&str, &str)> = values
+            .map(|&(field, value)| (self.fields[field].path.as_str(), self.fields[field].values[value].as_str()))
+            .collect();
         let mut spec = base.clone();
         for &(field, value) in &changes {
             spec = with_field(&spec, field, value)?;

@@ -93,7 +93,8 @@ impl<'a> Streams<'a> {
         wanted: impl Fn(usize) -> bool,
         stop: &AtomicBool,
     ) -> Result<Vec<Recorded>, SweepError> {
-        let is_missing: Vec<bool> = (0..self.paths.len()).map(|policy| !self.is_there(policy, wanted(policy))).collect();
+        let is_missing: Vec<bool> =
+            (0..self.paths.len()).map(|policy| !self.is_there(policy, wanted(policy))).collect();
         if is_missing.contains(&true) {
             self.record(&is_missing, stop)?;
         }
