@@ -2,9 +2,11 @@
 //! primitive.
 
 pub mod accel;
+pub mod cli;
 pub mod culling;
 pub mod engine;
 pub mod experiment;
+pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;

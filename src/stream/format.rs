@@ -38,8 +38,9 @@
 //! The seed ties every block to its file, and the number to its place: a block of another file, or one that was moved,
 //! lost or doubled, is refused even though its own bytes are whole.
 
-use super::error::Fault;
-use super::{FrameInfo, Totals};
+use super::fault::Fault;
+use super::item::FrameInfo;
+use super::totals::{TOTALS_NAMES, Totals, totals_values};
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
@@ -273,60 +274,6 @@ pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<Fr
         }
     };
     Ok((payload.chunks_exact(ENTRY_BYTES).map(entry).collect(), words(records).into_iter().map(TriangleSlot).collect()))
-}
-
-/// Names of the totals, in the order of [`totals_values`].
-pub const TOTALS_NAMES: [&str; 14] = [
-    "primary_rays",
-    "secondary_rays",
-    "shadow_rays",
-    "shadow_rays_skipped",
-    "shadow_rays_dynamic_only",
-    "node_visits",
-    "triangle_tests",
-    "shadow_node_visits",
-    "shadow_triangle_tests",
-    "list_reads",
-    "policy_triangle_tests",
-    "policy_node_visits",
-    "policy_reads",
-    "policy_writes",
-];
-
-/// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
-pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
-    let Totals {
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    } = *totals;
-    [
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    ]
 }
 
 fn put_totals(totals: &Totals, out: &mut Vec<u8>) {

@@ -1,0 +1,155 @@
+//! What the tracer counts in a frame, and what the records hold: the two must be equal.
+
+use serde::{Deserialize, Serialize};
+
+use super::chunk::{Decision, Ray, RayKind};
+use super::step::Step;
+
+/// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from the
+/// records: the two must be equal.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Totals {
+    /// Primary rays: one a pixel.
+    pub primary_rays: u64,
+    /// Reflected and refracted rays.
+    pub secondary_rays: u64,
+    /// Shadow rays that there would be without culling.
+    pub shadow_rays: u64,
+    /// Shadow rays whose answer was known: nothing was traced.
+    pub shadow_rays_skipped: u64,
+    /// Shadow rays traced among dynamic objects only.
+    pub shadow_rays_dynamic_only: u64,
+    /// Node visits of primary and secondary rays.
+    pub node_visits: u64,
+    /// Triangle tests of primary and secondary rays.
+    pub triangle_tests: u64,
+    /// Node visits of shadow rays.
+    pub shadow_node_visits: u64,
+    /// Triangle tests of shadow rays.
+    pub shadow_triangle_tests: u64,
+    /// Entries of primitive lists read by any ray.
+    pub list_reads: u64,
+    /// Triangle tests made by the policy (occlusion tests, occluders tested again).
+    pub policy_triangle_tests: u64,
+    /// Nodes visited by the policy (shaft queries).
+    pub policy_node_visits: u64,
+    /// Reads of the policy's stores.
+    pub policy_reads: u64,
+    /// Writes and read-modify-writes of the policy's stores.
+    pub policy_writes: u64,
+}
+
+impl Totals {
+    /// Counts a policy's steps.
+    pub fn count_policy(&mut self, steps: impl Iterator<Item = Step>) {
+        for step in steps {
+            match step {
+                Step::Node(_) => self.policy_node_visits += 1,
+                Step::List(_) => self.list_reads += 1,
+                Step::Triangle { .. } => self.policy_triangle_tests += 1,
+                Step::Read { .. } => self.policy_reads += 1,
+                Step::Write { .. } | Step::Update { .. } => self.policy_writes += 1,
+            }
+        }
+    }
+
+    /// Counts a ray.
+    pub fn count(&mut self, ray: &Ray<'_>) {
+        let [nodes, lists, triangles] = Step::count_path(ray.packed_path());
+        self.list_reads += lists;
+        match ray.head.kind {
+            RayKind::Primary => self.primary_rays += 1,
+            RayKind::Reflection | RayKind::Refraction => self.secondary_rays += 1,
+            RayKind::Shadow => {
+                self.shadow_rays += 1;
+                match ray.head.decision {
+                    Decision::Trace => {}
+                    Decision::DynamicOnly => self.shadow_rays_dynamic_only += 1,
+                    Decision::Skip => self.shadow_rays_skipped += 1,
+                }
+            }
+        }
+        if ray.head.kind == RayKind::Shadow {
+            self.shadow_node_visits += nodes;
+            self.shadow_triangle_tests += triangles;
+        } else {
+            self.node_visits += nodes;
+            self.triangle_tests += triangles;
+        }
+        self.count_policy(ray.policy());
+    }
+}
+
+impl std::ops::AddAssign for Totals {
+    fn add_assign(&mut self, other: Self) {
+        self.primary_rays += other.primary_rays;
+        self.secondary_rays += other.secondary_rays;
+        self.shadow_rays += other.shadow_rays;
+        self.shadow_rays_skipped += other.shadow_rays_skipped;
+        self.shadow_rays_dynamic_only += other.shadow_rays_dynamic_only;
+        self.node_visits += other.node_visits;
+        self.triangle_tests += other.triangle_tests;
+        self.shadow_node_visits += other.shadow_node_visits;
+        self.shadow_triangle_tests += other.shadow_triangle_tests;
+        self.list_reads += other.list_reads;
+        self.policy_triangle_tests += other.policy_triangle_tests;
+        self.policy_node_visits += other.policy_node_visits;
+        self.policy_reads += other.policy_reads;
+        self.policy_writes += other.policy_writes;
+    }
+}
+
+/// Names of the totals, in the order of [`totals_values`].
+pub const TOTALS_NAMES: [&str; 14] = [
+    "primary_rays",
+    "secondary_rays",
+    "shadow_rays",
+    "shadow_rays_skipped",
+    "shadow_rays_dynamic_only",
+    "node_visits",
+    "triangle_tests",
+    "shadow_node_visits",
+    "shadow_triangle_tests",
+    "list_reads",
+    "policy_triangle_tests",
+    "policy_node_visits",
+    "policy_reads",
+    "policy_writes",
+];
+
+/// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
+pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
+    let Totals {
+        primary_rays,
+        secondary_rays,
+        shadow_rays,
+        shadow_rays_skipped,
+        shadow_rays_dynamic_only,
+        node_visits,
+        triangle_tests,
+        shadow_node_visits,
+        shadow_triangle_tests,
+        list_reads,
+        policy_triangle_tests,
+        policy_node_visits,
+        policy_reads,
+        policy_writes,
+    } = *totals;
+    [
+        primary_rays,
+        secondary_rays,
+        shadow_rays,
+        shadow_rays_skipped,
+        shadow_rays_dynamic_only,
+        node_visits,
+        triangle_tests,
+        shadow_node_visits,
+        shadow_triangle_tests,
+        list_reads,
+        policy_triangle_tests,
+        policy_node_visits,
+        policy_reads,
+        policy_writes,
+    ]
+}
