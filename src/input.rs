@@ -4,6 +4,8 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
+use crate::output::claims::refuse_output;
+
 /// The largest config (RON file), in bytes.
 pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
@@ -12,13 +14,15 @@ pub(crate) const MAX_SCENE_FILE_BYTES: u64 = 1 << 28;
 /// Opens the regular file at `path`.
 ///
 /// # Errors
-/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come.
+/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come. A file that
+/// the command writes.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     // The kind is looked up before the file is opened: opening a pipe waits for its writer.
     check_regular(&path.metadata()?)?;
     let file = File::open(path)?;
     // Another file may have taken the name in between.
     check_regular(&file.metadata()?)?;
+    refuse_output(&file)?;
     Ok(file)
 }
 

@@ -18,7 +18,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ranged", &[]),
     ("named", &[]),
     ("output", &[]),
-    ("input", &[]),
+    ("input", &["output"]),
     ("ron_file", &["ranged", "input"]),
     ("stats", &["quantity"]),
     ("stream", &["quantity", "output", "input"]),
