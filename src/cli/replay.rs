@@ -22,7 +22,7 @@ use crate::stream::StreamReader;
 pub(super) struct Replay {
     #[command(flatten)]
     input: StreamAndMachine,
-    /// The fidelity level: Bound, Profile, Functional, Event, Cycle (plain, slow, the same numbers), Sampled(engine:
+    /// The fidelity level: Bound, Profile, Event, Cycle (plain, slow, the same numbers), Sampled(engine:
     /// Event, rate: 0.05), or Auto(error: 0.02)
     #[arg(long, value_name = "LEVEL", default_value_t)]
     fidelity: Fidelity,

@@ -139,7 +139,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
                 matters: true,
             }],
             models: vec![ModelCheck {
-                model: "Functional".into(),
+                model: "Profile".into(),
                 error: Some(0.007),
                 held_back: Some(0.009),
                 passes: true,
