@@ -34,7 +34,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "input", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[

@@ -27,7 +27,9 @@ pub(super) struct ExperimentArgs {
 impl ExperimentArgs {
     pub(super) fn load(&self) -> Result<Experiment> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
-        Ok(Experiment::load(&self.config, overrides)?)
+        let experiment = Experiment::load(&self.config, overrides)?;
+        eprintln!("{}: {}", experiment.spec.name, experiment.need());
+        Ok(experiment)
     }
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::ladder_map;
@@ -23,10 +24,10 @@ pub(super) struct LadderMap {
 
 impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::check_target(&self.out)?;
+        let out = results_folder(&self.out)?;
         let map = ladder_map::run();
+        report::ladder_map::write_map(&out, &map)?;
         print(report::drawn(&report::ladder_map::grid(&map)))?;
-        report::ladder_map::write_map(&self.out, &map)?;
         print(self.out.join(report::PLOTS_FOLDER).join(report::ladder_map::PLOT_FILE).display())?;
         Ok(Outcome::Done)
     }

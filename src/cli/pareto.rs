@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::engine::Fidelity;
@@ -33,13 +34,12 @@ pub(super) struct Pareto {
 
 impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
-        let out = report_folder(self.out, &self.config)?;
-        report::check_target(&out)?;
+        let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
-        print(report::drawn(&summary.grid(&timings)))?;
         report::pareto::write_pareto(&out, &summary, &timings)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::drawn(&summary.grid(&timings)))?;
+        print(out.path().join(report::PAGE_FILE).display())?;
         Ok(Outcome::Done)
     }
 }

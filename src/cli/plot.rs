@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::outcome::Outcome;
 use super::print::print;
+use crate::output::ResultsFolder;
 use crate::report;
 
 /// Draw a report's plots and page again, from its numbers on disk
@@ -18,7 +19,7 @@ pub(super) struct Plot {
 
 impl Plot {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::redraw(&self.report)?;
+        report::redraw(&ResultsFolder::claim(&self.report)?)?;
         print(self.report.join(report::PAGE_FILE).display())?;
         Ok(Outcome::Done)
     }

@@ -5,6 +5,7 @@ pub mod frames;
 pub mod identities;
 pub mod ladder_map;
 pub mod line_export;
+pub mod need;
 pub mod paper;
 pub mod pareto;
 mod progress;
@@ -25,6 +26,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use self::frames::FrameRange;
+use self::need::Need;
 use self::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::machine::MachineSpec;
@@ -120,7 +122,14 @@ impl Experiment {
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
-        Ok(Self { spec, scene_spec, scene, machines, frames })
+        let experiment = Self { spec, scene_spec, scene, machines, frames };
+        experiment.need().check().map_err(|what| ConfigError::Content { path: path.into(), what })?;
+        Ok(experiment)
+    }
+
+    /// What the experiment takes in memory, about.
+    pub fn need(&self) -> Need {
+        Need::of(self)
     }
 
     /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
 use super::division::DivisionSpec;
+use super::footprint;
 use super::intersection::IntersectionSpec;
 use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
@@ -92,6 +93,11 @@ impl MachineSpec {
         self.cores.get() * self.dispatcher.rays.get()
     }
 
+    /// Bytes that the simulator takes for the machine, about.
+    pub fn footprint(&self) -> u128 {
+        footprint::bytes(self)
+    }
+
     /// Checks what single fields cannot.
     pub fn check(&self) -> Result<(), SpecError> {
         let line = self.line_bytes.get();
@@ -102,6 +108,7 @@ impl MachineSpec {
             .and_then(|()| self.intersection.cache.check("intersection.cache", line))
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
+            .and_then(|()| footprint::check(self))
             .and_then(|()| self.check_intervals())
             .and_then(|()| self.check_homes())
             .and_then(|()| self.check_writes())

@@ -79,6 +79,11 @@ fn claim(claims: &mut Vec<Claim>, option: &'static str, path: &Path) -> Result<(
     Ok(())
 }
 
+/// Whether standard output is one of the command's files.
+pub fn is_standard_output_claimed() -> bool {
+    claims().iter().any(|claim| claim.identity == Identity::Standard)
+}
+
 /// Refuses a file that is to be read and is an output.
 ///
 /// # Errors

@@ -95,7 +95,11 @@ impl Write for OutputFile {
         match &mut self.0 {
             Inner::Placed { file, .. } => file.file().write(bytes),
             Inner::Open(file) => file.write(bytes),
-            Inner::Standard(output) => output.write(bytes),
+            // A reader that has gone away wants no more.
+            Inner::Standard(output) => match output.write(bytes) {
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
+                written => written,
+            },
         }
     }
 

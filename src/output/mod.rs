@@ -11,8 +11,8 @@ mod error;
 mod exchange;
 mod file;
 mod folder;
-mod leftovers;
 mod identity;
+mod leftovers;
 mod links;
 mod lock;
 mod names;
@@ -22,7 +22,7 @@ mod temporary;
 #[cfg(test)]
 mod tests;
 
-pub use claims::{ClaimError, claim_file, claim_folder};
+pub use claims::{ClaimError, claim_file, claim_folder, is_standard_output_claimed};
 pub use error::FolderError;
 pub use file::{OutputFile, write_whole};
 pub use folder::ResultsFolder;

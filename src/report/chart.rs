@@ -7,6 +7,7 @@ use super::format::{exact, or_absent, percent, short};
 use super::summary::{PolicySummary, Summary};
 use super::table::Grid;
 use super::{PAGE_FILE, PLOTS_FOLDER, ReportError, SUMMARY_FILE, plots, put, replace, template};
+use crate::output::ResultsFolder;
 
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 1;

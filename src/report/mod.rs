@@ -4,6 +4,7 @@
 
 pub mod chart;
 pub mod explain;
+pub mod file_names;
 mod findings;
 pub mod format;
 pub mod ladder_map;
@@ -24,6 +25,7 @@ use std::fs;
 use std::io;
 use std::path::{Component, Path, PathBuf};
 
+use crate::input;
 pub use crate::named::Named;
 use crate::output::{FolderError, ResultsFolder, write_whole};
 pub use table::{Grid, drawn, replayed, terminal};
@@ -39,6 +41,8 @@ pub const FRAMES_FILE: &str = "frames.csv";
 pub const CONFIG_FILE: &str = "config.ron";
 /// The page.
 pub const PAGE_FILE: &str = "index.html";
+/// The largest summary that is read, in bytes.
+const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 /// The folder of the plots.
 pub const PLOTS_FOLDER: &str = "plots";
 
@@ -81,10 +85,8 @@ pub enum ReportError {
         found: String,
     },
     /// The summary names a picture outside the report.
-    #[error("{}: the picture `{file}` is not inside the report", path.display())]
+    #[error("the picture `{file}`, which {SUMMARY_FILE} names, is not inside the report")]
     Outside {
-        /// The summary.
-        path: PathBuf,
         /// The picture's path.
         file: String,
     },
@@ -157,23 +159,45 @@ fn fill(dir: &Path, report: &Report) -> Result<(), ReportError> {
     }
     put(&dir.join(SUMMARY_FILE), &text)?;
     // What is drawn comes from the files, so that it can be drawn again.
-    redraw(dir)
+    draw(dir)
 }
 
-/// Draws the plots and the page of the report in `dir` again from the files that lie there. The same files give the
-/// same bytes. Each file is replaced whole, and none before all are drawn.
-pub fn redraw(dir: &Path) -> Result<(), ReportError> {
+/// Draws the plots and the page of a report again from its other files. The same files give the same bytes.
+///
+/// # Errors
+/// A file of the report is missing or wrong, or the new ones cannot be written.
+pub fn redraw(folder: &ResultsFolder) -> Result<(), ReportError> {
+    replace(folder, |dir| {
+        let summary = read_summary(&folder.path().join(SUMMARY_FILE))?;
+        let numbers = [SUMMARY_FILE, CONFIG_FILE, FRAMES_FILE].into_iter().map(PathBuf::from);
+        for file in numbers.chain(inside(&summary)?) {
+            let from = folder.path().join(&file);
+            let bytes = fs::read(&from).map_err(|source| ReportError::Read { path: from, source })?;
+            put(&dir.join(file), &bytes)?;
+        }
+        draw(dir)
+    })
+}
+
+/// The files of a summary's pictures.
+fn inside(summary: &Summary) -> Result<Vec<PathBuf>, ReportError> {
+    let file = |info: &PictureInfo| {
+        let path = PathBuf::from(&info.file);
+        let is_inside = path.components().all(|part| matches!(part, Component::Normal(_)));
+        if is_inside { Ok(path) } else { Err(ReportError::Outside { file: info.file.clone() }) }
+    };
+    summary.pictures.iter().map(file).collect()
+}
+
+/// Draws the plots and the page of the report in `dir` from the files that lie there.
+fn draw(dir: &Path) -> Result<(), ReportError> {
     let path = dir.join(SUMMARY_FILE);
     let summary = read_summary(&path)?;
     let config = dir.join(CONFIG_FILE);
     let text = fs::read_to_string(&config).map_err(|source| ReportError::Read { path: config, source })?;
     let mut pictures = Vec::new();
-    for info in &summary.pictures {
-        let inside = Path::new(&info.file).components().all(|part| matches!(part, Component::Normal(_)));
-        if !inside {
-            return Err(ReportError::Outside { path, file: info.file.clone() });
-        }
-        let picture = dir.join(&info.file);
+    for (info, file) in summary.pictures.iter().zip(inside(&summary)?) {
+        let picture = dir.join(file);
         let png = fs::read(&picture).map_err(|source| ReportError::Read { path: picture, source })?;
         pictures.push((info, png));
     }
@@ -188,7 +212,8 @@ pub fn redraw(dir: &Path) -> Result<(), ReportError> {
 /// Reads a summary of this version.
 pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
-    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    let read = input::read(path, MAX_SUMMARY_BYTES);
+    let text = read.map_err(|source| ReportError::Read { path: path.into(), source })?;
     let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;
     match value.get("schema") {
         Some(found) if *found != SCHEMA => Err(ReportError::Schema { path: path.into(), found: found.to_string() }),
@@ -199,7 +224,8 @@ pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
 /// Reads what the summary of a run or of a sweep holds.
 pub fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
-    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    let text =
+        input::read(path, MAX_SUMMARY_BYTES).map_err(|source| ReportError::Read { path: path.into(), source })?;
     match serde_json::from_slice::<sweep::SweepSummary>(&text) {
         Ok(sweep) => serde_json::to_value(sweep).map_err(broken),
         Err(_) => serde_json::to_value(read_summary(path)?).map_err(broken),

@@ -54,6 +54,7 @@ pub fn page(
         policies => grid(table::policies(summary)),
         machine_figures => grid(table::machines(summary)),
         saving => plots(&Section::Saving),
+        shadow_rays => summary.policies.iter().any(|(_, policy)| policy.counts.shadow_rays > 0),
         correctness => grid(correctness(summary)),
         lights => grid(lights(summary)),
         wrong => plots(&Section::Correctness),

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use glam::Vec3;
 
+use super::file_names::FileNamed;
 use super::pictures::{PictureInfo, PictureKind};
 use super::split::Split;
 use super::summary::{
@@ -201,6 +202,7 @@ pub fn sample(frames: &[u32]) -> Report {
     let words: Vec<Option<u32>> = (0..SIZE.pixels() as u32).map(|pixel| (pixel > 500).then_some(pixel / 400)).collect();
     let shown = frames[0];
     let difference = pictures::difference(&render, &classes);
+    let published = FileNamed { name: "published", file: "published".into() };
     Report {
         summary: Summary {
             schema: SCHEMA,
@@ -226,11 +228,11 @@ pub fn sample(frames: &[u32]) -> Report {
         },
         config: "Experiment(\n    scene: Aff(\"kitchen.aff\"), // <a comment>\n)\n".into(),
         pictures: vec![
-            (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
+            (PictureInfo::new(PictureKind::Render, Some(&published), shown), render.clone()),
             (PictureInfo::new(PictureKind::Reference, None, shown), render),
-            (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
+            (PictureInfo::new(PictureKind::Difference { light: None }, Some(&published), shown), difference),
             (
-                PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown),
+                PictureInfo::new(PictureKind::Words { light: 0 }, Some(&published), shown),
                 pictures::words(SIZE, &words, 0),
             ),
         ],

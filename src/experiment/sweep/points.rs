@@ -107,7 +107,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let [key, other] = [Key(0x1234), Key(0x5678)];
         assert_eq!(read(folder.path(), key), Ok(None));
-        let stats = MachineStats { cycles: 1234, ..MachineStats::default() };
+        let stats = MachineStats { cycles: crate::quantity::Cycle(1234), ..MachineStats::default() };
         write(folder.path(), key, &stats).unwrap();
         assert_eq!(read(folder.path(), key), Ok(Some(stats)));
         let file = key.file(folder.path());

@@ -23,7 +23,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 pub use canvas::DrawError;
 
-use super::pictures::file_name;
+use super::file_names::file_names;
 use super::summary::{MachineRun, MachineSummary, Summary};
 
 /// All plots, in the page's order.
@@ -109,11 +109,12 @@ pub fn draw(summary: &Summary) -> Result<Vec<Drawing>, DrawError> {
                 drawings.extend(draw(summary)?.map(|svg| Drawing { name: name.into(), section, svg }));
             }
             Draw::Machine(draw) => {
-                for (machine, found) in summary.machines.iter() {
-                    let svg = draw(&Machine { name: machine, summary: found, baseline: summary.baseline.as_deref() })?;
-                    drawings.extend(svg.map(|svg| Drawing {
-                        name: format!("{name}-{}", file_name(machine)),
-                        section: Section::Machine(machine.into()),
+                let names = file_names(summary.machines.iter().map(|(name, _)| name));
+                for (machine, (_, found)) in names.iter().zip(summary.machines.iter()) {
+                    let of = Machine { name: machine.name, summary: found, baseline: summary.baseline.as_deref() };
+                    drawings.extend(draw(&of)?.map(|svg| Drawing {
+                        name: format!("{name}-{}", machine.file),
+                        section: Section::Machine(machine.name.into()),
                         svg,
                     }));
                 }
