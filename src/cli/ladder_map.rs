@@ -26,9 +26,9 @@ impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = results_folder(&self.out)?;
         let map = ladder_map::run();
-        report::ladder_map::write_map(&out, &map)?;
+        let plot = report::write(&out, &map)?;
         print(report::drawn(&report::ladder_map::grid(&map)))?;
-        print(self.out.join(report::PLOTS_FOLDER).join(report::ladder_map::PLOT_FILE).display())?;
+        print(plot.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -13,6 +13,7 @@ use crate::engine::Fidelity;
 use crate::experiment::pareto;
 use crate::output::signals;
 use crate::report;
+use crate::report::pareto::ParetoReport;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -37,9 +38,10 @@ impl Pareto {
         let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
-        report::pareto::write_pareto(&out, &summary, &timings)?;
-        print(report::drawn(&summary.grid(&timings)))?;
-        print(out.path().join(report::PAGE_FILE).display())?;
+        let table = report::drawn(&summary.grid(&timings));
+        let page = report::write(&out, &ParetoReport { summary, timings })?;
+        print(table)?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -8,7 +8,7 @@ use clap::Args;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::output::ResultsFolder;
-use crate::report;
+use crate::report::run::redraw;
 
 /// Draw a report's plots and page again, from its numbers on disk
 #[derive(Args)]
@@ -19,8 +19,7 @@ pub(super) struct Plot {
 
 impl Plot {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::redraw(&ResultsFolder::claim(&self.report)?)?;
-        print(self.report.join(report::PAGE_FILE).display())?;
+        print(redraw(&ResultsFolder::claim(&self.report)?)?.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -39,9 +39,9 @@ impl Profile {
         let machine = self.input.machine()?;
         let of = self.sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot: self.hot });
         let summary = reuse(&machine, of, &self.input.stream)?;
-        report::reuse::write_reuse(&out, &summary)?;
+        let plot = report::write(&out, &summary)?;
         print(report::drawn(&report::reuse::grid(&summary)))?;
-        print(self.out.join(report::PLOTS_FOLDER).join(report::reuse::PLOT_FILE).display())?;
+        print(plot.display())?;
         Ok(Outcome::Done)
     }
 }

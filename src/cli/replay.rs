@@ -15,7 +15,7 @@ use crate::engine::{Fidelity, Share};
 use crate::experiment::dram_export::DramExport;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
-use crate::report;
+use crate::report::run::replayed;
 use crate::stream::StreamReader;
 
 /// Replay a recorded ray stream on a machine and print the figures
@@ -57,7 +57,7 @@ impl Replay {
         dram.map_or(Ok(()), DramExport::finish)?;
         lines.map_or(Ok(()), LineExport::finish)?;
         json.finish(&stats)?;
-        print(report::replayed(&machine.name, &header.policy, &stats))?;
+        print(replayed(&machine.name, &header.policy, &stats))?;
         Ok(Outcome::Done)
     }
 }

@@ -43,12 +43,10 @@ impl Run {
 pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&ResultsFolder>) -> Result<Outcome> {
     let stop = signals::stop_flag();
     let result = run::run(experiment, machines, &stop)?;
-    if let Some(out) = out {
-        report::write_report(out, &result)?;
-    }
-    print(report::terminal(&result.summary))?;
-    if let Some(out) = out {
-        print(out.path().join(report::PAGE_FILE).display())?;
+    let page = out.map(|out| report::write(out, &result)).transpose()?;
+    print(report::run::terminal(&result.summary))?;
+    if let Some(page) = page {
+        print(page.display())?;
     }
     Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
 }

@@ -26,10 +26,10 @@ impl Stress {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = results_folder(&self.out)?;
         let summary = stress::run();
-        report::stress::write_stress(&out, &summary)?;
+        let page = report::write(&out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
-        print(self.out.join(report::PAGE_FILE).display())?;
+        print(page.display())?;
         Ok(Outcome::failed_if(!broken.is_empty()))
     }
 }

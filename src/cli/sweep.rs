@@ -32,9 +32,9 @@ impl Sweep {
         let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let summary = sweep::sweep(&self.config, &out, &stop)?;
-        report::sweep::write_sweep(&out, &summary)?;
+        let page = report::write(&out, &summary)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
-        print(out.path().join(report::PAGE_FILE).display())?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -10,6 +10,7 @@ pub mod paged;
 pub mod queue;
 pub mod replacement;
 pub mod reuse;
+pub mod ring;
 pub mod tags;
 
 use crate::quantity::{Bytes, LineAddr};

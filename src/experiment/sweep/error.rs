@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::super::ExperimentError;
+use super::super::load::ExperimentError;
 use crate::engine::RunError;
 use crate::output::FolderError;
 use crate::ron_file::ConfigError;

@@ -8,8 +8,9 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
+use super::super::files::beside;
 use super::super::frames::FrameRange;
-use super::super::{Experiment, Overrides, beside};
+use super::super::load::{Experiment, Overrides};
 use super::error::SweepError;
 use crate::machine::MachineSpec;
 use crate::named::Named;

@@ -6,7 +6,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::super::{Experiment, progress};
+use super::super::load::Experiment;
+use super::super::progress;
 use super::error::SweepError;
 use crate::culling::Policy;
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};

@@ -1,0 +1,122 @@
+//! Writes reports: whatever a report is of, its files are made and put into their places here.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::csv_table::CsvTable;
+use super::draw::{DrawError, Drawing};
+use super::error::ReportError;
+use crate::output::{ResultsFolder, write_whole};
+
+/// The file with all numbers; a directory that holds it is a report.
+pub const SUMMARY_FILE: &str = "summary.json";
+/// The page.
+const PAGE_FILE: &str = "index.html";
+/// The folder of the plots.
+const PLOTS_FOLDER: &str = "plots";
+
+/// A file of a report: its path in the report's folder, and its bytes.
+pub type ReportFile = (PathBuf, Vec<u8>);
+
+/// What a report is made of.
+pub trait Report {
+    /// Sections of the page that plots belong to.
+    type Section;
+
+    /// What [`SUMMARY_FILE`] holds.
+    fn numbers(&self) -> &impl Serialize;
+
+    /// The tables.
+    fn tables(&self) -> Vec<CsvTable>;
+
+    /// Files beside numbers, tables, plots and page.
+    ///
+    /// # Errors
+    /// A file cannot be made.
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        Ok(Vec::new())
+    }
+
+    /// The plots.
+    ///
+    /// # Errors
+    /// A plot cannot be drawn.
+    fn plots(&self) -> Result<Vec<Drawing<Self::Section>>, DrawError>;
+
+    /// The page, which holds the plots; none if the report has no page.
+    ///
+    /// # Errors
+    /// The page's template does not fit its values.
+    fn page(&self, plots: &[Drawing<Self::Section>]) -> Result<Option<String>, minijinja::Error>;
+}
+
+/// The files of a report, and which of them to look at first.
+struct Files {
+    all: Vec<ReportFile>,
+    first: PathBuf,
+}
+
+/// What is drawn from a report's numbers: plots and page.
+fn drawings(report: &impl Report) -> Result<Files, ReportError> {
+    let plots = report.plots()?;
+    let page = report.page(&plots)?;
+    let file = |name: &str| Path::new(PLOTS_FOLDER).join(format!("{name}.svg"));
+    let mut all: Vec<ReportFile> = plots.into_iter().map(|plot| (file(&plot.name), plot.svg.into_bytes())).collect();
+    all.extend(page.map(|page| (PAGE_FILE.into(), page.into_bytes())));
+    let page_or_plot = all.last().map(|(path, _)| path.clone());
+    Ok(Files { first: page_or_plot.unwrap_or_else(|| SUMMARY_FILE.into()), all })
+}
+
+fn files(report: &impl Report) -> Result<Files, ReportError> {
+    let Files { all: drawn, first } = drawings(report)?;
+    let mut all = report.attachments()?;
+    all.push((SUMMARY_FILE.into(), json(SUMMARY_FILE, report.numbers())?));
+    for table in report.tables() {
+        all.push((table.file.into(), table.bytes()?));
+    }
+    all.extend(drawn);
+    Ok(Files { all, first })
+}
+
+/// A JSON file's bytes.
+///
+/// # Errors
+/// A value has no form in JSON.
+pub fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
+    let mut text = serde_json::to_vec_pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
+    text.push(b'\n');
+    Ok(text)
+}
+
+/// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that are not
+/// the report's stay. Returns the file to look at first.
+///
+/// # Errors
+/// A file cannot be made, or a file or folder cannot be written.
+pub fn write(folder: &ResultsFolder, report: &impl Report) -> Result<PathBuf, ReportError> {
+    let Files { all, first } = files(report)?;
+    folder.replace(|dir| {
+        put_all(dir, &all).map_err(|error| match error {
+            // The place that the file was meant for: the new directory is gone when the user reads this.
+            ReportError::Write { path, source } => ReportError::Write {
+                path: path.strip_prefix(dir).map_or(path.clone(), |file| folder.path().join(file)),
+                source,
+            },
+            other => other,
+        })
+    })?;
+    Ok(folder.path().join(first))
+}
+
+/// Writes files into `folder`, each whole, with the folders that they lie in.
+fn put_all(folder: &Path, files: &[ReportFile]) -> Result<(), ReportError> {
+    files.iter().try_for_each(|(file, bytes)| {
+        let path = folder.join(file);
+        let failed = |source| ReportError::Write { path: path.clone(), source };
+        let parent = path.parent().unwrap_or(Path::new("."));
+        fs::create_dir_all(parent).map_err(failed)?;
+        write_whole(&path, bytes).map_err(failed)
+    })
+}
