@@ -1,8 +1,11 @@
 //! The one reader of a user's files: regular files only, each up to a largest size.
 
+use std::cell::RefCell;
 use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
+
+use xxhash_rust::xxh3::xxh3_128;
 
 use crate::output::claims::refuse_output;
 
@@ -40,10 +43,23 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     }
     let length = told.max(bytes.len() as u64);
     if length > most {
-        Err(refused(format!("the file has {length} bytes: at most {most} are allowed")))
-    } else {
-        Ok(bytes)
+        return Err(refused(format!("the file has {length} bytes: at most {most} are allowed")));
     }
+    NOTED.with_borrow_mut(|noted| noted.push(xxh3_128(&bytes)));
+    Ok(bytes)
+}
+
+thread_local! {
+    /// Hashes of the files that this thread has read since it began to note them.
+    static NOTED: RefCell<Vec<u128>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Calls `read`, and gives beside its result the hashes (XXH3, 128 bits) of all files that it reads whole on this thread, in
+/// their order.
+pub(crate) fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<u128>) {
+    let outer = NOTED.take();
+    let result = read();
+    (result, NOTED.replace(outer))
 }
 
 /// The text of the regular file at `path`, at most `most` bytes, without a byte order mark.
@@ -87,6 +103,18 @@ mod tests {
         let large = File::create(dir.path().join("large")).unwrap();
         large.set_len(1 << 40).unwrap();
         assert!(read(&dir.path().join("large"), 1 << 20).unwrap_err().to_string().contains("at most 1048576"));
+    }
+
+    #[test]
+    fn what_is_read_is_noted() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        let hashes = |text: &[u8]| {
+            std::fs::write(&path, text).unwrap();
+            noting(|| (read(&path, 9).unwrap(), noting(|| read(&path, 9).unwrap()))).1
+        };
+        assert_eq!(hashes(b"one"), [xxh3_128(b"one")]);
+        assert_ne!(hashes(b"two"), hashes(b"one"));
     }
 
     #[cfg(unix)]

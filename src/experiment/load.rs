@@ -9,6 +9,7 @@ use super::frames::FrameRange;
 use super::need::Need;
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
+use crate::input;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
@@ -46,6 +47,8 @@ pub struct Experiment {
     pub scene_spec: SceneSpec,
     /// The scene.
     pub scene: Scene,
+    /// Hashes of the files that the scene was read from.
+    pub(super) scene_files: Vec<u128>,
     /// The machines by name.
     pub machines: Named<MachineSpec>,
     /// Numbers of the frames, in order.
@@ -79,7 +82,8 @@ impl Experiment {
         }
         let scene_path = beside(path, &spec.scene);
         let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+        let (scene, scene_files) = input::noting(|| scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))));
+        let scene = scene?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
                 "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",
@@ -102,7 +106,7 @@ impl Experiment {
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
-        let experiment = Self { spec, scene_spec, scene, machines, frames };
+        let experiment = Self { spec, scene_spec, scene, scene_files, machines, frames };
         experiment.need().check().map_err(wrong)?;
         Ok(experiment)
     }
@@ -119,6 +123,11 @@ impl Experiment {
         let as_run = AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
         let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
         ron::ser::to_string_pretty(&as_run, style).expect("specs are plain data, which RON can hold")
+    }
+
+    /// All that the streams of the experiment depend on, beside their own headers: as text, of which a hash is taken.
+    pub(super) fn inputs(&self) -> String {
+        format!("{}{:x?}", self.as_run(), self.scene_files)
     }
 
     /// The policies before the first frame, in the order of the file.

@@ -1,7 +1,7 @@
-//! What the simulator takes in memory for a machine, before anything is allocated: each field is in its range, and their
-//! products need not be payable.
+//! What the simulator takes in memory for a machine, before anything is allocated: each field of a spec is in its range, and
+//! their products need not be payable.
 
-use super::spec::MachineSpec;
+use crate::memory::bank::BankedSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::tags::Contents;
 
@@ -15,60 +15,55 @@ const PLACE: u128 = 64;
 /// Bytes of an access that waits in a miss register.
 const TARGET: u128 = 8;
 
-/// Refuses a machine whose parts take more memory than is payable; the error names the largest.
-pub(super) fn check(spec: &MachineSpec) -> Result<(), String> {
-    let (parts, all) = (parts(spec), bytes(spec));
-    match parts.iter().max_by_key(|(_, bytes)| bytes) {
-        Some((largest, bytes)) if all > MOST => Err(format!(
-            "the machine's caches, queues and registers take {all} bytes of memory to simulate, {bytes} of them for \
-             `{largest}`: up to {MOST} are allowed"
-        )),
-        _ => Ok(()),
+/// Bytes of a machine's parts, by field of its spec.
+pub(super) struct Footprint {
+    cores: u128,
+    line: u64,
+    parts: Vec<(String, u128)>,
+}
+
+impl Footprint {
+    /// Nothing yet, of a machine of so many cores with lines of so many bytes.
+    pub(super) fn new(cores: u64, line: u64) -> Self {
+        Self { cores: cores.into(), line, parts: Vec::new() }
     }
-}
 
-/// Bytes of all parts.
-pub(super) fn bytes(spec: &MachineSpec) -> u128 {
-    parts(spec).iter().map(|(_, bytes)| bytes).sum()
-}
+    /// Adds units of a core: how many, the places in the queues and tables of each, and the cache of each.
+    pub(super) fn add(mut self, name: &str, count: u64, places: &[u64], cache: Option<&CacheSpec>) -> Self {
+        let places = PLACE * places.iter().map(|&places| u128::from(places)).sum::<u128>();
+        let cache = cache.map_or(0, |cache| {
+            let tags =
+                if cache.contents == Contents::Ideal { 0 } else { TAG * u128::from(cache.bytes.get() / self.line) };
+            tags + registers(cache.mshrs.get(), cache.targets.get(), cache.queue.get())
+        });
+        self.parts.push((name.into(), self.cores * u128::from(count) * (cache + places)));
+        self
+    }
 
-/// Bytes by field of the spec.
-fn parts(spec: &MachineSpec) -> Vec<(String, u128)> {
-    let cores = u128::from(spec.cores.get());
-    let line = spec.line_bytes.get();
-    let unit = |name: &str, count: u64, places: u64, cache: Option<&CacheSpec>| {
-        let cache = cache.map_or(0, |cache| self::cache(cache, line));
-        (name.to_owned(), cores * u128::from(count) * (cache + PLACE * u128::from(places)))
-    };
-    let (traversal, list, intersection) = (&spec.traversal, &spec.list, &spec.intersection);
-    let (division, shadow_cache) = (&spec.division, &spec.shadow_cache);
-    let places = |all: &[u64]| all.iter().sum::<u64>();
-    let pool = places(&[spec.dispatcher.rays.get(), spec.dispatcher.in_fifo.get(), spec.dispatcher.out_fifo.get()]);
-    let mut parts = vec![
-        unit("dispatcher", 1, pool, None),
-        unit("traversal", traversal.count.get(), traversal.rays.get(), Some(&traversal.cache)),
-        unit("list", list.count.get(), places(&[list.lists.get(), list.queue.get()]), Some(&list.cache)),
-        unit(
-            "intersection",
-            intersection.count.get(),
-            places(&[intersection.tests.get(), intersection.queue.get()]),
-            Some(&intersection.cache),
-        ),
-        unit("division", division.count.get(), division.queue.get(), None),
-        unit("shadow_cache", shadow_cache.count.get(), shadow_cache.contexts.get(), Some(&shadow_cache.cache)),
-        ("dram".into(), u128::from(spec.dram.channels.get()) * PLACE * u128::from(spec.dram.queue.get())),
-    ];
-    for (name, cache) in spec.l2.caches() {
+    /// Adds a cache of a core's L2.
+    pub(super) fn add_banked(mut self, name: String, cache: &BankedSpec) -> Self {
         let registers = registers(cache.mshrs.get(), cache.targets.get(), cache.queue.get());
-        let tags = TAG * u128::from(cache.bytes.get() / line);
-        parts.push((name, cores * (tags + u128::from(cache.banks.get()) * registers)));
+        let tags = TAG * u128::from(cache.bytes.get() / self.line);
+        self.parts.push((name, self.cores * (tags + u128::from(cache.banks.get()) * registers)));
+        self
     }
-    parts
-}
 
-fn cache(spec: &CacheSpec, line: u64) -> u128 {
-    let tags = if spec.contents == Contents::Ideal { 0 } else { TAG * u128::from(spec.bytes.get() / line) };
-    tags + registers(spec.mshrs.get(), spec.targets.get(), spec.queue.get())
+    /// Bytes of all parts.
+    pub(super) fn bytes(&self) -> u128 {
+        self.parts.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    /// Refuses what is not payable; the error names the largest part.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let all = self.bytes();
+        match self.parts.iter().max_by_key(|(_, bytes)| bytes) {
+            Some((largest, bytes)) if all > MOST => Err(format!(
+                "the machine's caches, queues and registers take {all} bytes of memory to simulate, {bytes} of them for \
+                 `{largest}`: up to {MOST} are allowed"
+            )),
+            _ => Ok(()),
+        }
+    }
 }
 
 /// Miss registers with their waiting accesses, and an out queue.
@@ -79,31 +74,21 @@ fn registers(count: u64, targets: u64, queue: u64) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranged::{PowerOfTwo, Within};
+    use crate::ranged::Within;
 
     #[test]
     fn products_of_fields_are_bounded() {
-        let plain = MachineSpec::default();
-        assert_eq!(check(&plain), Ok(()));
-        let told = |change: &dyn Fn(&mut MachineSpec)| {
-            let mut spec = plain.clone();
-            change(&mut spec);
-            check(&spec).unwrap_err()
-        };
-        let l1s = told(&|spec| {
-            spec.traversal.count = Within::literal(1024);
-            spec.traversal.cache.bytes = Within::literal(0x1000_0000);
-        });
-        assert!(l1s.contains("34359") && l1s.contains("for `traversal`: up to 268435456 are allowed"), "{l1s}");
-        let registers = told(&|spec| {
-            spec.cores = Within::literal(64);
-            spec.list.count = Within::literal(1024);
-            spec.list.cache.mshrs = Within::literal(1024);
-        });
-        assert!(registers.contains("for `list`"), "{registers}");
-        // Smaller lines are more tags.
-        let mut spec = plain.clone();
-        spec.line_bytes = PowerOfTwo::literal(32);
-        assert!(parts(&spec).iter().map(|part| part.1).sum::<u128>() > parts(&plain).iter().map(|part| part.1).sum());
+        let cache = CacheSpec::DEFAULT;
+        let of = |count, cache: &CacheSpec| Footprint::new(1, 64).add("list", count, &[8], Some(cache));
+        assert_eq!(of(4, &cache).check(), Ok(()));
+        let large = CacheSpec { bytes: Within::literal(0x1000_0000), ..cache };
+        let told = of(1024, &large).check().unwrap_err();
+        assert!(told.contains("34359") && told.contains("for `list`: up to 268435456 are allowed"), "{told}");
+        let registers = CacheSpec { mshrs: Within::literal(1024), targets: Within::literal(1024), ..cache };
+        assert!(of(64, &registers).check().is_err() && of(4, &registers).check().is_ok());
+        // Smaller lines are more tags, and an ideal cache has none.
+        assert!(Footprint::new(1, 32).add("list", 1, &[8], Some(&cache)).bytes() > of(1, &cache).bytes());
+        assert_eq!(of(1024, &CacheSpec { contents: Contents::Ideal, ..large }).check(), Ok(()));
+        assert!(Footprint::new(64, 64).add_banked("l2".into(), &BankedSpec::DEFAULT).check().is_ok());
     }
 }

@@ -77,11 +77,13 @@ impl<'a> Streams<'a> {
         let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
         let policies = experiment.policies();
         // Machines do not change a stream.
-        let inputs = format!("{:?}", (&experiment.scene_spec, experiment.spec.resolution, &experiment.spec.tracer));
-        let header = |((name, spec), policy): ((&str, _), &Box<dyn Policy>)| {
-            tracer.header(name, policy.as_ref(), experiment.frames.clone(), &format!("{inputs}{spec:?}"))
-        };
-        let headers: Vec<Header> = experiment.spec.policies.iter().zip(&policies).map(header).collect();
+        let spec = &experiment.spec;
+        let inputs = format!("{:?}", (&experiment.scene_spec, &experiment.scene_files, spec.resolution, &spec.tracer));
+        let mut headers = Vec::new();
+        for ((name, spec), policy) in experiment.spec.policies.iter().zip(&policies) {
+            let inputs = format!("{inputs}{spec:?}");
+            headers.push(tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs));
+        }
         let identities: Vec<Identity> = headers.iter().map(|header| Identity::new(header, &policies)).collect();
         let paths = identities.iter().map(|identity| folder.join(format!("{identity}.rays"))).collect();
         Self { experiment, tracer, policies, headers, paths, identities }
