@@ -8,7 +8,7 @@ use crate::output::FolderError;
 
 /// Why a report cannot be written, read or drawn.
 #[derive(Debug, thiserror::Error)]
-pub enum ReportError {
+pub(crate) enum ReportError {
     /// A file or folder cannot be written.
     #[error("cannot write {}", path.display())]
     Write {

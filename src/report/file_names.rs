@@ -7,16 +7,16 @@ const MAX_LENGTH: usize = 64;
 
 /// A name, and what stands for it in file names.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct FileNamed<'a> {
+pub(crate) struct FileNamed<'a> {
     /// The name.
-    pub name: &'a str,
+    pub(crate) name: &'a str,
     /// The part of file names: ASCII letters, digits, `-` and `_`.
-    pub file: String,
+    pub(crate) file: String,
 }
 
 /// Gives each name a file name of its own: what is no letter, digit or `-` becomes `_`, and one that another name has
 /// already, in small or capital letters, gets a number.
-pub fn file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<FileNamed<'a>> {
+pub(crate) fn file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<FileNamed<'a>> {
     let mut taken = BTreeSet::new();
     let unique = |name: &'a str| {
         let safe = |sign: char| if sign.is_ascii_alphanumeric() || sign == '-' { sign } else { '_' };

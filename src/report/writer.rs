@@ -11,17 +11,17 @@ use super::error::ReportError;
 use crate::output::{ResultsFolder, write_whole};
 
 /// The file with all numbers; a directory that holds it is a report.
-pub const SUMMARY_FILE: &str = "summary.json";
+pub(crate) const SUMMARY_FILE: &str = "summary.json";
 /// The page.
 const PAGE_FILE: &str = "index.html";
 /// The folder of the plots.
 const PLOTS_FOLDER: &str = "plots";
 
 /// A file of a report: its path in the report's folder, and its bytes.
-pub type ReportFile = (PathBuf, Vec<u8>);
+pub(super) type ReportFile = (PathBuf, Vec<u8>);
 
 /// What a report is made of.
-pub trait Report {
+pub(crate) trait Report {
     /// Sections of the page that plots belong to.
     type Section;
 
@@ -84,7 +84,7 @@ fn files(report: &impl Report) -> Result<Files, ReportError> {
 ///
 /// # Errors
 /// A value has no form in JSON.
-pub fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
+pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
     let mut text = serde_json::to_vec_pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
     text.push(b'\n');
     Ok(text)
@@ -95,7 +95,7 @@ pub fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, Repor
 ///
 /// # Errors
 /// A file cannot be made, or a file or folder cannot be written.
-pub fn write(folder: &ResultsFolder, report: &impl Report) -> Result<PathBuf, ReportError> {
+pub(crate) fn write(folder: &ResultsFolder, report: &impl Report) -> Result<PathBuf, ReportError> {
     let Files { all, first } = files(report)?;
     folder.replace(|dir| {
         put_all(dir, &all).map_err(|error| match error {

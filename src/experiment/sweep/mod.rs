@@ -40,7 +40,7 @@ struct Replay {
 ///
 /// # Errors
 /// A file is wrong or cannot be written, a replay fails, or `stop` was set.
-pub fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
+pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
     let sweep = Sweep::load(path)?;
     let [points, streams] = ["points", "streams"].map(|part| folder.path().join(part));
     folder.make()?;
@@ -97,7 +97,7 @@ pub fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> Result<S
     })
 }
 
-/// Reads the sweep of the file `path` and all files that it names; how many machines it has.
+/// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.
 ///
 /// # Errors
 /// A file is wrong.

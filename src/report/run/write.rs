@@ -45,6 +45,6 @@ impl Report for RunFiles {
 ///
 /// # Errors
 /// A file cannot be read, made or written.
-pub fn redraw(folder: &ResultsFolder) -> Result<PathBuf, ReportError> {
+pub(crate) fn redraw(folder: &ResultsFolder) -> Result<PathBuf, ReportError> {
     write(folder, &RunFiles::read(folder.path())?)
 }
