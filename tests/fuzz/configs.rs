@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 use umbrasim::experiment::identities::IdentitiesSpec;
 use umbrasim::experiment::paper::PaperSpec;
-use umbrasim::experiment::spec::ExperimentSpec;
 use umbrasim::experiment::{Experiment, Overrides, pareto, read_machine, sweep};
 use umbrasim::machine::MachineSpec;
 use umbrasim::memory::dram::part::DramPart;
@@ -58,7 +57,6 @@ fn single_files() {
     assert!(machines > 20, "only {machines} machines could be read");
     assert!(parsed::<DramPart>("dram", 2, drop) > 10);
     assert!(parsed::<SceneSpec>("scenes", 3, drop) > 20);
-    assert!(parsed::<ExperimentSpec>("experiments", 4, drop) > 20);
     parsed::<PaperSpec>("experiments", 5, drop);
     parsed::<IdentitiesSpec>("experiments", 6, drop);
 }

@@ -51,14 +51,14 @@ pub(in super::super) struct Streams<'a> {
 
 /// A recorded stream and what the tracer counted in it.
 pub(in super::super) struct Recorded {
-    pub path: PathBuf,
-    pub header: Header,
-    pub totals: Totals,
+    pub(crate) path: PathBuf,
+    pub(crate) header: Header,
+    pub(crate) totals: Totals,
 }
 
 impl Recorded {
     /// Its rays, skipped ones included.
-    pub fn rays(&self) -> u64 {
+    pub(crate) fn rays(&self) -> u64 {
         self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
     }
 
