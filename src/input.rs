@@ -1,9 +1,10 @@
 //! The one reader of a user's files: regular files only, each up to a largest size.
 
-use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -13,6 +14,9 @@ use crate::output::claims::refuse_output;
 pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
 pub(crate) const MAX_SCENE_FILE_BYTES: u64 = 1 << 28;
+
+/// The largest sum of the sizes of a scene's files, in bytes.
+const MAX_SCENE_BYTES: u64 = 1 << 30;
 
 /// Opens the regular file at `path`.
 ///
@@ -45,21 +49,7 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     if length > most {
         return Err(refused(format!("the file has {length} bytes: at most {most} are allowed")));
     }
-    NOTED.with_borrow_mut(|noted| noted.push(xxh3_128(&bytes)));
     Ok(bytes)
-}
-
-thread_local! {
-    /// Hashes of the files that this thread has read since it began to note them.
-    static NOTED: RefCell<Vec<u128>> = const { RefCell::new(Vec::new()) };
-}
-
-/// Calls `read`, and gives beside its result the hashes (XXH3, 128 bits) of all files that it reads whole on this thread, in
-/// their order.
-pub(crate) fn noting<T>(read: impl FnOnce() -> T) -> (T, Vec<u128>) {
-    let outer = NOTED.take();
-    let result = read();
-    (result, NOTED.replace(outer))
 }
 
 /// The text of the regular file at `path`, at most `most` bytes, without a byte order mark.
@@ -87,6 +77,53 @@ fn refused(what: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
+/// A file that was read, and the hash of its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The path as the reader's caller named it first.
+    pub path: PathBuf,
+    /// XXH3 (128 bits) of the file's bytes.
+    pub hash: u128,
+}
+
+/// The files of one scene. Each is read once and held, however often it is named.
+#[derive(Debug, Default)]
+pub(crate) struct Files {
+    /// Bytes by the path that has no links.
+    held: BTreeMap<PathBuf, Rc<[u8]>>,
+    sources: Vec<Source>,
+    bytes: u64,
+}
+
+impl Files {
+    /// The bytes of the file at `path`.
+    ///
+    /// # Errors
+    /// As [`read`] with [`MAX_SCENE_FILE_BYTES`], and files that are too large in sum.
+    pub(crate) fn read(&mut self, path: &Path) -> io::Result<Rc<[u8]>> {
+        let real = path.canonicalize()?;
+        if let Some(bytes) = self.held.get(&real) {
+            return Ok(bytes.clone());
+        }
+        let bytes: Rc<[u8]> = read(path, MAX_SCENE_FILE_BYTES)?.into();
+        self.bytes += bytes.len() as u64;
+        if self.bytes > MAX_SCENE_BYTES {
+            let sum = self.bytes;
+            return Err(refused(format!(
+                "with it the scene's files have {sum} bytes: at most {MAX_SCENE_BYTES} are allowed"
+            )));
+        }
+        self.sources.push(Source { path: path.into(), hash: xxh3_128(&bytes) });
+        self.held.insert(real, bytes.clone());
+        Ok(bytes)
+    }
+
+    /// The files that were read, in the order of their first reading.
+    pub(crate) fn into_sources(self) -> Vec<Source> {
+        self.sources
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,18 +140,6 @@ mod tests {
         let large = File::create(dir.path().join("large")).unwrap();
         large.set_len(1 << 40).unwrap();
         assert!(read(&dir.path().join("large"), 1 << 20).unwrap_err().to_string().contains("at most 1048576"));
-    }
-
-    #[test]
-    fn what_is_read_is_noted() {
-        let dir = tempfile::tempdir().unwrap();
-        let path = dir.path().join("a");
-        let hashes = |text: &[u8]| {
-            std::fs::write(&path, text).unwrap();
-            noting(|| (read(&path, 9).unwrap(), noting(|| read(&path, 9).unwrap()))).1
-        };
-        assert_eq!(hashes(b"one"), [xxh3_128(b"one")]);
-        assert_ne!(hashes(b"two"), hashes(b"one"));
     }
 
     #[cfg(unix)]
@@ -136,5 +161,17 @@ mod tests {
         assert_eq!(read_text(&path, 100).unwrap(), "text");
         std::fs::write(&path, b"a\nb\n\xFF").unwrap();
         assert_eq!(read_text(&path, 100).unwrap_err().to_string(), "line 3 is not UTF-8 text");
+    }
+
+    #[test]
+    fn a_file_is_held_once_whatever_its_name() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("a"), b"bytes").unwrap();
+        let mut files = Files::default();
+        let first = files.read(&dir.path().join("a")).unwrap();
+        let again = files.read(&dir.path().join("./a")).unwrap();
+        assert!(Rc::ptr_eq(&first, &again));
+        let sources = files.into_sources();
+        assert_eq!((sources.len(), sources[0].hash), (1, xxh3_128(b"bytes")));
     }
 }

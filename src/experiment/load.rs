@@ -9,12 +9,11 @@ use super::frames::FrameRange;
 use super::need::Need;
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
-use crate::input;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ron_file::{self, ConfigError};
-use crate::scene::render::MAX_LIGHTS;
+use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
 use crate::stream::{Step, Structure};
@@ -47,8 +46,6 @@ pub struct Experiment {
     pub scene_spec: SceneSpec,
     /// The scene.
     pub scene: Scene,
-    /// Hashes of the files that the scene was read from.
-    pub(super) scene_files: Vec<u128>,
     /// The machines by name.
     pub machines: Named<MachineSpec>,
     /// Numbers of the frames, in order.
@@ -85,8 +82,7 @@ impl Experiment {
         }
         let scene_path = beside(path, &spec.scene);
         let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
-        let (scene, scene_files) = input::noting(|| scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))));
-        let scene = scene?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
                 "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",
@@ -109,7 +105,7 @@ impl Experiment {
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
-        let experiment = Self { spec, scene_spec, scene, scene_files, machines, frames };
+        let experiment = Self { spec, scene_spec, scene, machines, frames };
         experiment.need().check().map_err(wrong)?;
         Ok(experiment)
     }
@@ -130,7 +126,12 @@ impl Experiment {
 
     /// All that the streams of the experiment depend on, beside their own headers: as text, of which a hash is taken.
     pub(super) fn inputs(&self) -> String {
-        format!("{}{:x?}", self.as_run(), self.scene_files)
+        format!("{}{}", self.as_run(), self.scene_hashes())
+    }
+
+    /// Hashes of the files that the scene was read from.
+    pub(super) fn scene_hashes(&self) -> String {
+        self.scene.origin.sources.iter().map(|source| format!("{:032x} ", source.hash)).collect()
     }
 
     /// The policies before the first frame, in the order of the file.

@@ -78,7 +78,8 @@ impl<'a> Streams<'a> {
         let policies = experiment.policies();
         // Machines do not change a stream.
         let spec = &experiment.spec;
-        let inputs = format!("{:?}", (&experiment.scene_spec, &experiment.scene_files, spec.resolution, &spec.tracer));
+        let inputs =
+            format!("{:?}", (&experiment.scene_spec, experiment.scene_hashes(), spec.resolution, &spec.tracer));
         let mut headers = Vec::new();
         for ((name, spec), policy) in experiment.spec.policies.iter().zip(&policies) {
             let inputs = format!("{inputs}{spec:?}");
