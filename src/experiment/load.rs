@@ -74,15 +74,20 @@ impl Experiment {
         let mut machines = Named::default();
         for file in &spec.machines {
             let file = beside(path, file);
-            let machine = read_machine(&file)?;
+            let machine = read_machine(&file).map_err(|error| ron_file::named_in(path, error))?;
             if machines.get(&machine.name).is_some() {
                 return Err(wrong(format!("`machines` names two machines called `{}`", machine.name)).into());
             }
             machines.insert(machine.name.clone(), machine);
         }
         let scene_path = beside(path, &spec.scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(|error| ron_file::named_in(path, error))?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+            SceneError::Read { path, source } => {
+                ron_file::named_in(&scene_path, ConfigError::Read { path, source }).into()
+            }
+            other => ExperimentError::Scene(other),
+        })?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
                 "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",
