@@ -10,10 +10,11 @@ use super::files::{beside, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
-use super::sweep::{Recorded, SweepError, record};
+use super::sweep::{Recorded, Streams, SweepError};
 use crate::culling::PolicySpec;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError};
@@ -61,6 +62,9 @@ pub struct Comparison {
 
 impl Comparison {
     /// Reads the comparison of the file `path`, with another truth if there is one.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, the truth is not exact, or a list is empty.
     pub fn load(path: &Path, truth: Option<Fidelity>) -> Result<Self, SweepError> {
         let spec: ParetoSpec = ron_file::read(path)?;
         let truth = truth.unwrap_or(spec.truth);
@@ -83,7 +87,7 @@ impl Comparison {
 }
 
 /// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
-pub fn pareto(
+pub(crate) fn pareto(
     path: &Path,
     truth: Option<Fidelity>,
     stop: &AtomicBool,
@@ -96,8 +100,9 @@ pub fn pareto(
     let mut runs = Vec::new();
     let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
     for experiment in &experiments {
-        let folder = tempfile::tempdir().map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
-        let recorded = record(experiment, folder.path(), stop)?;
+        let folder = TemporaryFolder::create();
+        let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
+        let recorded = Streams::new(experiment, folder.path()).have(|_| false, stop)?;
         for machine in &machines {
             for (policy, stream) in recorded.iter().enumerate() {
                 let timed = |rung| {
@@ -156,7 +161,8 @@ impl Source {
     }
 }
 
-/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's stores are.
+/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's
+/// stores are.
 fn refusal(error: SweepError) -> Result<String, SweepError> {
     match error {
         SweepError::Machine { source, .. } if matches!(*source, RunError::Sample { .. } | RunError::Spec(_)) => {
@@ -194,7 +200,8 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
+    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others
+    /// find is told all the same.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
         let folder = tempfile::tempdir().unwrap();

@@ -12,19 +12,20 @@ use super::progress;
 use super::split::Role;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
 /// A machine that was told nothing more will come, or that has failed.
 #[derive(Debug)]
-pub struct Stopped;
+pub(crate) struct Stopped;
 
 /// Items that may wait for a machine. A few bands: more would only take memory.
 const WAITING: usize = 8;
 
 /// Machines that replay the streams of several policies.
 #[derive(Default)]
-pub struct Replays<'scope> {
+pub(crate) struct Replays<'scope> {
     runs: Vec<Replay<'scope>>,
 }
 
@@ -37,7 +38,7 @@ struct Replay<'scope> {
 }
 
 /// What a machine measured, and how long that took.
-pub struct Replayed {
+pub(crate) struct Replayed {
     /// The measurements.
     pub stats: MachineStats,
     /// Wall time of the simulation, waiting for the tracer included.
@@ -45,7 +46,7 @@ pub struct Replayed {
 }
 
 /// A finished replay.
-pub struct Finished {
+pub(crate) struct Finished {
     /// The policy whose stream it was.
     pub policy: usize,
     /// The machine's name.
@@ -58,7 +59,7 @@ pub struct Finished {
 
 impl<'scope> Replays<'scope> {
     /// Starts a machine, in a role, on the stream of a policy.
-    pub fn start(
+    pub(crate) fn start(
         &mut self,
         scope: &'scope Scope<'scope, '_>,
         (machine, role): (&MachineSpec, Role),
@@ -71,7 +72,7 @@ impl<'scope> Replays<'scope> {
         let thread = scope.spawn(move || {
             let begin = Instant::now();
             let stats = if fidelity.takes_passes() {
-                let folder = tempfile::tempdir().map_err(temporary).map_err(RunError::Source)?;
+                let folder = TemporaryFolder::create().map_err(temporary).map_err(RunError::Source)?;
                 let file = record(&header, received, &folder.path().join("stream.rays")).map_err(RunError::Source)?;
                 engine::run_passes(&spec, fidelity, &header, |frame| open_at(&file, frame))?
             } else {
@@ -83,7 +84,7 @@ impl<'scope> Replays<'scope> {
     }
 
     /// Hands the next item of a policy's stream to all machines that replay it; waits while they are busy.
-    pub fn send(&self, policy: usize, item: &Item) -> Result<(), Stopped> {
+    pub(crate) fn send(&self, policy: usize, item: &Item) -> Result<(), Stopped> {
         for run in self.runs.iter().filter(|run| run.policy == policy) {
             // A machine that has gone away has failed: its error comes out in `finish`.
             run.items.send(item.clone()).map_err(|_| Stopped)?;
@@ -92,7 +93,7 @@ impl<'scope> Replays<'scope> {
     }
 
     /// Ends all streams and waits for the results.
-    pub fn finish(self) -> Vec<Finished> {
+    pub(crate) fn finish(self) -> Vec<Finished> {
         let (threads, streams): (Vec<_>, Vec<_>) =
             self.runs.into_iter().map(|run| ((run.policy, run.machine, run.role, run.thread), run.items)).unzip();
         drop(streams);
@@ -124,7 +125,7 @@ fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<PathBuf
 
 /// Replays the recorded stream `path` on a machine, while what its DRAM and a cache are asked for goes to files if they
 /// are wanted.
-pub fn replay_file(
+pub(crate) fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
     path: &Path,

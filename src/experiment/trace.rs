@@ -10,7 +10,7 @@ use crate::tracer::Tracer;
 
 /// Why no stream was recorded.
 #[derive(Debug, thiserror::Error)]
-pub enum TraceError {
+pub(crate) enum TraceError {
     /// The file cannot be written.
     #[error(transparent)]
     Stream(#[from] StreamError),
@@ -28,7 +28,12 @@ pub enum TraceError {
 }
 
 /// Traces all frames for the policy of that name (the first one if there is no name) and writes its stream to `path`.
-pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &AtomicBool) -> Result<(), TraceError> {
+pub(crate) fn trace(
+    experiment: &Experiment,
+    policy: Option<&str>,
+    path: &Path,
+    stop: &AtomicBool,
+) -> Result<(), TraceError> {
     let names: Vec<&str> = experiment.policy_names().collect();
     let wanted = policy.unwrap_or(names[0]);
     let index = names.iter().position(|&name| name == wanted).ok_or_else(|| TraceError::UnknownPolicy {
@@ -39,7 +44,7 @@ pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &
     let first = scene.animation.frame(experiment.frames[0]);
     let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
     let mut policies = vec![experiment.policies().swap_remove(index)];
-    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.as_run());
+    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs());
     let mut writer = StreamWriter::create(path, &header)?;
     let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
     for &number in &experiment.frames {

@@ -3,6 +3,7 @@
 
 pub mod dispatcher;
 pub mod division;
+mod footprint;
 pub mod intersection;
 pub mod kinds;
 pub mod layout;
@@ -14,6 +15,7 @@ pub mod stores;
 #[cfg(test)]
 mod tests;
 pub mod traversal;
+pub mod word_traffic;
 pub mod writes;
 
 pub use spec::{MachineSpec, SpecError};

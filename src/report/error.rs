@@ -4,10 +4,11 @@ use std::io;
 use std::path::PathBuf;
 
 use super::draw::DrawError;
+use crate::output::FolderError;
 
 /// Why a report cannot be written, read or drawn.
 #[derive(Debug, thiserror::Error)]
-pub enum ReportError {
+pub(crate) enum ReportError {
     /// A file or folder cannot be written.
     #[error("cannot write {}", path.display())]
     Write {
@@ -24,12 +25,9 @@ pub enum ReportError {
         /// What the system said.
         source: io::Error,
     },
-    /// Something that is no report is in the way.
-    #[error("{} is not an umbrasim report (it has no summary.json of one) and will not be overwritten", path.display())]
-    Foreign {
-        /// What is in the way.
-        path: PathBuf,
-    },
+    /// The folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The file is no summary.
     #[error("{} is not a summary of a run", path.display())]
     Broken {

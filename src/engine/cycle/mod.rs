@@ -7,6 +7,7 @@ mod cache;
 mod division;
 mod dram;
 mod flat;
+mod gathering;
 mod group;
 mod host;
 mod intersection;

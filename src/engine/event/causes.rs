@@ -60,6 +60,14 @@ impl Causes {
         }
     }
 
+    /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
+    /// began: it is lost at the intake if no earlier operation occupies it. Later cycles are `idle`'s as after
+    /// [`Causes::cycle`].
+    pub fn passed_by(&mut self, now: u64, idle: Cause) {
+        self.cycle(now, Cause::Intake);
+        self.change(now + 1, idle);
+    }
+
     /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the cause.
     #[inline]
     pub fn ahead(&mut self, at: u64, idle: Cause) {

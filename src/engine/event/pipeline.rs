@@ -19,6 +19,8 @@ pub struct Stages {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
+    /// Operations that begin at once.
+    pub width: u64,
 }
 
 /// What a unit knows of the memory below its L1.
@@ -99,8 +101,8 @@ impl Pipeline {
         memory: Memory,
     ) -> Self {
         let Memory { line, answer_latency } = memory;
-        let in_step = cache.ports.get() == 1 && cache.latency.get() == 1 && timing.interval == 1;
-        let foresees = in_step && writes == WritePolicy::Back;
+        let one_a_cycle = cache.ports.get() == 1 && timing.interval == 1 && timing.width == 1;
+        let foresees = one_a_cycle && cache.latency.get() == 1 && writes == WritePolicy::Back;
         Self {
             part,
             core,
@@ -298,6 +300,7 @@ impl Pipeline {
     #[inline]
     fn enter_ahead(&mut self, ray: RayId, at: u64) {
         self.enter(ray, at);
+        self.causes.begin(at, self.timing.interval);
         self.begins_last = at;
     }
 
@@ -319,15 +322,35 @@ impl Pipeline {
         self.ready.push_back(ray);
     }
 
-    /// Step 5: an operation begins, if one can.
+    /// Step 5: whether an operation began.
     #[inline]
-    pub fn begin(&mut self, now: u64, rays: &[Ray]) {
-        let Some(&ray) = self.ready.front() else { return };
-        if now < self.open_at || self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
-            return;
+    pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let began = now >= self.open_at && self.begin_first(now, rays);
+        if began {
+            self.causes.begin(now, self.timing.interval);
+        }
+        began
+    }
+
+    /// Step 5 of a unit in which several operations can begin at once: whether any did.
+    pub fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let began = self.begin(now, rays);
+        if began {
+            (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).for_each(drop);
+        }
+        began
+    }
+
+    /// The first ray of the ready list begins its operation, if nothing is missing.
+    #[inline]
+    fn begin_first(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let Some(&ray) = self.ready.front() else { return false };
+        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
+            return false;
         }
         self.ready.drop_front();
         self.enter(ray, now);
+        true
     }
 
     /// An operation of `ray` begins in cycle `at`.
@@ -335,7 +358,6 @@ impl Pipeline {
     fn enter(&mut self, ray: RayId, at: u64) {
         self.stages.push_back((at + self.timing.latency, ray));
         self.open_at = at + self.timing.interval;
-        self.causes.begin(at, self.timing.interval);
     }
 
     /// Sends the write of an operation down, if it goes through; false if there is no place.
@@ -362,20 +384,32 @@ impl Pipeline {
             self.account_ahead(now, leaving);
             self.stages.front().map_or(u64::MAX, |stage| stage.0).min(lines)
         } else {
-            self.end_crowded(now, links, leaving)
+            self.end_crowded(now, links, leaving, false)
         };
         if at != u64::MAX {
             links.clock.wake(self.part, at);
         }
     }
 
+    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation began.
+    pub fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
+        let at = self.end_crowded(now, links, leaving, true);
+        if at != u64::MAX {
+            links.clock.wake(self.part, at);
+        }
+    }
+
     /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is known.
-    fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool) -> u64 {
+    fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
         self.accessed = false;
         let stalled = self.access(now, links);
         let sent = !self.out.is_empty() && self.send(now, links);
         let ready = !self.ready.is_empty();
-        self.account(now, leaving || ready);
+        if passed_by {
+            self.causes.passed_by(now, self.idle_cause(leaving || ready));
+        } else {
+            self.account(now, leaving || ready);
+        }
         if self.foresees {
             self.foresee_queued(now, links);
             if ready && !leaving {
@@ -501,11 +535,12 @@ impl Pipeline {
     }
 
     /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it does if it is the first of
-    /// the ready list. `line` is the first to come from the L2: of those that come in the next cycle all are known, since an answer takes
-    /// the L2's latency.
+    /// the ready list, and no other can begin beside it. `line` is the first to come from the L2: of those that
+    /// come in the next cycle all are known, since an answer takes the L2's latency.
     #[inline]
     fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
         self.hit_latency == 1
+            && self.timing.width == 1
             && self.open_at <= now + 1
             && self.ready.is_empty()
             && self.hits.is_empty()

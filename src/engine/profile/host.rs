@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::engine::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::source::{StreamFault, parents};
-use crate::stream::{Chunk, FrameInfo, Item, Totals};
+use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
 
 /// No ray.
 const NONE: u32 = u32::MAX;
@@ -125,6 +125,20 @@ impl Host {
         &self.active(place).chunk
     }
 
+    /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
+    pub fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
+        let active = self.active(place);
+        let hit = place.index - back;
+        let some = |child: u32| (child != NONE).then_some(child);
+        let first = some(active.first_child[hit as usize]);
+        let children = std::iter::successors(first, |&child| some(active.next_sibling[child as usize]));
+        let traced = |&child: &u32| {
+            let head = active.chunk.head(child as usize);
+            head.kind == RayKind::Shadow && head.decision != Decision::Skip
+        };
+        (hit, children.filter(traced).count() as u32)
+    }
+
     /// The candidate was handed out.
     pub fn handed_out(&mut self) {
         if self.ready.pop_front().is_none()
@@ -151,16 +165,32 @@ impl Host {
         parent
     }
 
-    /// Children whose parents' shading is over in cycle `now` are ready.
-    pub fn shaded(&mut self, now: u64) {
+    /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are
+    /// done at once.
+    pub fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
             self.shading.pop_front();
-            let mut index = self.active(parent).first_child[parent.index as usize];
+            let Some(active) = &mut self.chunks[parent.chunk as usize] else {
+                unreachable!("a chunk stays while it has rays that are not done")
+            };
+            let mut index = active.first_child[parent.index as usize];
             while index != NONE {
-                self.ready.push_back(Place { index, ..parent });
-                index = self.active(parent).next_sibling[index as usize];
+                let child = Place { index, ..parent };
+                if answered(&active.chunk.ray(index as usize)) {
+                    active.left -= 1;
+                    self.rays_over += 1;
+                    if active.first_child[index as usize] != NONE {
+                        self.shading.push_back((now + shading, child));
+                    }
+                } else {
+                    self.ready.push_back(child);
+                }
+                index = active.next_sibling[index as usize];
+            }
+            if active.left == 0 {
+                self.chunks[parent.chunk as usize] = None;
             }
         }
     }

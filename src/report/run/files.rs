@@ -5,18 +5,22 @@ use std::path::{Component, Path};
 
 use super::pictures::{Image, PictureInfo, png};
 use super::summary::{SCHEMA, Summary};
+use crate::input;
 use crate::report::error::ReportError;
 use crate::report::writer::SUMMARY_FILE;
 
 /// The experiment as run.
-pub const CONFIG_FILE: &str = "config.ron";
+pub(super) const CONFIG_FILE: &str = "config.ron";
+
+/// The largest summary that is read, in bytes.
+const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 
 /// A picture and its PNG file.
-pub type PngPicture = (PictureInfo, Vec<u8>);
+pub(super) type PngPicture = (PictureInfo, Vec<u8>);
 
 /// What a run found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RunFiles {
+pub(crate) struct RunFiles {
     /// The numbers.
     pub summary: Summary,
     /// The experiment as run, in RON.
@@ -30,7 +34,11 @@ impl RunFiles {
     ///
     /// # Errors
     /// A picture cannot be made.
-    pub fn new(mut summary: Summary, config: String, pictures: &[(PictureInfo, Image)]) -> Result<Self, ReportError> {
+    pub(crate) fn new(
+        mut summary: Summary,
+        config: String,
+        pictures: &[(PictureInfo, Image)],
+    ) -> Result<Self, ReportError> {
         summary.pictures = pictures.iter().map(|(info, _)| info.clone()).collect();
         let encode = |(info, image): &(PictureInfo, Image)| -> Result<PngPicture, ReportError> {
             let bytes = png(image).map_err(|source| ReportError::Picture { file: info.file.clone(), source })?;
@@ -43,7 +51,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// A file cannot be read, the summary is none of this version, or names a picture outside the report.
-    pub fn read(folder: &Path) -> Result<Self, ReportError> {
+    pub(crate) fn read(folder: &Path) -> Result<Self, ReportError> {
         let path = folder.join(SUMMARY_FILE);
         let summary = read_summary(&path)?;
         let config = folder.join(CONFIG_FILE);
@@ -66,9 +74,10 @@ impl RunFiles {
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.
-pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
+pub(crate) fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
-    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    let read = input::read(path, MAX_SUMMARY_BYTES);
+    let text = read.map_err(|source| ReportError::Read { path: path.into(), source })?;
     let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;
     match value.get("schema") {
         Some(found) if *found != SCHEMA => {

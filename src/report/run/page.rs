@@ -16,7 +16,7 @@ use crate::report::grid::Grid;
 use crate::report::template::{self, grid};
 
 /// The page as HTML. `config` is the experiment's text as run.
-pub fn page(
+pub(super) fn page(
     summary: &Summary,
     config: &str,
     drawings: &[Drawing<Section>],
@@ -46,6 +46,7 @@ pub fn page(
         policies => grid(tables::policies(summary)),
         machine_figures => grid(tables::machines(summary)),
         saving => plots(&Section::Saving),
+        shadow_rays => summary.policies.iter().any(|(_, policy)| policy.counts.shadow_rays > 0),
         correctness => grid(correctness(summary)),
         lights => grid(lights(summary)),
         wrong => plots(&Section::Correctness),

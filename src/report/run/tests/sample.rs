@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::named::Named;
 use crate::quantity::{Bytes, Cycle, Resolution};
+use crate::report::file_names::FileNamed;
 use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::report::run::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
@@ -22,7 +23,7 @@ use crate::validate::PixelVerdict;
 const SIZE: Resolution = Resolution { width: 96, height: 72 };
 
 /// What a policy does that saves `share` in a frame.
-pub fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
+pub(crate) fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
     let left = |work: f64| (work * (1.0 - share)) as u64;
     let tests = if share == 0.0 { 0 } else { 53_000 };
     FrameResult {
@@ -80,6 +81,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             (Cause::Pipeline, pipeline),
             (Cause::Memory, memory),
             (Cause::Blocked, blocked),
+            (Cause::Intake, 0),
             (Cause::Starved, whole - busy - pipeline - memory - blocked),
         ])
     };
@@ -151,13 +153,13 @@ fn machine(share: f64, words: u64) -> MachineRun {
 }
 
 /// A report such as a run makes, with frame numbers `frames`.
-pub fn sample(frames: &[u32]) -> RunFiles {
+pub(crate) fn sample(frames: &[u32]) -> RunFiles {
     let (summary, config, images) = parts(frames);
     RunFiles::new(summary, config, &images).unwrap()
 }
 
 /// What a run hands to its report: numbers, the experiment as run, and pictures.
-pub fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
+pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
     let wave = |number: u32| 0.19 + 0.3 * (f64::from(number) / 90.0).sin() * (f64::from(number) / 700.0);
     let results = |of: &dyn Fn(u32) -> FrameResult| frames.iter().map(|&number| of(number)).collect::<Vec<_>>();
     let off = results(&|number| frame(number, 0.0, 0));
@@ -225,17 +227,21 @@ pub fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
         simulated_rays_per_wall_second: [("trace", 5.1e6), ("replay small", 20e6)].into_iter().collect(),
     };
     let config = "Experiment(\n    scene: Aff(\"kitchen.aff\"), // <a comment>\n)\n".into();
+    let shown_policy = FileNamed { name: "published", file: "published".into() };
     let images = vec![
-        (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
+        (PictureInfo::new(PictureKind::Render, Some(&shown_policy), shown), render.clone()),
         (PictureInfo::new(PictureKind::Reference, None, shown), render),
-        (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
-        (PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown), pictures::words(SIZE, &words, 0)),
+        (PictureInfo::new(PictureKind::Difference { light: None }, Some(&shown_policy), shown), difference),
+        (
+            PictureInfo::new(PictureKind::Words { light: 0 }, Some(&shown_policy), shown),
+            pictures::words(SIZE, &words, 0),
+        ),
     ];
     (summary, config, images)
 }
 
 /// A sweep of two points.
-pub fn sweep() -> SweepSummary {
+pub(crate) fn sweep() -> SweepSummary {
     let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
     let totals = frame(0, 0.2, 0).totals;
     let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
