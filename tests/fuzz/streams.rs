@@ -68,6 +68,8 @@ fn changed_contents_with_right_checksums() {
 /// A stream's parts, as `stream::format` lays them out.
 #[derive(Clone)]
 struct Parts {
+    /// Magic and version.
+    front: [u8; 12],
     header: String,
     /// Tag and payload of each block, the index last.
     blocks: Vec<([u8; 4], Vec<u8>)>,
@@ -85,7 +87,7 @@ impl Parts {
             blocks.push((bytes[at..at + 4].try_into().unwrap(), payload));
             at += 24 + stored;
         }
-        Self { header, blocks }
+        Self { front: bytes[..12].try_into().unwrap(), header, blocks }
     }
 
     /// The file of the first frame alone.
@@ -105,7 +107,7 @@ impl Parts {
 
     /// The file, with lengths, offsets and checksums that fit.
     fn sealed(&self) -> Vec<u8> {
-        let mut bytes = b"\x89RAYS\r\n\x1a\x02\0\0\0".to_vec();
+        let mut bytes = self.front.to_vec();
         bytes.extend((self.header.len() as u32).to_le_bytes());
         let seed = crc(0, &[&bytes, self.header.as_bytes()]);
         bytes.extend(seed.to_le_bytes());
