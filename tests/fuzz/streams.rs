@@ -10,9 +10,9 @@ use umbrasim::stream::StreamReader;
 use super::is_limited;
 use super::mutation::Random;
 
-/// A recorded stream of three policies' worth of steps.
+/// A recorded stream, of which the first frame is taken: the replays are to be short.
 const STREAM: &[u8] = include_bytes!("../../traces/quickstart.rays");
-/// Frames of the stream that are kept: the replays are to be short.
+/// Changed streams of each kind.
 const CASES: usize = 400;
 
 /// Reads a stream and replays what can be read.
@@ -68,6 +68,8 @@ fn changed_contents_with_right_checksums() {
 /// A stream's parts, as `stream::format` lays them out.
 #[derive(Clone)]
 struct Parts {
+    /// Magic and version.
+    front: [u8; 12],
     header: String,
     /// Tag and payload of each block, the index last.
     blocks: Vec<([u8; 4], Vec<u8>)>,
@@ -85,7 +87,7 @@ impl Parts {
             blocks.push((bytes[at..at + 4].try_into().unwrap(), payload));
             at += 24 + stored;
         }
-        Self { header, blocks }
+        Self { front: bytes[..12].try_into().unwrap(), header, blocks }
     }
 
     /// The file of the first frame alone.
@@ -97,7 +99,10 @@ impl Parts {
         self.header = header.to_string();
         let end = self.blocks.iter().position(|(tag, _)| tag == b"FEND").unwrap();
         let mut index = self.blocks.pop().unwrap();
-        index.1.drain(ENTRY..ENTRY * frames);
+        // Entries of frames, then four bytes for each static primitive.
+        let primitives = header["static_primitives"].as_u64().unwrap() as usize;
+        let entry = (index.1.len() - 4 * primitives) / frames;
+        index.1.drain(entry..entry * frames);
         self.blocks.truncate(end + 1);
         self.blocks.push(index);
         self.sealed()
@@ -105,7 +110,7 @@ impl Parts {
 
     /// The file, with lengths, offsets and checksums that fit.
     fn sealed(&self) -> Vec<u8> {
-        let mut bytes = b"\x89RAYS\r\n\x1a\x02\0\0\0".to_vec();
+        let mut bytes = self.front.to_vec();
         bytes.extend((self.header.len() as u32).to_le_bytes());
         let seed = crc(0, &[&bytes, self.header.as_bytes()]);
         bytes.extend(seed.to_le_bytes());
@@ -131,9 +136,6 @@ impl Parts {
         bytes
     }
 }
-
-/// Bytes of a frame's entry in the index.
-const ENTRY: usize = 156;
 
 fn put(bytes: &mut Vec<u8>, seed: u32, number: usize, (tag, payload): &([u8; 4], Vec<u8>)) {
     let stored = lz4_flex::block::compress(payload);

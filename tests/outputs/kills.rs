@@ -75,6 +75,8 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
             if moment % 2 == 0 {
                 let top = desk.path(result.split('/').next().unwrap());
                 let _ = if top.is_dir() { fs::remove_dir_all(top) } else { fs::remove_file(top) };
+            } else {
+                desk.succeed(command);
             }
             let mut child = desk.spawn(command);
             std::thread::sleep(took * moment / 8);

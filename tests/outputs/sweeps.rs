@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::common::{Desk, KITE, error_text};
 
-/// A scene with everything that files can hold: a mesh with a material and a picture, an AFF scene with a light, a camera
-/// and keyframes.
-const AFF: &str = "v\nfrom 0 2 6\nat 0 1 0\nup 0 1 0\nangle 40\nhither 0.1\nresolution 16 16\nl 1 4 2 1 1 1\n\
-    fm 0.1 0.1 0.1 0.6 0.5 0.4 0 0 0 1 0 1\np 4\n-3 0 -3\n-3 0 3\n3 0 3\n3 0 -3\ns 0 1 0 0.5\n";
+/// A scene of one file, with a light, a camera, a material and a ball that moves.
+const AFF: &str = "a 0 20 30\nv from 0 2 6 at 0 1 0 up 0 1 0 angle 50 hither 0.01 resolution 16 16\nb 0.2 0.3 0.4\n\
+    l 1 4 2 0.9 0.9 0.9\nfm 0.1 0.1 0.1 0.5 0.6 0.2 0 0 0 20 0 1\np 4 -4 0 -4 4 0 -4 4 0 4 -4 0 4\ns 0 1 0 0.7\n\
+    x ball { s 0 0 0 0.4 }\nk ball { transl 4 -1 1 1 0 0 0 0 0 1 1 0 0 0 0 10 1 1 1 0 0 0 21 2 0 0 0 0 0 }\n";
 
 fn desk() -> Desk {
     let desk = Desk::with_experiment();
@@ -35,7 +35,7 @@ fn kept(desk: &Desk, part: &str) -> Vec<PathBuf> {
 #[test]
 fn a_sweep_over_changed_files_is_as_a_new_one() {
     let desk = desk();
-    desk.put("aff.ron", "Aff(path: \"scene.aff\")");
+    desk.put("aff.ron", "Aff(\"scene.aff\")");
     desk.put("scene.aff", AFF);
     let experiment = super::common::EXPERIMENT;
     desk.put_changed("affine.ron", experiment, "scene: \"scene.ron\"", "scene: \"aff.ron\"");
@@ -47,7 +47,7 @@ fn a_sweep_over_changed_files_is_as_a_new_one() {
         ("sweep.ron", "floor.obj", super::common::FLOOR.replace("v 3 0 3", "v 2 0 2")),
         ("affine_sweep.ron", "scene.aff", with("l 1 4 2", "l -2 1.5 1")),
         ("affine_sweep.ron", "scene.aff", with("from 0 2 6", "from 0 1 3")),
-        ("affine_sweep.ron", "scene.aff", with("0 0 0 1 0 1", "0.9 0.9 0.9 20 0 1")),
+        ("affine_sweep.ron", "scene.aff", with("s 0 0 0 0.4", "s 0 0 0 0.9")),
     ];
     for (number, (config, file, text)) in changes.into_iter().enumerate() {
         let before = fs::read(desk.path(file)).unwrap();
