@@ -7,6 +7,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::config_path::config_path;
+use super::destinations::claim_files;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
@@ -33,12 +34,13 @@ pub(super) struct Identities {
 impl Identities {
     pub(super) fn run(self) -> Result<Outcome> {
         let stop = signals::stop_flag();
+        claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
         let (rows, published) = identities::identities(&config_path(Kind::Experiment, &self.config)?, &stop)?;
+        json.finish(&rows)?;
         print(report::drawn(&identities::grid(&rows, &published)))?;
         let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
         print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;
-        json.finish(&rows)?;
         Ok(Outcome::failed_if(stop.load(Ordering::Relaxed) || worst > identities::MOST_GAP))
     }
 }

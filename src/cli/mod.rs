@@ -5,6 +5,7 @@ mod arguments;
 mod chart;
 mod command;
 mod config_path;
+mod destinations;
 mod explain;
 mod help;
 mod identities;

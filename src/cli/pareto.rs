@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::arguments::report_folder;
 use super::config_path::config_path;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::engine::Fidelity;
@@ -36,12 +37,13 @@ pub(super) struct Pareto {
 
 impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
-        let out = report_folder(self.out, &self.config)?;
-        report::check_target(&out)?;
+        let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&config_path(Kind::Experiment, &self.config)?, self.truth, &stop)?;
-        print(report::drawn(&summary.grid(&timings)))?;
-        print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
+        let table = report::drawn(&summary.grid(&timings));
+        let page = report::write(&out, &ParetoReport { summary, timings })?;
+        print(table)?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

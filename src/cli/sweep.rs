@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::arguments::report_folder;
 use super::config_path::config_path;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::sweep;
@@ -30,11 +31,12 @@ pub(super) struct Sweep {
 
 impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
-        let out = report_folder(self.out, &self.config)?;
+        let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let summary = sweep::sweep(&config_path(Kind::Experiment, &self.config)?, &out, &stop)?;
+        let page = report::write(&out, &summary)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
-        print(report::update(&out, &summary)?.display())?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }
