@@ -148,15 +148,12 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
             return Ok(MachineStats { needs: Some(needs), ..sampled });
         }
     }
-    // Some rungs know stores as recorded only.
-    let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
-    for (machine, rung) in
-        [Fidelity::Profile, Fidelity::Functional].into_iter().filter_map(|rung| Some((recorded?, rung)))
-    {
-        let check = tried(machine, rung)?;
+    // `Profile` knows stores as recorded only.
+    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine)) {
+        let check = tried(machine, Fidelity::Profile)?;
         needs.models.push(check.clone());
         if check.passes {
-            return Ok(MachineStats { needs: Some(needs), ..run(machine, rung, header, open(0)?)? });
+            return Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Profile, header, open(0)?)? });
         }
     }
     let model = Fidelity::Event.to_string();

@@ -3,8 +3,8 @@
 use super::sampling::WarmCaches;
 use super::tally::Tally;
 use super::{RunError, check};
+use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::machine::source::{FrameCounts, StoreWork};
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 

@@ -3,23 +3,21 @@
 mod auto;
 mod bound;
 mod check;
-mod crossing;
 mod cycle;
-mod dispatch;
 mod event;
 mod feed;
 mod fidelity;
-mod functional;
-mod host;
 mod lines;
 mod observe;
 mod part_set;
 mod profile;
+mod retired;
 pub mod sampling;
+mod source;
 mod tally;
 #[cfg(test)]
 mod tests;
-mod wheel;
+mod unloaded;
 mod work;
 
 use std::io;
@@ -31,9 +29,9 @@ pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
 use self::sampling::{Findings, Plan, Sampler};
+use self::source::{StoreWork, StreamFault};
 use self::tally::Tally;
 use self::work::stores_as_recorded;
-use crate::machine::source::{StoreWork, StreamFault};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::Violation;
@@ -152,11 +150,6 @@ pub fn run<E>(
             let stats = whole(&mut profile::Profile::new(machine, header), machine, header, items, None)?;
             Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
-        Fidelity::Functional => {
-            check_stores(machine)?;
-            let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items, None)?;
-            Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
-        }
         Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, None),
         Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
         Fidelity::Sampled { target_error: Some(_), .. } | Fidelity::Auto { .. } => Err(RunError::Passes),
@@ -218,12 +211,12 @@ pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
     Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
 }
 
-/// Rungs without cycles know one way to access stores.
+/// `Profile` knows one way to access stores.
 fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
     if stores_as_recorded(machine) {
         return Ok(());
     }
-    let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
+    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
                 Event and Cycle are allowed";
     Err(SpecError::new(what))
 }

@@ -4,8 +4,8 @@ use std::io;
 
 use super::feed::Feed;
 use super::{Engine, RunError};
+use crate::engine::source::FrameCounts;
 use crate::machine::MachineSpec;
-use crate::machine::source::FrameCounts;
 use crate::memory::dram::command::{ChannelLog, LoggedCommand, LoggedRequest};
 use crate::memory::dram::legality::TimingChecker;
 use crate::stream::Item;
@@ -88,7 +88,7 @@ mod tests {
 
     use super::super::feed::Whole;
     use super::*;
-    use crate::machine::source::StoreWork;
+    use crate::engine::source::StoreWork;
     use crate::memory::dram::command::Command;
 
     struct Nobody;

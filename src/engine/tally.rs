@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use super::work::Kind;
+use crate::engine::source::StoreWork;
+use crate::engine::unloaded::RayLatencies;
 use crate::machine::MachineSpec;
-use crate::machine::pipeline::Past;
-use crate::machine::source::StoreWork;
-use crate::machine::unloaded::RayLatencies;
+use crate::machine::kinds::Kind;
 use crate::memory::bank::Served;
+use crate::memory::cache::Past;
 use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, QueueCounts, TrafficClass};

@@ -1,5 +1,5 @@
-//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to throughput and
-//! hit rates to traffic.
+//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to
+//! throughput and hit rates to traffic.
 
 use std::convert::Infallible;
 use std::path::{Path, PathBuf};
@@ -7,7 +7,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, beside, progress, read_machine};
+use super::files::{beside, read_machine};
+use super::load::ExperimentError;
+use super::progress;
 use crate::accel::AccelSpec;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
@@ -16,7 +18,7 @@ use crate::report::Grid;
 use crate::report::format::percent;
 use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
-use crate::stats::{CacheCounts, MachineStats};
+use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
 use crate::tracer::{Alone, Tracer, TracerSpec};
 
@@ -88,10 +90,11 @@ pub struct Row {
 pub struct Measured {
     /// The row.
     pub row: Row,
-    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the peak rate.
+    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the
+    /// peak rate.
     pub utilization_gap: f64,
-    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units. Accesses to a
-    /// line that is on its way are no hits: the identity has them fetch it again.
+    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units.
+    /// Accesses to a line that is on its way are no hits: the identity has them fetch it again.
     pub bytes_by_identity: f64,
     /// Bytes a ray that merging with a line on its way spares.
     pub bytes_merged: f64,
@@ -108,12 +111,12 @@ pub enum IdentitiesError {
     Run(#[from] RunError<Infallible>),
 }
 
-/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation occupies its unit for
-/// its interval exactly. (TI's own table meets the identity within 17 points.)
+/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation
+/// occupies its unit for its interval exactly. (TI's own table meets the identity within 17 points.)
 pub const MOST_GAP: f64 = 1e-9;
 
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
-pub fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
+pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
     let machine = read_machine(&beside(path, &spec.machine)).map_err(ExperimentError::from)?;
     let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
@@ -202,17 +205,16 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         utilization.intersection - per_cycle(intersection, ist.count.get(), ist.interval.get()),
         utilization.division - per_cycle(division, div.count.get(), div.interval.get()),
     ];
-    let levels = [("l1_traversal", "node"), ("l1_list", "list"), ("l1_intersection", "triangle")];
+    let levels = [
+        ("l1_traversal", TrafficClass::Node),
+        ("l1_list", TrafficClass::List),
+        ("l1_intersection", TrafficClass::Triangle),
+    ];
     let line = machine.line_bytes.get() as f64;
     let (mut l1_rates, mut l2_rates, mut by_identity, mut fetched) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
     for (index, (l1, class)) in levels.into_iter().enumerate() {
-        let of_class = |cache: &str| {
-            let classes = stats.caches.get(cache).into_iter().flatten();
-            classes.filter(|(it, _)| it.name() == class).fold(CacheCounts::default(), |_, (_, counts)| *counts)
-        };
-        let l1 = of_class(l1);
-        let l2 = stats.caches.keys().filter(|name| name.starts_with("l2")).map(|name| of_class(name));
-        let l2 = l2.fold(CacheCounts::default(), |one, other| if other.accesses > 0 { other } else { one });
+        let l1 = counts(stats, l1, class);
+        let l2 = counts_in_l2(stats, class);
         (l1_rates[index], l2_rates[index]) = (l1.hit_rate().unwrap_or(0.0), l2.hit_rate().unwrap_or(0.0));
         by_identity += l1.accesses as f64 * (1.0 - l1_rates[index]) * (1.0 - l2_rates[index]) * line;
         fetched += l2.misses as f64 * line;
@@ -242,8 +244,19 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
     }
 }
 
+/// What a cache counted of a class; nothing if it has no such traffic.
+fn counts(stats: &MachineStats, cache: &str, class: TrafficClass) -> CacheCounts {
+    stats.caches.get(cache).and_then(|classes| classes.get(&class)).copied().unwrap_or_default()
+}
+
+/// What the L2 that is asked for a class counted of it: a class has one home.
+fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
+    let levels = stats.caches.keys().filter(|name| name.starts_with("l2"));
+    levels.map(|name| counts(stats, name, class)).find(|counts| counts.accesses > 0).unwrap_or_default()
+}
+
 /// Our rows, then the published ones.
-pub fn grid(measured: &[Measured], published: &[Row]) -> Grid {
+pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
     const HEAD: [&str; 9] = [
         "rays",
         "utilization T/L/I/D",

@@ -1,4 +1,5 @@
-//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from `Event`.
+//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from
+//! `Event`.
 
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -196,7 +197,7 @@ fn axes() -> Vec<(&'static str, Vec<Made>)> {
 }
 
 /// Runs everything.
-pub fn run() -> LadderMap {
+pub(crate) fn run() -> LadderMap {
     let axes = axes();
     let bar = progress::bar(axes.iter().map(|(_, points)| points.len()).sum(), "points").with_message("ladder");
     let axis = |(name, points): &(&str, Vec<Made>)| Axis {
@@ -213,7 +214,6 @@ fn rows() -> Vec<String> {
     [
         "Bound".into(),
         "Profile".into(),
-        "Functional".into(),
         format!("Sampled, {RATE}"),
         "distances".into(),
         format!("{} % + {HOT} hot", LINES * 100.0),
@@ -262,7 +262,6 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
     let rows = vec![
         exact(&on(Fidelity::Bound)),
         exact(&on(Fidelity::Profile)),
-        exact(&on(Fidelity::Functional)),
         sampled(),
         reuse(ReuseOf::Everything),
         reuse(ReuseOf::Sample { rate: share(LINES), hot: HOT }),

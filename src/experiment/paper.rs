@@ -5,15 +5,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::ExperimentError;
+use super::load::check_boxes;
+use super::progress;
 use super::run::frame_result;
-use super::{ExperimentError, beside, check_boxes, progress};
 use crate::culling::{PolicySpec, SceneFacts};
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
-use crate::report::summary::{FrameResult, PolicySummary};
+use crate::report::run::{FrameResult, PolicySummary};
 use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};
@@ -113,7 +116,7 @@ pub struct Reading {
 }
 
 /// Tries all readings; those done when `stop` became true.
-pub fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
+pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
     let spec: PaperSpec = ron_file::read(path)?;
     for &structure in &spec.structures {
         check_boxes(path, &spec.policies, structure)?;
@@ -211,7 +214,7 @@ fn read(
 }
 
 /// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
-pub fn grid(readings: &[Reading]) -> Grid {
+pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",
         "reading",

@@ -1,32 +1,33 @@
-//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures with
-//! the reference renderer, and sums everything up for a report.
+//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures
+//! with the reference renderer, and sums everything up for a report.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::load::Experiment;
+use super::progress;
 use super::replay::{Finished, Replays};
 use super::split::Role;
 use super::validation::{self, Validated, Words};
-use super::{Experiment, progress};
 use crate::culling::Policy;
 use crate::engine::RunError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::reference::Reference;
-use crate::report::Report;
-use crate::report::pictures::{Image, PictureInfo};
-use crate::report::split::Split;
-use crate::report::summary::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
+use crate::report::ReportError;
+use crate::report::run::pictures::{Image, PictureInfo};
+use crate::report::run::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, RunFiles, SCHEMA, SceneSummary, Summary,
 };
+use crate::report::split::Split;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, Step, StreamError, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
 #[derive(Debug, thiserror::Error)]
-pub enum RunFailure {
+pub(crate) enum RunFailure {
     /// A machine failed.
     #[error("machine `{machine}` on the stream of `{policy}`")]
     Machine {
@@ -49,6 +50,9 @@ pub enum RunFailure {
         /// The tracer's own.
         counted: Box<Totals>,
     },
+    /// A picture of the report cannot be made: an error in the simulator.
+    #[error(transparent)]
+    Picture(#[from] ReportError),
     /// Stopped before the first frame was done.
     #[error("stopped before the first frame was done")]
     Stopped,
@@ -63,9 +67,9 @@ struct Clock {
     machines: Duration,
 }
 
-/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
-/// in work, and the report is of the frames done.
-pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<Report, RunFailure> {
+/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the
+/// frame in work, and the report is of the frames done.
+pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;
     let first = scene.animation.frame(experiment.frames[0]);
@@ -128,7 +132,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
         let waiting = Instant::now();
         let finished = replays.finish();
         clock.machines += waiting.elapsed();
-        Ok(finished)
+        Ok::<_, RunFailure>(finished)
     })?;
     bar.finish_and_clear();
     if gathered.frames.is_empty() && finished.iter().all(|run| run.result.is_ok()) {
@@ -282,7 +286,7 @@ impl Gathered {
         finished: Vec<Finished>,
         clock: Clock,
         begin: Instant,
-    ) -> Result<Report, RunFailure> {
+    ) -> Result<RunFiles, RunFailure> {
         let names: Vec<&str> = experiment.policy_names().collect();
         let mut wall_seconds = Named::default();
         let mut speeds = Named::default();
@@ -333,6 +337,9 @@ impl Gathered {
         for header in headers {
             provenance.insert(format!("input hash of `{}`", header.policy), format!("{:016x}", header.input_hash));
         }
+        for (number, notice) in experiment.scene.origin.notices.iter().enumerate() {
+            provenance.insert(format!("note {} of the scene", number + 1), notice.clone());
+        }
         if self.frames.len() < experiment.frames.len() {
             let done = format!("{} of {} frames", self.frames.len(), experiment.frames.len());
             provenance.insert("stopped early", done);
@@ -365,7 +372,7 @@ impl Gathered {
             wall_seconds,
             simulated_rays_per_wall_second: speeds,
         };
-        let pictures = self.first.into_iter().chain(self.worst).collect();
-        Ok(Report { summary, config: experiment.as_run(), pictures })
+        let pictures: Vec<_> = self.first.into_iter().chain(self.worst).collect();
+        Ok(RunFiles::new(summary, experiment.as_run(), &pictures)?)
     }
 }

@@ -1,7 +1,7 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a sweep that
-//! was stopped goes on where it was, and ends with the same bytes.
+//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a
+//! sweep that was stopped goes on where it was, and ends with the same bytes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,13 +14,15 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_64;
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::{Experiment, ExperimentError, Overrides};
+use super::progress;
 use super::split::{with_free_words, without_unit};
-use super::{Experiment, ExperimentError, Overrides, beside, progress};
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::named::Named;
-use crate::new_file::write_new;
+use crate::output::write_whole;
 use crate::quantity::Resolution;
 use crate::report::sweep::{Change, SweepPoint, SweepSummary};
 use crate::ron_file::{self, ConfigError};
@@ -121,13 +123,13 @@ pub(super) struct Recorded {
 
 impl Recorded {
     /// Its rays, skipped ones included.
-    pub fn rays(&self) -> u64 {
+    pub(super) fn rays(&self) -> u64 {
         self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
     }
 }
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
-pub fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
+pub(crate) fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
     let (experiment, machines) = load(path)?;
     let there = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if folder.is_file() || there && !folder.join("points").is_dir() {
@@ -177,7 +179,10 @@ pub fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSumma
     })
 }
 
-/// Reads the sweep of the file `path` and all files that it names; how many machines it has.
+/// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.
+///
+/// # Errors
+/// A file cannot be read or is wrong, or a value does not fit its field.
 pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
     Ok(load(path)?.1.len())
 }
@@ -357,7 +362,7 @@ fn run_all(
                 return Err(SweepError::Stopped);
             }
             let text = serde_json::to_vec_pretty(&stats.map_err(failed)?).expect("plain data, which JSON can hold");
-            write_new(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
+            write_whole(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
         }
         bar.inc(1);
         Ok(())

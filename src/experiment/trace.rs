@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Experiment, progress};
+use super::load::Experiment;
+use super::progress;
 use crate::stream::{StreamError, StreamWriter};
 use crate::tracer::Tracer;
 
 /// Why no stream was recorded.
 #[derive(Debug, thiserror::Error)]
-pub enum TraceError {
+pub(crate) enum TraceError {
     /// The file cannot be written.
     #[error(transparent)]
     Stream(#[from] StreamError),
@@ -27,7 +28,12 @@ pub enum TraceError {
 }
 
 /// Traces all frames for the policy of that name (the first one if there is no name) and writes its stream to `path`.
-pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &AtomicBool) -> Result<(), TraceError> {
+pub(crate) fn trace(
+    experiment: &Experiment,
+    policy: Option<&str>,
+    path: &Path,
+    stop: &AtomicBool,
+) -> Result<(), TraceError> {
     let names: Vec<&str> = experiment.policy_names().collect();
     let wanted = policy.unwrap_or(names[0]);
     let index = names.iter().position(|&name| name == wanted).ok_or_else(|| TraceError::UnknownPolicy {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::table::{Grid, drawn};
+use super::grid::{Grid, drawn};
 
 /// A number of `summary.json`, or a column of `frames.csv`.
 #[derive(Clone, Copy, Debug)]
@@ -160,7 +160,16 @@ pub const STATISTICS: &[Statistic] = &[
         "cycles",
         "no operation began: a neighbour cannot take what is ready for it",
     ),
-    stat("machines.*.policies.*.units.*.starved", "cycles", "no operation began: no ray is in the unit"),
+    stat(
+        "machines.*.policies.*.units.*.intake",
+        "cycles",
+        "no operation began: the unit took as many rays as its width allows, and others wait in front of it",
+    ),
+    stat(
+        "machines.*.policies.*.units.*.starved",
+        "cycles",
+        "no operation began: no ray is in the unit, and none waits in front of it",
+    ),
     stat("machines.*.policies.*.unit_counts.*", "units", "instances of a kind: its causes sum to cycles times this"),
     stat("machines.*.policies.*.utilization.*", "share", "busy / (cycles x unit_counts) of a kind of unit"),
     stat("machines.*.policies.*.queues.*.entries", "entries", "put into the queues in front of all parts of a kind"),
@@ -394,7 +403,6 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::FRAMES_FILE;
 
     #[test]
     fn every_number_of_a_report_is_declared_once_and_every_declaration_is_of_one() {
@@ -405,12 +413,12 @@ mod tests {
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
         // The written sample is of an exact rung; what estimates add is in the one made for tests.
-        let estimated = serde_json::to_value(crate::report::sample::sample(&[0]).summary).unwrap();
+        let estimated = serde_json::to_value(crate::report::run::tests::sample::sample(&[0]).summary).unwrap();
         numbers(&estimated, &mut Vec::new(), &mut found);
-        let sweep = serde_json::to_value(crate::report::sample::sweep()).unwrap();
+        let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
         numbers(&sweep, &mut Vec::new(), &mut found);
-        let csv = std::fs::read_to_string(format!("{sample}/{FRAMES_FILE}")).unwrap();
+        let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
         for column in &columns {

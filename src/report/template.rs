@@ -2,7 +2,8 @@
 
 use minijinja::{Environment, HtmlEscape, Value, context};
 
-use super::table::Grid;
+use super::draw::Drawing;
+use super::grid::Grid;
 
 /// What templates may extend, import or include.
 const SHARED: [(&str, &str); 4] = [
@@ -13,7 +14,7 @@ const SHARED: [(&str, &str); 4] = [
 ];
 
 /// The page of the template `source`, which is called `name`.
-pub fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
+pub(super) fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.add_filter("code", code);
     for (name, source) in SHARED {
@@ -30,8 +31,14 @@ fn code(text: &str) -> Value {
     Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
 }
 
+/// The drawings that stand in `section`.
+pub(super) fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
+    let there = drawings.iter().filter(|drawing| drawing.section == *section);
+    there.map(|drawing| drawing.svg.as_str().into()).collect()
+}
+
 /// A table, as the macro `grid` takes it.
-pub fn grid(grid: Grid) -> Value {
+pub(super) fn grid(grid: Grid) -> Value {
     context! { head => grid.head, names => grid.names, rows => grid.rows }
 }
 

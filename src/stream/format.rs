@@ -19,16 +19,17 @@
 //!
 //! FRAM        0  4  the frame's number, then three more: dynamic nodes, slots, list entries
 //! RAYS               see the module `columns`
-//! FEND        0 112  totals: 14 integers of 8 bytes in the order of stream::Totals
-//!           112  .  the policy's steps at the frame's end, 4 bytes each
-//! INDX               for each frame 156 bytes, then for each static primitive 4 bytes, its triangle record (ffffffff: none). A frame's:
+//! FEND        0 128  totals: 16 integers of 8 bytes in the order of stream::Totals
+//!           128  .  the policy's steps at the frame's end, 4 bytes each
+//! INDX               for each frame 172 bytes, then for each static primitive 4 bytes, its triangle record
+//!                    (ffffffff: none). A frame's:
 //!             0  4  the frame's number
 //!             4  8  offset of its FRAM block in the file
 //!            12  8  bytes of its blocks in the file
 //!            20  8  bytes of its payloads
 //!            28  8  its rays
 //!            36  8  its blocks
-//!            44 112  its totals, as in FEND
+//!            44 128  its totals, as in FEND
 //!
 //! footer      0  8  offset of the INDX block in the file
 //!             8  4  CRC-32 that starts from the file's seed, of bytes 0 to 7
@@ -38,8 +39,9 @@
 //! The seed ties every block to its file, and the number to its place: a block of another file, or one that was moved,
 //! lost or doubled, is refused even though its own bytes are whole.
 
-use super::error::Fault;
-use super::{FrameInfo, Totals};
+use super::fault::Fault;
+use super::item::FrameInfo;
+use super::totals::{TOTALS_NAMES, Totals, totals_values};
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
@@ -47,7 +49,7 @@ pub const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
 pub const END_MAGIC: [u8; 8] = *b"RAYS-END";
 /// The version of the layout that this program writes and reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Bytes before the header's text.
 pub const PREAMBLE_BYTES: usize = 20;
 /// Bytes of a block before its payload.
@@ -170,14 +172,14 @@ pub fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
 pub fn put_words(words: &[u32], out: &mut Vec<u8>) {
     let start = out.len();
     out.resize(start + 4 * words.len(), 0);
-    for (bytes, word) in out[start..].chunks_exact_mut(4).zip(words) {
-        bytes.copy_from_slice(&word.to_le_bytes());
+    for (bytes, word) in out[start..].as_chunks_mut().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
     }
 }
 
 /// The words that `bytes` holds, 4 bytes each.
 pub fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes(field(word, 0))).collect()
+    bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
 }
 
 /// Appends a FRAM payload.
@@ -275,60 +277,6 @@ pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<Fr
     Ok((payload.chunks_exact(ENTRY_BYTES).map(entry).collect(), words(records).into_iter().map(TriangleSlot).collect()))
 }
 
-/// Names of the totals, in the order of [`totals_values`].
-pub const TOTALS_NAMES: [&str; 14] = [
-    "primary_rays",
-    "secondary_rays",
-    "shadow_rays",
-    "shadow_rays_skipped",
-    "shadow_rays_dynamic_only",
-    "node_visits",
-    "triangle_tests",
-    "shadow_node_visits",
-    "shadow_triangle_tests",
-    "list_reads",
-    "policy_triangle_tests",
-    "policy_node_visits",
-    "policy_reads",
-    "policy_writes",
-];
-
-/// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
-pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
-    let Totals {
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    } = *totals;
-    [
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    ]
-}
-
 fn put_totals(totals: &Totals, out: &mut Vec<u8>) {
     out.extend(totals_values(totals).into_iter().flat_map(u64::to_le_bytes));
 }
@@ -351,5 +299,7 @@ fn totals(bytes: &[u8]) -> Totals {
         policy_node_visits: value(11),
         policy_reads: value(12),
         policy_writes: value(13),
+        repeated_updates: value(14),
+        silent_updates: value(15),
     }
 }

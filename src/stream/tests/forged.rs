@@ -1,7 +1,7 @@
 //! What the reader makes of files whose checksums are right and whose contents are not.
 
-use super::super::check::{RayFault, StepFault};
 use super::super::format::{BlockHeader, END_MAGIC, RAW_LIMIT, Tag, VERSION, checksum};
+use super::super::violation::{RayFault, StepFault};
 use super::*;
 
 /// A file of the header for frame 0 alone and of `blocks`, with checksums, index and footer that fit them.
@@ -69,8 +69,8 @@ fn forged_files_are_refused() {
     assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 4, expected: 8 }));
     let bytes = forged(&[frame_block(), block(Tag::Rays, 1, &[0xff; 30])], |_| ());
     assert!(matches!(fault(&bytes), (_, Fault::Length { found: 30, .. })));
-    let bytes = forged(&[frame_block(), block(Tag::End, 1, &[0; 113])], |_| ());
-    assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 113, expected: 112 }));
+    let bytes = forged(&[frame_block(), block(Tag::End, 1, &[0; 129])], |_| ());
+    assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 129, expected: 128 }));
     let bytes = forged(&[block(Tag::Frame, 0, &[0; 15])], |_| ());
     assert!(matches!(fault(&bytes), (_, Fault::Length { found: 15, expected: 16 })));
 
@@ -158,7 +158,7 @@ fn steps_of_files_are_checked_before_they_are_unpacked() {
         (0xf000_0000, [0, 1], RayFault::Policy(StepFault::Unknown { at: 0, word: 0xf000_0000 })),
         (write.pack(), [1, 0], RayFault::Path(StepFault::Id { at: 0, step: write, limit: 0 })),
     ] {
-        let chunk = Chunk::from_columns(&[(primary, lengths)], vec![word]).unwrap();
+        let chunk = Chunk::from_columns([Ok::<_, Fault>((primary, lengths))].into_iter(), vec![word]).unwrap().unwrap();
         let mut payload = Vec::new();
         columns::put_chunk(&chunk, &mut payload);
         let bytes = forged(&[frame_block(), block(Tag::Rays, 1, &payload)], |_| ());

@@ -1,0 +1,301 @@
+//! The engine itself: the machine in motion, and whose turn it is.
+
+use super::super::feed::Feed;
+use super::super::part_set::PartSet;
+use super::super::sampling::WarmCaches;
+use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
+use super::super::{Engine, RunError, patience};
+use super::dispatcher::Dispatcher;
+use super::division::Division;
+use super::intersection::Intersection;
+use super::links::Links;
+use super::list::List;
+use super::pipeline::Pipeline;
+use super::shadow_cache::ShadowCache;
+use super::traversal::Traversal;
+use super::wheel::Wheel;
+use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
+use crate::machine::parts::Parts;
+use crate::memory::Wake;
+use crate::memory::bank::Bank;
+use crate::memory::dram::command::ChannelLog;
+use crate::memory::queue::Queue;
+use crate::stream::Header;
+
+/// Kinds of parts that act after the dispatcher, in the order in which they do.
+#[derive(Clone, Copy, Debug)]
+enum PartKind {
+    Traversal,
+    List,
+    Intersection,
+    Division,
+    ShadowCache,
+    Bank,
+    Channel,
+}
+
+/// All parts of a kind: which numbers they have.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    kind: PartKind,
+    first: u32,
+    end: u32,
+}
+
+/// The group of each part; the dispatcher, which is in none, stands in that of traversal units.
+fn groups(parts: &Parts) -> Vec<Group> {
+    let kinds = [
+        (PartKind::Traversal, parts.traversal),
+        (PartKind::List, parts.list),
+        (PartKind::Intersection, parts.intersection),
+        (PartKind::Division, parts.division),
+        (PartKind::ShadowCache, parts.shadow_cache),
+        (PartKind::Bank, parts.banks),
+        (PartKind::Channel, parts.channels),
+    ];
+    let mut groups = Vec::with_capacity(parts.count());
+    let mut first = 1;
+    for (kind, count) in kinds {
+        groups.resize((first + count) as usize, Group { kind, first, end: first + count });
+        first += count;
+    }
+    groups
+}
+
+/// The machine in motion.
+pub(in crate::engine) struct Event {
+    pub(in crate::engine) dispatcher: Dispatcher,
+    pub(in crate::engine) traversal: Vec<Traversal>,
+    pub(in crate::engine) list: Vec<List>,
+    pub(in crate::engine) intersection: Vec<Intersection>,
+    pub(in crate::engine) division: Vec<Division>,
+    pub(in crate::engine) shadow_cache: Vec<ShadowCache>,
+    pub(in crate::engine) links: Links,
+    /// By part.
+    groups: Vec<Group>,
+    /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
+    progress: u64,
+    watch_at: u64,
+    patience: u64,
+    /// Wakes all parts in all cycles: slow, and must change nothing.
+    #[cfg(test)]
+    pub(in crate::engine) eager: bool,
+}
+
+impl Event {
+    pub(in crate::engine) fn new(spec: &MachineSpec, header: &Header) -> Self {
+        let line = spec.line_bytes.get();
+        let wheel = Wheel::new(Parts::new(spec).count());
+        let links = Links::new(spec, header, wheel);
+        let parts = links.parts;
+        Self {
+            dispatcher: Dispatcher::new(spec),
+            traversal: (0..parts.traversal).map(|index| Traversal::new(&spec.traversal, line, index, &links)).collect(),
+            list: (0..parts.list).map(|index| List::new(&spec.list, line, index, &links)).collect(),
+            intersection: (0..parts.intersection)
+                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), line, index, &links))
+                .collect(),
+            division: (0..parts.division).map(|index| Division::new(&spec.division, index, &links)).collect(),
+            shadow_cache: (0..parts.shadow_cache)
+                .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.pool(), index, &links))
+                .collect(),
+            groups: groups(&parts),
+            links,
+            progress: 0,
+            watch_at: patience(spec),
+            patience: patience(spec),
+            #[cfg(test)]
+            eager: false,
+        }
+    }
+
+    /// The common parts of the units that work on rays, kind by kind.
+    fn pipelines(&self) -> [Vec<&Pipeline>; Kind::ALL.len()] {
+        [
+            self.traversal.iter().map(|unit| &unit.pipeline).collect(),
+            self.list.iter().map(|unit| &unit.pipeline).collect(),
+            self.intersection.iter().map(|unit| &unit.pipeline).collect(),
+            self.shadow_cache.iter().map(|unit| &unit.pipeline).collect(),
+        ]
+    }
+
+    /// Lets all parts that are due act, but for the dispatcher: kind by kind, and of a kind number `now` modulo their count first.
+    #[inline]
+    fn tick_parts(&mut self, now: u64, due: &PartSet) {
+        let parts = self.groups.len() as u32;
+        let mut next = due.next(1, parts);
+        while let Some(part) = next {
+            let group = self.groups[part as usize];
+            next = due.next(part + 1, parts);
+            let Some(_) = next.filter(|&next| next < group.end) else {
+                self.tick_part(group, part, now);
+                continue;
+            };
+            let middle = group.first + (now % u64::from(group.end - group.first)) as u32;
+            next = due.next(middle, parts);
+            while let Some(part) = next.filter(|&part| part < group.end) {
+                self.tick_part(group, part, now);
+                next = due.next(part + 1, parts);
+            }
+            let mut wrapped = Some(part);
+            while let Some(part) = wrapped.filter(|&part| part < middle) {
+                self.tick_part(group, part, now);
+                wrapped = due.next(part + 1, middle);
+            }
+        }
+    }
+
+    #[inline]
+    fn tick_part(&mut self, group: Group, part: u32, now: u64) {
+        let index = (part - group.first) as usize;
+        match group.kind {
+            PartKind::Traversal => self.traversal[index].tick(now, &mut self.links),
+            PartKind::List => self.list[index].tick(now, &mut self.links),
+            PartKind::Intersection => self.intersection[index].tick(now, &mut self.links),
+            PartKind::Division => self.division[index].tick(now, &mut self.links),
+            PartKind::ShadowCache => self.shadow_cache[index].tick(now, &mut self.links),
+            PartKind::Bank => self.links.tick_bank(index, now),
+            PartKind::Channel => self.links.tick_channel(index, now),
+        }
+    }
+
+    fn drop_dynamic_lines(&mut self) {
+        let first = self.links.layout.dynamic_part();
+        self.traversal.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.list.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.intersection.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.shadow_cache.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+    }
+
+    /// All caches hold from now on what the warm ones do.
+    fn hold(&mut self, warm: &WarmCaches) {
+        let l1 = |kind: Kind, index: usize| &warm.l1s(kind)[index];
+        self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
+        self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));
+        self.intersection.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Intersection, i)));
+        self.shadow_cache.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::ShadowCache, i)));
+        self.links.l2.banks.iter_mut().zip(warm.banks()).for_each(|(bank, cache)| bank.hold(cache));
+    }
+
+    fn is_idle(&self) -> bool {
+        self.pipelines().into_iter().flatten().all(Pipeline::is_idle)
+            && self.links.l2.banks.iter().all(|bank| bank.is_idle())
+            && self.links.dram.is_idle()
+    }
+
+    fn watch<E>(&mut self, now: u64) -> Result<(), RunError<E>> {
+        if now < self.watch_at {
+            return Ok(());
+        }
+        let units = self.pipelines().into_iter().flatten();
+        let begun: u64 = units.map(|pipeline| pipeline.causes().busy()).sum();
+        let dram = &self.links.dram;
+        let columns: u64 = (0..dram.channels()).map(|i| dram.counts(i).reads + dram.counts(i).writes).sum();
+        let divided: u64 = self.division.iter().map(|unit| unit.causes.busy()).sum();
+        let progress = self.dispatcher.causes.busy() + begun + divided + columns;
+        if progress == self.progress {
+            return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
+        }
+        (self.progress, self.watch_at) = (progress, now + self.patience);
+        Ok(())
+    }
+
+    fn queues(&self) -> String {
+        let links = &self.links;
+        let mut lines = vec![format!("dispatcher: {}", self.dispatcher.queues())];
+        let mut list = |name: &str, index: usize, queues: String| lines.push(format!("{name} {index}: {queues}"));
+        self.traversal.iter().enumerate().for_each(|(i, unit)| list("traversal", i, unit.queues()));
+        self.list.iter().enumerate().for_each(|(i, unit)| list("list", i, unit.queues(links)));
+        self.intersection.iter().enumerate().for_each(|(i, unit)| list("intersection", i, unit.queues(links)));
+        self.division.iter().enumerate().for_each(|(i, unit)| list("division", i, unit.queues(links)));
+        self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(links)));
+        links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
+        (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
+        lines.join("\n")
+    }
+}
+
+impl Engine for Event {
+    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
+        let mut due = PartSet::default();
+        self.links.clock.wake(Parts::DISPATCHER, 0);
+        (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
+        while let Some(now) = self.links.clock.turn(&mut due) {
+            #[cfg(test)]
+            if self.eager {
+                (0..self.links.parts.count() as u32).for_each(|part| due.add(part));
+                self.links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+            if due.next(0, 1).is_some() {
+                let events = self.dispatcher.tick(now, &mut || feed.next(), &mut self.links)?;
+                feed.rays_over(events.rays_over);
+                if let Some(counts) = events.frame_over {
+                    feed.frame_over(&counts)?;
+                }
+                if events.frame_began {
+                    self.drop_dynamic_lines();
+                }
+            }
+            if feed.marks() {
+                let tally = self.tally(now + 1);
+                if let Some(warm) = feed.mark(&tally) {
+                    self.hold(warm);
+                }
+            }
+            self.tick_parts(now, &due);
+            if feed.hears() {
+                feed.heard(&mut self.logs())?;
+            }
+            if self.dispatcher.is_finished() && self.is_idle() {
+                return Ok(now + 1);
+            }
+            self.watch(now)?;
+        }
+        Err(RunError::Deadlock { cycle: self.links.clock.now(), queues: self.queues() })
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let unit = |unit: &Pipeline| UnitTally {
+            causes: unit.causes().until(cycles),
+            cache: *unit.cache().counts(),
+            requested: *unit.requested(),
+            written_through: *unit.written_through(),
+            read_straight: *unit.read_straight(),
+            marked: *unit.marked(),
+        };
+        let Links { l2, dram, .. } = &self.links;
+        let channel = |index| ChannelTally {
+            counts: *dram.counts(index),
+            moved: *dram.moved(index),
+            refresh_due: dram.refresh_is_due(index, cycles - 1),
+        };
+        let banks =
+            l2.banks.iter().map(|bank| BankTally { cache: *bank.cache().counts(), served: bank.served().clone() });
+        Tally {
+            cycles,
+            has_causes: true,
+            rays: self.dispatcher.rays(),
+            dispatcher: self.dispatcher.causes.until(cycles),
+            stores: Default::default(),
+            units: self.pipelines().map(|units| units.into_iter().map(unit).collect()),
+            queues: [
+                vec![self.dispatcher.load()],
+                vec![self.links.done.load()],
+                self.links.lists.iter().map(Queue::load).collect(),
+                self.links.tests.iter().map(Queue::load).collect(),
+                self.links.divisions.iter().map(Queue::load).collect(),
+                l2.banks.iter().map(Bank::load).collect(),
+                (0..dram.channels()).map(|index| dram.load(index)).collect(),
+            ],
+            latencies: self.dispatcher.latencies,
+            divisions: self.division.iter().map(|unit| unit.causes.until(cycles)).collect(),
+            banks: banks.collect(),
+            channels: (0..dram.channels()).map(channel).collect(),
+        }
+    }
+
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
+        self.links.dram.logs()
+    }
+}

@@ -1,0 +1,346 @@
+//! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
+//! clock that wakes parts.
+
+use std::collections::BTreeSet;
+
+use rustc_hash::FxHashSet;
+
+use super::gathering::Gathering;
+use super::ray::{Ray, RayId};
+use super::wheel::Wheel;
+use crate::engine::source::{StoreWork, StreamFault, check_step};
+use crate::machine::MachineSpec;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::parts::Parts;
+use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use crate::memory::dram::Dram;
+use crate::memory::l2::L2;
+use crate::memory::queue::Queue;
+use crate::memory::ring::Ring;
+use crate::memory::{PartId, Wake};
+use crate::quantity::LineAddr;
+use crate::stream::{self, Header, Step, Store, Totals};
+
+/// A queue with a place for everything that can come.
+pub type Inbox<T> = Ring<(u64, T)>;
+
+/// Takes the first of `inbox` if it is there in cycle `now`.
+#[inline]
+pub fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
+    let &(at, entry) = inbox.front()?;
+    if at > now {
+        return None;
+    }
+    inbox.drop_front();
+    Some(entry)
+}
+
+/// A line from the L2.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// The cycle from which on it is there.
+    pub at: u64,
+    /// Which bank sends it: its place in turn in the cycle before. Answers of a cycle come in this order.
+    turn: u32,
+    /// The line.
+    pub line: LineAddr,
+}
+
+/// What the parts share.
+#[derive(Clone, Debug)]
+pub struct Links {
+    /// The parts' numbers.
+    pub parts: Parts,
+    /// The pool's rays, then the steps of a frame's end.
+    pub rays: Vec<Ray>,
+    /// Addresses.
+    pub layout: Layout,
+    /// Rays from the dispatcher to each traversal unit.
+    pub dispatched: Vec<Inbox<RayId>>,
+    /// Rays from list, intersection and division units back to each traversal unit.
+    pub returned: Vec<Inbox<RayId>>,
+    /// Rays to each list unit.
+    pub lists: Vec<Queue<RayId>>,
+    /// Rays from intersection and division units back to each list unit.
+    pub listed: Vec<Inbox<RayId>>,
+    /// Contexts of each list unit that others freed.
+    pub freed_lists: Vec<usize>,
+    /// Rays to each intersection unit.
+    pub tests: Vec<Queue<RayId>>,
+    /// Contexts of each intersection unit that division units freed.
+    pub freed_tests: Vec<usize>,
+    /// Rays to each division unit.
+    pub divisions: Vec<Queue<RayId>>,
+    /// Rays back from intersection units to each shadow-cache unit.
+    pub back_in_policy: Vec<Inbox<RayId>>,
+    /// Retired and skipped rays, and those of other units, to each shadow-cache unit.
+    pub retired: Vec<Inbox<RayId>>,
+    /// The out FIFO: rays that are done, to the host.
+    pub done: Queue<RayId>,
+    /// Traversal units in which a slot was freed, to the dispatcher.
+    pub freed: Vec<u32>,
+    /// The frame's end, to each shadow-cache unit: from when on, and its steps.
+    pub frame_end: Vec<Option<(u64, Vec<Step>)>>,
+    /// Units whose part of the frame's end is not done.
+    pub units_at_the_end: u32,
+    /// Whether the frame's end is done, to the dispatcher.
+    pub frame_over: bool,
+    /// Static primitives of which a ray has touched word or counters in this frame, where that matters.
+    touched: FxHashSet<u32>,
+    /// What was done with stores otherwise than recorded.
+    pub stores: StoreWork,
+    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
+    learned: BTreeSet<u32>,
+    /// Hits whose updates are gathered.
+    pub gathering: Gathering,
+    /// The shadow-cache units' spec.
+    pub shadow_cache: ShadowCacheSpec,
+    header: Header,
+    /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
+    pub mail: Vec<u64>,
+    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is over.
+    pub lines: Vec<Ring<Answer>>,
+    /// The L2.
+    pub l2: L2,
+    /// The DRAM.
+    pub dram: Dram,
+    /// What was replayed of the frame so far.
+    pub replayed: Totals,
+    /// Wakes parts.
+    pub clock: Wheel,
+}
+
+impl Links {
+    /// Empty links of a machine that replays a stream.
+    pub fn new(spec: &MachineSpec, header: &Header, clock: Wheel) -> Self {
+        let parts = Parts::new(spec);
+        let line = spec.line_bytes.get();
+        let contexts = parts.shadow_cache as usize * spec.shadow_cache.contexts.size();
+        let entries = spec.pool() as usize + contexts;
+        Self {
+            parts,
+            rays: vec![Ray::default(); entries],
+            layout: Layout::new(header, spec),
+            dispatched: vec![Inbox::new(); parts.traversal as usize],
+            returned: vec![Inbox::new(); parts.traversal as usize],
+            lists: vec![Queue::new(spec.list.queue.size()); parts.list as usize],
+            listed: vec![Inbox::new(); parts.list as usize],
+            freed_lists: vec![0; parts.list as usize],
+            tests: vec![Queue::new(spec.intersection.queue.size()); parts.intersection as usize],
+            freed_tests: vec![0; parts.intersection as usize],
+            divisions: vec![Queue::new(spec.division.queue.size()); parts.division as usize],
+            back_in_policy: vec![Inbox::new(); parts.shadow_cache as usize],
+            retired: vec![Inbox::new(); parts.shadow_cache as usize],
+            done: Queue::new(parts.cores as usize * spec.dispatcher.out_fifo.size()),
+            freed: Vec::new(),
+            frame_end: vec![None; parts.shadow_cache as usize],
+            units_at_the_end: 0,
+            frame_over: false,
+            touched: FxHashSet::default(),
+            stores: StoreWork::default(),
+            learned: BTreeSet::new(),
+            gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
+            shadow_cache: spec.shadow_cache,
+            header: header.clone(),
+            mail: vec![u64::MAX; parts.count()],
+            lines: vec![Ring::new(); parts.count()],
+            l2: spec.l2.build(parts.bank(0), parts.cores, line),
+            dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
+            replayed: Totals::default(),
+            clock,
+        }
+    }
+
+    /// Takes the steps of the policy that are not performed out of a ray that is handed over, and counts them.
+    pub fn leave_out(&mut self, ray: RayId) {
+        if self.shadow_cache.performs_all() {
+            return;
+        }
+        let ray = &mut self.rays[ray as usize];
+        let mut kept = ray.path_end;
+        for at in ray.path_end..ray.steps.len() {
+            let word = ray.steps[at];
+            if self.shadow_cache.performs(word) {
+                let learns = Step::unpack(word).and_then(|step| self.layout.stores().learns(step));
+                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
+                ray.steps[kept] = learns.map_or(word, Step::pack);
+                kept += 1;
+            } else {
+                count_left_out(word, &self.shadow_cache, &mut self.stores, &mut self.replayed);
+            }
+        }
+        ray.steps.truncate(kept);
+    }
+
+    /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
+    pub fn answer(&mut self, ray: &stream::Ray<'_>) -> Result<bool, StreamFault> {
+        let spec = &self.shadow_cache;
+        if !spec.decide.answers(ray.head.decision, 0) {
+            return Ok(false);
+        }
+        let left = ray.packed_policy().iter().filter(|&&word| spec.performs(word)).count();
+        if !spec.decide.answers(ray.head.decision, left) {
+            return Ok(false);
+        }
+        for &word in ray.packed_policy() {
+            check_step(word, &self.layout)?;
+            count_left_out(word, spec, &mut self.stores, &mut self.replayed);
+        }
+        self.stores.answered_rays += 1;
+        self.replayed.shadow_rays += 1;
+        self.replayed.shadow_rays_skipped += 1;
+        Ok(true)
+    }
+
+    /// The ray has done its path.
+    pub fn retire(&mut self, ray: RayId) {
+        self.stores.gathered_writes += self.gathering.retire(&mut self.rays[ray as usize], self.layout.stores());
+    }
+
+    /// The entry of a ray's next step.
+    pub fn entry_element(&self, ray: RayId) -> Element {
+        let step = self.rays[ray as usize].step().expect("the ray has a step of an entry");
+        let (store, index) = step.entry().expect("the step is of an entry");
+        self.layout.entry(store, index, step.writes())
+    }
+
+    /// The static primitive whose counters or first word an entry is; `None` for another word.
+    fn set_at_the_end(&self, store: Store, index: u32) -> Option<u32> {
+        let owner = self.layout.stores().owner(store, index)?;
+        let first = store == Store::PixelCounter || index == owner * self.header.stores.words_per_primitive;
+        (first && owner < self.header.static_primitives).then_some(owner)
+    }
+
+    /// The updates that set a primitive's modes.
+    fn mode_setting(&self, primitive: u32) -> impl Iterator<Item = Step> + use<> {
+        let stores = &self.header.stores;
+        let word = Step::Update { store: Store::ModeWord, index: primitive * stores.words_per_primitive };
+        let counters = Step::Update { store: Store::PixelCounter, index: primitive };
+        let has_word = primitive < stores.word_owners;
+        let apart = primitive < stores.pixel_counters && !(has_word && self.layout.stores().counters_are_in_words());
+        apart.then_some(counters).into_iter().chain(has_word.then_some(word))
+    }
+
+    /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those that do.
+    pub fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
+        let lazy = self.shadow_cache.frame_end == FrameEnd::Epoch && self.header.stores.pixel_counters > 0;
+        let owner = self.layout.stores().owner(store, index).filter(|&owner| owner < self.header.static_primitives);
+        let Some(primitive) = owner.filter(|_| lazy) else { return false };
+        if !self.touched.insert(primitive) {
+            return false;
+        }
+        let addr = self.layout.entry(store, index, false).addr;
+        let setting: Vec<Step> = self.mode_setting(primitive).collect();
+        let entry_addr = |step: &Step| step.entry().map(|(store, index)| self.layout.entry(store, index, false).addr);
+        let own = setting.iter().any(|step| entry_addr(step) == Some(addr));
+        let ray = &mut self.rays[ray as usize];
+        let raised = own && matches!(ray.step(), Some(Step::Read { .. }));
+        let replaced = ray.next..ray.next + usize::from(own);
+        ray.evaluating = setting.len() as u8;
+        self.stores.added_writes += (setting.len() - usize::from(own)) as u64;
+        self.stores.raised_reads += u64::from(raised);
+        ray.steps.splice(replaced, setting.iter().map(|step| step.pack()));
+        true
+    }
+
+    /// A frame's end with these recorded steps begins; whether there is anything to do.
+    pub fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
+        let spec = self.shadow_cache;
+        self.touched.clear();
+        let counted = self.header.stores.pixel_counters > 0;
+        let mut steps = Vec::new();
+        if spec.frame_end == FrameEnd::Sweep && counted && spec.place != Place::Free {
+            (0..self.header.static_primitives).for_each(|primitive| steps.extend(self.mode_setting(primitive)));
+            self.stores.added_writes += steps.len() as u64;
+        }
+        for step in Step::unpack_all(recorded) {
+            let entry = step.entry();
+            let set = entry.filter(|_| counted && matches!(step, Step::Update { .. }));
+            if entry.is_some() && spec.place == Place::Free {
+                self.replayed.count_policy(std::iter::once(step));
+            } else if spec.frame_end == FrameEnd::List
+                || set.is_none_or(|(store, index)| self.set_at_the_end(store, index).is_none())
+            {
+                steps.push(step);
+            } else if spec.frame_end == FrameEnd::Sweep {
+                self.stores.covered_writes += 1;
+            } else {
+                self.stores.deferred_writes += 1;
+            }
+        }
+        for learned in std::mem::take(&mut self.learned) {
+            steps.extend(self.layout.stores().fold(learned));
+            self.stores.added_reads += 1;
+            self.stores.added_writes += 1;
+        }
+        let register = spec.register.get() > 0 && spec.place != Place::Free;
+        if steps.is_empty() && !register {
+            return false;
+        }
+        let mut parts = vec![Vec::new(); self.parts.shadow_cache as usize];
+        for step in steps {
+            let unit = step.entry().map_or(0, |(store, index)| self.home(store, index));
+            parts[unit as usize].push(step);
+        }
+        for (unit, steps) in parts.into_iter().enumerate() {
+            self.frame_end[unit] = Some((now + 1, steps));
+            self.clock.wake(self.parts.shadow_cache(unit as u32), now + 1);
+        }
+        self.units_at_the_end = self.parts.shadow_cache;
+        true
+    }
+
+    /// A shadow-cache unit's steps of a frame's end that has begun.
+    pub fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
+        let part = &mut self.frame_end[unit as usize];
+        part.take_if(|(at, _)| *at <= now).map(|(_, steps)| steps)
+    }
+
+    /// A frame begins: lines of the dynamic part go from the L2.
+    pub fn drop_dynamic_lines(&mut self) {
+        let first = self.layout.dynamic_part();
+        self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
+    }
+
+    /// Something comes to traversal unit `unit` in cycle `at`.
+    #[inline]
+    pub fn post(&mut self, unit: u32, at: u64) {
+        let part = self.parts.traversal(unit);
+        let mail = &mut self.mail[part.0 as usize];
+        *mail = (*mail).min(at);
+        self.clock.wake(part, at);
+    }
+
+    /// Whether a line from the L2 has come to the L1 of `part`.
+    #[inline]
+    pub fn line_is_there(&self, part: PartId, now: u64) -> bool {
+        self.lines[part.0 as usize].front().is_some_and(|answer| answer.at <= now)
+    }
+
+    /// Cycle `now` of bank `index` of the L2.
+    pub fn tick_bank(&mut self, index: usize, now: u64) {
+        let Self { parts, l2, dram, clock, lines, mail, .. } = self;
+        l2.banks[index].tick(now, dram, clock, |to, line, at| {
+            let first = ((at - 1) % u64::from(parts.banks)) as u32;
+            let turn = (index as u32 + parts.banks - first) % parts.banks;
+            mail[to.0 as usize] = mail[to.0 as usize].min(at);
+            lines[to.0 as usize].insert_by_key(Answer { at, turn, line }, |answer| (answer.at, answer.turn));
+        });
+    }
+
+    /// Cycle `now` of channel `index` of the DRAM.
+    pub fn tick_channel(&mut self, index: usize, now: u64) {
+        let Self { parts, l2, dram, clock, .. } = self;
+        let first = parts.bank(0).0;
+        dram.tick(index, now, clock, |to, line| l2.banks[(to.0 - first) as usize].deliver(line, now + 1));
+    }
+}
+
+/// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
+fn count_left_out(word: u32, spec: &ShadowCacheSpec, stores: &mut StoreWork, replayed: &mut Totals) {
+    if spec.silent.drops(word) {
+        stores.dropped_writes += 1;
+    } else {
+        replayed.count_policy(Step::unpack(word).into_iter());
+    }
+}

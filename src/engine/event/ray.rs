@@ -1,0 +1,164 @@
+//! A ray in the machine: an entry of the dispatcher's pool.
+
+use crate::machine::layout::{Element, Layout};
+use crate::quantity::{LineAddr, NodeId};
+use crate::stats::TrafficClass;
+use crate::stream::{Decision, RayKind, Step};
+
+/// The number of a pool entry. Steps of a frame's end have entries of their own, after the pool's.
+pub type RayId = u32;
+
+/// Who works on a ray.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Owner {
+    /// Traversal unit so-and-so.
+    Traversal(u32),
+    /// Shadow-cache unit so-and-so.
+    ShadowCache(u32),
+}
+
+/// A fetch under way.
+#[derive(Clone, Copy, Debug)]
+pub struct Fetch {
+    /// The first line of the element.
+    pub first: LineAddr,
+    /// The next line to access.
+    pub line: LineAddr,
+    /// Lines to access from there on.
+    pub left: u8,
+    /// Lines accessed that have not come yet.
+    pub missing: u8,
+    /// Whether the element is written.
+    pub write: bool,
+    /// Whether it is fetched from the L2, past the L1.
+    pub straight: bool,
+    /// What it is for.
+    pub class: TrafficClass,
+    /// Its size.
+    pub bytes: u32,
+}
+
+/// A ray of the pool.
+#[derive(Clone, Debug)]
+pub struct Ray {
+    /// The packed steps of the path, then those of the policy.
+    pub steps: Vec<u32>,
+    /// Where the policy's steps begin.
+    pub path_end: usize,
+    /// The next step.
+    pub next: usize,
+    /// What it is for.
+    pub kind: RayKind,
+    /// What the policy decided.
+    pub decision: Decision,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
+    /// The chunk that it is of, by the dispatcher's number.
+    pub chunk: u32,
+    /// Its place in the chunk.
+    pub index: u32,
+    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    pub hit: u32,
+    pub siblings: u32,
+    /// When it was handed over.
+    pub handed_over: u64,
+    /// When it was done.
+    pub done: u64,
+    /// The least that it takes from being handed over on.
+    pub unloaded: u64,
+    /// Who works on it.
+    pub owner: Owner,
+    /// The list unit that has a context for it.
+    pub list: Option<u32>,
+    /// Whether the shadow-cache unit's decision is still to come.
+    pub undecided: bool,
+    /// Whether its triangle test is at the edges.
+    pub at_edges: bool,
+    /// How many of its next steps are those of a first touch.
+    pub evaluating: u8,
+    /// Whether an update goes down as an operand, so that no data is needed for it.
+    pub operand: bool,
+    /// Whether its entry has been accessed by an intersection unit, so that only the operation is left.
+    pub fetched: bool,
+    /// The fetch under way.
+    pub fetch: Fetch,
+}
+
+impl Default for Ray {
+    fn default() -> Self {
+        Self {
+            steps: Vec::new(),
+            path_end: 0,
+            next: 0,
+            kind: RayKind::Primary,
+            decision: Decision::Trace,
+            marked: false,
+            chunk: 0,
+            index: 0,
+            hit: 0,
+            siblings: 0,
+            handed_over: 0,
+            done: 0,
+            unloaded: 0,
+            owner: Owner::ShadowCache(0),
+            list: None,
+            evaluating: 0,
+            operand: false,
+            fetched: false,
+            undecided: false,
+            at_edges: false,
+            fetch: Fetch {
+                first: LineAddr(0),
+                line: LineAddr(0),
+                left: 0,
+                missing: 0,
+                write: false,
+                straight: false,
+                class: TrafficClass::Node,
+                bytes: 0,
+            },
+        }
+    }
+}
+
+impl Ray {
+    /// The next step; `None` after the last.
+    #[inline]
+    pub fn step(&self) -> Option<Step> {
+        self.steps.get(self.next).map(|&word| Step::unpack(word).expect("steps are checked when a ray is handed over"))
+    }
+
+    /// The next step of the path; `None` after its last.
+    #[inline]
+    pub fn path_step(&self) -> Option<Step> {
+        if self.next < self.path_end { self.step() } else { None }
+    }
+
+    /// The node that the step of the path after the next one visits, if it does.
+    #[inline]
+    pub fn node_after(&self) -> Option<NodeId> {
+        let after = self.next + 1;
+        if after >= self.path_end { None } else { self.steps.get(after).and_then(|&word| Step::node(word)) }
+    }
+
+    /// Whether the ray has policy steps.
+    pub fn has_policy(&self) -> bool {
+        self.path_end < self.steps.len()
+    }
+
+    /// Begins to fetch `element`.
+    #[inline]
+    pub fn begin_fetch(&mut self, element: &Element, layout: &Layout) {
+        let (line, lines) = layout.lines(element);
+        self.fetch = Fetch {
+            first: line,
+            line,
+            left: lines as u8,
+            missing: 0,
+            write: element.write,
+            straight: false,
+            class: element.class,
+            bytes: element.bytes as u32,
+        };
+    }
+}

@@ -1,0 +1,361 @@
+//! Untimed dispatcher: the in FIFO, rays in flight, and which ray, or which end-of-frame step, goes to which unit next.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use super::host::{Host, Place, Pulled};
+use crate::engine::RunError;
+use crate::engine::feed::Feed;
+use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
+use crate::engine::work::Holder;
+use crate::machine::MachineSpec;
+use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::layout::Layout;
+use crate::machine::shadow_cache::ShadowCacheSpec;
+use crate::stream::{Decision, RayKind, Step, Totals};
+
+/// A ray in flight, or a step of a frame's end.
+#[derive(Clone, Debug)]
+pub struct Flight {
+    /// The packed steps of the path, then those of the policy, all of them checked.
+    pub steps: Vec<u32>,
+    /// Where the policy's steps begin.
+    pub path_end: usize,
+    /// The next step.
+    pub next: usize,
+    /// What it is for.
+    pub kind: RayKind,
+    /// What the policy decided.
+    pub decision: Decision,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
+    /// The traversal unit that holds it.
+    pub unit: u32,
+    place: Place,
+}
+
+impl Flight {
+    const IDLE: Self = Self {
+        steps: Vec::new(),
+        path_end: 0,
+        next: 0,
+        kind: RayKind::Primary,
+        decision: Decision::Trace,
+        marked: false,
+        unit: 0,
+        place: Place { chunk: 0, index: 0 },
+    };
+
+    /// The next step of what `holder` does; `None` after the last.
+    #[inline]
+    pub fn step(&self, holder: Holder) -> Option<Step> {
+        let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
+        (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
+    }
+
+    /// Counts the steps that were performed.
+    fn count(&self, totals: &mut Totals) {
+        let performed = &self.steps[..self.next];
+        let (path, policy) = performed.split_at(self.path_end.min(self.next));
+        let nodes = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::Node(_)))).count() as u64;
+        let lists = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::List(_)))).count() as u64;
+        let triangles = path.len() as u64 - nodes - lists;
+        totals.list_reads += lists;
+        let (visits, tests) = match self.kind {
+            RayKind::Shadow => (&mut totals.shadow_node_visits, &mut totals.shadow_triangle_tests),
+            _ => (&mut totals.node_visits, &mut totals.triangle_tests),
+        };
+        (*visits, *tests) = (*visits + nodes, *tests + triangles);
+        totals.count_policy(Step::unpack_all(policy));
+    }
+
+    /// Whether the policy has steps on the ray's account.
+    pub fn has_policy(&self) -> bool {
+        self.path_end < self.steps.len()
+    }
+}
+
+/// What comes next.
+#[derive(Clone, Copy, Debug)]
+pub enum Given {
+    /// A frame begins; the layout is that of the frame.
+    Frame,
+    /// The ray comes to its traversal unit in that cycle.
+    Traced(u32, u64),
+    /// The ray, which is not traced, comes to a shadow-cache unit in that cycle.
+    Skipped(u32, u64),
+    /// The step of a frame's end comes to a shadow-cache unit in that cycle.
+    Ending(u32, u64),
+}
+
+/// Where the stream stands.
+#[derive(Clone, Debug)]
+enum Phase {
+    Between,
+    Open,
+    Closing(Arc<Vec<u32>>, Totals),
+    /// So many of the end's steps are begun, so many done.
+    Ending(Arc<Vec<u32>>, Totals, usize, usize),
+    Finished,
+}
+
+/// The dispatcher.
+#[derive(Clone, Debug)]
+pub struct Dispatch {
+    spec: DispatcherSpec,
+    words: ShadowCacheSpec,
+    host: Host,
+    /// The in FIFO, and how long it is.
+    waiting: VecDeque<Place>,
+    places: usize,
+    phase: Phase,
+    frame: u32,
+    /// The pool, then the entries for steps of a frame's end.
+    pub flights: Vec<Flight>,
+    pool: usize,
+    free: VecDeque<u32>,
+    free_entries: VecDeque<u32>,
+    /// Of each traversal unit, core by core. Units have their turns by their number in the core, then by the core.
+    free_slots: Vec<u64>,
+    cores: usize,
+    next_in_turn: usize,
+    /// The cycle of the last hand-over, and how many were made in it.
+    last_at: u64,
+    given_then: u64,
+    /// Cycles with a hand-over.
+    pub busy: u64,
+    /// What was performed since the frame began.
+    pub replayed: Totals,
+    /// What was done otherwise than recorded since then.
+    stores: StoreWork,
+    /// Rays done, skipped ones not counted.
+    pub rays_done: u64,
+    /// Whether something may be given that could not be.
+    pub freed: bool,
+}
+
+impl Dispatch {
+    /// The dispatcher of `machine`, before the stream begins.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
+        let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
+        Self {
+            spec: machine.dispatcher,
+            words: machine.shadow_cache,
+            host: Host::default(),
+            waiting: VecDeque::new(),
+            places: cores * machine.dispatcher.in_fifo.size(),
+            phase: Phase::Between,
+            frame: 0,
+            flights: vec![Flight::IDLE; pool + entries],
+            pool,
+            free: (0..pool as u32).collect(),
+            free_entries: (pool as u32..(pool + entries) as u32).collect(),
+            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            cores,
+            next_in_turn: 0,
+            last_at: 0,
+            given_then: 0,
+            busy: 0,
+            replayed: Totals::default(),
+            stores: StoreWork::default(),
+            rays_done: 0,
+            freed: false,
+        }
+    }
+
+    /// Whether a skipped ray takes an operation for its decision.
+    pub fn units_decide(&self) -> bool {
+        self.words.decide.takes_an_operation(Decision::Skip)
+    }
+
+    /// Entries of the pool: flights of higher numbers are steps of a frame's end.
+    pub fn pool(&self) -> usize {
+        self.pool
+    }
+
+    /// Rays in flight.
+    pub fn in_flight(&self) -> usize {
+        self.pool() - self.free.len()
+    }
+
+    /// What can be given in cycle `at`, if anything can: the stream is read on as far as that takes.
+    pub fn next<E>(
+        &mut self,
+        at: u64,
+        feed: &mut impl Feed<E>,
+        layout: &mut Layout,
+    ) -> Result<Option<Given>, RunError<E>> {
+        feed.rays_over(std::mem::take(&mut self.host.rays_over));
+        loop {
+            match &mut self.phase {
+                Phase::Between | Phase::Open if self.host.wants_rays() => match self.host.pull(feed)? {
+                    Pulled::Rays => {}
+                    Pulled::Frame(info) => {
+                        layout.begin_frame(&info);
+                        (self.phase, self.frame) = (Phase::Open, info.number);
+                        return Ok(Some(Given::Frame));
+                    }
+                    Pulled::End(steps, totals) => {
+                        check_steps(&steps, layout)?;
+                        self.phase = Phase::Closing(steps, totals);
+                    }
+                    Pulled::Nothing => self.phase = Phase::Finished,
+                },
+                _ if self.waiting.len() < self.places && self.host.candidate().is_some() => {
+                    self.waiting.extend(self.host.candidate());
+                    self.host.handed_out();
+                }
+                Phase::Closing(steps, totals)
+                    if self.host.is_empty() && self.waiting.is_empty() && self.free.len() == self.pool =>
+                {
+                    self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
+                }
+                Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
+                    let machine = std::mem::take(&mut self.replayed);
+                    let stores = std::mem::take(&mut self.stores);
+                    feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
+                    self.phase = Phase::Between;
+                }
+                Phase::Ending(steps, _, begun, _) => {
+                    let Some(&step) = steps.get(*begun) else { return Ok(None) };
+                    let Some(id) = self.free_entries.pop_front() else { return Ok(None) };
+                    *begun += 1;
+                    let flight = &mut self.flights[id as usize];
+                    (flight.path_end, flight.next) = (0, 0);
+                    flight.steps.clear();
+                    flight.steps.push(step);
+                    return Ok(Some(Given::Ending(id, at + 1)));
+                }
+                _ => return Ok(self.hand_out(at, layout)?),
+            }
+        }
+    }
+
+    /// Hands out the next ray, if there is one and a place for it.
+    fn hand_out(&mut self, at: u64, layout: &Layout) -> Result<Option<Given>, StreamFault> {
+        let Some(&place) = self.waiting.front() else { return Ok(None) };
+        let Some(&id) = self.free.front() else { return Ok(None) };
+        let source = self.host.chunk(place).ray(place.index as usize);
+        let skipped = source.head.decision == Decision::Skip;
+        let units = self.free_slots.len();
+        let (cores, a_core) = (self.cores, units / self.cores);
+        let unit = |turn: usize| turn % cores * a_core + turn / cores;
+        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
+        let turn = if skipped { None } else { in_turn.find(|&turn| self.free_slots[unit(turn)] > 0) };
+        if !skipped && turn.is_none() {
+            return Ok(None);
+        }
+        let flight = &mut self.flights[id as usize];
+        flight.steps.clear();
+        flight.steps.extend_from_slice(source.packed_path());
+        flight.steps.extend_from_slice(source.packed_policy());
+        for (at, &word) in flight.steps.iter().enumerate() {
+            if !check_step(word, layout)?.is_traversal() && at < source.packed_path().len() {
+                return Err(StreamFault::Ray { index: place.index as usize, fault: "has a policy step in its path" });
+            }
+        }
+        (flight.path_end, flight.next, flight.place) = (source.packed_path().len(), 0, place);
+        let recorded = flight.steps.len();
+        flight.steps.truncate(flight.path_end);
+        flight.steps.extend(source.packed_policy().iter().filter(|&&word| self.words.performs(word)));
+        self.stores.dropped_writes += (recorded - flight.steps.len()) as u64;
+        (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
+        if self.last_at < at {
+            (self.last_at, self.given_then) = (at, 0);
+        } else if self.given_then == self.spec.per_cycle.get() * self.cores as u64 {
+            (self.last_at, self.given_then) = (self.last_at + 1, 0);
+        }
+        self.given_then += 1;
+        self.busy += u64::from(self.given_then == 1);
+        self.free.pop_front();
+        self.waiting.pop_front();
+        Ok(Some(match turn {
+            None => Given::Skipped(id, self.last_at + 1),
+            Some(turn) => {
+                flight.unit = unit(turn) as u32;
+                self.free_slots[unit(turn)] -= 1;
+                self.next_in_turn = (turn + 1) % units;
+                Given::Traced(id, self.last_at + self.spec.latency.get())
+            }
+        }))
+    }
+
+    /// The flight's next step was performed.
+    #[inline]
+    pub fn performed(&mut self, id: u32) {
+        self.flights[id as usize].next += 1;
+    }
+
+    /// The ray has left its traversal unit.
+    pub fn left_slot(&mut self, id: u32) {
+        self.free_slots[self.flights[id as usize].unit as usize] += 1;
+        self.freed = true;
+    }
+
+    /// The flight is over in cycle `now`: a ray with all that it does, or a step of the frame's end.
+    pub fn done(&mut self, id: u32, now: u64) {
+        self.freed = true;
+        self.flights[id as usize].count(&mut self.replayed);
+        if id as usize >= self.pool() {
+            self.free_entries.push_back(id);
+            if let Phase::Ending(_, _, _, done) = &mut self.phase {
+                *done += 1;
+            }
+            return;
+        }
+        self.free.push_back(id);
+        let flight = &self.flights[id as usize];
+        let totals = &mut self.replayed;
+        match flight.kind {
+            RayKind::Primary => totals.primary_rays += 1,
+            RayKind::Reflection | RayKind::Refraction => totals.secondary_rays += 1,
+            RayKind::Shadow => totals.shadow_rays += 1,
+        }
+        match flight.decision {
+            Decision::Trace => {}
+            Decision::DynamicOnly => totals.shadow_rays_dynamic_only += 1,
+            Decision::Skip => totals.shadow_rays_skipped += 1,
+        }
+        self.rays_done += u64::from(flight.decision != Decision::Skip);
+        // A cycle in each FIFO.
+        self.host.done(flight.place, now + 2 + self.spec.shading_cycles.get());
+    }
+
+    /// No unit gets a ray any more.
+    #[cfg(test)]
+    pub fn take_all_slots(&mut self) {
+        self.free_slots.fill(0);
+    }
+
+    /// When the next parent's shading ends.
+    pub fn next_shaded(&self) -> Option<u64> {
+        self.host.next_shaded()
+    }
+
+    /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
+    pub fn shaded(&mut self, now: u64) {
+        let Self { spec, host, words, stores, replayed, .. } = self;
+        host.shaded(now, spec.shading_cycles.get(), |ray| {
+            let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
+            let answered = words.decide.answers(ray.head.decision, left);
+            if answered {
+                stores.answered_rays += 1;
+                stores.dropped_writes += ray.packed_policy().len() as u64;
+                replayed.shadow_rays += 1;
+                replayed.shadow_rays_skipped += 1;
+            }
+            answered
+        });
+        self.freed = true;
+    }
+
+    /// Whether the stream is at its end and all is done.
+    pub fn is_over(&self) -> bool {
+        matches!(self.phase, Phase::Finished)
+    }
+}
+
+fn check_steps(words: &[u32], layout: &Layout) -> Result<(), StreamFault> {
+    words.iter().try_for_each(|&word| check_step(word, layout).map(drop))
+}

@@ -1,0 +1,21 @@
+//! The report of a run: what culling policies did, what machines measured, pictures, and a page that shows all.
+
+mod files;
+mod findings;
+mod frames_csv;
+mod page;
+pub(crate) mod pictures;
+mod plots;
+mod summary;
+mod tables;
+mod write;
+
+pub(crate) use files::{RunFiles, read_summary};
+pub(crate) use summary::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
+};
+pub(crate) use tables::{replayed, terminal};
+pub(crate) use write::redraw;
+
+#[cfg(test)]
+pub(crate) mod tests;
