@@ -2,6 +2,7 @@
 //! primitive.
 
 pub mod accel;
+pub(crate) mod counters;
 pub mod culling;
 pub mod engine;
 pub mod experiment;

@@ -11,8 +11,9 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("named", &[]),
     ("new_file", &[]),
     ("ron_file", &["ranged"]),
-    ("stats", &["quantity"]),
-    ("stream", &["quantity", "new_file"]),
+    ("counters", &[]),
+    ("stats", &["quantity", "counters"]),
+    ("stream", &["quantity", "new_file", "counters"]),
     // The functional wing.
     ("scene", &["quantity", "ranged"]),
     ("reference", &["quantity", "scene"]),
@@ -21,11 +22,11 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
     ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
-    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
+    ("machine", &["quantity", "ranged", "ron_file", "counters", "stats", "stream", "memory"]),
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "new_file", "counters", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[

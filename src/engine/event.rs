@@ -187,6 +187,7 @@ impl Engine for Event {
         let unit = |unit: &Pipeline| UnitTally {
             causes: unit.causes().until(cycles),
             cache: *unit.cache().counts(),
+            l1: *unit.l1_counts(),
             requested: *unit.requested(),
             written_through: *unit.written_through(),
             read_straight: *unit.read_straight(),

@@ -208,7 +208,7 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
     for (index, (l1, class)) in levels.into_iter().enumerate() {
         let of_class = |cache: &str| {
             let classes = stats.caches.get(cache).into_iter().flatten();
-            classes.filter(|(it, _)| it.name() == class).fold(CacheCounts::default(), |_, (_, counts)| *counts)
+            classes.filter(|(it, _)| it.name() == class).fold(CacheCounts::default(), |_, (_, cache)| cache.counts)
         };
         let l1 = of_class(l1);
         let l2 = stats.caches.keys().filter(|name| name.starts_with("l2")).map(|name| of_class(name));

@@ -10,7 +10,7 @@ use crate::memory::allocation::Classes;
 use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::{Cause, TrafficClass};
+use crate::stats::{Cause, L1Counts, TrafficClass};
 
 /// What becomes of writes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -300,8 +300,7 @@ impl Pipeline {
                 self.fetching.pop_front();
                 continue;
             }
-            if !self.banks.take(fetch.line) {
-                self.cache.conflict(fetch.class);
+            if !self.banks.take(fetch.line, fetch.class) {
                 return false;
             }
             let lookup = self.cache.access(fetch.line, fetch.class, access, Some(ray), room);
@@ -381,6 +380,11 @@ impl Pipeline {
     /// Reads that went past the L1, by class.
     pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
+    }
+
+    /// What its L1 alone counted, by class.
+    pub fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+        self.banks.counts()
     }
 
     /// Misses of marked rays, by class.

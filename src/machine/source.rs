@@ -1,6 +1,7 @@
 //! What a machine takes from a stream, what can be wrong with it, and what is counted of it.
 
 use super::layout::{Layout, OutOfRange};
+use crate::counters::counters;
 use crate::stream::{Chunk, Decision, RayKind, Step, Totals};
 
 /// What is wrong with a stream.
@@ -43,32 +44,17 @@ pub struct FrameCounts {
     pub stores: StoreWork,
 }
 
-/// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are performed, merged or
-/// raised; writes (updates included), recorded or added, are performed, merged, deferred or covered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StoreWork {
-    /// Reads that a register answered.
-    pub merged_reads: u64,
-    /// Writes that a register merged with one that waited.
-    pub merged_writes: u64,
-    /// Reads performed as updates: first touches.
-    pub raised_reads: u64,
-    /// Writes that are not recorded: of a sweep, and of first touches.
-    pub added_writes: u64,
-    /// Recorded writes of a frame's end that are left to first touches.
-    pub deferred_writes: u64,
-    /// Recorded writes of a frame's end that a sweep covers.
-    pub covered_writes: u64,
-}
-
-impl std::ops::AddAssign for StoreWork {
-    fn add_assign(&mut self, other: Self) {
-        self.merged_reads += other.merged_reads;
-        self.merged_writes += other.merged_writes;
-        self.raised_reads += other.raised_reads;
-        self.added_writes += other.added_writes;
-        self.deferred_writes += other.deferred_writes;
-        self.covered_writes += other.covered_writes;
+counters! {
+    /// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are
+    /// performed, merged or raised; writes (updates included), recorded or added, are performed, merged, deferred or
+    /// covered.
+    pub struct StoreWork {
+        merged_reads: "reads", "reads that a register answered";
+        merged_writes: "writes", "writes that a register merged with one that waited";
+        raised_reads: "reads", "reads performed as updates: first touches";
+        added_writes: "writes", "writes that are not recorded: of a sweep, and of first touches";
+        deferred_writes: "writes", "recorded writes of a frame's end that are left to first touches";
+        covered_writes: "writes", "recorded writes of a frame's end that a sweep covers";
     }
 }
 

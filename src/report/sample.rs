@@ -13,8 +13,8 @@ use super::sweep::{Change, SweepPoint, SweepSummary};
 use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
-    QueueCounts, TrafficClass,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, L1Counts, LatencyCounts, Limit, MachineStats,
+    ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -61,15 +61,13 @@ fn machine(share: f64, words: u64) -> MachineRun {
         ];
         all.map(|(class, bytes)| (class, Bytes(bytes))).into_iter().collect::<BTreeMap<_, _>>()
     };
-    let cache = |hits: u64| CacheCounts {
-        accesses: 1_000_000,
-        hits,
-        half_misses: 20_000,
-        misses: 980_000 - hits,
-        passed_writes: 0,
-        bank_conflicts: 0,
-        write_backs: 0,
+    let l2 = |hits: u64| {
+        let misses = 980_000 - hits;
+        let counts =
+            CacheCounts { accesses: 1_000_000, hits, half_misses: 20_000, misses, passed_writes: 0, write_backs: 0 };
+        CacheStats { counts, l1: None }
     };
+    let l1 = |hits: u64| CacheStats { l1: Some(L1Counts::default()), ..l2(hits) };
     let cycles = scaled(812_000_000.0);
     let unit = |count: u64, busy: f64| {
         let whole = cycles * count;
@@ -94,15 +92,12 @@ fn machine(share: f64, words: u64) -> MachineRun {
             ("dram".into(), classes(0.9e9, 0.4e9, words)),
         ]),
         caches: BTreeMap::from([
-            ("l1_traversal".into(), BTreeMap::from([(TrafficClass::Node, cache(953_000))])),
+            ("l1_traversal".into(), BTreeMap::from([(TrafficClass::Node, l1(953_000))])),
             (
                 "l1_intersection".into(),
-                BTreeMap::from([(TrafficClass::Triangle, cache(830_000)), (TrafficClass::ModeWord, cache(912_000))]),
+                BTreeMap::from([(TrafficClass::Triangle, l1(830_000)), (TrafficClass::ModeWord, l1(912_000))]),
             ),
-            (
-                "l2".into(),
-                BTreeMap::from([(TrafficClass::Node, cache(901_000)), (TrafficClass::Triangle, cache(702_000))]),
-            ),
+            ("l2".into(), BTreeMap::from([(TrafficClass::Node, l2(901_000)), (TrafficClass::Triangle, l2(702_000))])),
         ]),
         units: BTreeMap::from([
             ("traversal".into(), unit(4, 0.52)),

@@ -5,6 +5,7 @@
 //! two runs of the same experiment.
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
@@ -127,29 +128,16 @@ pub struct LightWrong {
     pub false_lit: u64,
 }
 
-/// Counts of a policy, of a frame or of many. See [`Totals`] for those of the same name.
+/// Counts of a policy, of a frame or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "the documented fields of `Totals`, under the same names")]
 pub struct Counts {
-    pub primary_rays: u64,
-    pub secondary_rays: u64,
-    pub shadow_rays: u64,
-    pub shadow_rays_skipped: u64,
-    pub shadow_rays_dynamic_only: u64,
+    /// The tracer's counts.
+    #[serde(flatten)]
+    pub totals: Totals,
     /// Primary rays tested against a neighbour pixel's primitive.
     pub occlusion_tests: u64,
     /// The same over the number of primary rays.
     pub occlusion_tests_per_pixel: Option<f64>,
-    pub node_visits: u64,
-    pub triangle_tests: u64,
-    pub shadow_node_visits: u64,
-    pub shadow_triangle_tests: u64,
-    pub list_reads: u64,
-    pub policy_node_visits: u64,
-    /// Occlusion tests included.
-    pub policy_triangle_tests: u64,
-    pub policy_reads: u64,
-    pub policy_writes: u64,
     /// Shadow rays decided dark that find their light when traced; `None` where nobody looked.
     pub false_dark: Option<u64>,
     /// Shadow rays decided lit that are stopped when traced; `None` where nobody looked.
@@ -158,6 +146,15 @@ pub struct Counts {
     pub compared_rays: Option<u64>,
     /// Those of them on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
     pub numeric_differences: Option<u64>,
+}
+
+/// The tracer's counts read as fields of their own.
+impl Deref for Counts {
+    type Target = Totals;
+
+    fn deref(&self) -> &Totals {
+        &self.totals
+    }
 }
 
 fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
@@ -191,21 +188,8 @@ impl Counts {
         let absent = Some(0);
         let mut sum = Self { false_dark: absent, false_lit: absent, ..Self::default() };
         for frame in frames {
-            sum.primary_rays += frame.primary_rays;
-            sum.secondary_rays += frame.secondary_rays;
-            sum.shadow_rays += frame.shadow_rays;
-            sum.shadow_rays_skipped += frame.shadow_rays_skipped;
-            sum.shadow_rays_dynamic_only += frame.shadow_rays_dynamic_only;
+            sum.totals += frame.totals;
             sum.occlusion_tests += frame.occlusion_tests;
-            sum.node_visits += frame.node_visits;
-            sum.triangle_tests += frame.triangle_tests;
-            sum.shadow_node_visits += frame.shadow_node_visits;
-            sum.shadow_triangle_tests += frame.shadow_triangle_tests;
-            sum.list_reads += frame.list_reads;
-            sum.policy_node_visits += frame.policy_node_visits;
-            sum.policy_triangle_tests += frame.policy_triangle_tests;
-            sum.policy_reads += frame.policy_reads;
-            sum.policy_writes += frame.policy_writes;
             // One frame in which nobody looked, and there is no sum.
             sum.false_dark = sum.false_dark.zip(frame.false_dark).map(|(a, b)| a + b);
             sum.false_lit = sum.false_lit.zip(frame.false_lit).map(|(a, b)| a + b);
@@ -247,22 +231,9 @@ impl FrameResult {
             "occlusion tests are triangle tests of the policy"
         );
         Counts {
-            primary_rays: totals.primary_rays,
-            secondary_rays: totals.secondary_rays,
-            shadow_rays: totals.shadow_rays,
-            shadow_rays_skipped: totals.shadow_rays_skipped,
-            shadow_rays_dynamic_only: totals.shadow_rays_dynamic_only,
+            totals,
             occlusion_tests: self.occlusion_tests,
             occlusion_tests_per_pixel: share(self.occlusion_tests, totals.primary_rays),
-            node_visits: totals.node_visits,
-            triangle_tests: totals.triangle_tests,
-            shadow_node_visits: totals.shadow_node_visits,
-            shadow_triangle_tests: totals.shadow_triangle_tests,
-            list_reads: totals.list_reads,
-            policy_node_visits: totals.policy_node_visits,
-            policy_triangle_tests: totals.policy_triangle_tests,
-            policy_reads: totals.policy_reads,
-            policy_writes: totals.policy_writes,
             false_dark: self.false_dark,
             false_lit: self.false_lit,
             compared_rays: self.compared_rays,

@@ -5,8 +5,13 @@ use comfy_table::{CellAlignment, Table};
 use super::format::{bytes, change, exact, or_absent, percent, short};
 use super::split::Split;
 use super::summary::{FrameSummary, MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
+use crate::counters::Counter;
 use crate::quantity::Bytes;
-use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats, ModelCheck, Needs, PartNeed};
+use crate::stats::{
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
+    TrafficClass,
+};
+use crate::stream::Totals;
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
@@ -15,24 +20,10 @@ fn field<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }
 
-const COLUMNS: [Column; 24] = [
-    ("frame", |row| row.frame.to_string()),
-    ("primary_rays", |row| row.counts.primary_rays.to_string()),
-    ("secondary_rays", |row| row.counts.secondary_rays.to_string()),
-    ("shadow_rays", |row| row.counts.shadow_rays.to_string()),
-    ("shadow_rays_skipped", |row| row.counts.shadow_rays_skipped.to_string()),
-    ("shadow_rays_dynamic_only", |row| row.counts.shadow_rays_dynamic_only.to_string()),
+/// The columns behind the frame's number and the tracer's counters.
+const COLUMNS: [Column; 9] = [
     ("occlusion_tests", |row| row.counts.occlusion_tests.to_string()),
     ("occlusion_tests_per_pixel", |row| field(row.counts.occlusion_tests_per_pixel)),
-    ("node_visits", |row| row.counts.node_visits.to_string()),
-    ("triangle_tests", |row| row.counts.triangle_tests.to_string()),
-    ("shadow_node_visits", |row| row.counts.shadow_node_visits.to_string()),
-    ("shadow_triangle_tests", |row| row.counts.shadow_triangle_tests.to_string()),
-    ("list_reads", |row| row.counts.list_reads.to_string()),
-    ("policy_node_visits", |row| row.counts.policy_node_visits.to_string()),
-    ("policy_triangle_tests", |row| row.counts.policy_triangle_tests.to_string()),
-    ("policy_reads", |row| row.counts.policy_reads.to_string()),
-    ("policy_writes", |row| row.counts.policy_writes.to_string()),
     ("traversal_saved", |row| field(row.traversal_saved)),
     ("intersection_saved", |row| field(row.intersection_saved)),
     ("false_dark", |row| field(row.counts.false_dark)),
@@ -49,10 +40,13 @@ const COLUMNS: [Column; 24] = [
 /// `frames.csv`: a row a policy and frame, policies in the experiment's order.
 pub fn frames_csv(summary: &Summary) -> Result<Vec<u8>, csv::Error> {
     let mut csv = csv::Writer::from_writer(Vec::new());
-    csv.write_record(std::iter::once("policy").chain(COLUMNS.iter().map(|(header, _)| *header)))?;
+    let counters = Totals::DECLARED.iter().map(|counter| counter.name);
+    csv.write_record(["policy", "frame"].into_iter().chain(counters).chain(COLUMNS.map(|(header, _)| header)))?;
     for (name, policy) in summary.policies.iter() {
         for row in &policy.frames {
-            csv.write_record(std::iter::once(name.to_owned()).chain(COLUMNS.iter().map(|(_, text)| text(row))))?;
+            let counters = row.counts.totals.values().map(|value| value.to_string());
+            let others = COLUMNS.map(|(_, text)| text(row));
+            csv.write_record([name.to_owned(), row.frame.to_string()].into_iter().chain(counters).chain(others))?;
         }
     }
     csv.into_inner().map_err(|error| error.into_error().into())
@@ -202,30 +196,7 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
             or_absent(run.dram_row_hit_rate, percent),
         ]],
     };
-    let mut caches = Vec::new();
-    for (cache, classes) in &stats.caches {
-        for (class, counts) in classes {
-            let CacheCounts { accesses, half_misses, misses, write_backs, bank_conflicts, .. } = *counts;
-            let [accesses, half_misses, misses, write_backs, bank_conflicts] =
-                [accesses, half_misses, misses, write_backs, bank_conflicts].map(exact);
-            let hit_rate = or_absent(counts.hit_rate(), percent);
-            caches.push(vec![
-                cache.clone(),
-                class.name().to_owned(),
-                accesses,
-                hit_rate,
-                half_misses,
-                misses,
-                write_backs,
-                bank_conflicts,
-            ]);
-        }
-    }
-    let caches = Grid {
-        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs", "bank conflicts"]),
-        names: 2,
-        rows: caches,
-    };
+    let caches = caches(stats);
     let units = stats.units.iter().map(|(unit, causes)| {
         // A rung that does not tell all causes leaves them out.
         let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
@@ -246,6 +217,27 @@ pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
     let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
     let rest = [dram, drawn(&caches), drawn(&units)];
     [drawn(&sum), trust(stats)].into_iter().chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
+}
+
+/// What each cache counted, a class a row; a counter that a level does not have is absent there.
+fn caches(stats: &MachineStats) -> Grid {
+    let words = |counter: &Counter| counter.name.replace('_', " ");
+    let counters = CacheCounts::DECLARED.iter().chain(L1Counts::DECLARED).map(words);
+    let row = |cache: &str, class: TrafficClass, stats: &CacheStats| {
+        let names = [cache.to_owned(), class.name().to_owned(), or_absent(stats.hit_rate(), percent)];
+        let l1 = stats.l1.map(|l1| l1.values());
+        let l1 = (0..L1Counts::DECLARED.len()).map(|index| or_absent(l1.map(|values| values[index]), exact));
+        names.into_iter().chain(stats.values().map(exact)).chain(l1).collect()
+    };
+    Grid {
+        head: ["cache", "class", "hit rate"].map(Into::into).into_iter().chain(counters).collect(),
+        names: 2,
+        rows: stats
+            .caches
+            .iter()
+            .flat_map(|(cache, classes)| classes.iter().map(|(&class, it)| row(cache, class, it)))
+            .collect(),
+    }
 }
 
 /// How far from the truth the numbers may be, and what no machine can leave.

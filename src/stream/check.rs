@@ -3,7 +3,6 @@
 
 use rustc_hash::FxHashSet;
 
-use super::format::{TOTALS_NAMES, totals_values};
 use super::{Chunk, Decision, FrameInfo, Header, Item, NO_RECORD, Outcome, Ray, RayKind, Step, Totals};
 use crate::quantity::PixelId;
 
@@ -421,10 +420,10 @@ impl Checker {
     fn end(&mut self, policy: &[u32], totals: &Totals) -> Result<(), Violation> {
         self.policy.check(policy).map_err(Violation::End)?;
         self.counted.count_policy(policy.iter().filter_map(|&word| Step::unpack(word)));
-        let pairs = totals_values(totals).into_iter().zip(totals_values(&self.counted));
-        for ((recorded, counted), what) in pairs.zip(TOTALS_NAMES) {
+        let pairs = totals.values().into_iter().zip(self.counted.values());
+        for ((recorded, counted), counter) in pairs.zip(Totals::DECLARED) {
             if recorded != counted {
-                return Err(Violation::Totals { what, recorded, counted });
+                return Err(Violation::Totals { what: counter.name, recorded, counted });
             }
         }
         self.in_frame = false;

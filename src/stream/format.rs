@@ -63,7 +63,7 @@ pub const RAW_LIMIT: usize = 64 << 20;
 /// Bytes of a FRAM payload.
 const FRAME_INFO_BYTES: usize = 16;
 /// Bytes of totals.
-const TOTALS_BYTES: usize = 8 * TOTALS_NAMES.len();
+const TOTALS_BYTES: usize = 8 * Totals::DECLARED.len();
 /// Bytes of a frame in the INDX payload.
 const ENTRY_BYTES: usize = 44 + TOTALS_BYTES;
 
@@ -275,81 +275,11 @@ pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<Fr
     Ok((payload.chunks_exact(ENTRY_BYTES).map(entry).collect(), words(records).into_iter().map(TriangleSlot).collect()))
 }
 
-/// Names of the totals, in the order of [`totals_values`].
-pub const TOTALS_NAMES: [&str; 14] = [
-    "primary_rays",
-    "secondary_rays",
-    "shadow_rays",
-    "shadow_rays_skipped",
-    "shadow_rays_dynamic_only",
-    "node_visits",
-    "triangle_tests",
-    "shadow_node_visits",
-    "shadow_triangle_tests",
-    "list_reads",
-    "policy_triangle_tests",
-    "policy_node_visits",
-    "policy_reads",
-    "policy_writes",
-];
-
-/// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
-pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
-    let Totals {
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    } = *totals;
-    [
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-    ]
-}
-
 fn put_totals(totals: &Totals, out: &mut Vec<u8>) {
-    out.extend(totals_values(totals).into_iter().flat_map(u64::to_le_bytes));
+    out.extend(totals.values().into_iter().flat_map(u64::to_le_bytes));
 }
 
 /// The totals in the first [`TOTALS_BYTES`] of `bytes`.
 fn totals(bytes: &[u8]) -> Totals {
-    let value = |index: usize| u64::from_le_bytes(field(bytes, 8 * index));
-    Totals {
-        primary_rays: value(0),
-        secondary_rays: value(1),
-        shadow_rays: value(2),
-        shadow_rays_skipped: value(3),
-        shadow_rays_dynamic_only: value(4),
-        node_visits: value(5),
-        triangle_tests: value(6),
-        shadow_node_visits: value(7),
-        shadow_triangle_tests: value(8),
-        list_reads: value(9),
-        policy_triangle_tests: value(10),
-        policy_node_visits: value(11),
-        policy_reads: value(12),
-        policy_writes: value(13),
-    }
+    Totals::from_values(std::array::from_fn(|index| u64::from_le_bytes(field(bytes, 8 * index))))
 }

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::format::{
-    self, BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES,
-    TOTALS_NAMES, Tag, VERSION, checksum, field, totals_values,
+    self, BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES, Tag,
+    VERSION, checksum, field,
 };
-use super::{Checker, Fault, Header, Item, Place, StreamError, check, columns};
+use super::{Checker, Fault, Header, Item, Place, StreamError, Totals, check, columns};
 use crate::quantity::Bytes;
 
 /// Reads a stream item by item: it is an iterator from the stream's start, or from the frame of
@@ -150,9 +150,11 @@ fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault> {
     let values = |entry: &FrameEntry| {
         let FrameEntry { number, offset, bytes, raw_bytes, rays, blocks, totals } = *entry;
         let own = [number.into(), offset, bytes.0, raw_bytes.0, rays, blocks];
-        own.into_iter().chain(totals_values(&totals))
+        own.into_iter().chain(totals.values())
     };
-    let names = ["number", "offset", "bytes", "raw_bytes", "rays", "blocks"].into_iter().chain(TOTALS_NAMES);
+    let names = ["number", "offset", "bytes", "raw_bytes", "rays", "blocks"]
+        .into_iter()
+        .chain(Totals::DECLARED.iter().map(|counter| counter.name));
     let mut all = names.zip(values(index)).zip(values(seen));
     all.find_map(|((what, index), found)| {
         (index != found).then_some(Fault::Index { frame: seen.number, what, index, found })

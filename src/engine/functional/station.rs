@@ -131,8 +131,7 @@ impl Station {
             if self.port_at < now {
                 self.turn_to(now);
             }
-            if !self.banks.take(fetch.line) {
-                self.cache.conflict(fetch.class);
+            if !self.banks.take(fetch.line, fetch.class) {
                 self.turn_to(self.port_at + 1);
                 continue;
             }
@@ -217,6 +216,7 @@ impl Station {
         UnitTally {
             causes: busy(self.operations * self.interval),
             cache: *self.cache.counts(),
+            l1: *self.banks.counts(),
             requested: self.requested,
             written_through: self.written_through,
             read_straight: PerClass::default(),

@@ -108,7 +108,7 @@ fn engines_agree_on_any_machine_and_stream() {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.passed_writes).sum()
     });
     reached("bank conflicts", |tally| {
-        tally.units.iter().flatten().flat_map(|unit| unit.cache).map(|it| it.bank_conflicts).sum()
+        tally.units.iter().flatten().flat_map(|unit| unit.l1).map(|it| it.bank_conflicts).sum()
     });
     reached("merged reads", |tally| tally.stores.merged_reads);
     reached("merged writes", |tally| tally.stores.merged_writes);

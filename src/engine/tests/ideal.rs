@@ -119,6 +119,10 @@ fn writes_end_in_an_ideal_cache() {
 }
 
 /// Two rays whose nodes are accessed in one cycle. Lines of 64 B: a node each.
+fn bank_conflicts(stats: &MachineStats) -> u64 {
+    stats.caches["l1_traversal"][&TrafficClass::Node].l1.unwrap().bank_conflicts
+}
+
 #[test]
 fn accesses_of_a_cycle_to_one_bank_conflict() {
     for (banks, second, conflicts) in
@@ -131,7 +135,7 @@ fn accesses_of_a_cycle_to_one_bank_conflict() {
         (cache.ports, cache.banks) = (num(2), banks.map(pow));
         let rays = [0, second].map(|node| SyntheticRay::primary(nodes([node])));
         let stats = on_all_rungs(&machine, &one_frame(&rays));
-        assert_eq!(stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts, conflicts, "{banks:?} {second}");
+        assert_eq!(bank_conflicts(&stats), conflicts, "{banks:?} {second}");
     }
 }
 
@@ -147,7 +151,7 @@ fn banks_limit_ports() {
         let stats = on_all_rungs(&machine, &one_frame(&rays));
         let least = 100 * 50 * cycles_a_node;
         assert!(least <= stats.cycles.0 && stats.cycles.0 < least + 500, "{banks} banks: {} cycles", stats.cycles.0);
-        let conflicts = stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts;
+        let conflicts = bank_conflicts(&stats);
         assert_eq!(conflicts == 0, banks == 2, "{conflicts}");
     }
 }
