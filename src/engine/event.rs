@@ -172,6 +172,10 @@ impl Engine for Event {
                 }
             }
             self.tick_units(now, &due);
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1));
+                self.dispatcher.latencies.forget_longest();
+            }
             if feed.hears() {
                 feed.heard(&mut self.logs())?;
             }

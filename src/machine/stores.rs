@@ -279,6 +279,7 @@ mod tests {
         Header {
             scene: String::new(),
             frames: Vec::new(),
+            warmup: Vec::new(),
             resolution: Resolution { width: 1, height: 1 },
             policy: String::new(),
             structure: Structure::Bvh2,

@@ -122,6 +122,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
         dram_peak_bytes_per_cycle: Some(12.8),
         accuracy: Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.015, dram_bytes: 0.02, rate: 0.05 },
+        frames: Vec::new(),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
         needs: Some(Needs {
             target: 0.02,

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod counts;
+mod frames;
 mod reuse;
 mod traffic;
 
@@ -11,6 +12,7 @@ use serde::{Deserialize, Serialize};
 
 pub use accuracy::{Accuracy, Bounds, Limit, ModelCheck, Needs, PartNeed, Range};
 pub use counts::{CacheCounts, CacheStats, DramCounts, L1Counts, LatencyCounts, QueueCounts};
+pub use frames::FrameStats;
 pub use reuse::{ReuseCurve, ReuseLevel};
 pub use traffic::{Cause, TrafficClass};
 
@@ -56,6 +58,10 @@ pub struct MachineStats {
     /// What the stream needs; where somebody asked.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub needs: Option<Needs>,
+    /// The frames that were replayed, warm-up frames among them; of runs that know them apart. All other figures are
+    /// of the measured frames: the sums of theirs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<FrameStats>,
     /// What no machine can leave.
     #[serde(default)]
     pub bounds: Option<Bounds>,

@@ -229,6 +229,8 @@ fn at_most(what: &'static str, found: u64, limit: u64) -> Result<(), Violation> 
 /// Checks a header's numbers, its records apart.
 pub(super) fn counts(header: &Header) -> Result<(), Violation> {
     let stores = &header.stores;
+    let foreign = header.warmup.iter().filter(|frame| !header.frames.contains(frame)).count();
+    at_most("warm-up frames that the stream does not have", foreign as u64, 0)?;
     at_most("lights", header.lights.into(), u64::from(u8::MAX) + 1)?;
     at_most("static primitives", header.static_primitives.into(), header.primitives.into())?;
     at_most("pixels", pixels(header), u64::from(u32::MAX) + 1)?;

@@ -298,6 +298,9 @@ impl<W: Watch> Profile<W> {
 
     fn hand_out_all<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
         while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(at + 1));
+            }
             let (id, at, holder, stage) = match given {
                 Given::Frame => {
                     let first = self.layout.dynamic_part();

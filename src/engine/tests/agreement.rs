@@ -41,7 +41,7 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
     }
     let mut bound = Bound::new(machine, header, false);
     stream.iter().for_each(|item| bound.add(item));
-    check::bounds(&event.0.stats(machine), &bound.bounds())?;
+    check::bounds(&event.0.stats(machine), &bound.bounds(&[]))?;
     let end = machine.dram.clocks(machine.clock_mhz.get()).first(cycle.0.cycles) - 1;
     for (channel, log) in cycle.1.iter().enumerate() {
         let found = violations(&machine.dram, machine.line_bytes.get(), log.commands(), end);
