@@ -22,8 +22,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
     ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
-    ("machine", &["quantity", "ranged", "ron_file", "counters", "stats", "stream", "memory"]),
-    ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
+    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
+    ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
     ("report", &["quantity", "named", "new_file", "counters", "stats", "stream::Totals", "validate::PixelVerdict"]),

@@ -16,9 +16,11 @@ use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
 use super::cells::{Cell, DEEPEST, Inside};
+use super::facts::SceneFacts;
 use super::mode_word::{SEEN_DARK, SEEN_LIT, Shadow, WordLayout};
+use super::policy::{Change, SurfaceHit};
+use super::probe::Probe;
 use super::ray_counts::RayCounts;
-use super::{Change, Probe, SceneFacts, SurfaceHit};
 use crate::accel::{Relation, Sight, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::{PowerOfTwo, Within};

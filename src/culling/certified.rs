@@ -1,8 +1,10 @@
 //! Certificates alone: a shadow ray is spared only by a proof. Exact, and nothing of it depends on the view.
 
 use super::certificates::{CertificateSpec, Certificates, Prover};
+use super::facts::SceneFacts;
 use super::mode_word::Shadow;
-use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use super::policy::{Change, Evidence, Policy, Primary, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::LightId;
 use crate::scene::Light;

@@ -8,8 +8,10 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
+use super::facts::SceneFacts;
 use super::knowledge::Knowledge;
-use super::{Change, Evidence, Needs, Policy, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use super::policy::{Change, Evidence, Needs, Policy, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, NodeId};
 use crate::ranged::{PowerOfTwo, Within};

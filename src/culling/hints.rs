@@ -6,7 +6,8 @@
 use rustc_hash::FxHashMap;
 
 use super::cells::Cell;
-use super::{Change, Probe};
+use super::policy::Change;
+use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::PowerOfTwo;

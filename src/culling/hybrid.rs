@@ -10,9 +10,11 @@ use serde::{Deserialize, Serialize};
 
 use super::cells::Cell;
 use super::certificates::{CertificateSpec, Certificates, Prover};
+use super::facts::SceneFacts;
 use super::hints::{HintWorker, Hints};
 use super::mode_word::Shadow;
-use super::{Change, Evidence, Policy, Primary, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use super::policy::{Change, Evidence, Policy, Primary, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::ranged::PowerOfTwo;

@@ -2,9 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::facts::SceneFacts;
 use super::knowledge::Knowledge;
+use super::policy::SurfaceHit;
 use super::retest::{Key, Retest};
-use super::{SceneFacts, SurfaceHit};
 use crate::accel::Ray;
 use crate::quantity::LightId;
 

@@ -1,6 +1,7 @@
 //! No culling.
 
-use super::{Policy, Probe, SurfaceHit, Verdict, Worker};
+use super::policy::{Policy, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::Ray;
 use crate::quantity::LightId;
 

@@ -1,6 +1,7 @@
 //! The limit of culling: every static answer known in advance, at no cost.
 
-use super::{Policy, Probe, SurfaceHit, Verdict, Worker};
+use super::policy::{Policy, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::Ray;
 use crate::quantity::LightId;
 

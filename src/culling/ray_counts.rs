@@ -3,8 +3,8 @@
 
 use rustc_hash::FxHashMap;
 
-use super::Probe;
 use super::cells::Cell;
+use super::probe::Probe;
 use crate::quantity::LightId;
 use crate::ranged::PowerOfTwo;
 use crate::stream::Store;

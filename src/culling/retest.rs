@@ -6,8 +6,10 @@
 
 use rustc_hash::FxHashMap;
 
+use super::facts::SceneFacts;
 use super::knowledge::Knowledge;
-use super::{Change, Evidence, Needs, Policy, Probe, SceneFacts, SurfaceHit, Verdict, Worker};
+use super::policy::{Change, Evidence, Needs, Policy, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::stream::{Store, StoreEntries};

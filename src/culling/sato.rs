@@ -1,7 +1,8 @@
 //! No culling, but another order of visits: shadow rays visit the child with the larger box first (SATO: Nah and Manocha
 //! 2014), where a blocker is likelier to be.
 
-use super::{Policy, Probe, SurfaceHit, Verdict, Worker};
+use super::policy::{Policy, SurfaceHit, Verdict, Worker};
+use super::probe::Probe;
 use crate::accel::{Order, Ray};
 use crate::quantity::LightId;
 

@@ -7,10 +7,11 @@ use std::ops::AddAssign;
 
 use super::RunError;
 use super::tally::PerClass;
-use super::work::{Holder, Kind, KindSpec, Work, stores_as_recorded};
+use super::work::{Holder, Work, stores_as_recorded};
+use crate::engine::source::parents;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::{Kind, KindSpec};
 use crate::machine::layout::{Element, Layout};
-use crate::machine::source::parents;
 use crate::memory::dram::part::Timing;
 use crate::memory::dram::spec::Model;
 use crate::memory::l2::Home;

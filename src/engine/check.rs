@@ -2,10 +2,10 @@
 
 use super::RunError;
 use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum};
+use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
-use crate::machine::pipeline::Past;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
-use crate::machine::source::{FrameCounts, StoreWork};
+use crate::memory::cache::Past;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
 

@@ -6,8 +6,8 @@ use std::collections::VecDeque;
 use std::ops::Range;
 
 use super::part_set::PartSet;
-use super::work::Kind;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 
 /// A unit takes a ray on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -8,10 +8,10 @@ use super::RunError;
 use super::feed::Feed;
 use super::host::{Host, Place, Pulled};
 use super::work::Holder;
+use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
-use crate::machine::source::{FrameCounts, StoreWork, StreamFault, check_step};
 use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.

@@ -4,8 +4,8 @@ use super::frame_log::FrameLog;
 use super::sampling::WarmCaches;
 use super::tally::Tally;
 use super::{RunError, check};
+use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
-use crate::machine::source::{FrameCounts, StoreWork};
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 

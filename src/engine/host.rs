@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::RunError;
 use super::feed::Feed;
-use crate::machine::source::{StreamFault, parents};
+use crate::engine::source::{StreamFault, parents};
 use crate::stream::{Chunk, FrameInfo, Item, Totals};
 
 /// No ray.

@@ -1,7 +1,8 @@
 //! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were done before
 //! the next one began. It depends on the machine's memory layout, on no cache and no time.
 
-use super::work::{Holder, Kind, Work, stores_as_recorded};
+use super::work::{Holder, Work, stores_as_recorded};
+use crate::machine::kinds::Kind;
 use crate::machine::layout::Layout;
 use crate::machine::{MachineSpec, SpecError};
 use crate::quantity::LineAddr;

@@ -17,10 +17,11 @@ mod observe;
 mod part_set;
 mod profile;
 pub mod sampling;
+mod source;
 mod tally;
 #[cfg(test)]
 mod tests;
-mod wheel;
+mod unloaded;
 mod work;
 
 use std::io;
@@ -32,9 +33,9 @@ pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
 use self::sampling::{Findings, Plan, Sampler};
+use self::source::StreamFault;
 use self::tally::Tally;
 use self::work::stores_as_recorded;
-use crate::machine::source::StreamFault;
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::Violation;

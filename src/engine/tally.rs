@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
 
-use super::work::Kind;
+use crate::engine::source::StoreWork;
+use crate::engine::unloaded::RayLatencies;
 use crate::machine::MachineSpec;
-use crate::machine::pipeline::Past;
-use crate::machine::source::StoreWork;
-use crate::machine::unloaded::RayLatencies;
+use crate::machine::kinds::Kind;
 use crate::memory::bank::Served;
+use crate::memory::cache::Past;
 use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, MachineStats, QueueCounts, TrafficClass};

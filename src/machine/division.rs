@@ -1,14 +1,8 @@
-//! The division unit, the second stage of intersection: the distance of a hit (IST2 of the T&I engine).
+//! The spec of the division units.
 
 use serde::{Deserialize, Serialize};
 
-use super::causes::Causes;
-use super::links::{Inbox, Links, take};
-use super::pipeline::Stages;
-use super::ray::RayId;
-use crate::memory::{PartId, Wake};
 use crate::ranged::Within;
-use crate::stats::Cause;
 
 /// Division units, which all intersection units of a core share. The defaults are the T&I engine's (Nah et al. 2011, table 4: one, a
 /// reciprocal of 16 cycles and two more); the queue is assumed.
@@ -33,69 +27,5 @@ impl Default for DivisionSpec {
             interval: const { Within::literal(1) },
             queue: const { Within::literal(8) },
         }
-    }
-}
-
-/// A division unit.
-#[derive(Clone, Debug)]
-pub struct Division {
-    index: usize,
-    part: PartId,
-    core: u32,
-    timing: Stages,
-    stages: Inbox<RayId>,
-    /// The first cycle in which an operation can begin.
-    open_at: u64,
-    /// The unit's cycles.
-    pub causes: Causes,
-}
-
-impl Division {
-    /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &DivisionSpec, index: u32, links: &Links<W>) -> Self {
-        let part = links.parts.division(index);
-        Self {
-            index: index as usize,
-            part,
-            core: links.parts.core(part),
-            timing: Stages { latency: spec.latency.get(), interval: spec.interval.get() },
-            stages: Inbox::new(),
-            open_at: 0,
-            causes: Causes::default(),
-        }
-    }
-
-    /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
-        if let Some(id) = take(&mut self.stages, now) {
-            let unit = links.parts.intersection_of(self.core, id.into());
-            links.freed_tests[unit as usize] += 1;
-            let part = links.parts.intersection(unit);
-            links.clock.wake(part, now + 1);
-            links.tested(id, now);
-        }
-        let queue = &mut links.divisions[self.index];
-        let mut occupied = 0;
-        if now >= self.open_at
-            && let Some(id) = queue.take(now, &mut links.clock)
-        {
-            self.stages.push_back((now + self.timing.latency, id));
-            self.open_at = now + self.timing.interval;
-            occupied = self.timing.interval;
-        }
-        let idle = if self.stages.is_empty() { Cause::Starved } else { Cause::Pipeline };
-        self.causes.cycle(now, occupied, idle);
-        if let Some(&(at, _)) = self.stages.front() {
-            links.clock.wake(self.part, at);
-        }
-        if let Some(at) = links.divisions[self.index].next_at() {
-            links.clock.wake(self.part, at.max(self.open_at).max(now + 1));
-        }
-    }
-
-    /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
-        let queue = &links.divisions[self.index];
-        format!("in the pipeline {}, queue {}/{}", self.stages.len(), queue.len(), queue.capacity())
     }
 }

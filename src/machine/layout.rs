@@ -4,8 +4,8 @@
 //! records, then the policy's stores ([`super::stores`]). Then the dynamic part: nodes, lists and triangle records of the frame, at
 //! a base that is the same in every frame.
 
-use super::MachineSpec;
 use super::shadow_cache::{FrameEnd, Place};
+use super::spec::MachineSpec;
 use super::stores::{StoreLayout, Stores};
 use crate::quantity::{Addr, LineAddr, ListId, NodeId, TriangleSlot};
 use crate::stats::TrafficClass;

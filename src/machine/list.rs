@@ -1,16 +1,9 @@
-//! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be tested.
-
-use std::collections::VecDeque;
+//! The spec of the list units.
 
 use serde::{Deserialize, Serialize};
 
-use super::links::{Links, take};
-use super::pipeline::{Pipeline, Stages, WritePolicy};
-use super::ray::RayId;
-use crate::memory::Wake;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
-use crate::stream::Step;
 
 /// List units. The defaults are the T&I engine's (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each), one of its six;
 /// latency, contexts and queue are assumed.
@@ -41,97 +34,5 @@ impl Default for ListSpec {
             queue: const { Within::literal(8) },
             cache: const { CacheSpec { bytes: Within::literal(4 << 10), ..CacheSpec::DEFAULT } },
         }
-    }
-}
-
-/// A list unit.
-#[derive(Clone, Debug)]
-pub struct List {
-    index: u32,
-    /// The common part.
-    pub pipeline: Pipeline,
-    /// Rays that wait to go to an intersection unit.
-    leaving: VecDeque<RayId>,
-    contexts: usize,
-    free: usize,
-}
-
-impl List {
-    /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &ListSpec, line: u64, index: u32, links: &Links<W>) -> Self {
-        let part = links.parts.list(index);
-        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
-        Self {
-            index,
-            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, WritePolicy::Back),
-            leaving: VecDeque::new(),
-            contexts: spec.lists.size(),
-            free: spec.lists.size(),
-        }
-    }
-
-    /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
-        let index = self.index as usize;
-        self.free += std::mem::take(&mut links.freed_lists[index]);
-        let free_at_start = self.free > 0;
-        self.pipeline.arrive(now, links);
-        if let Some(id) = self.pipeline.leave(now) {
-            links.rays[id as usize].next += 1;
-            links.replayed.list_reads += 1;
-            self.route(id, now, links);
-        }
-        while let Some(id) = take(&mut links.listed[index], now) {
-            self.route(id, now, links);
-        }
-        if free_at_start && let Some(id) = links.lists[index].take(now, &mut links.clock) {
-            self.free -= 1;
-            links.rays[id as usize].list = Some(self.index);
-            self.route(id, now, links);
-        }
-        let began = self.pipeline.begin(now, &links.rays);
-        let part = self.pipeline.part();
-        let sent = self.leaving.front().is_some_and(|&id| links.send_to_test(id, self.pipeline.core(), part, now));
-        if sent {
-            self.leaving.pop_front();
-        }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
-        if sent && !self.leaving.is_empty() {
-            links.clock.wake(part, now + 1);
-        }
-        if self.free > 0
-            && let Some(at) = links.lists[index].next_at()
-        {
-            links.clock.wake(part, at.max(now + 1));
-        }
-    }
-
-    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
-        match links.rays[id as usize].path_step() {
-            Some(Step::List(entry)) => {
-                let element = links.layout.list_entry(entry);
-                self.pipeline.fetch(id, &element, links);
-            }
-            Some(Step::Triangle { .. }) => self.leaving.push_back(id),
-            _ => {
-                self.free += 1;
-                links.rays[id as usize].list = None;
-                links.return_to_owner(id, now);
-            }
-        }
-    }
-
-    /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
-        let queue = &links.lists[self.index as usize];
-        format!(
-            "{}, queue {}/{}, lists {}/{}, leaving for intersection {}",
-            self.pipeline.queues(),
-            queue.len(),
-            queue.capacity(),
-            self.contexts - self.free,
-            self.contexts,
-            self.leaving.len()
-        )
     }
 }

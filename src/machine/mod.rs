@@ -1,22 +1,19 @@
-//! The units of the machine, and what lies between them. The rules are written down in MODEL.md.
+//! What a machine is: specs of its parts with their defaults and sources, the numbers of its parts, and the layout of memory. This
+//! room knows no engine. The rules that engines follow are written down in MODEL.md.
 
-pub mod causes;
 pub mod dispatcher;
 pub mod division;
-pub mod host;
 pub mod intersection;
+pub mod kinds;
 pub mod layout;
-pub mod links;
 pub mod list;
-pub mod pipeline;
-pub mod ray;
-pub mod register;
-mod routing;
+pub mod parts;
 pub mod shadow_cache;
-pub mod source;
 pub mod spec;
 pub mod stores;
+#[cfg(test)]
+mod tests;
 pub mod traversal;
-pub mod unloaded;
+pub mod writes;
 
 pub use spec::{MachineSpec, SpecError};

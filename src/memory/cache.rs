@@ -6,7 +6,7 @@ use super::allocation::NoAllocate;
 use super::mshr::{Fate, MshrFile};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
-use crate::quantity::LineAddr;
+use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::{CacheCounts, L1Counts, TrafficClass};
 
@@ -147,6 +147,15 @@ pub enum Lookup {
     Passed,
     /// No register, target or place: nothing was counted or changed.
     Stalled,
+}
+
+/// What went past an L1, or through it: reads or writes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Past {
+    /// How many.
+    pub count: u64,
+    /// Their data.
+    pub bytes: Bytes,
 }
 
 /// What became of a line that came.

@@ -22,120 +22,13 @@
 //!   component of the product of weights on its way is above 0 and not below `min_weight`. A miss gives the background.
 
 mod bvh;
+mod frame;
 mod ray;
+mod renderer;
 mod shade;
 
-use glam::DVec3;
-use rayon::prelude::*;
-
-use self::bvh::Tree;
-use self::ray::Ray;
-use self::shade::Shader;
-use crate::quantity::{PrimitiveId, Resolution};
-use crate::scene::{Frame, Geometry, Picture, RenderSpec, Scene, Triangle};
-
-/// The reference renderer of a scene; holds the tree of the static triangles.
-pub struct Reference<'a> {
-    scene: &'a Scene,
-    statics: Tree,
-}
-
-/// A scene at a frame, ready for rays.
-pub struct ReferenceFrame<'a> {
-    scene: &'a Scene,
-    frame: &'a Frame,
-    statics: &'a Tree,
-    dynamic: Tree,
-    /// The largest coordinate of a triangle.
-    reach: f64,
-}
-
-/// Where a ray hits.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
-    /// Where on the ray, in lengths of its direction.
-    pub t: f64,
-    /// What it hits.
-    pub primitive: PrimitiveId,
-    /// The weights of the triangle's corners at the hit point.
-    pub weights: [f64; 3],
-}
-
-impl<'a> Reference<'a> {
-    /// Builds the tree of the static triangles.
-    pub fn new(scene: &'a Scene) -> Self {
-        Self { scene, statics: Tree::new(numbered(&scene.statics, 0)) }
-    }
-
-    /// Builds the tree of the visible dynamic triangles of `frame`.
-    pub fn frame<'f>(&'f self, frame: &'f Frame) -> ReferenceFrame<'f> {
-        let moving = numbered(&frame.dynamic, self.scene.statics.len());
-        let visible = moving.zip(&frame.visible).filter(|(_, visible)| **visible).map(|(triangle, _)| triangle);
-        let dynamic = Tree::new(visible);
-        let reach = self.statics.reach().max(dynamic.reach());
-        ReferenceFrame { scene: self.scene, frame, statics: &self.statics, dynamic, reach }
-    }
-
-    /// Renders `frame`; `offset` is that of `spec` in world units. The picture does not depend on the number of threads.
-    ///
-    /// The scene has at most [`MAX_LIGHTS`](crate::scene::render::MAX_LIGHTS) lights.
-    pub fn render(&self, frame: &Frame, resolution: Resolution, spec: &RenderSpec, offset: f64) -> Picture {
-        let traced = self.frame(frame);
-        let shader = Shader { frame: &traced, spec, offset };
-        let rows: Vec<Vec<_>> = (0..resolution.height)
-            .into_par_iter()
-            .map(|y| (0..resolution.width).map(|x| shader.pixel(frame.camera.ray(resolution, x, y))).collect())
-            .collect();
-        let mut picture = Picture { resolution, rgb: Vec::new(), hits: Vec::new(), shadows: Vec::new() };
-        for (rgb, hit, shadows) in rows.into_iter().flatten() {
-            picture.rgb.push(rgb);
-            picture.hits.push(hit);
-            picture.shadows.push(shadows);
-        }
-        picture
-    }
-}
-
-fn numbered(geometry: &Geometry, first: usize) -> impl Iterator<Item = (PrimitiveId, Triangle)> {
-    geometry.triangles.iter().enumerate().map(move |(index, triangle)| (PrimitiveId((first + index) as u32), *triangle))
-}
-
-impl ReferenceFrame<'_> {
-    /// The nearest hit with t > 0 of the ray from `origin` along `direction` (of any length).
-    pub fn closest(&self, origin: DVec3, direction: DVec3) -> Option<Hit> {
-        let mut best: Option<Hit> = None;
-        self.walk(origin, direction, f64::INFINITY, |hit| {
-            if best.is_none_or(|best| (hit.t, hit.primitive) < (best.t, best.primitive)) {
-                best = Some(hit);
-            }
-            best.map_or(f64::INFINITY, |best| best.t)
-        });
-        best
-    }
-
-    /// Whether any triangle meets the segment from `origin` to `target`, both ends left out.
-    pub fn occluded(&self, origin: DVec3, target: DVec3) -> bool {
-        let mut blocked = false;
-        self.walk(origin, target - origin, 1.0, |hit| {
-            blocked |= hit.t < 1.0;
-            if blocked { f64::NEG_INFINITY } else { 1.0 }
-        });
-        blocked
-    }
-
-    fn walk(&self, origin: DVec3, direction: DVec3, mut limit: f64, mut visit: impl FnMut(Hit) -> f64) {
-        if !direction.is_finite() {
-            return;
-        }
-        let ray = Ray::new(origin, direction, self.reach);
-        for tree in [self.statics, &self.dynamic] {
-            tree.walk(&ray, limit, |primitive, crossing| {
-                limit = visit(Hit { t: crossing.t, primitive, weights: crossing.weights });
-                limit
-            });
-        }
-    }
-}
+pub use self::frame::{Hit, ReferenceFrame};
+pub use self::renderer::Reference;
 
 #[cfg(test)]
 mod tests;

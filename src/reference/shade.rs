@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::{Hit, ReferenceFrame};
+use super::frame::{Hit, ReferenceFrame};
 use crate::quantity::PrimitiveId;
 use crate::scene::{Material, PixelRay, RenderSpec, ShadowBits, ShadowRays, Texture};
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::Step;
+use super::step::Step;
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
 /// What a ray is for.

@@ -17,9 +17,9 @@
 //! high bytes hardly change from ray to ray, so that LZ4, which knows no smaller unit than a match of 4 bytes, packs
 //! them to almost nothing. Steps are stored as they are: whole runs of them repeat from ray to ray.
 
-use super::error::Fault;
+use super::chunk::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
+use super::fault::Fault;
 use super::format::{field, put_words, words};
-use super::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
 /// Bytes before the columns.

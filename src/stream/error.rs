@@ -3,7 +3,8 @@
 use std::fmt;
 use std::path::PathBuf;
 
-use super::check::Violation;
+use super::fault::Fault;
+use super::violation::Violation;
 
 /// Why a stream cannot be written or read.
 #[derive(Debug, thiserror::Error)]
@@ -106,88 +107,4 @@ impl fmt::Display for Place {
             Self::Footer => write!(f, "footer"),
         }
     }
-}
-
-/// What is wrong with the bytes of a place.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Fault {
-    /// The checksum is not that of the bytes.
-    #[error("the checksum does not fit the bytes")]
-    Checksum,
-    /// The block's tag is unknown.
-    #[error("a block cannot begin with `{}`", found.escape_ascii())]
-    Tag {
-        /// The tag.
-        found: [u8; 4],
-    },
-    /// The block is not the one that follows.
-    #[error("block {found} is where block {expected} belongs")]
-    Number {
-        /// The block's number.
-        found: u64,
-        /// The number that follows.
-        expected: u64,
-    },
-    /// A length is more than can be there.
-    #[error("a length of {found} bytes is stated where at most {limit} are possible")]
-    TooLarge {
-        /// The stated length.
-        found: u64,
-        /// The largest that is possible.
-        limit: u64,
-    },
-    /// The payload is no LZ4 block of the stated length.
-    #[error("the payload cannot be unpacked to the {raw} bytes that are stated")]
-    Compression {
-        /// The stated length.
-        raw: usize,
-    },
-    /// The payload's length is not that of its contents.
-    #[error("the payload has {found} bytes where {expected} belong")]
-    Length {
-        /// The length.
-        found: usize,
-        /// The length that follows from what the payload says.
-        expected: usize,
-    },
-    /// A ray's byte of kind, decision and outcome is unknown, or names a primitive without a hit.
-    #[error("ray {ray}: {class:#04x} with primitive {primitive} is no kind, decision and outcome")]
-    Class {
-        /// The ray's place in its chunk.
-        ray: usize,
-        /// The byte.
-        class: u8,
-        /// The primitive.
-        primitive: u32,
-    },
-    /// The rays' steps are not as many as the chunk's.
-    #[error("the rays' steps are not {steps} in all")]
-    Steps {
-        /// The steps of the chunk.
-        steps: usize,
-    },
-    /// The header's text cannot be read.
-    #[error("{0}")]
-    Header(String),
-    /// A block of the index stands where a frame's block belongs, or the other way round.
-    #[error("a block of the wrong kind")]
-    Kind,
-    /// The index does not fit the file.
-    #[error("frame {frame}: the index says {what} is {index}, and it is {found}")]
-    Index {
-        /// The frame's number.
-        frame: u32,
-        /// What differs.
-        what: &'static str,
-        /// What the index says.
-        index: u64,
-        /// What the file says.
-        found: u64,
-    },
-    /// The footer does not point to the index.
-    #[error("the index cannot be at byte {offset}")]
-    Offset {
-        /// Where the footer points to.
-        offset: u64,
-    },
 }

@@ -38,8 +38,9 @@
 //! The seed ties every block to its file, and the number to its place: a block of another file, or one that was moved,
 //! lost or doubled, is refused even though its own bytes are whole.
 
-use super::error::Fault;
-use super::{FrameInfo, Totals};
+use super::fault::Fault;
+use super::item::FrameInfo;
+use super::totals::Totals;
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.

@@ -5,7 +5,12 @@ use std::io::{Read, Seek};
 use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
-use super::{Chunk, Decision, FrameEntry, Header, Item, Outcome, RayKind, StreamError, StreamReader, format};
+use super::chunk::{Chunk, Decision, Outcome, RayKind};
+use super::error::StreamError;
+use super::format::{self, FrameEntry};
+use super::header::Header;
+use super::item::Item;
+use super::reader::StreamReader;
 use crate::quantity::Bytes;
 
 /// A stream file's contents in numbers.

@@ -2,7 +2,7 @@
 
 use lz4_flex::block::{compress_prepend_size, decompress_size_prepended};
 
-use super::Chunk;
+use super::chunk::Chunk;
 use super::columns::{self, chunk_len, put_chunk};
 
 /// A chunk as a file holds it, in about a tenth of its memory.

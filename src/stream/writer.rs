@@ -3,12 +3,16 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
+use super::check::Checker;
 use super::columns::{chunk_len, put_chunk};
+use super::error::{Place, StreamError};
 use super::format::{
     BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES, RAW_LIMIT, Tag,
     VERSION, checksum, end_len, index_len, put_end, put_frame, put_index,
 };
-use super::{Checker, FrameInfo, Header, Item, Place, StreamError, Violation};
+use super::header::Header;
+use super::item::{FrameInfo, Item};
+use super::violation::Violation;
 use crate::new_file::NewFile;
 use crate::quantity::Bytes;
 use lz4_flex::block::{compress_into, get_maximum_output_size};

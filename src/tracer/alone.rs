@@ -6,9 +6,10 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64;
 
+use super::frame::Tracer;
 use super::lane::Lane;
 use super::shade::Shader;
-use super::{BAND_ROWS, Tracer};
+use super::spec::BAND_ROWS;
 use crate::accel::{Ray, Scope, Trail};
 use crate::culling::{PolicySpec, SceneFacts};
 use crate::quantity::LightId;

@@ -6,8 +6,8 @@ use glam::Vec3;
 
 use super::lane::{BandRecord, Lane};
 use super::shade::Shader;
+use super::spec::{BAND_ROWS, PixelOrder};
 use super::whitted::{Traced, Whitted};
-use super::{BAND_ROWS, PixelOrder};
 use crate::accel::{Hit, Mark, Ray, Silent, Trail, World};
 use crate::culling::{Needs, Policy, Primary, Reference};
 use crate::quantity::{PrimitiveId, Resolution};

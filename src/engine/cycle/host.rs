@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use super::ray::{Id, Origin, Ray, Sender};
 use super::wires::Wires;
+use crate::engine::source::{FrameCounts, StreamFault, check_step, parents};
+use crate::engine::unloaded::{RayLatencies, Unloaded};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
-use crate::machine::source::{FrameCounts, StreamFault, check_step, parents};
-use crate::machine::unloaded::{RayLatencies, Unloaded};
 use crate::stats::Cause;
 use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
 

@@ -6,7 +6,7 @@ use super::ray::{Id, Sender};
 use super::unit::{Pace, Unit};
 use super::wires::Wires;
 use crate::machine::intersection::IntersectionSpec;
-use crate::machine::pipeline::WritePolicy;
+use crate::machine::writes::WritePolicy;
 use crate::stream::{RayKind, Step, Stop};
 
 pub struct Intersection {

@@ -6,7 +6,7 @@ use super::ray::Id;
 use super::unit::{Pace, Unit};
 use super::wires::Wires;
 use crate::machine::list::ListSpec;
-use crate::machine::pipeline::WritePolicy;
+use crate::machine::writes::WritePolicy;
 use crate::stream::Step;
 
 pub struct List {

@@ -6,8 +6,8 @@ use super::ray::{Id, Ray, Sender};
 use super::unit::{Pace, Unit};
 use super::wires::Wires;
 use super::words::address;
-use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::writes::WritePolicy;
 use crate::stream::{Decision, RayKind, Step, Store};
 
 pub struct ShadowCache {

@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use super::ray::Id;
 use super::unit::{Pace, Unit};
 use super::wires::Wires;
-use crate::machine::pipeline::WritePolicy;
 use crate::machine::traversal::TraversalSpec;
+use crate::machine::writes::WritePolicy;
 use crate::stream::{RayKind, Step};
 
 pub struct Traversal {

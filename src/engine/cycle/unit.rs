@@ -7,7 +7,7 @@ use super::ray::Id;
 use super::wires::{Request, Wires};
 use crate::engine::tally::UnitTally;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::pipeline::WritePolicy;
+use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{CacheSpec, Release};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::Cause;

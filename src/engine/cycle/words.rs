@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use crate::engine::source::StoreWork;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
-use crate::machine::source::StoreWork;
 use crate::stream::{Header, Step, Store};
 
 pub struct Words {

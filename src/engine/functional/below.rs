@@ -4,8 +4,8 @@ use std::collections::{BTreeSet, VecDeque};
 
 use super::calendar::Calendar;
 use crate::engine::tally::{BankTally, ChannelTally};
-use crate::engine::work::Kind;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 use crate::memory::bank::{BankedSpec, Served};
 use crate::memory::cache::{Access, Cache, Fill, Lookup};
 use crate::memory::dram::Dram;

@@ -4,8 +4,9 @@
 use std::collections::VecDeque;
 
 use crate::engine::tally::{PerClass, UnitTally, busy};
-use crate::engine::work::KindSpec;
-use crate::machine::pipeline::{Past, WritePolicy};
+use crate::machine::kinds::KindSpec;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::Past;
 use crate::memory::cache::{BanksInUse, Cache, Fill, Lookup, Release};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;

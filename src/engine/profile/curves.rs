@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::watch::Watch;
-use crate::engine::work::{Holder, Kind, Work};
+use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
 use crate::memory::reuse::{Sample, Sampled, Stack};
 use crate::quantity::LineAddr;

@@ -6,15 +6,16 @@ use std::sync::Arc;
 
 use super::super::feed::Feed;
 use super::super::tally::{BankTally, PerClass, Tally, UnitTally};
-use super::super::work::{Kind, stores_as_recorded};
+use super::super::work::stores_as_recorded;
 use super::super::{Engine, RunError, check};
 use super::estimate::{Part, Window};
 use super::figures;
 use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
 use super::warm::WarmCaches;
 use super::windows::{Job, JobWork, WindowWork};
+use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
-use crate::machine::source::{FrameCounts, StoreWork};
+use crate::machine::kinds::Kind;
 use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, Step, Totals};
 

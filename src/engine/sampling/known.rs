@@ -2,8 +2,8 @@
 
 use std::ops::AddAssign;
 
-use super::super::work::Kind;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 use crate::stats::TrafficClass;
 
 const KINDS: usize = Kind::ALL.len();

@@ -6,14 +6,15 @@ use std::mem::{replace, take};
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::work::{Holder, Kind, Work};
+use super::super::work::{Holder, Work};
 use super::known::{Capacity, Known};
 use super::l2_tags::Request;
 use super::plan::mix;
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::pipeline::WritePolicy;
 use crate::machine::shadow_cache::Place;
+use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{Access, Cache};
 use crate::memory::tags::Victim;
 use crate::quantity::LineAddr;

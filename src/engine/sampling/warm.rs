@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::super::work::Kind;
 use super::l1_tags::L1s;
+use crate::machine::kinds::Kind;
 use crate::memory::cache::Cache;
 
 /// What the caches of a machine hold.

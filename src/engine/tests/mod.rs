@@ -10,9 +10,9 @@ use std::convert::Infallible;
 
 use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
 use super::tally::{QueueKind, UnitTally};
-use super::work::Kind;
 use super::*;
-use crate::machine::pipeline::WritePolicy;
+use crate::machine::kinds::Kind;
+use crate::machine::writes::WritePolicy;
 use crate::memory::bank::BankedSpec;
 use crate::memory::cache::Release;
 use crate::memory::l2::{HomeSpec, L2Spec};

@@ -1,7 +1,7 @@
 //! What the reader makes of files whose checksums are right and whose contents are not.
 
-use super::super::check::{RayFault, StepFault};
 use super::super::format::{BlockHeader, END_MAGIC, RAW_LIMIT, Tag, VERSION, checksum};
+use super::super::violation::{RayFault, StepFault};
 use super::*;
 
 /// A file of the header for frame 0 alone and of `blocks`, with checksums, index and footer that fit them.

@@ -14,7 +14,7 @@ use proptest::prelude::*;
 
 use super::format::{BLOCK_BYTES, FOOTER_BYTES, PREAMBLE_BYTES, field};
 use super::*;
-use crate::quantity::{LightId, ListId, NodeId, PixelId, PrimitiveId, TriangleSlot};
+use crate::quantity::{LightId, ListId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 
 const PATH: &str = "test.rays";
 

@@ -1,7 +1,7 @@
 //! The rules of streams, each broken once.
 
-use super::super::check::{RayFault, StepFault};
 use super::super::format::RAW_LIMIT;
+use super::super::violation::{RayFault, StepFault};
 use super::*;
 
 #[test]

@@ -1,7 +1,7 @@
 //! What a machine takes from a stream, what can be wrong with it, and what is counted of it.
 
-use super::layout::{Layout, OutOfRange};
 use crate::counters::counters;
+use crate::machine::layout::{Layout, OutOfRange};
 use crate::stream::{Chunk, Decision, RayKind, Step, Totals};
 
 /// What is wrong with a stream.

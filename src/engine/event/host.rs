@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::links::Links;
-use super::source::{StreamFault, check_step, parents};
+use crate::engine::source::{StreamFault, check_step, parents};
 use crate::memory::Wake;
 use crate::stream::{Chunk, Item, Totals};
 

@@ -1,6 +1,6 @@
 //! A timing wheel whose slots are sets of parts: what is due in a cycle, in the parts' order, each part once.
 
-use super::part_set::PartSet;
+use crate::engine::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
 /// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to do, sets it

@@ -1,7 +1,8 @@
 //! Which unit a ray goes to next, and how it gets there.
 
-use super::links::{Links, Parts};
+use super::links::Links;
 use super::ray::{Owner, RayId};
+use crate::machine::parts::Parts;
 use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::stream::{RayKind, Step, Store};

@@ -3,55 +3,14 @@
 use std::collections::VecDeque;
 
 use super::causes::Causes;
-use super::layout::Element;
 use super::links::{Links, take};
 use super::ray::{Ray, RayId};
-use crate::memory::allocation::Classes;
-use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Release};
+use crate::machine::layout::Element;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, L1Counts, TrafficClass};
-
-/// What becomes of writes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub enum WritePolicy {
-    /// A write makes its line dirty; dirty lines go down when they are displaced.
-    #[default]
-    Back,
-    /// A write goes down at once.
-    Through,
-    /// Writes of these classes go down at once, others do not.
-    ThroughFor(Classes),
-}
-
-impl WritePolicy {
-    /// Whether a write of `class` goes down at once.
-    pub fn go_through(self, class: TrafficClass) -> bool {
-        match self {
-            Self::Back => false,
-            Self::Through => true,
-            Self::ThroughFor(classes) => classes.contains(class),
-        }
-    }
-
-    /// What a read, or a write, of `class` does in the L1.
-    pub fn access(self, class: TrafficClass, write: bool) -> Access {
-        match (write, self.go_through(class)) {
-            (false, _) => Access::Read,
-            (true, false) => Access::Write,
-            (true, true) => Access::WriteThrough,
-        }
-    }
-}
-
-/// What went past an L1, or through it: reads or writes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Past {
-    /// How many.
-    pub count: u64,
-    /// Their data.
-    pub bytes: Bytes,
-}
 
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]

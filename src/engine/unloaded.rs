@@ -1,6 +1,6 @@
 //! What a ray takes at least: as if it were alone, and every line about to come.
 
-use super::MachineSpec;
+use crate::machine::MachineSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::tags::Contents;
 use crate::stats::LatencyCounts;

@@ -1,21 +1,22 @@
-//! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
+//! The engine itself: the machine in motion, and whose turn it is.
 
-use super::feed::Feed;
-use super::part_set::PartSet;
-use super::sampling::WarmCaches;
-use super::tally::{BankTally, ChannelTally, Tally, UnitTally};
+use super::super::feed::Feed;
+use super::super::part_set::PartSet;
+use super::super::sampling::WarmCaches;
+use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
+use super::super::{Engine, RunError, patience};
+use super::dispatcher::Dispatcher;
+use super::division::Division;
+use super::intersection::Intersection;
+use super::links::Links;
+use super::list::List;
+use super::pipeline::Pipeline;
+use super::shadow_cache::ShadowCache;
+use super::traversal::Traversal;
 use super::wheel::Wheel;
-use super::work::Kind;
-use super::{Engine, RunError, patience};
 use crate::machine::MachineSpec;
-use crate::machine::dispatcher::Dispatcher;
-use crate::machine::division::Division;
-use crate::machine::intersection::Intersection;
-use crate::machine::links::{Links, Parts};
-use crate::machine::list::List;
-use crate::machine::pipeline::Pipeline;
-use crate::machine::shadow_cache::ShadowCache;
-use crate::machine::traversal::Traversal;
+use crate::machine::kinds::Kind;
+use crate::machine::parts::Parts;
 use crate::memory::bank::Bank;
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::queue::Queue;
@@ -23,25 +24,25 @@ use crate::memory::{PartId, Wake};
 use crate::stream::Header;
 
 /// The machine in motion.
-pub(super) struct Event {
-    pub(super) dispatcher: Dispatcher,
-    pub(super) traversal: Vec<Traversal>,
-    pub(super) list: Vec<List>,
-    pub(super) intersection: Vec<Intersection>,
-    pub(super) division: Vec<Division>,
-    pub(super) shadow_cache: Vec<ShadowCache>,
-    pub(super) links: Links<Wheel>,
+pub(in crate::engine) struct Event {
+    pub(in crate::engine) dispatcher: Dispatcher,
+    pub(in crate::engine) traversal: Vec<Traversal>,
+    pub(in crate::engine) list: Vec<List>,
+    pub(in crate::engine) intersection: Vec<Intersection>,
+    pub(in crate::engine) division: Vec<Division>,
+    pub(in crate::engine) shadow_cache: Vec<ShadowCache>,
+    pub(in crate::engine) links: Links<Wheel>,
     /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
     progress: u64,
     watch_at: u64,
     patience: u64,
     /// Wakes all parts in all cycles: slow, and must change nothing.
     #[cfg(test)]
-    pub(super) eager: bool,
+    pub(in crate::engine) eager: bool,
 }
 
 impl Event {
-    pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
+    pub(in crate::engine) fn new(spec: &MachineSpec, header: &Header) -> Self {
         let line = spec.line_bytes.get();
         let wheel = Wheel::new(Parts::new(spec).count());
         let links = Links::new(spec, header, wheel);

@@ -1,6 +1,6 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
-use super::layout::{Element, Layout};
+use crate::machine::layout::{Element, Layout};
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step};

@@ -1,0 +1,83 @@
+//! The table of policies: what a config can name.
+
+use serde::{Deserialize, Serialize};
+
+use super::facts::SceneFacts;
+use super::policy::Policy;
+use super::{
+    certificates, certified, hash_predictor, hybrid, last_occluder, occluder_grid, off, oracle, published, sato,
+    symmetric,
+};
+
+/// A culling policy as a config names it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PolicySpec {
+    /// No culling: what every saving is measured against.
+    Off,
+    /// The published algorithm (GI09).
+    Published(#[serde(default)] published::rules::PublishedSpec),
+    /// The published algorithm with occlusion tests in both directions.
+    Symmetric(#[serde(default)] symmetric::SymmetricSpec),
+    /// The last blocker of each primitive and light, tested first.
+    LastOccluder(#[serde(default)] last_occluder::LastOccluderSpec),
+    /// The last blocker of each light and direction, tested first.
+    OccluderGrid(#[serde(default)] occluder_grid::OccluderGridSpec),
+    /// The part of the tree that blocked a similar ray, searched first.
+    HashPredictor(#[serde(default)] hash_predictor::HashPredictorSpec),
+    /// No culling, but larger boxes are visited first.
+    Sato,
+    /// Proofs for cells of receivers; exact.
+    Certified(#[serde(default)] certificates::CertificateSpec),
+    /// The proofs, and the last blocker tested again where there is none; exact.
+    Hybrid(#[serde(default)] hybrid::HybridSpec),
+    /// The limit of culling: every static answer known at no cost.
+    Oracle,
+}
+
+impl PolicySpec {
+    /// Whether it needs a tree of boxes (a BVH).
+    pub fn needs_boxes(&self) -> bool {
+        matches!(self, Self::HashPredictor(_) | Self::Sato)
+    }
+
+    /// The policy at the start of an animation.
+    pub fn build(&self, facts: SceneFacts) -> Box<dyn Policy> {
+        match self {
+            Self::Off => Box::new(off::Off),
+            Self::Published(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::Symmetric(spec) => Box::new(published::Published::new(spec.rules(), facts)),
+            Self::LastOccluder(spec) => Box::new(spec.build(facts)),
+            Self::OccluderGrid(spec) => Box::new(spec.build(facts)),
+            Self::HashPredictor(spec) => Box::new(hash_predictor::HashPredictor::new(*spec, facts)),
+            Self::Sato => Box::new(sato::Sato),
+            Self::Certified(spec) => Box::new(certified::Certified::new(*spec, facts)),
+            Self::Hybrid(spec) => Box::new(hybrid::Hybrid::new(*spec, facts)),
+            Self::Oracle => Box::new(oracle::Oracle),
+        }
+    }
+
+    /// Every policy with its defaults.
+    pub fn all() -> Vec<(&'static str, Self)> {
+        vec![
+            ("Off", Self::Off),
+            ("Published", Self::Published(Default::default())),
+            ("Symmetric", Self::Symmetric(Default::default())),
+            ("LastOccluder", Self::LastOccluder(Default::default())),
+            ("OccluderGrid", Self::OccluderGrid(Default::default())),
+            ("HashPredictor", Self::HashPredictor(Default::default())),
+            ("Sato", Self::Sato),
+            ("Certified", Self::Certified(Default::default())),
+            ("Hybrid", Self::Hybrid(Default::default())),
+            ("Oracle", Self::Oracle),
+        ]
+    }
+
+    /// Whether it never decides wrongly. (A policy that does all the same is broken.)
+    pub fn is_exact(&self) -> bool {
+        match self {
+            Self::Published(_) | Self::Symmetric(_) => false,
+            Self::Off | Self::LastOccluder(_) | Self::OccluderGrid(_) | Self::HashPredictor(_) | Self::Sato => true,
+            Self::Certified(_) | Self::Hybrid(_) | Self::Oracle => true,
+        }
+    }
+}

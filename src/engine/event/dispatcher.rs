@@ -1,0 +1,279 @@
+//! The ray dispatcher: takes rays from the host, hands them over to the units, and gives their results back.
+
+use std::collections::VecDeque;
+
+use super::causes::Causes;
+use super::host::{ChunkRay, Host, Phase};
+use super::links::Links;
+use super::ray::{Owner, RayId};
+use crate::engine::source::{FrameCounts, StreamFault, check_step};
+use crate::engine::unloaded::{RayLatencies, Unloaded};
+use crate::machine::MachineSpec;
+use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::parts::Parts;
+use crate::memory::Wake;
+use crate::memory::queue::{Load, Queue};
+use crate::stats::Cause;
+use crate::stream::{Decision, Item, RayKind};
+
+/// What happened in a cycle that concerns others.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Events {
+    /// A frame began: dynamic lines go from all caches.
+    pub frame_began: bool,
+    /// A frame is over.
+    pub frame_over: Option<FrameCounts>,
+    /// Rays that were done.
+    pub rays_over: usize,
+}
+
+/// The dispatcher.
+#[derive(Clone, Debug)]
+pub struct Dispatcher {
+    spec: DispatcherSpec,
+    pool: usize,
+    /// The host.
+    host: Host,
+    waiting: Queue<ChunkRay>,
+    free: VecDeque<RayId>,
+    free_slots: Vec<u64>,
+    cores: usize,
+    /// The next unit's place in turn: the first units of all cores, then the second ones, and so on.
+    next_in_turn: usize,
+    /// Rays that each core got in this cycle.
+    handed_over: Vec<u64>,
+    rays: u64,
+    unloaded: Unloaded,
+    /// How long rays took.
+    pub latencies: RayLatencies,
+    /// The unit's cycles.
+    pub causes: Causes,
+}
+
+impl Dispatcher {
+    /// The dispatcher of `machine` at the beginning of a stream.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let cores = machine.cores.size();
+        Self {
+            spec: machine.dispatcher,
+            pool: machine.pool() as usize,
+            host: Host::new(machine.dispatcher.shading_cycles.get()),
+            waiting: Queue::new(cores * machine.dispatcher.in_fifo.size()),
+            free: (0..machine.pool() as RayId).collect(),
+            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            cores,
+            next_in_turn: 0,
+            handed_over: vec![0; cores],
+            rays: 0,
+            unloaded: Unloaded::new(machine),
+            latencies: RayLatencies::default(),
+            causes: Causes::default(),
+        }
+    }
+
+    /// Cycle `now`. `next` gives the stream's items.
+    pub fn tick<E: From<StreamFault>>(
+        &mut self,
+        now: u64,
+        next: &mut impl FnMut() -> Result<Option<Item>, E>,
+        links: &mut Links<impl Wake>,
+    ) -> Result<Events, E> {
+        let mut events = Events::default();
+        for unit in links.freed.drain(..) {
+            self.free_slots[unit as usize] += 1;
+        }
+        let width = self.spec.per_cycle.get() * self.cores as u64;
+        for _ in 0..width {
+            let Some(id) = links.done.take(now, &mut links.clock) else { break };
+            self.take_results(id, now, links);
+            events.rays_over += 1;
+        }
+        if let Phase::Ending(totals) = self.host.phase
+            && std::mem::take(&mut links.frame_over)
+        {
+            self.host.phase = Phase::Between;
+            let machine = std::mem::take(&mut links.replayed);
+            let stores = std::mem::take(&mut links.stores);
+            events.frame_over = Some(FrameCounts { frame: self.host.frame, tracer: totals, machine, stores });
+        }
+        events.frame_began = self.host.pull(next, links)?;
+        self.host.shade(now);
+        self.handed_over.fill(0);
+        let mut busy = false;
+        for _ in 0..width {
+            if !self.hand_over(now, links)? {
+                break;
+            }
+            busy = true;
+        }
+        for _ in 0..width {
+            if !self.waiting.has_room(now) {
+                break;
+            }
+            let Some(ray) = self.host.give() else { break };
+            self.waiting.put(ray, now + 1);
+            self.host.pull(next, links)?;
+        }
+        self.close(now, links);
+        let idle = match (self.waiting.first(now), self.host.shading_ends()) {
+            (Some(_), _) => Cause::Blocked,
+            (None, None) if self.waiting.is_empty() => Cause::Starved,
+            (None, _) => Cause::Pipeline,
+        };
+        self.causes.cycle(now, u64::from(busy), idle);
+        self.wake(now, busy, links);
+        Ok(events)
+    }
+
+    /// Announces the cycles in which there is something to do.
+    fn wake(&self, now: u64, busy: bool, links: &mut Links<impl Wake>) {
+        // What was put now can be taken next; places freed now can be used next.
+        let put = self.waiting.last_at().is_some_and(|at| at > now);
+        let more = busy && (!self.waiting.is_empty() || self.host.has_rays());
+        if put || more || self.host.has_rays() && self.waiting.has_room(now + 1) || !links.done.is_empty() {
+            links.clock.wake(Parts::DISPATCHER, now + 1);
+        }
+        if let Some(at) = self.host.shading_ends() {
+            links.clock.wake(Parts::DISPATCHER, at.max(now + 1));
+        }
+    }
+
+    /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
+    fn free_unit(&self) -> Option<usize> {
+        let units = self.free_slots.len();
+        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
+        in_turn.find(|&turn| {
+            let core_has_room = self.handed_over[turn % self.cores] < self.spec.per_cycle.get();
+            core_has_room && self.free_slots[self.unit(turn)] > 0
+        })
+    }
+
+    /// The unit at a place in turn.
+    fn unit(&self, turn: usize) -> usize {
+        let a_core = self.free_slots.len() / self.cores;
+        turn % self.cores * a_core + turn / self.cores
+    }
+
+    /// Hands over the next ray; whether there was one, and a place for it.
+    fn hand_over(&mut self, now: u64, links: &mut Links<impl Wake>) -> Result<bool, StreamFault> {
+        let Some(which) = self.waiting.first(now) else { return Ok(false) };
+        let Some(&id) = self.free.front() else { return Ok(false) };
+        let source = self.host.ray(which);
+        let skipped = source.head.decision == Decision::Skip;
+        let turn = if skipped { None } else { self.free_unit() };
+        if !skipped && turn.is_none() {
+            return Ok(false);
+        }
+        let ray = &mut links.rays[id as usize];
+        ray.steps.clear();
+        ray.steps.extend_from_slice(source.packed_path());
+        ray.steps.extend_from_slice(source.packed_policy());
+        ray.path_end = source.packed_path().len();
+        (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch());
+        for (index, &word) in ray.steps.iter().enumerate() {
+            let step = check_step(word, &links.layout)?;
+            if index >= ray.path_end {
+                continue;
+            }
+            ray.unloaded += self.unloaded.step(step, source.head.kind);
+            if !step.is_traversal() {
+                return Err(StreamFault::Ray { index: which.index as usize, fault: "has a policy step in its path" });
+            }
+        }
+        (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
+        (ray.chunk, ray.index, ray.undecided, ray.marked) = (which.chunk, which.index, skipped, source.marked);
+        (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
+        links.take_free_entries(id);
+        match turn {
+            None => links.send_to_shadow_cache(id, now),
+            Some(turn) => {
+                let unit = self.unit(turn);
+                links.rays[id as usize].owner = Owner::Traversal(unit as u32);
+                self.free_slots[unit] -= 1;
+                self.next_in_turn = (turn + 1) % self.free_slots.len();
+                self.handed_over[turn % self.cores] += 1;
+                links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
+                links.clock.wake(links.parts.traversal(unit as u32), now + self.spec.latency.get());
+            }
+        }
+        self.free.pop_front();
+        self.waiting.take(now, &mut links.clock);
+        Ok(true)
+    }
+
+    /// The host takes the results of ray `id` in cycle `now`.
+    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+        self.free.push_back(id);
+        let ray = &links.rays[id as usize];
+        self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
+        let totals = &mut links.replayed;
+        match (ray.kind, ray.decision) {
+            (RayKind::Primary, _) => totals.primary_rays += 1,
+            (RayKind::Reflection | RayKind::Refraction, _) => totals.secondary_rays += 1,
+            (RayKind::Shadow, Decision::Trace) => totals.shadow_rays += 1,
+            (RayKind::Shadow, Decision::DynamicOnly) => {
+                totals.shadow_rays += 1;
+                totals.shadow_rays_dynamic_only += 1;
+            }
+            (RayKind::Shadow, Decision::Skip) => {
+                totals.shadow_rays += 1;
+                totals.shadow_rays_skipped += 1;
+            }
+        }
+        self.rays += u64::from(ray.decision != Decision::Skip);
+        self.host.take(ChunkRay { chunk: ray.chunk, index: ray.index }, now);
+    }
+
+    /// Begins the frame's end when all its rays are done.
+    fn close(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        let Phase::Closing(steps, totals) = &self.host.phase else { return };
+        let host_is_done = !self.host.has_rays() && self.host.shading_ends().is_none();
+        if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 {
+            return;
+        }
+        if !links.begin_end(steps, now) {
+            links.frame_over = true;
+            links.clock.wake(Parts::DISPATCHER, now + 1);
+        }
+        self.host.phase = Phase::Ending(*totals);
+    }
+
+    /// Rays handed over whose results the host has not taken.
+    pub fn in_flight(&self) -> usize {
+        self.pool - self.free.len()
+    }
+
+    /// No unit gets a ray any more.
+    #[cfg(test)]
+    pub fn take_all_slots(&mut self) {
+        self.free_slots.fill(0);
+    }
+
+    /// Whether the stream is at its end.
+    pub fn is_finished(&self) -> bool {
+        matches!(self.host.phase, Phase::Finished)
+    }
+
+    /// Rays done so far, skipped ones not counted.
+    pub fn rays(&self) -> u64 {
+        self.rays
+    }
+
+    /// How full the in FIFO was.
+    pub fn load(&self) -> Load {
+        self.waiting.load()
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues(&self) -> String {
+        format!(
+            "rays in flight {}/{}, in FIFO {}/{}, {}, free slots {}",
+            self.in_flight(),
+            self.pool,
+            self.waiting.len(),
+            self.waiting.capacity(),
+            self.host.queues(),
+            self.free_slots.iter().sum::<u64>()
+        )
+    }
+}

@@ -1,0 +1,19 @@
+//! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
+
+mod causes;
+mod dispatcher;
+mod division;
+mod engine;
+mod host;
+mod intersection;
+mod links;
+mod list;
+mod pipeline;
+mod ray;
+mod register;
+mod routing;
+mod shadow_cache;
+mod traversal;
+mod wheel;
+
+pub(super) use engine::Event;

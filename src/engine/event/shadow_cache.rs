@@ -1,0 +1,254 @@
+//! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
+//! decisions for skipped rays.
+
+use std::collections::VecDeque;
+
+use super::links::{Links, take};
+use super::pipeline::{Pipeline, Stages};
+use super::ray::{Owner, RayId};
+use super::register::{Kept, Register};
+use crate::machine::parts::Parts;
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::writes::WritePolicy;
+use crate::memory::Wake;
+use crate::stream::{Step, Store};
+
+/// A unit's part of a frame's end under way.
+#[derive(Clone, Debug)]
+struct Ending {
+    /// Steps to begin, and whether they go down as operands.
+    steps: VecDeque<(Step, bool)>,
+    left: usize,
+}
+
+/// A shadow-cache unit.
+#[derive(Clone, Debug)]
+pub struct ShadowCache {
+    index: u32,
+    place: Place,
+    /// The common part.
+    pub pipeline: Pipeline,
+    register: Register,
+    /// Rays that wait to go to an intersection unit.
+    leaving: VecDeque<RayId>,
+    /// Rays that are done and wait for the out FIFO.
+    done: VecDeque<RayId>,
+    contexts: usize,
+    free: usize,
+    /// The first entry after the pool's: steps of a frame's end use the entries from here on.
+    first_entry: RayId,
+    free_entries: VecDeque<RayId>,
+    ending: Option<Ending>,
+}
+
+impl ShadowCache {
+    /// Unit `index`, empty, of a machine whose pool has `pool` entries.
+    pub fn new<W: Wake>(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links<W>) -> Self {
+        let part = links.parts.shadow_cache(index);
+        let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
+        let first_entry = pool as RayId;
+        let contexts = spec.contexts.get() as RayId;
+        let own_entries = first_entry + index * contexts;
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        Self {
+            index,
+            place: spec.place,
+            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
+            register: Register::new(spec.register.size()),
+            leaving: VecDeque::new(),
+            done: VecDeque::new(),
+            contexts: spec.contexts.size(),
+            free: spec.contexts.size(),
+            first_entry,
+            free_entries: (own_entries..own_entries + contexts).collect(),
+            ending: None,
+        }
+    }
+
+    /// Cycle `now`.
+    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        let free_at_start = self.free > 0;
+        self.pipeline.arrive(now, links);
+        if let Some(id) = self.pipeline.leave(now) {
+            self.passed(id, now, links);
+        }
+        while let Some(id) = take(&mut links.back_in_policy[self.index as usize], now) {
+            if std::mem::take(&mut links.rays[id as usize].fetched) {
+                self.pipeline.ready(id, links);
+            } else {
+                self.route(id, now, links);
+            }
+        }
+        self.hear_of_the_end(now, links);
+        if free_at_start {
+            self.take_on(now, links);
+        }
+        let part = self.pipeline.part();
+        while self.done.front().is_some_and(|&id| links.send_out(id, part, now)) {
+            self.done.pop_front();
+            self.free += 1;
+        }
+        let began = self.pipeline.begin(now, &links.rays);
+        let core = self.pipeline.core();
+        let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
+            Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
+            _ => links.send_to_access(id, part, now),
+        });
+        if sent {
+            self.leaving.pop_front();
+        }
+        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
+        let to_come = !links.retired[self.index as usize].is_empty()
+            || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
+        if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
+            links.clock.wake(part, now + 1);
+        }
+    }
+
+    fn hear_of_the_end(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        let Some(planned) = links.hear_of_the_end(self.index, now) else { return };
+        let waiting = self.register.drain().map(|step| (step, true));
+        let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
+        let left = steps.len();
+        self.ending = Some(Ending { steps, left });
+        self.end_if_done(now, links);
+    }
+
+    fn end_if_done(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        if self.ending.as_ref().is_some_and(|ending| ending.left == 0) {
+            self.ending = None;
+            links.units_at_the_end -= 1;
+            if links.units_at_the_end == 0 {
+                links.frame_over = true;
+                links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+        }
+    }
+
+    fn take_on(&mut self, now: u64, links: &mut Links<impl Wake>) {
+        if let Some(id) = take(&mut links.retired[self.index as usize], now) {
+            self.free -= 1;
+            let ray = &mut links.rays[id as usize];
+            ray.owner = Owner::ShadowCache(self.index);
+            if ray.undecided { self.pipeline.ready(id, links) } else { self.route(id, now, links) }
+        } else if let Some(ending) = &mut self.ending
+            && let Some(&id) = self.free_entries.front()
+            && let Some((step, operand)) = ending.steps.pop_front()
+        {
+            self.free_entries.pop_front();
+            self.free -= 1;
+            let ray = &mut links.rays[id as usize];
+            (ray.path_end, ray.next, ray.undecided, ray.owner) = (0, 0, false, Owner::ShadowCache(self.index));
+            ray.operand = operand;
+            ray.steps.clear();
+            ray.steps.push(step.pack());
+            self.route(id, now, links);
+        }
+    }
+
+    /// An operation of the ray has ended.
+    fn passed(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+        let ray = &mut links.rays[id as usize];
+        if ray.undecided {
+            ray.undecided = false;
+        } else {
+            let step = ray.step();
+            ray.next += 1;
+            ray.evaluating = ray.evaluating.saturating_sub(1);
+            links.replayed.count_policy(step.into_iter());
+            if let Some(Step::Read { store, index }) = step
+                && store != Store::OccluderId
+                && id < self.first_entry
+            {
+                self.register.was_read(links.layout.entry(store, index, false).addr);
+            }
+        }
+        self.route(id, now, links);
+    }
+
+    /// Performs what the ray does next.
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+        loop {
+            let Some(step) = links.rays[id as usize].step() else { return self.finish(id, now, links) };
+            let Some((store, index)) = step.entry() else {
+                let element = match step {
+                    Step::Node(node) => links.layout.node(node),
+                    Step::List(entry) => links.layout.list_entry(entry),
+                    _ => return self.leaving.push_back(id),
+                };
+                return self.pipeline.fetch(id, &element, links);
+            };
+            let home = links.home(store, index);
+            if home != self.index {
+                self.free += 1;
+                return links.pass_on(id, home, now);
+            }
+            let of_a_ray = id < self.first_entry;
+            if of_a_ray && links.first_touch(id, store, index) {
+                continue;
+            }
+            let ray = &mut links.rays[id as usize];
+            let sets_modes = ray.evaluating > 0 || !of_a_ray && !ray.operand;
+            if of_a_ray && !sets_modes && self.register.is_there() && store != Store::OccluderId {
+                let addr = links.layout.entry(store, index, false).addr;
+                let done = if matches!(step, Step::Read { .. }) {
+                    let answered = self.register.answers(addr);
+                    links.stores.merged_reads += u64::from(answered);
+                    answered
+                } else {
+                    match self.register.keep(addr, step) {
+                        Kept::Merged => {
+                            links.stores.merged_writes += 1;
+                            true
+                        }
+                        Kept::Waits => true,
+                        Kept::InPlaceOf(other) => {
+                            ray.steps[ray.next] = other.pack();
+                            false
+                        }
+                    }
+                };
+                if done {
+                    ray.next += 1;
+                    continue;
+                }
+            }
+            return self.access(id, sets_modes, links);
+        }
+    }
+
+    /// Accesses the entry of the ray's next step.
+    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links<impl Wake>) {
+        let element = links.entry_element(id);
+        match self.place {
+            Place::Triangle => self.leaving.push_back(id),
+            Place::L2 if element.write && !sets_modes => self.pipeline.ready_to_write(id, &element, links),
+            Place::L2 => self.pipeline.fetch_straight(id, &element, links),
+            Place::Own | Place::Free => self.pipeline.fetch(id, &element, links),
+        }
+    }
+
+    fn finish(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+        if id < self.first_entry {
+            return self.done.push_back(id);
+        }
+        self.free += 1;
+        self.free_entries.push_back(id);
+        if let Some(ending) = &mut self.ending {
+            ending.left -= 1;
+        }
+        self.end_if_done(now, links);
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub fn queues<W>(&self, links: &Links<W>) -> String {
+        format!(
+            "{}, to come {}, contexts {}/{}, leaving for intersection {}",
+            self.pipeline.queues(),
+            links.retired[self.index as usize].len(),
+            self.contexts - self.free,
+            self.contexts,
+            self.leaving.len()
+        )
+    }
+}

@@ -1,0 +1,67 @@
+//! What the tracer counts in a frame, and what the records hold: the two must be equal.
+
+use super::chunk::{Decision, Ray, RayKind};
+use super::step::Step;
+use crate::counters::counters;
+
+counters! {
+    /// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from
+    /// the records: the two must be equal. A file holds the counters in this order.
+    pub struct Totals {
+        primary_rays: "rays", "rays from the camera: one a pixel";
+        secondary_rays: "rays", "reflected and refracted rays";
+        shadow_rays: "rays", "shadow rays that there are without culling: one a hit and light that asks for it";
+        shadow_rays_skipped: "rays", "shadow rays whose answer was known: nothing was traced";
+        shadow_rays_dynamic_only: "rays", "shadow rays traced among dynamic triangles only";
+        node_visits: "visits", "nodes fetched by primary and secondary rays";
+        triangle_tests: "tests", "triangles tested by primary and secondary rays";
+        shadow_node_visits: "visits", "nodes fetched by shadow rays";
+        shadow_triangle_tests: "tests", "triangles tested by shadow rays";
+        list_reads: "reads", "entries of the kd-tree's primitive lists read by any ray or policy";
+        policy_triangle_tests: "tests", "triangles tested by the policy itself, occlusion tests included";
+        policy_node_visits: "visits", "nodes fetched by the policy itself (shaft queries, searches below a node)";
+        policy_reads: "accesses", "reads of the policy's stores: mode words, counters, occluder ids";
+        policy_writes: "accesses", "writes of the policy's stores, reads with a write after them included";
+    }
+}
+
+impl Totals {
+    /// Counts a policy's steps.
+    pub fn count_policy(&mut self, steps: impl Iterator<Item = Step>) {
+        for step in steps {
+            match step {
+                Step::Node(_) => self.policy_node_visits += 1,
+                Step::List(_) => self.list_reads += 1,
+                Step::Triangle { .. } => self.policy_triangle_tests += 1,
+                Step::Read { .. } => self.policy_reads += 1,
+                Step::Write { .. } | Step::Update { .. } => self.policy_writes += 1,
+            }
+        }
+    }
+
+    /// Counts a ray.
+    pub fn count(&mut self, ray: &Ray<'_>) {
+        let [nodes, lists, triangles] = Step::count_path(ray.packed_path());
+        self.list_reads += lists;
+        match ray.head.kind {
+            RayKind::Primary => self.primary_rays += 1,
+            RayKind::Reflection | RayKind::Refraction => self.secondary_rays += 1,
+            RayKind::Shadow => {
+                self.shadow_rays += 1;
+                match ray.head.decision {
+                    Decision::Trace => {}
+                    Decision::DynamicOnly => self.shadow_rays_dynamic_only += 1,
+                    Decision::Skip => self.shadow_rays_skipped += 1,
+                }
+            }
+        }
+        if ray.head.kind == RayKind::Shadow {
+            self.shadow_node_visits += nodes;
+            self.shadow_triangle_tests += triangles;
+        } else {
+            self.node_visits += nodes;
+            self.triangle_tests += triangles;
+        }
+        self.count_policy(ray.policy());
+    }
+}

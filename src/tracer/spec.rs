@@ -1,0 +1,32 @@
+//! How frames become rays: settings.
+
+use serde::{Deserialize, Serialize};
+
+use crate::accel::AccelSpec;
+use crate::scene::RenderSpec;
+
+/// How frames become rays.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct TracerSpec {
+    /// How pictures are traced.
+    pub render: RenderSpec,
+    /// What rays are traced in.
+    pub accel: AccelSpec,
+    /// The order of pixels in the stream.
+    pub order: PixelOrder,
+}
+
+/// The order of pixels in a stream.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum PixelOrder {
+    /// Row by row from the top, as the published algorithm goes.
+    #[default]
+    Scanline,
+    /// Square tiles of eight pixels a side, row by row, and row by row inside.
+    Tiles,
+}
+
+/// Rows that are traced and recorded as one chunk. It bounds memory, and the work lost to the row above that is traced
+/// again for the reference pixels; as high as a tile.
+pub(super) const BAND_ROWS: u32 = 8;
