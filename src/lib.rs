@@ -2,10 +2,13 @@
 //! primitive.
 
 pub mod accel;
+pub mod cli;
 pub(crate) mod counters;
 pub mod culling;
+pub mod energy;
 pub mod engine;
 pub mod experiment;
+pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;
@@ -16,6 +19,7 @@ pub mod reference;
 pub mod report;
 pub mod ron_file;
 pub mod scene;
+pub(crate) mod spread;
 pub mod stats;
 pub mod stream;
 pub mod tracer;

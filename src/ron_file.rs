@@ -11,6 +11,8 @@ use serde::Deserializer;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
+use crate::input;
+
 /// Why a config cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
@@ -59,7 +61,8 @@ impl fmt::Display for Place {
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
-    let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Read { path: path.into(), source })?;
+    let text = input::read_text(path, input::MAX_CONFIG_BYTES)
+        .map_err(|source| ConfigError::Read { path: path.into(), source })?;
     parse(&text, path)
 }
 

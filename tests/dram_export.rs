@@ -100,7 +100,7 @@ fn ramulator_gets_loads_and_stores_in_order() {
 #[test]
 fn what_cannot_be_exported_is_refused_and_leaves_nothing() {
     let desk = Desk::with_experiment();
-    for fidelity in ["Bound", "Functional", "Sampled(engine: Event, rate: 0.5)"] {
+    for fidelity in ["Bound", "Profile", "Sampled(engine: Event, rate: 0.5)"] {
         let replay = ["replay", STREAM, "--machine", "small.ron", "--dram-trace", "x", "--fidelity", fidelity];
         let output = desk.program(&replay).output().unwrap();
         assert_eq!(output.status.code(), Some(2));

@@ -81,8 +81,10 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let third = pixels as usize / 3;
     let pilot = piece(open(frames / 3)?, third, wanted).map_err(RunError::Source)?;
     let held_back = piece(open(2 * frames / 3)?, 2 * third, wanted).map_err(RunError::Source)?;
+    // A pilot is measured whole, wherever its frame lies.
+    let pilot_header = Header { warmup: Vec::new(), ..header.clone() };
     let on = |machine: &MachineSpec, rung, piece: &[Item]| {
-        let stats = run(machine, rung, header, piece.iter().cloned().map(Ok::<_, Infallible>));
+        let stats = run(machine, rung, &pilot_header, piece.iter().cloned().map(Ok::<_, Infallible>));
         stats.map(|stats| Figures::of(&stats))
     };
     let without = |&(part, leave_out): &Part| {
@@ -148,15 +150,12 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
             return Ok(MachineStats { needs: Some(needs), ..sampled });
         }
     }
-    // Some rungs know stores as recorded only.
-    let recorded = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine));
-    for (machine, rung) in
-        [Fidelity::Profile, Fidelity::Functional].into_iter().filter_map(|rung| Some((recorded?, rung)))
-    {
-        let check = tried(machine, rung)?;
+    // `Profile` knows stores as recorded only.
+    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine)) {
+        let check = tried(machine, Fidelity::Profile)?;
         needs.models.push(check.clone());
         if check.passes {
-            return Ok(MachineStats { needs: Some(needs), ..run(machine, rung, header, open(0)?)? });
+            return Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Profile, header, open(0)?)? });
         }
     }
     let model = Fidelity::Event.to_string();

@@ -8,6 +8,7 @@ use std::ops::AddAssign;
 use super::RunError;
 use super::tally::PerClass;
 use super::work::{Holder, Work, stores_as_recorded};
+use crate::energy;
 use crate::engine::source::parents;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
@@ -17,7 +18,7 @@ use crate::memory::dram::spec::Model;
 use crate::memory::l2::Home;
 use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, Cycle, LineAddr};
-use crate::stats::{Accuracy, Bounds, Cause, FrameStats, Limit, MachineStats, Range, TrafficClass};
+use crate::stats::{Accuracy, Bounds, Cause, Limit, MachineStats, Range, TrafficClass};
 use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step};
 
 /// Lines that were touched.
@@ -62,6 +63,7 @@ struct Sums {
     cycles: u64,
     serial: u64,
     traced: u64,
+    answered: u64,
     first_touches: u64,
     writes: u64,
     /// Steps of stores that are left out of what must be done.
@@ -78,6 +80,7 @@ impl AddAssign<&Sums> for Sums {
         self.cycles += other.cycles;
         self.serial += other.serial;
         self.traced += other.traced;
+        self.answered += other.answered;
         self.first_touches += other.first_touches;
         self.writes += other.writes;
         self.left_out += other.left_out;
@@ -186,6 +189,7 @@ impl Bound {
         // From the first hand-over of a ray's group to the ray being done, at least.
         let mut done = vec![0; chunk.len()];
         for (index, ray) in chunk.rays().enumerate() {
+            self.frame.answered += 1;
             let known = self.oracle && ray.head.kind == RayKind::Shadow;
             let skipped = known || ray.head.decision == Decision::Skip;
             let mut slot = if skipped { 0 } else { latency };
@@ -406,13 +410,17 @@ pub(super) fn run<E>(
         oracle.add(&item);
     }
     let limit = oracle.bounds(&header.warmup);
+    let stats = |sums: &Sums| {
+        let stats = bound.stats(sums);
+        MachineStats { energy: energy::of(machine, header.structure, &stats), ..stats }
+    };
     let frame =
-        |(frame, sums): &(u32, Sums)| FrameStats::new(*frame, header.warmup.contains(frame), &bound.stats(sums));
+        |(number, sums): &(u32, Sums)| stats(sums).as_frame(*number, header.warmup.contains(number), sums.answered);
     Ok(MachineStats {
         accuracy: Accuracy::Bounded,
         frames: bound.frames.iter().map(frame).collect(),
         bounds: Some(bound.bounds(&header.warmup)),
         oracle: Some(Limit { cycles: limit.cycles.least, dram_bytes: limit.dram_bytes.least }),
-        ..bound.stats(&bound.sum(&header.warmup))
+        ..stats(&bound.sum(&header.warmup))
     })
 }

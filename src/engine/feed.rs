@@ -72,7 +72,7 @@ impl<E, I: Iterator<Item = Result<Item, E>>> Feed<E> for Whole<'_, I> {
 
     fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>> {
         self.stores += counts.stores;
-        self.frames.over(counts.frame);
+        self.frames.over(*counts);
         check::frame(counts, &self.frames.machine().shadow_cache)
     }
 

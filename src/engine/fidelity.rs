@@ -1,10 +1,12 @@
-//! How a machine is replayed: the rungs of the ladder.
+//! How a machine is replayed: the fidelity levels.
 
 use std::fmt;
 use std::str::FromStr;
 
 use serde::de::{Deserializer, Error};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
+
+use super::retired::{self, WithoutRetired};
 
 /// A share above 0, up to 1.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
@@ -49,11 +51,10 @@ impl<'de> Deserialize<'de> for Share {
 
 /// What a sample is replayed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub enum Sampled {
     /// As [`Fidelity::Profile`].
     Profile,
-    /// As [`Fidelity::Functional`].
-    Functional,
     /// As [`Fidelity::Event`].
     Event,
 }
@@ -63,7 +64,6 @@ impl Sampled {
     pub fn whole(self) -> Fidelity {
         match self {
             Self::Profile => Fidelity::Profile,
-            Self::Functional => Fidelity::Functional,
             Self::Event => Fidelity::Event,
         }
     }
@@ -71,14 +71,12 @@ impl Sampled {
 
 /// How a machine is replayed, from the cheapest to the plainest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, remote = "Self")]
 pub enum Fidelity {
     /// Closed forms that no machine can beat.
     Bound,
     /// Exact contents of caches in an order that stands for the machine's, and time by what is free when.
     Profile,
-    /// Real tags and DRAM, units that are times from which on they are free.
-    Functional,
     /// A part acts only in cycles in which it has something to do: the rules of MODEL.md, fast.
     #[default]
     Event,
@@ -106,7 +104,7 @@ pub enum Fidelity {
 
 impl Fidelity {
     /// The rungs that need no numbers.
-    pub const RUNGS: [Self; 5] = [Self::Bound, Self::Profile, Self::Functional, Self::Event, Self::Cycle];
+    pub const RUNGS: [Self; 4] = [Self::Bound, Self::Profile, Self::Event, Self::Cycle];
 
     /// Whether it measures machines wherever their words are kept, and if they are free.
     pub fn knows_all_placements(self) -> bool {
@@ -126,13 +124,10 @@ impl Fidelity {
         let by = |engine| (engine, Self::FIRST_RATE, 0);
         let (engine, rate, seed) = match self {
             Self::Event => by(Sampled::Event),
-            Self::Functional => by(Sampled::Functional),
             Self::Profile => by(Sampled::Profile),
             Self::Sampled { engine, rate, seed, .. } => (engine, rate, seed),
             Self::Bound | Self::Cycle | Self::Auto { .. } => {
-                return Err(format!(
-                    "`{self}` is not sampled: a target error goes with Event, Functional, Profile and Sampled"
-                ));
+                return Err(format!("`{self}` is not sampled: a target error goes with Event, Profile and Sampled"));
             }
         };
         Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
@@ -150,7 +145,6 @@ impl fmt::Display for Fidelity {
         match self {
             Self::Bound => f.write_str("Bound"),
             Self::Profile => f.write_str("Profile"),
-            Self::Functional => f.write_str("Functional"),
             Self::Event => f.write_str("Event"),
             Self::Cycle => f.write_str("Cycle"),
             Self::Sampled { engine, rate, seed, target_error } => {
@@ -173,12 +167,37 @@ impl FromStr for Fidelity {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
-        options.from_str(text).map_err(|error| {
-            format!(
-                "`{text}` is no fidelity ({}): Bound, Profile, Functional, Event, Cycle, Sampled(engine: Event, rate: 0.05) and Auto(error: 0.02) are",
-                error.code
-            )
+        options.from_str(text).map_err(|error| match error.code.to_string() {
+            what if what == retired::FUNCTIONAL => what,
+            what => format!(
+                "`{text}` is no fidelity ({what}): Bound, Profile, Event, Cycle, Sampled(engine: Event, rate: 0.05) and \
+                 Auto(error: 0.02) are"
+            ),
         })
+    }
+}
+
+impl Serialize for Fidelity {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
+}
+
+impl<'de> Deserialize<'de> for Fidelity {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::deserialize(WithoutRetired(from))
+    }
+}
+
+impl Serialize for Sampled {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
+}
+
+impl<'de> Deserialize<'de> for Sampled {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::deserialize(WithoutRetired(from))
     }
 }
 
@@ -189,17 +208,22 @@ mod tests {
     #[test]
     fn names_are_read_as_they_are_written() {
         let sampled = |engine, seed, target_error| Fidelity::Sampled { engine, rate: Share(0.05), seed, target_error };
-        let all = [
-            sampled(Sampled::Event, 0, None),
-            sampled(Sampled::Functional, 7, Some(Share(0.01))),
-            sampled(Sampled::Profile, 0, None),
-        ];
+        let all = [sampled(Sampled::Event, 0, None), sampled(Sampled::Profile, 7, Some(Share(0.01)))];
         let all = all.into_iter().chain([Fidelity::Auto { error: Share(0.02) }]);
         for fidelity in Fidelity::RUNGS.into_iter().chain(all) {
             assert_eq!(fidelity.to_string().parse(), Ok(fidelity));
         }
         for text in ["", "event", "Sampled", "Sampled(engine: Cycle, rate: 0.1)", "Sampled(engine: Event, rate: 0)"] {
-            assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Profile, Functional, Event"), "{text}");
+            assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Profile, Event"), "{text}");
         }
+    }
+
+    #[test]
+    fn a_level_that_is_gone_is_refused_with_what_takes_its_place() {
+        for text in ["Functional", "Sampled(engine: Functional, rate: 0.1)"] {
+            assert_eq!(text.parse::<Fidelity>(), Err(retired::FUNCTIONAL.to_owned()), "{text}");
+        }
+        let error = "event".parse::<Fidelity>().unwrap_err();
+        assert!(!error.contains("Functional"), "{error}");
     }
 }

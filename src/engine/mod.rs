@@ -3,19 +3,16 @@
 mod auto;
 mod bound;
 mod check;
-mod crossing;
 mod cycle;
-mod dispatch;
 mod event;
 mod feed;
 mod fidelity;
 mod frame_log;
-mod functional;
-mod host;
 mod lines;
 mod observe;
 mod part_set;
 mod profile;
+mod retired;
 pub mod sampling;
 mod source;
 mod tally;
@@ -154,11 +151,6 @@ pub fn run<E>(
             let stats = whole(&mut profile::Profile::new(machine, header), machine, header, items, None)?;
             Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
         }
-        Fidelity::Functional => {
-            check_stores(machine)?;
-            let stats = whole(&mut functional::Functional::new(machine, header), machine, header, items, None)?;
-            Ok(MachineStats { accuracy: Accuracy::Bounded, ..stats })
-        }
         Fidelity::Event => whole(&mut event::Event::new(machine, header), machine, header, items, None),
         Fidelity::Cycle => whole(&mut cycle::Cycle::new(machine, header), machine, header, items, None),
         Fidelity::Sampled { target_error: Some(_), .. } | Fidelity::Auto { .. } => Err(RunError::Passes),
@@ -220,12 +212,12 @@ pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
     Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
 }
 
-/// Rungs without cycles know one way to access stores.
+/// `Profile` knows one way to access stores.
 fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
     if stores_as_recorded(machine) {
         return Ok(());
     }
-    let what = "`Profile` and `Functional` know `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
+    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
                 Event and Cycle are allowed";
     Err(SpecError::new(what))
 }
@@ -308,7 +300,7 @@ fn whole<E>(
     let whole = fed(engine, machine, &mut feed, observer)?.stats(machine);
     let frames = feed.frames;
     check::bounds(&whole, &bound.bounds(&[])).map_err(RunError::Invariant)?;
-    let measured = frames.finish(whole, &header.warmup).map_err(RunError::Invariant)?;
+    let measured = frames.finish(whole, header).map_err(RunError::Invariant)?;
     Ok(MachineStats { bounds: Some(bound.bounds(&header.warmup)), ..measured })
 }
 

@@ -214,7 +214,6 @@ fn rows() -> Vec<String> {
     [
         "Bound".into(),
         "Profile".into(),
-        "Functional".into(),
         format!("Sampled, {RATE}"),
         "distances".into(),
         format!("{} % + {HOT} hot", LINES * 100.0),
@@ -263,7 +262,6 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
     let rows = vec![
         exact(&on(Fidelity::Bound)),
         exact(&on(Fidelity::Profile)),
-        exact(&on(Fidelity::Functional)),
         sampled(),
         reuse(ReuseOf::Everything),
         reuse(ReuseOf::Sample { rate: share(LINES), hot: HOT }),

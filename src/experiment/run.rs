@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::frames::Replayed;
 use super::replay::{Finished, Replays};
 use super::split::Role;
 use super::validation::{self, Validated, Words};
@@ -18,7 +19,7 @@ use crate::report::Report;
 use crate::report::pictures::{Image, PictureInfo};
 use crate::report::split::Split;
 use crate::report::summary::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
+    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
 };
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, Step, StreamError, Totals};
@@ -96,7 +97,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
             let frame = scene.animation.frame(number);
             let validated = experiment.spec.validate.takes(index);
             let words = validated.then(|| latch(&policies, scene.primitive_count()));
-            let replayed = experiment.spec.replay.takes(index);
+            let replayed = experiment.replayed.contains(number);
             let mut recorded = vec![Totals::default(); policies.len()];
             let (traced, waited) = (Instant::now(), clock.machines);
             let lanes = tracer.frame(&frame, &mut policies, |policy, item| {
@@ -117,8 +118,10 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
             let validated = words
                 .map(|words| (validation::validate(experiment, &reference, &frame, tracer.offset(), &lanes), words));
             gathered.add(experiment, number, &lanes, validated);
-            if replayed {
-                gathered.replayed.push(number);
+            if replayed && !experiment.replayed.measures(number) {
+                gathered.warmup.push(number);
+            } else if replayed {
+                gathered.measured.push(number);
                 gathered.totals.iter_mut().zip(&recorded).for_each(|(all, &frame)| *all += frame);
             }
             clock.reference += compared.elapsed();
@@ -145,13 +148,15 @@ fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
 }
 
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
-    let replayed = experiment.frames.iter().enumerate().filter(|&(index, _)| experiment.spec.replay.takes(index));
-    let frames: Vec<u32> = replayed.map(|(_, &number)| number).collect();
+    let Replayed { frames, warmup } = &experiment.replayed;
     let inputs = experiment.as_run();
     experiment
         .policy_names()
         .zip(policies)
-        .map(|(name, policy)| tracer.header(name, policy.as_ref(), frames.clone(), &inputs))
+        .map(|(name, policy)| Header {
+            warmup: warmup.clone(),
+            ..tracer.header(name, policy.as_ref(), frames.clone(), &inputs)
+        })
         .collect()
 }
 
@@ -183,6 +188,12 @@ fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[Lane
     Ok(())
 }
 
+/// Rays that a machine replayed, those of warm-up frames among them.
+fn replayed_rays(stats: &MachineStats) -> u64 {
+    let all = stats.frames.iter().map(|frame| frame.rays).sum();
+    if stats.frames.is_empty() { stats.rays } else { all }
+}
+
 /// What a policy did in a frame, as the tracer counted, without the reference renderer.
 pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
     FrameResult {
@@ -200,9 +211,10 @@ pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
 /// What the frames gave so far.
 struct Gathered {
     frames: Vec<u32>,
-    /// Those of them that the machines replayed.
-    replayed: Vec<u32>,
-    /// By policy, what the machines replayed.
+    /// Those of them that the machines measured, and that they replayed to warm up.
+    measured: Vec<u32>,
+    warmup: Vec<u32>,
+    /// By policy, what the measured frames ask for.
     totals: Vec<Totals>,
     /// By policy, then frame.
     results: Vec<Vec<FrameResult>>,
@@ -220,7 +232,8 @@ impl Gathered {
         let policies = experiment.spec.policies.len();
         Self {
             frames: Vec::new(),
-            replayed: Vec::new(),
+            measured: Vec::new(),
+            warmup: Vec::new(),
             totals: vec![Totals::default(); policies],
             results: vec![Vec::new(); policies],
             wrong: vec![vec![WrongDecisions::default(); experiment.scene.light_count]; policies],
@@ -306,18 +319,27 @@ impl Gathered {
                 policy: names[policy].to_owned(),
                 source: Box::new(source),
             })?;
-            stage(format!("{machine}, {}{}", names[policy], role.suffix()), replayed.wall, Some(replayed.stats.rays));
+            stage(
+                format!("{machine}, {}{}", names[policy], role.suffix()),
+                replayed.wall,
+                Some(replayed_rays(&replayed.stats)),
+            );
             measured.entry(machine.clone()).or_default().push((policy, role, replayed.stats.clone()));
             if role != Role::AsItIs {
                 continue;
             }
             let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
                 fidelity: experiment.spec.fidelity.to_string(),
-                frames: self.replayed.clone(),
+                frames: self.measured.clone(),
+                warmup: self.warmup.clone(),
                 policies: Named::default(),
                 split: Named::default(),
             });
-            summary.policies.insert(names[policy], MachineRun::from(replayed.stats));
+            let totals = &self.totals[policy];
+            let rays = totals.primary_rays + totals.secondary_rays + totals.shadow_rays;
+            let asked = Asked { frames: self.measured.len(), rays };
+            let asked = (asked.frames > 0).then_some(asked);
+            summary.policies.insert(names[policy], MachineRun::new(replayed.stats, asked));
             machines.insert(machine, summary);
         }
         let machines: Named<MachineSummary> = machines

@@ -8,8 +8,7 @@ use crate::report::stress::ModelVerdict;
 use crate::stream::{Header, Item};
 
 /// The models, the first of which is what the others are held to.
-pub const MODELS: [Fidelity; 5] =
-    [Fidelity::Cycle, Fidelity::Event, Fidelity::Functional, Fidelity::Profile, Fidelity::Bound];
+pub const MODELS: [Fidelity; 4] = [Fidelity::Cycle, Fidelity::Event, Fidelity::Profile, Fidelity::Bound];
 
 /// The stream of a policy in a case.
 pub struct Recorded {

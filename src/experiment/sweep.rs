@@ -112,7 +112,7 @@ struct Replay {
     file: PathBuf,
 }
 
-/// A recorded stream and what the tracer counted in it.
+/// A recorded stream and what the tracer counted in its measured frames.
 pub(super) struct Recorded {
     pub path: PathBuf,
     pub header: Header,
@@ -184,7 +184,7 @@ pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
 
 fn load(path: &Path) -> Result<(Experiment, Vec<Machine>), SweepError> {
     let spec: SweepSpec = ron_file::read(path)?;
-    let overrides = Overrides { frames: spec.frames, resolution: spec.resolution };
+    let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, warmup: None };
     let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
     let machines = machines(path, &spec, &experiment)?;
     Ok((experiment, machines))
@@ -278,7 +278,9 @@ pub(super) fn record(experiment: &Experiment, folder: &Path, stop: &AtomicBool) 
         .iter()
         .zip(&policies)
         .map(|((name, spec), policy)| {
-            tracer.header(name, policy.as_ref(), experiment.frames.clone(), &format!("{inputs}{spec:?}"))
+            let inputs = format!("{inputs}{spec:?}");
+            let warmup = experiment.first_frames().to_vec();
+            Header { warmup, ..tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs) }
         })
         .collect();
     let paths: Vec<PathBuf> = (0..headers.len()).map(|policy| folder.join(format!("policy{policy}.rays"))).collect();
@@ -316,8 +318,10 @@ fn read_recorded(path: &Path, header: &Header) -> Option<Recorded> {
 
 fn recorded(path: &Path, reader: &StreamReader) -> Recorded {
     let mut totals = Totals::default();
-    reader.frames().iter().for_each(|frame| totals += frame.totals);
-    Recorded { path: path.into(), header: reader.header().clone(), totals }
+    let header = reader.header().clone();
+    let measured = reader.frames().iter().filter(|frame| !header.warmup.contains(&frame.number));
+    measured.for_each(|frame| totals += frame.totals);
+    Recorded { path: path.into(), header, totals }
 }
 
 /// The name of a replay's file.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
 use super::division::DivisionSpec;
+use super::energy::EnergySpec;
 use super::intersection::IntersectionSpec;
 use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
@@ -45,6 +46,8 @@ pub struct MachineSpec {
     pub l2: L2Spec,
     /// The DRAM.
     pub dram: DramSpec,
+    /// What operations, accesses and time cost in energy.
+    pub energy: EnergySpec,
 }
 
 impl Default for MachineSpec {
@@ -62,6 +65,7 @@ impl Default for MachineSpec {
             shadow_cache: ShadowCacheSpec::default(),
             l2: L2Spec::default(),
             dram: DramSpec::default(),
+            energy: EnergySpec::default(),
         }
     }
 }

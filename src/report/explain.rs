@@ -71,7 +71,49 @@ const OTHERS: &[(&str, &str, &str)] = &[
     ("policies.*.lights.*.light", "number", "a light"),
     ("policies.*.lights.*.false_dark", "rays", "false_dark towards this light"),
     ("policies.*.lights.*.false_lit", "rays", "false_lit towards this light"),
-    ("machines.*.frames.*", "frame number", "the frames that the machine replayed, in order"),
+    ("machines.*.frames.*", "frame number", "the frames that the machine measured, in order"),
+    ("machines.*.warmup.*", "frame number", "the frames that it replayed before them: in no sum, mean or rate"),
+    ("machines.*.policies.*.milliseconds_per_frame", "ms", "simulated time of a measured frame, the mean"),
+    ("machines.*.policies.*.frames_per_second", "frames/s", "measured frames a second of simulated time"),
+    (
+        "machines.*.policies.*.rays_answered",
+        "rays",
+        "rays that the measured frames ask for: traced ones, and those whose answers are known",
+    ),
+    ("machines.*.policies.*.rays_answered_per_second", "rays/s", "rays_answered a second of simulated time"),
+    ("machines.*.policies.*.dram_gigabytes_per_second", "GB/s", "bytes that the DRAM moved a second of simulated time"),
+    ("machines.*.policies.*.dram_bytes_per_frame", "B", "bytes that the DRAM moved a measured frame, the mean"),
+    ("machines.*.policies.*.joules_per_frame", "J", "energy.joules a measured frame"),
+    ("machines.*.policies.*.joules_per_ray", "J", "energy.joules / rays_answered"),
+    ("machines.*.policies.*.energy.joules", "J", "energy with typical constants: the sum of energy.by"),
+    ("machines.*.policies.*.energy.low", "J", "the same with every constant at the low end of its range"),
+    ("machines.*.policies.*.energy.high", "J", "the same with every constant at the high end of its range"),
+    (
+        "machines.*.policies.*.energy.by.*",
+        "J",
+        "energy of a part: operations, accesses, commands or time x its constant",
+    ),
+    ("machines.*.policies.*.energy.classes.*", "J", "energy of cache accesses and DRAM commands of a class of traffic"),
+    ("machines.*.policies.*.frames.*.frame", "frame number", "the frame that these figures are of"),
+    (
+        "machines.*.policies.*.frames.*.warmup",
+        "0 or 1",
+        "a column of frames.csv: whether the frame warms caches and words up",
+    ),
+    (
+        "machines.*.policies.*.frames.*.cycles",
+        "cycles",
+        "from the end of the frame replayed before to this frame's end",
+    ),
+    ("machines.*.policies.*.frames.*.rays", "rays", "rays of the frame that were replayed, skipped ones not counted"),
+    ("machines.*.policies.*.frames.*.answered", "rays", "rays that the frame asks for, skipped ones among them"),
+    ("machines.*.policies.*.frames.*.bytes.*", "B", "bytes moved between a level and the one above it in the frame"),
+    ("machines.*.policies.*.frames.*.units.*.*", "cycles", "cycles of a kind of units by cause in the frame"),
+    ("machines.*.policies.*.frames.*.energy.joules", "J", "energy of the frame with typical constants"),
+    ("machines.*.policies.*.frames.*.energy.low", "J", "the same with every constant at the low end of its range"),
+    ("machines.*.policies.*.frames.*.energy.high", "J", "the same with every constant at the high end of its range"),
+    ("machines.*.policies.*.frames.*.energy.by.*", "J", "energy of a part in the frame"),
+    ("machines.*.policies.*.frames.*.energy.classes.*", "J", "energy of a class of traffic in the frame"),
     ("machines.*.policies.*.cycles", "cycles", "from the first ray to the last request served, of the machine's clock"),
     ("machines.*.policies.*.clock_mhz", "MHz", "the machine's clock"),
     ("machines.*.policies.*.rays", "rays", "rays replayed, skipped ones not counted"),
@@ -215,6 +257,8 @@ const COUNTERS: &[(&str, &[Counter])] = &[
     ("machines.*.policies.*.queues.*", QueueCounts::DECLARED),
     ("machines.*.policies.*.latency.*", LatencyCounts::DECLARED),
     ("machines.*.policies.*.dram", DramCounts::DECLARED),
+    ("machines.*.policies.*.frames.*.caches.*", CacheCounts::DECLARED),
+    ("machines.*.policies.*.frames.*.dram", DramCounts::DECLARED),
 ];
 
 /// All numbers of a report.
@@ -312,6 +356,7 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
 mod tests {
     use super::*;
     use crate::report::FRAMES_FILE;
+    use crate::report::table::frames_csv;
 
     #[test]
     fn every_number_of_a_report_is_declared_once_and_every_declaration_is_of_one() {
@@ -322,7 +367,10 @@ mod tests {
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
         // The written sample is of an exact rung; what estimates add is in the one made for tests.
-        let estimated = serde_json::to_value(crate::report::sample::sample(&[0]).summary).unwrap();
+        let estimated = crate::report::sample::sample(&[0]).summary;
+        let of_machines = String::from_utf8(frames_csv(&estimated).unwrap()).unwrap();
+        let estimated = serde_json::to_value(estimated).unwrap();
+        assert_eq!(undeclared(&estimated), Vec::<String>::new());
         numbers(&estimated, &mut Vec::new(), &mut found);
         let sweep = serde_json::to_value(crate::report::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
@@ -331,7 +379,17 @@ mod tests {
         let statistics = statistics();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
-        for column in &columns {
+        // A column of a machine is named as the number of the summary.
+        let of_machine = |name: &str| {
+            let (machine, path) = name.split_once('.').unwrap();
+            let path = format!("machines.{machine}.policies.off.frames.0.{path}");
+            path.split('.').map(str::to_owned).collect::<Vec<_>>()
+        };
+        for path in of_machines.lines().next().unwrap().split(',').filter(|name| name.contains('.')).map(of_machine) {
+            assert!(statistics.iter().any(|statistic| statistic.declares(&path)), "{path:?}");
+            found.push((path, String::new()));
+        }
+        for column in columns.iter().filter(|name| name.matches('.').count() == 2) {
             assert!(statistics.iter().any(|statistic| statistic.name == *column), "{column}");
         }
         for statistic in &statistics {
@@ -346,7 +404,8 @@ mod tests {
             let meant = statistics().into_iter().filter(|statistic| statistic.is_meant(asked));
             meant.map(|statistic| statistic.name).collect::<Vec<_>>()
         };
-        assert_eq!(names("row_hits"), ["machines.*.policies.*.dram.row_hits"]);
+        let row_hits = ["machines.*.policies.*.dram.row_hits", "machines.*.policies.*.frames.*.dram.row_hits"];
+        assert_eq!(names("row_hits"), row_hits);
         assert_eq!(names("bytes.dram.mode_word"), ["machines.*.policies.*.bytes.*.*"]);
         assert_eq!(names("false_dark"), ["policies.*.false_dark", "policies.*.lights.*.false_dark"]);
         let error = explain(Some("row_hit"), None).unwrap_err();

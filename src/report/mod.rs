@@ -14,6 +14,7 @@ pub mod plots;
 pub mod reuse;
 pub mod rung;
 pub mod split;
+mod steady;
 pub mod stress;
 pub mod summary;
 pub mod sweep;

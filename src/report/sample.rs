@@ -13,7 +13,7 @@ use super::sweep::{Change, SweepPoint, SweepSummary};
 use super::{Named, Report, pictures};
 use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, L1Counts, LatencyCounts, Limit, MachineStats,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
     ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
 };
 use crate::stream::Totals;
@@ -81,7 +81,8 @@ fn machine(share: f64, words: u64) -> MachineRun {
             (Cause::Starved, whole - busy - pipeline - memory - blocked),
         ])
     };
-    MachineRun::from(MachineStats {
+    let joules = cycles as f64 * 2e-10;
+    let mut stats = MachineStats {
         cycles: Cycle(cycles),
         clock_mhz: 500.0,
         rays: 75_000_000,
@@ -117,12 +118,20 @@ fn machine(share: f64, words: u64) -> MachineRun {
             row_misses: scaled(1e6),
             row_conflicts: scaled(5e6),
             refreshes: 1_000,
+            activates: scaled(6e6),
         },
         dram_organization:
             "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
         dram_peak_bytes_per_cycle: Some(12.8),
         accuracy: Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.015, dram_bytes: 0.02, rate: 0.05 },
         frames: Vec::new(),
+        energy: Some(Energy {
+            joules,
+            low: 0.5 * joules,
+            high: 3.0 * joules,
+            by: BTreeMap::from([("traversal".into(), 0.4 * joules), ("dram_read".into(), 0.6 * joules)]),
+            classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
+        }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
         needs: Some(Needs {
             target: 0.02,
@@ -135,7 +144,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
                 matters: true,
             }],
             models: vec![ModelCheck {
-                model: "Functional".into(),
+                model: "Profile".into(),
                 error: Some(0.007),
                 held_back: Some(0.009),
                 passes: true,
@@ -143,7 +152,9 @@ fn machine(share: f64, words: u64) -> MachineRun {
         }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
-    })
+    };
+    stats.frames = vec![stats.as_frame(0, true, 1_500_000), stats.as_frame(16, false, 1_500_000)];
+    MachineRun::from(stats)
 }
 
 /// A report such as a run makes, with frame numbers `frames`.
@@ -178,6 +189,7 @@ pub fn sample(frames: &[u32]) -> Report {
         MachineSummary {
             fidelity: "event".into(),
             frames: frames.to_vec(),
+            warmup: vec![0],
             split: split.collect(),
             policies: policies.clone(),
         }

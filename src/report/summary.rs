@@ -319,8 +319,11 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 pub struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
-    /// Numbers of the frames that it replayed, in order.
+    /// Numbers of the frames that were measured, in order.
     pub frames: Vec<u32>,
+    /// Numbers of those that it replayed before them, to warm caches and words up.
+    #[serde(default)]
+    pub warmup: Vec<u32>,
     /// A run for each policy's stream.
     pub policies: Named<MachineRun>,
     /// What each policy that culls saved and paid, where the replays for it were made.
@@ -328,14 +331,22 @@ pub struct MachineSummary {
     pub split: Named<Split>,
 }
 
-/// What a machine measured on the stream of one policy.
+/// What a machine measured on the stream of one policy; warm-up frames are in `frames` alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MachineRun {
     /// The measurements.
     #[serde(flatten)]
     pub stats: MachineStats,
+    /// Time of a measured frame, their mean, in ms of simulated time.
+    pub milliseconds_per_frame: Option<f64>,
+    /// Measured frames a second of simulated time.
+    pub frames_per_second: Option<f64>,
     /// Rays a second of simulated time.
     pub rays_per_second: Option<f64>,
+    /// Rays that the measured frames ask for: traced ones, and those whose answers are known.
+    pub rays_answered: Option<u64>,
+    /// The same a second of simulated time.
+    pub rays_answered_per_second: Option<f64>,
     /// Hits over accesses, a cache and class of traffic.
     pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
     /// Share of its cycles in which a unit kind began an operation.
@@ -344,21 +355,69 @@ pub struct MachineRun {
     pub dram_row_hit_rate: Option<f64>,
     /// Bytes moved over those that the DRAM could have moved at its peak.
     pub dram_utilization: Option<f64>,
+    /// Bytes that the DRAM moved a second of simulated time, in GB/s (10^9 bytes).
+    pub dram_gigabytes_per_second: Option<f64>,
+    /// Bytes that the DRAM moved a measured frame.
+    pub dram_bytes_per_frame: Option<f64>,
+    /// Energy a measured frame in J.
+    pub joules_per_frame: Option<f64>,
+    /// Energy a ray that was asked for in J.
+    pub joules_per_ray: Option<f64>,
+}
+
+/// What the measured frames of a run ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Asked {
+    /// The frames.
+    pub frames: usize,
+    /// Their rays, skipped ones among them.
+    pub rays: u64,
+}
+
+impl Asked {
+    /// What the frames of `stats` ask for; `None` of a run that does not tell frames apart.
+    pub fn of(stats: &MachineStats) -> Option<Self> {
+        let measured = || stats.frames.iter().filter(|frame| !frame.warmup);
+        let asked = Self { frames: measured().count(), rays: measured().map(|frame| frame.answered).sum() };
+        (asked.frames > 0).then_some(asked)
+    }
+}
+
+impl MachineRun {
+    /// The figures of `stats`, of frames that ask for so much.
+    pub fn new(stats: MachineStats, asked: Option<Asked>) -> Self {
+        let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
+        let dram = stats.dram;
+        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
+        let moved = stats.bytes.get("dram").map(|_| stats.moved("dram").0 as f64);
+        let seconds = (stats.cycles.0 > 0).then(|| stats.cycles.0 as f64 / (stats.clock_mhz * 1e6));
+        let a_second = |amount: Option<f64>| amount.zip(seconds).map(|(amount, seconds)| amount / seconds);
+        let frames = asked.map(|asked| asked.frames as f64);
+        let a_frame = |amount: Option<f64>| amount.zip(frames).map(|(amount, frames)| amount / frames);
+        let (rays, joules) = (asked.map(|asked| asked.rays), stats.energy.as_ref().map(|energy| energy.joules));
+        let answered = rays.map(|rays| rays as f64);
+        Self {
+            milliseconds_per_frame: a_frame(seconds.map(|seconds| seconds * 1e3)),
+            frames_per_second: a_second(frames),
+            rays_per_second: a_second(Some(stats.rays as f64)),
+            rays_answered: rays,
+            rays_answered_per_second: a_second(answered),
+            hit_rate: stats.hit_rates(),
+            utilization: used.collect(),
+            dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
+            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved / peak),
+            dram_gigabytes_per_second: a_second(moved.map(|moved| moved / 1e9)),
+            dram_bytes_per_frame: a_frame(moved),
+            joules_per_frame: a_frame(joules),
+            joules_per_ray: joules.zip(answered.filter(|&rays| rays > 0.0)).map(|(joules, rays)| joules / rays),
+            stats,
+        }
+    }
 }
 
 impl From<MachineStats> for MachineRun {
     fn from(stats: MachineStats) -> Self {
-        let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
-        let dram = stats.dram;
-        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
-        let moved = stats.bytes.get("dram").map(|classes| classes.values().map(|bytes| bytes.0).sum::<u64>());
-        Self {
-            rays_per_second: (stats.cycles.0 > 0).then(|| stats.rays_per_second()),
-            hit_rate: stats.hit_rates(),
-            utilization: used.collect(),
-            dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
-            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved as f64 / peak),
-            stats,
-        }
+        let asked = Asked::of(&stats);
+        Self::new(stats, asked)
     }
 }

@@ -2,14 +2,15 @@
 
 use comfy_table::{CellAlignment, Table};
 
-use super::format::{bytes, change, exact, or_absent, percent, short};
+use super::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
 use super::split::Split;
+use super::steady;
 use super::summary::{FrameSummary, MachineRun, MachineSummary, PolicySummary, Psnr, Summary};
 use crate::counters::Counter;
 use crate::quantity::Bytes;
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
-    TrafficClass,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, FrameStats, L1Counts, Limit, MachineStats,
+    ModelCheck, Needs, PartNeed, TrafficClass,
 };
 use crate::stream::Totals;
 
@@ -37,16 +38,74 @@ const COLUMNS: [Column; 9] = [
     }),
 ];
 
-/// `frames.csv`: a row a policy and frame, policies in the experiment's order.
+/// A column of a machine in `frames.csv`, behind the machine's name and a dot.
+type MachineColumn = (String, Box<dyn Fn(&FrameStats) -> String>);
+
+/// What a machine measured in frames, with the caches, levels and units that it has.
+fn machine_columns(machine: &MachineSummary) -> Vec<MachineColumn> {
+    let frames = || machine.policies.iter().flat_map(|(_, run)| &run.stats.frames);
+    let Some(first) = frames().next() else { return Vec::new() };
+    let mut columns: Vec<MachineColumn> = vec![
+        ("warmup".into(), Box::new(|frame| u8::from(frame.warmup).to_string())),
+        ("cycles".into(), Box::new(|frame| frame.cycles.to_string())),
+        ("rays".into(), Box::new(|frame| frame.rays.to_string())),
+        ("answered".into(), Box::new(|frame| frame.answered.to_string())),
+    ];
+    for level in first.bytes.keys().cloned() {
+        let name = format!("bytes.{level}");
+        columns.push((name, Box::new(move |frame| field(frame.bytes.get(&level)))));
+    }
+    for cache in first.caches.keys() {
+        for (at, counter) in CacheCounts::DECLARED.iter().enumerate() {
+            let (name, cache) = (format!("caches.{cache}.{}", counter.name), cache.clone());
+            columns.push((name, Box::new(move |frame| field(frame.caches.get(&cache).map(|it| it.values()[at])))));
+        }
+    }
+    for (unit, causes) in &first.units {
+        for &cause in causes.keys() {
+            let (name, unit) = (format!("units.{unit}.{}", cause.name()), unit.clone());
+            columns.push((name, Box::new(move |frame| field(frame.units.get(&unit).and_then(|it| it.get(&cause))))));
+        }
+    }
+    for (at, counter) in DramCounts::DECLARED.iter().enumerate() {
+        columns.push((format!("dram.{}", counter.name), Box::new(move |frame| frame.dram.values()[at].to_string())));
+    }
+    if let Some(energy) = &first.energy {
+        let of = |figure: fn(&Energy) -> f64| move |frame: &FrameStats| field(frame.energy.as_ref().map(figure));
+        columns.push(("energy.joules".into(), Box::new(of(|energy| energy.joules))));
+        columns.push(("energy.low".into(), Box::new(of(|energy| energy.low))));
+        columns.push(("energy.high".into(), Box::new(of(|energy| energy.high))));
+        for part in energy.by.keys().cloned() {
+            let name = format!("energy.by.{part}");
+            columns.push((name, Box::new(move |frame| field(frame.energy.as_ref().and_then(|it| it.by.get(&part))))));
+        }
+    }
+    columns
+}
+
+/// `frames.csv`: a row a policy and frame, policies in the experiment's order. Of a frame that a machine did not replay its
+/// columns are empty.
 pub fn frames_csv(summary: &Summary) -> Result<Vec<u8>, csv::Error> {
     let mut csv = csv::Writer::from_writer(Vec::new());
     let counters = Totals::DECLARED.iter().map(|counter| counter.name);
-    csv.write_record(["policy", "frame"].into_iter().chain(counters).chain(COLUMNS.map(|(header, _)| header)))?;
+    let machines: Vec<_> =
+        summary.machines.iter().map(|(name, machine)| (name, machine, machine_columns(machine))).collect();
+    let head = ["policy", "frame"].into_iter().chain(counters).chain(COLUMNS.map(|(header, _)| header));
+    let of_machines = machines
+        .iter()
+        .flat_map(|(name, _, columns)| columns.iter().map(move |(column, _)| format!("{name}.{column}")));
+    csv.write_record(head.map(str::to_owned).chain(of_machines))?;
     for (name, policy) in summary.policies.iter() {
         for row in &policy.frames {
             let counters = row.counts.totals.values().map(|value| value.to_string());
             let others = COLUMNS.map(|(_, text)| text(row));
-            csv.write_record([name.to_owned(), row.frame.to_string()].into_iter().chain(counters).chain(others))?;
+            let of_machines = machines.iter().flat_map(|(_, machine, columns)| {
+                let run = machine.policies.get(name);
+                let frame = run.and_then(|run| run.stats.frames.iter().find(|frame| frame.frame == row.frame));
+                columns.iter().map(move |(_, text)| frame.map_or_else(String::new, text))
+            });
+            let names = [name.to_owned(), row.frame.to_string()];
+            csv.write_record(names.into_iter().chain(counters).chain(others).chain(of_machines))?;
         }
     }
     csv.into_inner().map_err(|error| error.into_error().into())
@@ -129,31 +188,40 @@ fn error(accuracy: &Accuracy) -> String {
     }
 }
 
-/// The machines' key figures, with the change against the run without culling.
+/// The machines' key figures of measured frames, with the change against the run without culling. Rays a second are those
+/// answered.
 pub fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 7] =
-        ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error (cycles, DRAM)"];
+    const HEAD: [&str; 8] =
+        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy/frame", "error (cycles, DRAM)"];
     let mut rows = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
         for (policy, run) in machine.policies.iter() {
             let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let changed = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
-                let change = off.and_then(|off| change_of(figure, share, off, run));
+            let changed = |text: String, change: Option<String>| {
                 change.map_or(text.clone(), |change| format!("{text} ({change})"))
             };
+            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+                changed(text, off.and_then(|off| change_of(figure, share, off, run)))
+            };
+            let energy = off.and_then(|off| change(off.joules_per_frame?, run.joules_per_frame?));
             rows.push(vec![
                 name.to_owned(),
                 policy.to_owned(),
-                changed(short(run.stats.cycles.0 as f64), |run| Some(run.stats.cycles.0 as f64), 0),
-                or_absent(run.rays_per_second, short),
-                changed(or_absent(dram_bytes(run), bytes), |run| Some(dram_bytes(run)?.0 as f64), 2),
+                measured(or_absent(run.milliseconds_per_frame, milliseconds), |run| run.milliseconds_per_frame, 0),
+                or_absent(run.rays_answered_per_second, short),
+                measured(or_absent(run.dram_bytes_per_frame, mean_bytes), |run| run.dram_bytes_per_frame, 2),
                 or_absent(run.dram_utilization, percent),
+                changed(or_absent(run.joules_per_frame, joules), energy),
                 error(&run.stats.accuracy),
             ]);
         }
     }
     Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
+}
+
+fn mean_bytes(amount: f64) -> String {
+    bytes(Bytes(amount.round() as u64))
 }
 
 /// What each policy saved and paid on a machine.
@@ -175,7 +243,9 @@ const PLAIN: &str = "     ──            ";
 pub fn terminal(summary: &Summary) -> String {
     let grids = [policies(summary), machines(summary)];
     let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
-    shown.collect::<Vec<_>>().join("\n\n")
+    let lines: Vec<String> = steady::frames(summary).into_iter().chain(steady::cold_starts(summary)).collect();
+    let lines = (!lines.is_empty()).then(|| lines.join("\n"));
+    shown.chain(lines).collect::<Vec<_>>().join("\n\n")
 }
 
 /// What one machine measured on one stream, for the terminal, without a line's end at the end.

@@ -7,7 +7,7 @@ pub mod aff;
 pub mod builtin;
 pub mod camera;
 mod fields;
-pub mod file;
+
 pub mod keyframes;
 pub mod lamps;
 pub mod obj;

@@ -2,7 +2,8 @@
 
 use std::path::Path;
 
-use super::{SceneError, Texture, file};
+use super::{SceneError, Texture};
+use crate::input;
 
 /// The largest width and height of a texture, in pixels.
 pub const MAX_SIDE: u32 = 1 << 15;
@@ -12,7 +13,8 @@ pub const MAX_SIDE: u32 = 1 << 15;
 /// # Errors
 /// [`SceneError::Read`] if the file cannot be read, [`SceneError::Content`] if it is no PPM or ends too early.
 pub fn read_ppm(path: &Path) -> Result<Texture, SceneError> {
-    let bytes = file::read(path).map_err(|source| SceneError::Read { path: path.into(), source })?;
+    let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
+        .map_err(|source| SceneError::Read { path: path.into(), source })?;
     parse_ppm(&bytes).map_err(|what| SceneError::Content { path: path.into(), what })
 }
 

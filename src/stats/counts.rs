@@ -1,6 +1,6 @@
 //! The counters of the parts of a machine.
 
-use std::ops::Deref;
+use std::ops::{AddAssign, Deref, Sub};
 
 use serde::{Deserialize, Serialize};
 
@@ -45,6 +45,24 @@ pub struct CacheStats {
     pub l1: Option<L1Counts>,
 }
 
+impl Sub for CacheStats {
+    type Output = Self;
+
+    fn sub(self, earlier: Self) -> Self {
+        let l1 = self.l1.map(|now| now - earlier.l1.unwrap_or_default());
+        Self { counts: self.counts - earlier.counts, l1 }
+    }
+}
+
+impl AddAssign for CacheStats {
+    fn add_assign(&mut self, other: Self) {
+        self.counts += other.counts;
+        if let Some(more) = other.l1 {
+            *self.l1.get_or_insert_with(L1Counts::default) += more;
+        }
+    }
+}
+
 /// A level's accesses read as those of any cache.
 impl Deref for CacheStats {
     type Target = CacheCounts;
@@ -63,6 +81,7 @@ counters! {
         row_misses: "commands", "column commands whose bank was closed: an activate went before";
         row_conflicts: "commands", "column commands for which another row had to be closed";
         refreshes: "commands", "refreshes given, all channels together";
+        activates: "commands", "rows opened; a row that a refresh closed before its column command is opened again";
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::TrafficClass;
+use super::traffic::TrafficClass;
 
 /// Misses of a class in LRU caches of any size, from reuse distances.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

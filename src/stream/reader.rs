@@ -40,10 +40,7 @@ impl StreamReader {
     /// Opens the file `path`.
     pub fn open(path: &Path) -> Result<Self, StreamError> {
         let failed = |source| StreamError::Io { path: path.to_owned(), doing: "read", source };
-        let input = File::open(path).map_err(failed)?;
-        if !input.metadata().map_err(failed)?.is_file() {
-            return Err(StreamError::Foreign { path: path.to_owned(), found: "it is no regular file".to_owned() });
-        }
+        let input = crate::input::open(path).map_err(failed)?;
         Self::new(BufReader::new(input), path)
     }
 }

@@ -89,6 +89,25 @@ fn a_dram_part() {
     "#);
 }
 
+/// Older configs name a level that is gone.
+#[test]
+fn a_level_that_is_gone() {
+    let at_the_end = "machines: [\"small.ron\"],";
+    insta::assert_snapshot!(experiment(at_the_end, "machines: [\"small.ron\"], fidelity: Functional,"), @r#"
+    error: tiny.ron:10:40: the level Functional is gone: Event is exact for about the same time, Profile is faster; use Event or Profile
+        |
+     10 |     machines: ["small.ron"], fidelity: Functional,
+        |                                        ^
+    "#);
+    let sampled = "machines: [\"small.ron\"], fidelity: Sampled(engine: Functional, rate: 0.1),";
+    insta::assert_snapshot!(experiment(at_the_end, sampled), @r#"
+    error: tiny.ron:10:56: the level Functional is gone: Event is exact for about the same time, Profile is faster; use Event or Profile
+        |
+     10 |     machines: ["small.ron"], fidelity: Sampled(engine: Functional, rate: 0.1),
+        |                                                        ^
+    "#);
+}
+
 #[test]
 fn a_typo() {
     insta::assert_snapshot!(experiment("resolution", "resolutoin"), @r"

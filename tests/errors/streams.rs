@@ -54,8 +54,8 @@ fn a_stream_with_a_flipped_bit() {
 fn something_else_than_a_stream() {
     let desk = desk();
     insta::assert_snapshot!(refused(&desk, b"P6 640 480 255 and then the pixels"), @"error: bad.rays is no ray stream: it begins with `P6 640 4`");
-    insta::assert_snapshot!(desk.refused(&["inspect", "/dev/null"]), @"error: /dev/null is no ray stream: it is no regular file");
-    insta::assert_snapshot!(desk.refused(&["inspect", "."]), @"error: . is no ray stream: it is no regular file");
+    insta::assert_snapshot!(desk.refused(&["inspect", "/dev/null"]), @"error: cannot read /dev/null: a pipe or a device: a regular file is needed");
+    insta::assert_snapshot!(desk.refused(&["inspect", "."]), @"error: cannot read .: a folder: a regular file is needed");
     insta::assert_snapshot!(desk.refused(&["inspect", "absent.rays"]), @"error: cannot read absent.rays: No such file or directory (os error 2)");
 }
 

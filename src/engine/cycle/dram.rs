@@ -219,6 +219,7 @@ impl Channel {
             self.activates.retain(|&activate| activate + self.part.timing.faw.get() > now);
             self.activates.push(now);
             self.log.give(now, Command::Activate { bank: number, row });
+            self.counts.activates += 1;
             wires.to_channel[self.index].entries(cycle).skip(index).take(1).for_each(|entry| entry.activated = true);
         } else if let Some(index) = precharge {
             let number = queue[index].place.bank;

@@ -2,12 +2,16 @@
 //!
 //! A ray's step is one event, at which everything is decided: when a unit is free, which levels have the line, when it comes, and so
 //! when the ray goes on. Rays in flight are limited as in the machine and overtake each other where they wait for lines, which is
-//! what the order of accesses hangs on. Left out of MODEL.md's rules, beside what [`super::functional`] leaves out: an operation takes its
-//! place in the pipeline when it asks for data, not when it has them; the DRAM serves requests to a bank nearly as they come.
+//! what the order of accesses hangs on. Left out of MODEL.md's rules: fills that wait for room, one fill a cycle, and most of the
+//! order within a cycle. An operation takes its place in the pipeline when it asks for data, not when it has them. The DRAM serves
+//! requests to a bank nearly in the order in which they come.
 
 mod agenda;
+mod crossing;
 pub(super) mod curves;
+mod dispatch;
 mod dram;
+mod host;
 mod level;
 mod memory;
 mod slots;
@@ -15,11 +19,11 @@ mod unit;
 mod watch;
 
 use self::agenda::Agenda;
+use self::crossing::{Crossing, Taken};
+use self::dispatch::{Dispatch, Given};
 use self::memory::Memory;
 use self::unit::Unit;
 use self::watch::Watch;
-use super::crossing::{Crossing, Taken};
-use super::dispatch::{Dispatch, Given};
 use super::feed::Feed;
 use super::tally::{Tally, busy};
 use super::work::{Holder, Work};
@@ -63,7 +67,7 @@ pub(super) struct Profile<W = ()> {
     division: DivisionSpec,
     cores: usize,
     layout: Layout,
-    dispatch: Dispatch,
+    pub(super) dispatch: Dispatch,
     rays: Vec<Whereabouts>,
     /// Units, as the crossing numbers them.
     units: Vec<Unit>,

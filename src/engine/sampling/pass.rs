@@ -11,7 +11,7 @@ use super::job::{self, Found};
 use super::kept::{Kept, KeptJob};
 use super::plan::Plan;
 use super::windows::{Job, Windows};
-use crate::engine::{Engine, RunError, Sampled, event, functional, profile};
+use crate::engine::{Engine, RunError, Sampled, event, profile};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
@@ -142,7 +142,6 @@ impl<'a> Sampler<'a> {
         let Self { engine, machine, header, .. } = *self;
         let found = match engine {
             Sampled::Profile => job::replay(profile::Profile::new(machine, header), machine, job),
-            Sampled::Functional => job::replay(functional::Functional::new(machine, header), machine, job),
             Sampled::Event => job::replay(event::Event::new(machine, header), machine, job),
         };
         (job.number, found)
@@ -153,7 +152,6 @@ impl<'a> Sampler<'a> {
         let Self { engine, machine, header, .. } = *self;
         let tally = match engine {
             Sampled::Profile => profile::Profile::new(machine, header).tally(1),
-            Sampled::Functional => functional::Functional::new(machine, header).tally(1),
             Sampled::Event => event::Event::new(machine, header).tally(1),
         };
         tally.stats(machine)

@@ -405,15 +405,15 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
 
-/// The functional rung too, whose memory goes on without end.
+/// `Profile` too, which has no watchdog: nothing is due any more while the stream is not at its end.
 #[test]
-fn a_functional_machine_that_does_not_move_is_reported() {
+fn a_machine_that_does_not_move_is_reported_by_profile() {
     let machine = MachineSpec::default();
-    let mut engine = functional::Functional::new(&machine, &header());
+    let mut engine = profile::Profile::new(&machine, &header());
     engine.dispatch.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
     let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
-    assert!(error.contains("rays in flight 0, sent by L1s and not taken 0"), "{error}");
+    assert!(error.contains("nothing has moved up to cycle 0:\nrays in flight 0"), "{error}");
 }
 
 #[test]

@@ -8,9 +8,10 @@ use super::animation::{Lamp, ROOT, Times, View};
 use super::builder::{Builder, Space, chain};
 use super::lexer::Lexer;
 use super::shapes::{self, Shapes};
+use crate::input;
 use crate::scene::keyframes::{Key, Motion, RotationTrack, Tcb, TrackError, VectorTrack, VisibilityTrack};
 use crate::scene::render::MAX_LIGHTS;
-use crate::scene::{Material, SceneError, file};
+use crate::scene::{Material, SceneError};
 
 /// How deep files may include one another; the BART scenes go 4 deep.
 pub const MAX_INCLUDE_DEPTH: usize = 32;
@@ -138,8 +139,8 @@ impl Parser {
         if self.includes > MAX_INCLUDES {
             return Err(lexer.error(format!("`{name}`: more than {MAX_INCLUDES} includes")));
         }
-        let bytes =
-            file::read(&path).map_err(|error| lexer.error(format!("cannot include `{name}`: {}", chain(&error))))?;
+        let bytes = input::read(&path, input::MAX_SCENE_FILE_BYTES)
+            .map_err(|error| lexer.error(format!("cannot include `{name}`: {}", chain(&error))))?;
         self.parse(&path, &bytes, space)
     }
 

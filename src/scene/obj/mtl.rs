@@ -10,6 +10,7 @@ use std::path::Path;
 use glam::Vec3;
 
 use super::read::numbers;
+use crate::input;
 use crate::scene::{Material, MaterialId, SceneError, Texture, TextureId, texture};
 
 /// The materials of one OBJ file by name.
@@ -39,7 +40,8 @@ impl Library {
     /// # Errors
     /// A file that is missing, numbers that are malformed or out of range, a picture that cannot be had.
     pub fn read(&mut self, path: &Path, names: &mut Names) -> Result<(), SceneError> {
-        let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+        let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
+            .map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
         self.parse(path, &bytes, names)
     }
 

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use glam::{Vec2, Vec3};
 
 use super::mtl::{self, Library};
+use crate::input;
 use crate::scene::{Attributes, Geometry, MaterialId, SceneError, Triangle};
 
 /// The triangles of the OBJ file at `path`; its materials and textures are added to `library`, and faces without one get
@@ -18,7 +19,8 @@ use crate::scene::{Attributes, Geometry, MaterialId, SceneError, Triangle};
 /// A file that cannot be read, a line that is not OBJ, a number that is not finite, an index without its vertex, a
 /// material that no library of the file defines, no face at all; and what [`mtl`] refuses.
 pub fn read(path: &Path, plain: MaterialId, library: &mut Library) -> Result<Geometry, SceneError> {
-    let bytes = std::fs::read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
+    let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
+        .map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     parse(path, &bytes, plain, library)
 }
 

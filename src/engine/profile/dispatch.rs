@@ -1,14 +1,13 @@
-//! The dispatcher without its cycles: the in FIFO, rays in flight, and which one, or which step of a frame's end, goes where next. Rungs that
-//! know parts as times from which on they are free share it.
+//! Untimed dispatcher: the in FIFO, rays in flight, and which ray, or which end-of-frame step, goes to which unit next.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::RunError;
-use super::feed::Feed;
 use super::host::{Host, Place, Pulled};
-use super::work::Holder;
+use crate::engine::RunError;
+use crate::engine::feed::Feed;
 use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
+use crate::engine::work::Holder;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;

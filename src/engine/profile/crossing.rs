@@ -1,11 +1,11 @@
-//! How rays go from unit to unit, without cycles: each unit sends one ray a cycle and takes one on, has contexts, and a queue in front of
-//! them that may be full. Then the first ray that leaves another unit waits there, and all behind it, wherever they go: which unit's ray comes next
-//! decides which rays run together, and so what the first-level caches miss. Rungs that know parts as times from which on they are free share it.
+//! Issue queues: how rays go from unit to unit, without cycles. Each unit sends one ray a cycle and takes one on, has contexts,
+//! and a queue in front of them. A full queue blocks the first ray that leaves another unit and all behind it (head-of-line
+//! blocking). Which unit's ray comes next decides which rays run together, and so what the first-level caches miss.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 
-use super::part_set::PartSet;
+use crate::engine::part_set::PartSet;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 

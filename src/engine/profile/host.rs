@@ -3,8 +3,8 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use super::RunError;
-use super::feed::Feed;
+use crate::engine::RunError;
+use crate::engine::feed::Feed;
 use crate::engine::source::{StreamFault, parents};
 use crate::stream::{Chunk, FrameInfo, Item, Totals};
 

@@ -1,0 +1,37 @@
+//! `chart`: saving against error over several runs.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::outcome::Outcome;
+use super::print::print;
+use crate::report;
+use crate::report::chart::{ChartSummary, write_chart};
+
+/// Chart what policies save against what they get wrong, over runs
+///
+/// The runs' reports give the numbers.
+#[derive(Args)]
+pub(super) struct Chart {
+    /// Folders of reports, from `umbrasim run`
+    #[arg(required = true, value_name = "REPORT_DIR")]
+    reports: Vec<PathBuf>,
+    /// Where the chart goes
+    #[arg(long, value_name = "DIR", default_value = "reports/chart")]
+    out: PathBuf,
+}
+
+impl Chart {
+    pub(super) fn run(self) -> Result<Outcome> {
+        report::check_target(&self.out)?;
+        let read = |report: PathBuf| report::read_summary(&report.join(report::SUMMARY_FILE));
+        let runs = self.reports.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+        let chart = ChartSummary::new(&runs);
+        write_chart(&self.out, &chart)?;
+        print(report::drawn(&chart.grid()))?;
+        print(self.out.join(report::PAGE_FILE).display())?;
+        Ok(Outcome::Done)
+    }
+}

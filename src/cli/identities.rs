@@ -1,0 +1,42 @@
+//! `identities`: the T&I engine's published table beside ours.
+
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::json_file::JsonFile;
+use super::outcome::Outcome;
+use super::print::print;
+use super::stop::stop_on_interrupt;
+use crate::experiment::identities;
+use crate::report;
+
+/// Replay rays of one kind on the T&I engine, beside its table
+///
+/// The rays are all primary, all shadow or all diffuse rays. Holds two identities that tie the table's columns:
+/// utilisation is operations a ray times rays a second over the peak, and DRAM bytes a ray follow from operations and
+/// hit rates. The command fails if the first does not hold.
+#[derive(Args)]
+pub(super) struct Identities {
+    /// The table's file
+    #[arg(default_value = "configs/experiments/identities.ron")]
+    config: PathBuf,
+    /// Write all rows to this file too, as JSON
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+}
+
+impl Identities {
+    pub(super) fn run(self) -> Result<Outcome> {
+        let stop = stop_on_interrupt()?;
+        let json = JsonFile::begin(self.json)?;
+        let (rows, published) = identities::identities(&self.config, &stop)?;
+        print(report::drawn(&identities::grid(&rows, &published)))?;
+        let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
+        print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;
+        json.finish(&rows)?;
+        Ok(Outcome::failed_if(stop.load(Ordering::Relaxed) || worst > identities::MOST_GAP))
+    }
+}

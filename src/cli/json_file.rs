@@ -1,0 +1,31 @@
+//! The file of `--json`.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use anyhow::{Context, Result};
+use serde::Serialize;
+
+use crate::new_file::NewFile;
+
+/// A file for measurements, if the user wants one. Begun before the work, which would be lost if the file could not be
+/// written.
+pub(super) struct JsonFile(Option<(PathBuf, NewFile)>);
+
+impl JsonFile {
+    pub(super) fn begin(path: Option<PathBuf>) -> Result<Self> {
+        let begin = |path: PathBuf| {
+            let file = NewFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            anyhow::Ok((path, file))
+        };
+        Ok(Self(path.map(begin).transpose()?))
+    }
+
+    pub(super) fn finish(self, measured: &impl Serialize) -> Result<()> {
+        let Some((path, mut file)) = self.0 else { return Ok(()) };
+        let text = serde_json::to_string_pretty(measured)?;
+        file.write_all(text.as_bytes())
+            .and_then(|()| file.finish())
+            .with_context(|| format!("cannot write {}", path.display()))
+    }
+}

@@ -1,0 +1,33 @@
+//! `ladder-map`: where each fidelity level breaks.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::outcome::Outcome;
+use super::print::print;
+use crate::experiment::ladder_map;
+use crate::report;
+
+/// Map where each fidelity level breaks, on synthetic streams
+///
+/// The streams are swept over what the levels assume: skew, footprint, coherence, caches, rays in flight, miss
+/// registers and bursts: how far each level is from Event, as a table of the worst, `ladder.csv` and a heat map.
+#[derive(Args)]
+pub(super) struct LadderMap {
+    /// Where the map goes
+    #[arg(long, value_name = "DIR", default_value = "reports/ladder_map")]
+    out: PathBuf,
+}
+
+impl LadderMap {
+    pub(super) fn run(self) -> Result<Outcome> {
+        report::check_target(&self.out)?;
+        let map = ladder_map::run();
+        print(report::drawn(&report::ladder_map::grid(&map)))?;
+        report::ladder_map::write_map(&self.out, &map)?;
+        print(self.out.join(report::PLOTS_FOLDER).join(report::ladder_map::PLOT_FILE).display())?;
+        Ok(Outcome::Done)
+    }
+}

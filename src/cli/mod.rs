@@ -1,0 +1,85 @@
+//! The command line. A command is a struct of arguments with `run`, in a file of its own; [`command`] lists them in the
+//! groups that `--help` shows.
+
+mod arguments;
+mod chart;
+mod command;
+mod explain;
+mod help;
+mod identities;
+mod inspect;
+mod json_file;
+mod ladder_map;
+mod outcome;
+mod paper_table;
+mod pareto;
+mod plot;
+mod print;
+mod profile;
+mod replay;
+mod replay_exports;
+mod run;
+mod stop;
+mod stress;
+mod sweep;
+mod trace;
+mod validate;
+
+use std::process::ExitCode;
+
+use anyhow::{Context, Result};
+use clap::{CommandFactory, FromArgMatches, Parser};
+
+use command::Command;
+use outcome::Outcome;
+
+/// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
+#[derive(Parser)]
+#[command(version, max_term_width = 100, after_help = AFTER_HELP)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Threads that trace, validate and replay samples; results don't depend on it [default: one a core]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+const AFTER_HELP: &str = "\
+Start with:  umbrasim run configs/experiments/quickstart.ron
+then open    reports/quickstart/index.html
+
+Exit status: 0 done; 1 stopped by Ctrl-C, or a simulation failed; 2 a wrong command line, config, scene or stream.";
+
+/// The `umbrasim` program: parses the command line, runs the command, and prints errors to standard error.
+pub fn main() -> ExitCode {
+    #[cfg(unix)]
+    outlive_size_limits();
+    let matches = help::grouped(Cli::command()).get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match execute(cli) {
+        Ok(outcome) => outcome.into(),
+        Err(error) => {
+            eprintln!("error: {error:#}");
+            outcome::exit_code(&error)
+        }
+    }
+}
+
+fn execute(cli: Cli) -> Result<Outcome> {
+    if let Some(threads) = cli.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
+        pool.build_global().context("cannot start the threads")?;
+    }
+    cli.command.run()
+}
+
+/// Makes a write beyond a file size limit an error, as one to a full disk is. Without this a signal ends the program
+/// without a message and leaves its temporary files behind.
+#[cfg(unix)]
+fn outlive_size_limits() {
+    use nix::sys::signal::{SigSet, Signal};
+    let mut blocked = SigSet::empty();
+    blocked.add(Signal::SIGXFSZ);
+    // Threads started later inherit this. Without it the program still works, but for that message.
+    let _ = blocked.thread_block();
+}

@@ -1,0 +1,45 @@
+//! `pareto`: error against speed of every fidelity level.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::arguments::report_folder;
+use super::outcome::Outcome;
+use super::print::print;
+use super::stop::stop_on_interrupt;
+use crate::engine::Fidelity;
+use crate::experiment::pareto;
+use crate::report;
+
+/// Chart the error of each fidelity level against its speed
+///
+/// The same streams are replayed by every level. The report has a table (`pareto.csv`), a chart and a page: errors of
+/// cycles, of L2 and DRAM bytes and of what policies save, mean and worst, beside what the levels claim; which level
+/// none beats; and where one puts policies or machines in a wrong order.
+#[derive(Args)]
+pub(super) struct Pareto {
+    /// The comparison's file
+    #[arg(default_value = "configs/experiments/pareto.ron")]
+    config: PathBuf,
+    /// What the levels are held to, in place of the file's: Event or Cycle
+    #[arg(long, value_name = "LEVEL")]
+    truth: Option<Fidelity>,
+    /// Where the report goes [default: reports/, the name of the comparison's file]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Pareto {
+    pub(super) fn run(self) -> Result<Outcome> {
+        let out = report_folder(self.out, &self.config)?;
+        report::check_target(&out)?;
+        let stop = stop_on_interrupt()?;
+        let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
+        print(report::drawn(&summary.grid(&timings)))?;
+        report::pareto::write_pareto(&out, &summary, &timings)?;
+        print(out.join(report::PAGE_FILE).display())?;
+        Ok(Outcome::Done)
+    }
+}

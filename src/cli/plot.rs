@@ -1,0 +1,25 @@
+//! `plot`: draws a report again.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::outcome::Outcome;
+use super::print::print;
+use crate::report;
+
+/// Draw a report's plots and page again, from its numbers on disk
+#[derive(Args)]
+pub(super) struct Plot {
+    /// The report's folder
+    report: PathBuf,
+}
+
+impl Plot {
+    pub(super) fn run(self) -> Result<Outcome> {
+        report::redraw(&self.report)?;
+        print(self.report.join(report::PAGE_FILE).display())?;
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,46 @@
+//! `profile`: reuse distances of a recorded ray stream.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::arguments::StreamAndMachine;
+use super::outcome::Outcome;
+use super::print::print;
+use crate::engine::{ReuseOf, Share};
+use crate::experiment::reuse::reuse;
+use crate::report;
+
+/// Measure how a recorded ray stream misses in caches of all sizes
+///
+/// One pass replays the stream as the fidelity Profile does. The requests to each cache of the machine give reuse
+/// distances, and these the misses of LRU caches of 1 kB to 16 MB in its place, by class of traffic: a table,
+/// `reuse.csv` and a plot.
+#[derive(Args)]
+pub(super) struct Profile {
+    #[command(flatten)]
+    input: StreamAndMachine,
+    /// Measure a share of the lines only, chosen by a hash [example: 0.01]
+    #[arg(long, value_name = "SHARE")]
+    sample: Option<Share>,
+    /// With a sample: lines that are always in it, those that are asked for most often
+    #[arg(long, value_name = "LINES", default_value_t = 4096)]
+    hot: usize,
+    /// Where the report goes
+    #[arg(long, value_name = "DIR", default_value = "reports/profile")]
+    out: PathBuf,
+}
+
+impl Profile {
+    pub(super) fn run(self) -> Result<Outcome> {
+        report::check_target(&self.out)?;
+        let machine = self.input.machine()?;
+        let of = self.sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot: self.hot });
+        let summary = reuse(&machine, of, &self.input.stream)?;
+        print(report::drawn(&report::reuse::grid(&summary)))?;
+        report::reuse::write_reuse(&self.out, &summary)?;
+        print(self.out.join(report::PLOTS_FOLDER).join(report::reuse::PLOT_FILE).display())?;
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,52 @@
+//! `run`: an experiment from scenes to report.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::arguments::ExperimentArgs;
+use super::outcome::Outcome;
+use super::print::print;
+use super::stop::stop_on_interrupt;
+use crate::experiment::{Experiment, run};
+use crate::report;
+
+/// Run an experiment: trace, replay, validate, and write a report
+///
+/// Every frame is traced once for all culling policies. Each policy's ray stream is replayed on each machine while it
+/// is traced, and the pictures are compared with those of a reference renderer in double precision that shares no code
+/// with the tracer. The report (numbers, plots, pictures and a page that shows all) goes to `reports/NAME`, after the
+/// experiment's name. Ctrl-C ends the run after the frame in work; the report then covers the frames done, and says so.
+#[derive(Args)]
+pub(super) struct Run {
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    /// Where the report goes [default: reports/NAME]
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Run {
+    pub(super) fn run(self) -> Result<Outcome> {
+        let experiment = self.experiment.load()?;
+        let out = self.out.unwrap_or_else(|| Path::new("reports").join(&experiment.spec.name));
+        run_and_report(&experiment, true, Some(&out))
+    }
+}
+
+/// Runs `experiment`, on its machines if `machines` is set, prints its tables and writes its report to `out`.
+pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -> Result<Outcome> {
+    if let Some(out) = out {
+        report::check_target(out)?;
+    }
+    let stop = stop_on_interrupt()?;
+    let result = run::run(experiment, machines, &stop)?;
+    print(report::terminal(&result.summary))?;
+    if let Some(out) = out {
+        report::write_report(out, &result)?;
+        print(out.join(report::PAGE_FILE).display())?;
+    }
+    Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
+}

@@ -1,0 +1,36 @@
+//! `trace`: records a ray stream.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::arguments::ExperimentArgs;
+use super::outcome::Outcome;
+use super::print::print;
+use super::stop::stop_on_interrupt;
+use crate::experiment::trace::trace;
+
+/// Trace frames for one policy and record the ray stream in a file
+///
+/// The file describes itself (`umbrasim inspect`) and is all that `umbrasim replay` needs beside a machine.
+#[derive(Args)]
+pub(super) struct Trace {
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    /// The stream's file; its folder must be there
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Which policy of the experiment [default: the first]
+    #[arg(long, value_name = "NAME")]
+    policy: Option<String>,
+}
+
+impl Trace {
+    pub(super) fn run(self) -> Result<Outcome> {
+        let stop = stop_on_interrupt()?;
+        trace(&self.experiment.load()?, self.policy.as_deref(), &self.output, &stop)?;
+        print(self.output.display())?;
+        Ok(Outcome::Done)
+    }
+}

@@ -1,0 +1,29 @@
+//! `validate`: pictures and shadow decisions without machines.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+use clap::Args;
+
+use super::arguments::ExperimentArgs;
+use super::outcome::Outcome;
+use super::run::run_and_report;
+
+/// Compare pictures and shadow decisions with the reference's
+///
+/// Prints, for each policy, wrong decisions (false dark, false lit: against the same ray traced without culling) and
+/// numeric differences (rounding: the tracer without culling against the reference in double precision).
+#[derive(Args)]
+pub(super) struct Validate {
+    #[command(flatten)]
+    experiment: ExperimentArgs,
+    /// Write a report with the pictures too
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+}
+
+impl Validate {
+    pub(super) fn run(self) -> Result<Outcome> {
+        run_and_report(&self.experiment.load()?, false, self.out.as_deref())
+    }
+}

@@ -1,0 +1,108 @@
+//! The one reader of a user's files: regular files only, each up to a largest size.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The largest config (RON file), in bytes.
+pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
+/// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
+pub(crate) const MAX_SCENE_FILE_BYTES: u64 = 1 << 28;
+
+/// Opens the regular file at `path`.
+///
+/// # Errors
+/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come.
+pub(crate) fn open(path: &Path) -> io::Result<File> {
+    // The kind is looked up before the file is opened: opening a pipe waits for its writer.
+    check_regular(&path.metadata()?)?;
+    let file = File::open(path)?;
+    // Another file may have taken the name in between.
+    check_regular(&file.metadata()?)?;
+    Ok(file)
+}
+
+/// The bytes of the regular file at `path`, at most `most` of them.
+///
+/// # Errors
+/// As [`open`], and a file that is larger than `most`.
+pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    let mut bytes = Vec::new();
+    let told = file.metadata()?.len();
+    if told <= most {
+        // Some files tell a length of 0 and have bytes: one byte more than allowed shows that there are too many.
+        file.take(most + 1).read_to_end(&mut bytes)?;
+    }
+    let length = told.max(bytes.len() as u64);
+    if length > most {
+        Err(refused(format!("the file has {length} bytes: at most {most} are allowed")))
+    } else {
+        Ok(bytes)
+    }
+}
+
+/// The text of the regular file at `path`, at most `most` bytes, without a byte order mark.
+///
+/// # Errors
+/// As [`read`], and bytes that are not UTF-8, with their line.
+pub(crate) fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let text = String::from_utf8(read(path, most)?).map_err(|error| {
+        let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = valid.iter().filter(|&&byte| byte == b'\n').count() + 1;
+        refused(format!("line {line} is not UTF-8 text"))
+    })?;
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+}
+
+fn check_regular(metadata: &std::fs::Metadata) -> io::Result<()> {
+    if metadata.is_file() {
+        return Ok(());
+    }
+    let kind = if metadata.is_dir() { "a folder" } else { "a pipe or a device" };
+    Err(refused(format!("{kind}: a regular file is needed")))
+}
+
+fn refused(what: String) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidInput, what)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_regular_files_are_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        std::fs::write(&path, b"\xF6 text").unwrap();
+        assert_eq!(read(&path, 6).unwrap(), b"\xF6 text");
+        assert!(read(&path, 5).unwrap_err().to_string().contains("6 bytes: at most 5"));
+        assert!(read(dir.path(), 9).unwrap_err().to_string().contains("a folder"));
+        assert_eq!(read(&dir.path().join("missing"), 9).unwrap_err().kind(), io::ErrorKind::NotFound);
+        let large = File::create(dir.path().join("large")).unwrap();
+        large.set_len(1 << 40).unwrap();
+        assert!(read(&dir.path().join("large"), 1 << 20).unwrap_err().to_string().contains("at most 1048576"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_devices_are_refused_without_waiting() {
+        let dir = tempfile::tempdir().unwrap();
+        let pipe = dir.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [pipe.as_path(), Path::new("/dev/zero")] {
+            assert!(open(path).unwrap_err().to_string().contains("a regular file is needed"), "{path:?}");
+        }
+    }
+
+    #[test]
+    fn text_has_no_byte_order_mark_and_is_utf8() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a");
+        std::fs::write(&path, "\u{feff}text").unwrap();
+        assert_eq!(read_text(&path, 100).unwrap(), "text");
+        std::fs::write(&path, b"a\nb\n\xFF").unwrap();
+        assert_eq!(read_text(&path, 100).unwrap_err().to_string(), "line 3 is not UTF-8 text");
+    }
+}
