@@ -1,5 +1,8 @@
 //! The energy that a machine used: counts times constants. `docs/model/energy.md` has the rules in words.
 
+#[cfg(test)]
+mod tests;
+
 use std::collections::BTreeMap;
 
 use crate::machine::MachineSpec;
