@@ -12,7 +12,7 @@ pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;
-pub mod new_file;
+pub mod output;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;

@@ -17,13 +17,13 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("quantity", &[]),
     ("ranged", &[]),
     ("named", &[]),
-    ("new_file", &[]),
+    ("output", &[]),
     ("input", &[]),
     ("ron_file", &["ranged", "input"]),
     ("counters", &[]),
     ("spread", &[]),
     ("stats", &["quantity", "counters"]),
-    ("stream", &["quantity", "new_file", "input", "counters"]),
+    ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
     ("scene", &["quantity", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
@@ -37,14 +37,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "counters", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "counters", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[
             "quantity",
             "ranged",
             "named",
-            "new_file",
+            "output",
             "input",
             "ron_file",
             "stats",
@@ -61,7 +61,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "new_file", "stream", "machine", "engine", "report", "experiment"]),
+    ("cli", &["quantity", "output", "stream", "machine", "engine", "report", "experiment"]),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

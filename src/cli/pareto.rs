@@ -8,9 +8,9 @@ use clap::Args;
 use super::arguments::report_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::engine::Fidelity;
 use crate::experiment::pareto;
+use crate::output::signals;
 use crate::report;
 
 /// Chart the error of each fidelity level against its speed
@@ -35,7 +35,7 @@ impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = report_folder(self.out, &self.config)?;
         report::check_target(&out)?;
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
         report::pareto::write_pareto(&out, &summary, &timings)?;

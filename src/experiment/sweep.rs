@@ -20,7 +20,7 @@ use super::{Experiment, ExperimentError, Overrides, beside, progress};
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::named::Named;
-use crate::new_file::write_new;
+use crate::output::write_whole;
 use crate::quantity::Resolution;
 use crate::report::sweep::{Change, SweepPoint, SweepSummary};
 use crate::ron_file::{self, ConfigError};
@@ -361,7 +361,7 @@ fn run_all(
                 return Err(SweepError::Stopped);
             }
             let text = serde_json::to_vec_pretty(&stats.map_err(failed)?).expect("plain data, which JSON can hold");
-            write_new(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
+            write_whole(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
         }
         bar.inc(1);
         Ok(())

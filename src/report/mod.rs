@@ -26,7 +26,7 @@ use std::io;
 use std::path::{Component, Path, PathBuf};
 
 pub use crate::named::Named;
-use crate::new_file::write_new;
+use crate::output::write_whole;
 pub use table::{Grid, drawn, replayed, terminal};
 
 use pictures::{Image, PictureInfo};
@@ -257,7 +257,7 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), ReportError> {
     let failed = |source| ReportError::Write { path: path.into(), source };
     let folder = path.parent().unwrap_or(Path::new("."));
     fs::create_dir_all(folder).map_err(failed)?;
-    write_new(path, bytes).map_err(failed)
+    write_whole(path, bytes).map_err(failed)
 }
 
 #[cfg(test)]

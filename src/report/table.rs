@@ -51,8 +51,8 @@ fn machine_columns(machine: &MachineSummary) -> Vec<MachineColumn> {
         ("rays".into(), Box::new(|frame| frame.rays.to_string())),
         ("answered".into(), Box::new(|frame| frame.answered.to_string())),
     ];
-    for level in first.bytes.keys().cloned() {
-        let name = format!("bytes.{level}");
+    for level in first.bytes.keys() {
+        let (name, level) = (format!("bytes.{level}"), level.clone());
         columns.push((name, Box::new(move |frame| field(frame.bytes.get(&level)))));
     }
     for cache in first.caches.keys() {
@@ -75,8 +75,8 @@ fn machine_columns(machine: &MachineSummary) -> Vec<MachineColumn> {
         columns.push(("energy.joules".into(), Box::new(of(|energy| energy.joules))));
         columns.push(("energy.low".into(), Box::new(of(|energy| energy.low))));
         columns.push(("energy.high".into(), Box::new(of(|energy| energy.high))));
-        for part in energy.by.keys().cloned() {
-            let name = format!("energy.by.{part}");
+        for part in energy.by.keys() {
+            let (name, part) = (format!("energy.by.{part}"), part.clone());
             columns.push((name, Box::new(move |frame| field(frame.energy.as_ref().and_then(|it| it.by.get(&part))))));
         }
     }

@@ -13,28 +13,18 @@ use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
 
 use super::tree::{Child, Node, Tree};
-use super::triangle::Record;
-use crate::quantity::PrimitiveId;
-use crate::scene::Triangle;
+use crate::accel::spec::Quality;
+use crate::accel::structure::{Base, Item};
+use crate::accel::triangle::Record;
 
-/// A triangle to build a tree over, and whose it is.
-#[derive(Clone, Copy, Debug)]
-pub struct Item<'a> {
-    /// Whose triangle it is.
-    pub primitive: PrimitiveId,
-    /// Where it is.
-    pub triangle: &'a Triangle,
-}
-
-/// Ids from which a tree's nodes and slots count.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Base {
-    /// The id of the tree's root.
-    pub node: u32,
-    /// The tree's first triangle slot.
-    pub slot: u32,
-    /// The tree's first entry of primitive lists.
-    pub list: u32,
+/// The parameters of obvhs for a quality.
+pub fn params(quality: Quality) -> BvhBuildParams {
+    let preset = match quality {
+        Quality::Fast => BvhBuildParams::fast_build(),
+        Quality::Medium => BvhBuildParams::medium_build(),
+        Quality::Best => BvhBuildParams::very_slow_build(),
+    };
+    BvhBuildParams { pre_split: false, ..preset }
 }
 
 /// A node width that obvhs can build.
