@@ -12,6 +12,7 @@ use crate::engine::Fidelity;
 use crate::experiment::pareto;
 use crate::output::signals;
 use crate::report;
+use crate::report::pareto::ParetoReport;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -38,8 +39,7 @@ impl Pareto {
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
-        report::pareto::write_pareto(&out, &summary, &timings)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
         Ok(Outcome::Done)
     }
 }

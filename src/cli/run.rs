@@ -43,10 +43,9 @@ pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Optio
     }
     let stop = signals::stop_flag();
     let result = run::run(experiment, machines, &stop)?;
-    print(report::terminal(&result.summary))?;
+    print(report::run::terminal(&result.summary))?;
     if let Some(out) = out {
-        report::write_report(out, &result)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::write(out, &result)?.display())?;
     }
     Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
 }

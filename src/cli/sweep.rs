@@ -32,8 +32,7 @@ impl Sweep {
         let stop = signals::stop_flag();
         let summary = sweep::sweep(&self.config, &out, &stop)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
-        report::sweep::write_sweep(&out, &summary)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::update(&out, &summary)?.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -6,9 +6,11 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
+use super::files::{beside, read_machine};
 use super::frames::FrameRange;
+use super::load::{Experiment, Overrides};
+use super::progress;
 use super::sweep::{Recorded, SweepError, record};
-use super::{Experiment, Overrides, beside, progress, read_machine};
 use crate::culling::PolicySpec;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
@@ -190,7 +192,7 @@ fn replay(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::rung::Rung;
+    use crate::report::pareto::Rung;
 
     /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
     #[test]

@@ -14,9 +14,11 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_64;
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::{Experiment, ExperimentError, Overrides};
+use super::progress;
 use super::split::{with_free_words, without_unit};
-use super::{Experiment, ExperimentError, Overrides, beside, progress};
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::named::Named;

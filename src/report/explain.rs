@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::table::{Grid, drawn};
+use super::grid::{Grid, drawn};
 use crate::counters::Counter;
 use crate::stats::{CacheCounts, DramCounts, L1Counts, LatencyCounts, QueueCounts};
 use crate::stream::Totals;
@@ -355,8 +355,7 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::FRAMES_FILE;
-    use crate::report::table::frames_csv;
+    use crate::report::run::frames_csv::frames_csv;
 
     #[test]
     fn every_number_of_a_report_is_declared_once_and_every_declaration_is_of_one() {
@@ -367,15 +366,15 @@ mod tests {
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
         // The written sample is of an exact rung; what estimates add is in the one made for tests.
-        let estimated = crate::report::sample::sample(&[0]).summary;
-        let of_machines = String::from_utf8(frames_csv(&estimated).unwrap()).unwrap();
+        let estimated = crate::report::run::tests::sample::sample(&[0]).summary;
+        let of_machines = frames_csv(&estimated).head;
         let estimated = serde_json::to_value(estimated).unwrap();
         assert_eq!(undeclared(&estimated), Vec::<String>::new());
         numbers(&estimated, &mut Vec::new(), &mut found);
-        let sweep = serde_json::to_value(crate::report::sample::sweep()).unwrap();
+        let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
         numbers(&sweep, &mut Vec::new(), &mut found);
-        let csv = std::fs::read_to_string(format!("{sample}/{FRAMES_FILE}")).unwrap();
+        let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let statistics = statistics();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
@@ -385,7 +384,7 @@ mod tests {
             let path = format!("machines.{machine}.policies.off.frames.0.{path}");
             path.split('.').map(str::to_owned).collect::<Vec<_>>()
         };
-        for path in of_machines.lines().next().unwrap().split(',').filter(|name| name.contains('.')).map(of_machine) {
+        for path in of_machines.iter().filter(|name| name.contains('.')).map(|name| of_machine(name)) {
             assert!(statistics.iter().any(|statistic| statistic.declares(&path)), "{path:?}");
             found.push((path, String::new()));
         }

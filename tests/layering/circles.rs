@@ -14,8 +14,6 @@ const OPEN: &[(&str, usize)] = &[
     ("engine/", 13),
     ("engine/cycle/", 3),
     ("engine/sampling/", 5),
-    ("report/", 10),
-    ("report/plots/", 9),
     ("scene/", 3),
     ("scene/builtin/", 4),
     ("scene/builtin/cases/", 2),

@@ -1,0 +1,33 @@
+//! A machine built in code: replays a stream on machines whose traversal units have caches of different sizes.
+//!
+//! Run with: `cargo run --release --example own_machine`
+
+use std::error::Error;
+use std::path::Path;
+
+use umbrasim::engine::{self, Fidelity};
+use umbrasim::machine::MachineSpec;
+use umbrasim::ranged::Within;
+use umbrasim::stream::StreamReader;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let stream = Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/quickstart.rays");
+    for kibibytes in [4, 8, 16, 32] {
+        // Every field has a default; a field's type knows which numbers it may hold.
+        let mut machine = MachineSpec { name: format!("{kibibytes} KiB"), ..MachineSpec::default() };
+        machine.traversal.cache.bytes = Within::new(kibibytes * 1024)?;
+        machine.dispatcher.rays = Within::new(256)?;
+        // Checks what single fields cannot: here, that sets and ways fit the size.
+        machine.check()?;
+
+        let items = StreamReader::open(&stream)?;
+        let header = items.header().clone();
+        let stats = engine::run(&machine, Fidelity::Event, &header, items)?;
+        let nodes = stats.caches.get("l1_traversal").into_iter().flatten();
+        for (class, counts) in nodes {
+            let hits = counts.hit_rate().map_or_else(|| "no accesses".into(), |rate| format!("{:.1} %", rate * 100.0));
+            println!("{:>6}: {:>9} cycles, {} hits {hits}", machine.name, stats.cycles, class.name());
+        }
+    }
+    Ok(())
+}
