@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::flat::Bus;
+use super::flat::{Bus, Moved};
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::dram::command::{ChannelLog, Column, Command};
 use crate::memory::dram::part::DramPart;
@@ -118,8 +118,8 @@ impl Channel {
 
     fn act(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
         if let Some(bus) = &mut self.flat {
-            let passed = bus.act(now, &mut wires.to_channel[self.index]);
-            passed.iter().for_each(|(_, request)| self.count(request));
+            let Moved { begun, passed } = bus.act(now, &mut wires.to_channel[self.index]);
+            begun.iter().for_each(|request| self.count(request));
             self.transfers.extend(passed);
             return;
         }
