@@ -196,6 +196,8 @@ pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
 ) -> Result<(MachineStats, Vec<ReuseLevel>), RunError<E>> {
     machine.check()?;
     machine.check_stream(header)?;
+    // Distances are those of all frames, and so are the figures beside them.
+    let header = &Header { warmup: Vec::new(), ..header.clone() };
     check_stores(machine)?;
     let sample = match of {
         ReuseOf::Everything => None,
