@@ -200,14 +200,23 @@ impl Bound {
                 self.slots_held += slot;
                 self.frame.traced += 1;
             }
-            if skipped && !known {
+            let spec = &self.machine.shadow_cache;
+            let performed = ray.packed_policy().iter().filter(|&&word| spec.performs(word));
+            if !known && spec.decide.answers(ray.head.decision, performed.count()) {
+                done[index] = done[parents[index] as usize] + shading;
+                self.longest = self.longest.max(done[index]);
+                continue;
+            }
+            if !known && spec.decide.takes_an_operation(ray.head.decision) {
                 let unit = &self.kinds[Kind::ShadowCache as usize];
                 policy += unit.latency;
                 self.work[Kind::ShadowCache as usize].operations += 1;
                 self.frame.operations[Kind::ShadowCache as usize] += 1;
             }
             if !known {
-                let steps = ray.packed_policy().iter().filter_map(|&word| Step::unpack(word));
+                let spec = self.machine.shadow_cache;
+                let steps = ray.packed_policy().iter().filter(|&&word| !spec.silent.drops(word));
+                let steps = steps.filter_map(|&word| Step::unpack(word));
                 policy += steps.map(|step| self.step(step, Holder::ShadowCache, ray.head.kind)).sum::<u64>();
                 self.work[Kind::ShadowCache as usize].held += policy;
                 self.rays += 1;
@@ -224,7 +233,8 @@ impl Bound {
     /// Counts a step; cycles that it takes at least.
     fn step(&mut self, step: Step, holder: Holder, ray: RayKind) -> u64 {
         if step.entry().is_some() && !self.stores_count {
-            self.frame.left_out += 1;
+            // Learned bits may be read and taken over beside it.
+            self.frame.left_out += 3;
             return 0;
         }
         let work = Work::of(step, holder, ray, &self.layout);
@@ -291,7 +301,7 @@ impl Bound {
         at_least(self.slots_held, self.machine.traversal.rays.get() * self.kinds[Kind::Traversal as usize].count);
         at_least(self.divisions * division.interval.get(), cores * division.count.get());
         for (unit, work) in self.kinds.iter().zip(&self.work) {
-            at_least(work.operations * unit.interval, unit.count);
+            at_least(work.operations * unit.interval, unit.count * unit.width);
             at_least(work.accesses, unit.count * unit.cache.accesses_per_cycle());
             if let Some(contexts) = unit.contexts {
                 at_least(work.held, unit.count * contexts);
@@ -390,7 +400,8 @@ impl Bound {
         for (kind, unit) in Kind::ALL.into_iter().zip(&self.kinds) {
             let (name, level) = kind.names();
             stats.bytes.insert(level.into(), present(&sums.requested[kind as usize]));
-            stats.units.insert(name.into(), [(Cause::Busy, sums.operations[kind as usize] * unit.interval)].into());
+            let busy = (sums.operations[kind as usize] * unit.interval).div_ceil(unit.width);
+            stats.units.insert(name.into(), [(Cause::Busy, busy)].into());
             stats.unit_counts.insert(name.into(), unit.count);
         }
         stats

@@ -55,6 +55,10 @@ counters! {
         added_writes: "writes", "writes that are not recorded: of a sweep, and of first touches";
         deferred_writes: "writes", "recorded writes of a frame's end that are left to first touches";
         covered_writes: "writes", "recorded writes of a frame's end that a sweep covers";
+        dropped_writes: "writes", "updates that change nothing and were dropped at their rays";
+        added_reads: "reads", "reads that are not recorded: of learned bits at a frame's end";
+        gathered_writes: "writes", "updates that were merged with another of the same hit";
+        answered_rays: "rays", "skipped shadow rays that the host answered";
     }
 }
 

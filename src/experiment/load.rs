@@ -12,7 +12,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ron_file::{self, ConfigError};
-use crate::scene::render::MAX_LIGHTS;
+use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
 use crate::stream::{Step, StoreEntries, Structure};
@@ -65,6 +65,9 @@ struct AsRun<'a> {
 
 impl Experiment {
     /// Reads an experiment and all files that it names.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, or the experiment asks for more than its scene has.
     pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
         let mut spec = ExperimentSpec::read(path)?;
         spec.frames = overrides.frames.unwrap_or(spec.frames);
@@ -159,7 +162,7 @@ fn default_warmup(spec: &ExperimentSpec, scene: &Scene, frames: &[u32]) -> u32 {
 }
 
 /// Refuses policies that need a tree of boxes with a structure that is none.
-pub fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
+pub(super) fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
     match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
         Some((name, _)) => {
             let what = format!(

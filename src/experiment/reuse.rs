@@ -8,7 +8,7 @@ use crate::report::reuse::ReuseSummary;
 use crate::stream::{StreamError, StreamReader};
 
 /// Measures the stream at `stream` in the caches of `machine`.
-pub fn reuse(machine: &MachineSpec, of: ReuseOf, stream: &Path) -> Result<ReuseSummary, RunError<StreamError>> {
+pub(crate) fn reuse(machine: &MachineSpec, of: ReuseOf, stream: &Path) -> Result<ReuseSummary, RunError<StreamError>> {
     let header = StreamReader::open(stream).map_err(RunError::Source)?.header().clone();
     let (stats, levels) = engine::reuse(machine, of, &header, || StreamReader::open(stream))?;
     let of = match of {

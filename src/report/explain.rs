@@ -144,7 +144,16 @@ const OTHERS: &[(&str, &str, &str)] = &[
         "cycles",
         "no operation began: a neighbour cannot take what is ready for it",
     ),
-    ("machines.*.policies.*.units.*.starved", "cycles", "no operation began: no ray is in the unit"),
+    (
+        "machines.*.policies.*.units.*.intake",
+        "cycles",
+        "no operation began: the unit took as many rays as its width allows, and others wait in front of it",
+    ),
+    (
+        "machines.*.policies.*.units.*.starved",
+        "cycles",
+        "no operation began: no ray is in the unit, and none waits in front of it",
+    ),
     ("machines.*.policies.*.unit_counts.*", "units", "instances of a kind: its causes sum to cycles times this"),
     ("machines.*.policies.*.utilization.*", "share", "busy / (cycles x unit_counts) of a kind of unit"),
     ("machines.*.policies.*.dram_row_hit_rate", "share", "row_hits / (row_hits + row_misses + row_conflicts)"),

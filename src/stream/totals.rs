@@ -1,7 +1,7 @@
 //! What the tracer counts in a frame, and what the records hold: the two must be equal.
 
 use super::chunk::{Chunk, Decision, Ray, RayHead, RayKind};
-use super::step::Step;
+use super::step::{Effect, Step};
 use crate::counters::counters;
 
 counters! {
@@ -22,6 +22,10 @@ counters! {
         policy_node_visits: "visits", "nodes fetched by the policy itself (shaft queries, searches below a node)";
         policy_reads: "accesses", "reads of the policy's stores: mode words, counters, occluder ids";
         policy_writes: "accesses", "writes of the policy's stores, reads with a write after them included";
+        repeated_updates: "accesses",
+            "updates among policy_writes, on rays' account, of which an earlier one of the frame has set all bits";
+        silent_updates: "accesses",
+            "updates among policy_writes, on rays' account, that change no bit of the latched word";
     }
 }
 
@@ -52,7 +56,15 @@ impl Totals {
     pub fn count(&mut self, ray: &Ray<'_>) {
         self.count_head(&ray.head);
         self.count_path(&ray.head, Step::count(ray.packed_path()));
+        self.count_policy_of(ray);
+    }
+
+    /// Counts the policy's steps on a ray's account, and what its updates change.
+    fn count_policy_of(&mut self, ray: &Ray<'_>) {
         self.count_policy(ray.policy());
+        let with = |effect| ray.packed_policy().iter().filter(|&&word| Step::effect(word) == Some(effect)).count();
+        self.repeated_updates += with(Effect::Repeats) as u64;
+        self.silent_updates += with(Effect::Silent) as u64;
     }
 
     /// Counts the rays of a chunk, each as [`Totals::count`] does.
@@ -69,7 +81,7 @@ impl Totals {
                 if !ray.packed_policy().is_empty() {
                     let policy = Step::count(ray.packed_policy());
                     [nodes, lists, others] = [nodes + policy[0], lists + policy[1], others + policy[2]];
-                    self.count_policy(ray.policy());
+                    self.count_policy_of(&ray);
                 }
                 next += 1;
             }

@@ -7,6 +7,7 @@ mod cache;
 mod division;
 mod dram;
 mod flat;
+mod gathering;
 mod host;
 mod intersection;
 mod l2;

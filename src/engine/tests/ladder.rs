@@ -14,6 +14,7 @@ use crate::engine::sampling::strata::Strata;
 use crate::engine::sampling::{Cut, TELLING};
 use crate::engine::tally::{BankTally, PerClass};
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
 use crate::ron_file;
 use crate::stats::Accuracy;
@@ -43,6 +44,9 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(200, (machines(), streams()), |(mut machine, stream)| {
         let unit = &mut machine.shadow_cache;
         (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+        (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
+        // Of operations that begin at once, one cycle is busy.
+        unit.width = num(1);
         if unit.cache.contents == Contents::Ideal {
             unit.writes = WritePolicy::Back;
         }

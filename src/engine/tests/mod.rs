@@ -5,6 +5,7 @@ mod ideal;
 mod ladder;
 mod random;
 pub mod synthetic;
+mod word_traffic;
 mod words;
 
 use std::convert::Infallible;

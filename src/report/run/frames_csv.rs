@@ -26,7 +26,7 @@ const COLUMNS: [Column; 9] = [
 ];
 
 /// `frames.csv`: a row a policy and frame, policies in the experiment's order, columns of machines last.
-pub fn frames_csv(summary: &Summary) -> CsvTable {
+pub(in crate::report) fn frames_csv(summary: &Summary) -> CsvTable {
     let machines = MachineColumns::of(summary);
     let counters = Totals::DECLARED.iter().map(|counter| counter.name);
     let head = ["policy", "frame"].into_iter().chain(counters).chain(COLUMNS.map(|(header, _)| header));

@@ -8,7 +8,7 @@ use crate::stats::{CacheCounts, DramCounts, Energy, FrameStats};
 type Column = (String, Box<dyn Fn(&FrameStats) -> String>);
 
 /// The columns of one machine.
-pub struct MachineColumns<'a> {
+pub(crate) struct MachineColumns<'a> {
     name: &'a str,
     machine: &'a MachineSummary,
     columns: Vec<Column>,
@@ -16,18 +16,18 @@ pub struct MachineColumns<'a> {
 
 impl<'a> MachineColumns<'a> {
     /// Those of all machines.
-    pub fn of(summary: &'a Summary) -> Vec<Self> {
+    pub(crate) fn of(summary: &'a Summary) -> Vec<Self> {
         let columns = |(name, machine)| Self { name, machine, columns: columns(machine) };
         summary.machines.iter().map(columns).collect()
     }
 
     /// The headers.
-    pub fn head(&self) -> impl Iterator<Item = String> {
+    pub(crate) fn head(&self) -> impl Iterator<Item = String> {
         self.columns.iter().map(|(column, _)| format!("{}.{column}", self.name))
     }
 
     /// The fields of a policy's frame; empty if the machine did not replay it.
-    pub fn row(&self, policy: &str, number: u32) -> impl Iterator<Item = String> {
+    pub(crate) fn row(&self, policy: &str, number: u32) -> impl Iterator<Item = String> {
         let run = self.machine.policies.get(policy);
         let frame = run.and_then(|run| run.stats.frames.iter().find(|frame| frame.frame == number));
         self.columns.iter().map(move |(_, text)| frame.map_or_else(String::new, text))

@@ -5,20 +5,19 @@ mod findings;
 pub(super) mod frames_csv;
 mod machine_columns;
 mod page;
-pub mod pictures;
+pub(crate) mod pictures;
 mod plots;
 mod steady;
 mod summary;
 mod tables;
 mod write;
 
-pub use files::{RunFiles, read_summary};
-pub use summary::{
-    Asked, Counts, FrameResult, FrameSummary, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA,
-    Saved, SceneSummary, Summary,
+pub(crate) use files::{RunFiles, read_summary};
+pub(crate) use summary::{
+    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
-pub use tables::{replayed, terminal};
-pub use write::redraw;
+pub(crate) use tables::{replayed, terminal};
+pub(crate) use write::redraw;
 
 #[cfg(test)]
-pub mod tests;
+pub(crate) mod tests;

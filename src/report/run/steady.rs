@@ -5,18 +5,18 @@ use crate::report::format::change;
 
 /// What a policy costs in the first frame, which nothing warmed up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ColdStart {
+pub(crate) struct ColdStart {
     /// The frame.
-    pub frame: u32,
+    pub(crate) frame: u32,
     /// Cycles without culling, and with the policy.
-    pub cycles: [u64; 2],
+    pub(crate) cycles: [u64; 2],
     /// Cycles that a measured frame saves, the mean.
-    pub saved: f64,
+    pub(crate) saved: f64,
 }
 
 impl ColdStart {
     /// Of `run` against `off`; `None` if the first frame that was replayed is a measured one, or is not told apart.
-    pub fn of(off: &MachineRun, run: &MachineRun) -> Option<Self> {
+    pub(crate) fn of(off: &MachineRun, run: &MachineRun) -> Option<Self> {
         let (first, second) = (off.stats.frames.first()?, run.stats.frames.first()?);
         let measured = run.stats.frames.iter().filter(|frame| !frame.warmup).count();
         let saved = (off.stats.cycles.0 as f64 - run.stats.cycles.0 as f64) / measured as f64;
@@ -25,7 +25,7 @@ impl ColdStart {
     }
 
     /// How many measured frames save what the cold frame cost more; `None` if none ever do.
-    pub fn repaid_after(&self) -> Option<u64> {
+    pub(crate) fn repaid_after(&self) -> Option<u64> {
         let [off, with] = self.cycles.map(|cycles| cycles as f64);
         if with <= off {
             return Some(0);
@@ -34,7 +34,7 @@ impl ColdStart {
     }
 
     /// In words: `+3.5 % in frame 0, repaid after 1 frame`.
-    pub fn text(&self) -> Option<String> {
+    pub(crate) fn text(&self) -> Option<String> {
         let [off, with] = self.cycles.map(|cycles| cycles as f64);
         let repaid = match self.repaid_after() {
             Some(0) => String::new(),
@@ -61,7 +61,7 @@ fn measured(machine: &MachineSummary) -> String {
 }
 
 /// A sentence for each set of frames that machines measured.
-pub fn frames(summary: &Summary) -> Vec<String> {
+pub(crate) fn frames(summary: &Summary) -> Vec<String> {
     let mut sentences: Vec<String> = Vec::new();
     for (_, machine) in summary.machines.iter() {
         let sentence = format!("Machines: {}.", measured(machine));
@@ -73,7 +73,7 @@ pub fn frames(summary: &Summary) -> Vec<String> {
 }
 
 /// A line for each machine with cold starts.
-pub fn cold_starts(summary: &Summary) -> Vec<String> {
+pub(crate) fn cold_starts(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));

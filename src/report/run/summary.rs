@@ -17,11 +17,11 @@ use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
 
 /// The version of the names and their meanings.
-pub const SCHEMA: u32 = 1;
+pub(crate) const SCHEMA: u32 = 1;
 
 /// A whole run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Always [`SCHEMA`].
     pub schema: u32,
     /// The experiment's name.
@@ -50,7 +50,7 @@ pub struct Summary {
 
 /// The scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SceneSummary {
+pub(crate) struct SceneSummary {
     /// Its name.
     pub name: String,
     /// Triangles that stay.
@@ -63,7 +63,7 @@ pub struct SceneSummary {
 
 /// What a policy did in all frames together, and in each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PolicySummary {
+pub(crate) struct PolicySummary {
     /// Sums over all frames.
     #[serde(flatten)]
     pub counts: Counts,
@@ -80,7 +80,7 @@ pub struct PolicySummary {
 
 /// A share of work saved against the baseline; all `None` where the baseline has no such work, or there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
+pub(crate) struct Saved {
     /// Mean of the frames' shares.
     pub mean: Option<f64>,
     /// The largest share of a frame.
@@ -93,7 +93,7 @@ pub struct Saved {
 
 /// What a policy did in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FrameSummary {
+pub(crate) struct FrameSummary {
     /// The frame's number.
     pub frame: u32,
     /// The counts.
@@ -110,7 +110,7 @@ pub struct FrameSummary {
 /// Peak signal-to-noise ratio of a picture against the reference renderer's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Psnr {
+pub(crate) enum Psnr {
     /// No pixel differs.
     Identical,
     /// The ratio in dB.
@@ -119,7 +119,7 @@ pub enum Psnr {
 
 /// Wrong shadow decisions towards one light, in all frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LightWrong {
+pub(crate) struct LightWrong {
     /// The light's number.
     pub light: u32,
     /// Decided dark where the ray, traced, finds the light.
@@ -130,7 +130,7 @@ pub struct LightWrong {
 
 /// Counts of a policy, of a frame or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Counts {
+pub(crate) struct Counts {
     /// The tracer's counts.
     #[serde(flatten)]
     pub totals: Totals,
@@ -163,7 +163,7 @@ fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 
 impl Counts {
     /// False dark and false lit together.
-    pub fn wrong(&self) -> Option<u64> {
+    pub(crate) fn wrong(&self) -> Option<u64> {
         Some(self.false_dark? + self.false_lit?)
     }
 
@@ -204,7 +204,7 @@ impl Counts {
 
 /// What a policy did in a frame, as it was counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameResult {
+pub(crate) struct FrameResult {
     /// The frame's number.
     pub frame: u32,
     /// The tracer's counts.
@@ -244,7 +244,7 @@ impl FrameResult {
 
 impl PolicySummary {
     /// Sums a policy's frames up, against what the baseline (`None` if there is none) did in the same frames.
-    pub fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
+    pub(crate) fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
         let against: BTreeMap<u32, Counts> =
             baseline.unwrap_or_default().iter().map(|result| (result.frame, result.counts())).collect();
         let summarised: Vec<FrameSummary> = frames
@@ -284,7 +284,7 @@ impl PolicySummary {
 impl PolicySummary {
     /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that the policy
     /// does itself counted in; `None` if that did not run the same frames.
-    pub fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
+    pub(crate) fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
         let pairs = self.frames.iter().zip(&baseline.frames);
         let same =
             self.frames.len() == baseline.frames.len() && pairs.clone().all(|(with, off)| with.frame == off.frame);
@@ -316,7 +316,7 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 
 /// What a machine measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MachineSummary {
+pub(crate) struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
     /// Numbers of the frames that were measured, in order.
@@ -333,7 +333,7 @@ pub struct MachineSummary {
 
 /// What a machine measured on the stream of one policy; warm-up frames are in `frames` alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MachineRun {
+pub(crate) struct MachineRun {
     /// The measurements.
     #[serde(flatten)]
     pub stats: MachineStats,
@@ -367,7 +367,7 @@ pub struct MachineRun {
 
 /// What the measured frames of a run ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Asked {
+pub(crate) struct Asked {
     /// The frames.
     pub frames: usize,
     /// Their rays, skipped ones among them.
@@ -376,7 +376,7 @@ pub struct Asked {
 
 impl Asked {
     /// What the frames of `stats` ask for; `None` of a run that does not tell frames apart.
-    pub fn of(stats: &MachineStats) -> Option<Self> {
+    pub(crate) fn of(stats: &MachineStats) -> Option<Self> {
         let measured = || stats.frames.iter().filter(|frame| !frame.warmup);
         let asked = Self { frames: measured().count(), rays: measured().map(|frame| frame.answered).sum() };
         (asked.frames > 0).then_some(asked)
@@ -385,7 +385,7 @@ impl Asked {
 
 impl MachineRun {
     /// The figures of `stats`, of frames that ask for so much.
-    pub fn new(stats: MachineStats, asked: Option<Asked>) -> Self {
+    pub(crate) fn new(stats: MachineStats, asked: Option<Asked>) -> Self {
         let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
         let dram = stats.dram;
         let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
