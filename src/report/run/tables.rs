@@ -79,22 +79,19 @@ fn error(accuracy: &Accuracy) -> String {
 }
 
 /// The machines' key figures of measured frames, with the change against the run without culling. Rays a second are those
-/// answered.
+/// answered, and energy is that of a frame.
 pub(super) fn machines(summary: &Summary) -> Grid {
     const HEAD: [&str; 8] =
-        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy/frame", "error (cycles, DRAM)"];
+        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy", "\u{b1} time, DRAM"];
     let mut rows = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
         for (policy, run) in machine.policies.iter() {
             let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let changed = |text: String, change: Option<String>| {
+            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+                let change = off.and_then(|off| change_of(figure, share, off, run));
                 change.map_or(text.clone(), |change| format!("{text} ({change})"))
             };
-            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
-                changed(text, off.and_then(|off| change_of(figure, share, off, run)))
-            };
-            let energy = off.and_then(|off| change(off.joules_per_frame?, run.joules_per_frame?));
             rows.push(vec![
                 name.to_owned(),
                 policy.to_owned(),
@@ -102,7 +99,7 @@ pub(super) fn machines(summary: &Summary) -> Grid {
                 or_absent(run.rays_answered_per_second, short),
                 measured(or_absent(run.dram_bytes_per_frame, mean_bytes), |run| run.dram_bytes_per_frame, 2),
                 or_absent(run.dram_utilization, percent),
-                changed(or_absent(run.joules_per_frame, joules), energy),
+                or_absent(run.joules_per_frame, joules),
                 error(&run.stats.accuracy),
             ]);
         }

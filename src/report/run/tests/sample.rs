@@ -195,7 +195,7 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
         });
         MachineSummary {
             fidelity: "event".into(),
-            frames: frames.to_vec(),
+            frames: frames.iter().copied().filter(|&frame| frame > 0).collect(),
             warmup: vec![0],
             split: split.collect(),
             policies: policies.clone(),
