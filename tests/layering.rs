@@ -18,7 +18,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ranged", &[]),
     ("named", &[]),
     ("output", &[]),
-    ("input", &[]),
+    ("input", &["output"]),
     ("ron_file", &["ranged", "input"]),
     ("counters", &[]),
     ("spread", &[]),
@@ -37,7 +37,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "counters", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    (
+        "report",
+        &["quantity", "named", "output", "input", "counters", "stats", "stream::Totals", "validate::PixelVerdict"],
+    ),
     (
         "experiment",
         &[

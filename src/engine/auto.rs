@@ -7,7 +7,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::sampling::{Cut, Plan, TELLING};
-use super::work::stores_as_recorded;
+use super::work::known_to_profile;
 use super::{Fidelity, RunError, Sampled, Share, run, sample_until};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
@@ -151,7 +151,7 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         }
     }
     // `Profile` knows stores as recorded only.
-    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine)) {
+    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| known_to_profile(machine)) {
         let check = tried(machine, Fidelity::Profile)?;
         needs.models.push(check.clone());
         if check.passes {

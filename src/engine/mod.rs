@@ -8,6 +8,7 @@ mod event;
 mod feed;
 mod fidelity;
 mod frame_log;
+mod gathering;
 mod lines;
 mod observe;
 mod part_set;
@@ -32,7 +33,7 @@ use self::profile::curves::{Curves, Heat};
 use self::sampling::{Findings, Plan, Sampler};
 use self::source::StreamFault;
 use self::tally::Tally;
-use self::work::stores_as_recorded;
+use self::work::known_to_profile;
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::Violation;
@@ -214,13 +215,13 @@ pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
     Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
 }
 
-/// `Profile` knows one way to access stores.
+/// `Profile` knows few ways to access stores.
 fn check_stores(machine: &MachineSpec) -> Result<(), SpecError> {
-    if stores_as_recorded(machine) {
+    if known_to_profile(machine) {
         return Ok(());
     }
-    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
-                Event and Cycle are allowed";
+    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0`, `frame_end: List` and `latched: Free` or `Wide` \
+                only: with others, Event and Cycle are allowed";
     Err(SpecError::new(what))
 }
 

@@ -153,7 +153,7 @@ fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
 
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
     let Replayed { frames, warmup } = &experiment.replayed;
-    let inputs = experiment.as_run();
+    let inputs = experiment.inputs();
     experiment
         .policy_names()
         .zip(policies)

@@ -46,7 +46,7 @@ pub(crate) fn trace(
     let mut policies = vec![experiment.policies().swap_remove(index)];
     let header = Header {
         warmup: experiment.first_frames().to_vec(),
-        ..tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.as_run())
+        ..tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs())
     };
     let mut writer = StreamWriter::create(path, &header)?;
     let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
