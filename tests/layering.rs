@@ -18,7 +18,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ranged", &[]),
     ("named", &[]),
     ("output", &[]),
-    ("input", &[]),
+    ("input", &["output"]),
     ("ron_file", &["ranged", "input"]),
     ("stats", &["quantity"]),
     ("stream", &["quantity", "output", "input"]),
@@ -34,7 +34,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "input", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[

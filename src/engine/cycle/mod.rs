@@ -8,6 +8,7 @@ mod division;
 mod dram;
 mod flat;
 mod gathering;
+mod group;
 mod host;
 mod intersection;
 mod l2;
