@@ -18,10 +18,12 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ranged", &[]),
     ("named", &[]),
     ("output", &[]),
-    ("input", &[]),
+    ("input", &["output"]),
     ("ron_file", &["ranged", "input"]),
-    ("stats", &["quantity"]),
-    ("stream", &["quantity", "output", "input"]),
+    ("counters", &[]),
+    ("spread", &[]),
+    ("stats", &["quantity", "counters"]),
+    ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
     ("scene", &["quantity", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
@@ -29,12 +31,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
-    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
-    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
-    ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
+    ("memory", &["quantity", "ranged", "named", "ron_file", "spread", "stats"]),
+    ("machine", &["quantity", "ranged", "ron_file", "spread", "stats", "stream", "memory"]),
+    ("energy", &["spread", "stats", "stream::Structure", "memory", "machine"]),
+    ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    (
+        "report",
+        &["quantity", "named", "output", "input", "counters", "stats", "stream::Totals", "validate::PixelVerdict"],
+    ),
     (
         "experiment",
         &[
@@ -62,7 +68,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
-const TIMING: [&str; 3] = ["memory", "machine", "engine"];
+const TIMING: [&str; 4] = ["memory", "machine", "energy", "engine"];
 
 /// A file of the library: its path in `src`, with `/`, and its text.
 struct Source {

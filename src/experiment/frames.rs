@@ -13,6 +13,9 @@ pub struct FrameRange {
     step: u32,
 }
 
+/// The most frames of a range: half a day of pictures, 24 a second.
+const MAX_FRAMES: u32 = 1 << 20;
+
 impl FrameRange {
     /// The frames' numbers; at least one.
     pub fn numbers(self) -> Vec<u32> {
@@ -35,7 +38,13 @@ impl FromStr for FrameRange {
             Some((first.parse().ok()?, end.parse().ok()?, step.parse().ok()?))
         };
         match parse() {
-            Some((first, end, step)) if first < end && step > 0 => Ok(Self { first, end, step }),
+            Some((first, end, step)) if first < end && step > 0 => {
+                let count = u32::div_ceil(end - first, step);
+                if count > MAX_FRAMES {
+                    return Err(format!("`{text}` are {count} frames: up to {MAX_FRAMES} are allowed"));
+                }
+                Ok(Self { first, end, step })
+            }
             _ => Err(format!(
                 "`{text}` is no range of frames: write FIRST..END:STEP, such as 0..800:16, with FIRST below END; END is \
                  not included, and :STEP may be left out for 1"
@@ -62,6 +71,32 @@ impl<'de> Deserialize<'de> for FrameRange {
     }
 }
 
+/// The frames that machines replay, by their numbers in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Replayed {
+    /// All of them.
+    pub frames: Vec<u32>,
+    /// Those that are not measured.
+    pub warmup: Vec<u32>,
+}
+
+impl Replayed {
+    /// Whether machines replay `frame`.
+    pub fn contains(&self, frame: u32) -> bool {
+        self.frames.contains(&frame)
+    }
+
+    /// Whether machines replay `frame`, and it is no warm-up frame.
+    pub fn measures(&self, frame: u32) -> bool {
+        self.contains(frame) && !self.warmup.contains(&frame)
+    }
+
+    /// The measured frames.
+    pub fn measured(&self) -> impl Iterator<Item = u32> {
+        self.frames.iter().copied().filter(|&frame| self.measures(frame))
+    }
+}
+
 /// A choice among the traced frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrameChoice {
@@ -74,6 +109,24 @@ pub enum FrameChoice {
 }
 
 impl FrameChoice {
+    /// The frames of `traced` that machines replay, if `warmup` frames come before measured ones.
+    pub fn replayed(self, traced: &[u32], warmup: usize) -> Replayed {
+        let mut replayed = Replayed::default();
+        let measures = |index: usize| index >= warmup && self.takes(index);
+        for (index, &frame) in traced.iter().enumerate() {
+            let is_measured = measures(index);
+            let is_before = (index..traced.len().min(index + warmup + 1)).any(measures);
+            let is_first = index < warmup && self != Self::Never;
+            if is_measured || is_before || is_first {
+                replayed.frames.push(frame);
+            }
+            if !is_measured && (is_before || is_first) {
+                replayed.warmup.push(frame);
+            }
+        }
+        replayed
+    }
+
     /// Whether the traced frame number `index`, counted from 0, is chosen.
     pub fn takes(self, index: usize) -> bool {
         match self {
@@ -93,6 +146,21 @@ mod tests {
         assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().len(), 50);
         assert_eq!("3..6".parse::<FrameRange>().unwrap().numbers(), [3, 4, 5]);
         assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().last(), Some(&784));
+    }
+
+    #[test]
+    fn warm_up_frames_come_first_and_before_measured_ones() {
+        let traced: Vec<u32> = (0..12).collect();
+        let of = |choice: FrameChoice, warmup: usize| {
+            let replayed = choice.replayed(&traced, warmup);
+            (replayed.measured().collect::<Vec<_>>(), replayed.warmup)
+        };
+        let every = FrameChoice::Every(3.try_into().unwrap());
+        assert_eq!(of(every, 0), (vec![0, 3, 6, 9], vec![]));
+        assert_eq!(of(every, 1), (vec![3, 6, 9], vec![0, 2, 5, 8]));
+        assert_eq!(of(every, 4), (vec![6, 9], vec![0, 1, 2, 3, 4, 5, 7, 8]));
+        assert_eq!(of(FrameChoice::All, 2), ((2..12).collect(), vec![0, 1]));
+        assert_eq!(of(FrameChoice::Never, 2), (vec![], vec![]));
     }
 
     #[test]

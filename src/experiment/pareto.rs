@@ -10,10 +10,11 @@ use super::files::{beside, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
-use super::sweep::{Recorded, SweepError, record};
+use super::sweep::{Recorded, Streams, SweepError};
 use crate::culling::PolicySpec;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError};
@@ -99,8 +100,9 @@ pub(crate) fn pareto(
     let mut runs = Vec::new();
     let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
     for experiment in &experiments {
-        let folder = tempfile::tempdir().map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
-        let recorded = record(experiment, folder.path(), stop)?;
+        let folder = TemporaryFolder::create();
+        let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
+        let recorded = Streams::new(experiment, folder.path()).have(|_| false, stop)?;
         for machine in &machines {
             for (policy, stream) in recorded.iter().enumerate() {
                 let timed = |rung| {
@@ -142,7 +144,7 @@ pub(crate) fn pareto(
 
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution };
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: None };
         let mut experiment = Experiment::load(&beside(path, &self.file), overrides)?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {

@@ -12,6 +12,7 @@ use super::progress;
 use super::split::Role;
 use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
@@ -71,7 +72,7 @@ impl<'scope> Replays<'scope> {
         let thread = scope.spawn(move || {
             let begin = Instant::now();
             let stats = if fidelity.takes_passes() {
-                let folder = tempfile::tempdir().map_err(temporary).map_err(RunError::Source)?;
+                let folder = TemporaryFolder::create().map_err(temporary).map_err(RunError::Source)?;
                 let file = record(&header, received, &folder.path().join("stream.rays")).map_err(RunError::Source)?;
                 engine::run_passes(&spec, fidelity, &header, |frame| open_at(&file, frame))?
             } else {

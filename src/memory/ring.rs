@@ -52,6 +52,12 @@ impl<T: Copy> Ring<T> {
         if self.len == 0 { None } else { self.places.get(self.place(self.len - 1)) }
     }
 
+    /// The last entry, to change it.
+    #[inline]
+    pub fn back_mut(&mut self) -> Option<&mut T> {
+        self.get_mut(self.len.wrapping_sub(1))
+    }
+
     /// Entry `index`, to change it.
     #[inline]
     pub fn get_mut(&mut self, index: usize) -> Option<&mut T> {

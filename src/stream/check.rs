@@ -8,7 +8,7 @@ use super::header::{Header, NO_RECORD};
 use super::item::{FrameInfo, Item};
 use super::limits::Limits;
 use super::step::Step;
-use super::totals::{TOTALS_NAMES, Totals, totals_values};
+use super::totals::Totals;
 use super::violation::{RayFault, Violation};
 use crate::quantity::PixelId;
 
@@ -16,9 +16,24 @@ fn at_most(what: &'static str, found: u64, limit: u64) -> Result<(), Violation> 
     if found <= limit { Ok(()) } else { Err(Violation::Header { what, found, limit }) }
 }
 
+/// What a packed step can name: a count above this is none of a stream's, and would only take memory.
+const MOST_IDS: u64 = Step::MAX_INDEX as u64 + 1;
+
 /// Checks a header's numbers, its records apart.
 pub(super) fn counts(header: &Header) -> Result<(), Violation> {
     let stores = &header.stores;
+    let foreign = header.warmup.iter().filter(|frame| !header.frames.contains(frame)).count();
+    at_most("warm-up frames that the stream does not have", foreign as u64, 0)?;
+    for (what, found) in [
+        ("static nodes", header.static_nodes),
+        ("static triangle records", header.static_slots),
+        ("static list entries", header.static_list_entries),
+        ("mode words", stores.mode_words),
+        ("occluder ids", stores.occluder_ids),
+        ("primitives", header.primitives),
+    ] {
+        at_most(what, found.into(), MOST_IDS)?;
+    }
     at_most("lights", header.lights.into(), u64::from(u8::MAX) + 1)?;
     at_most("static primitives", header.static_primitives.into(), header.primitives.into())?;
     at_most("pixels", pixels(header), u64::from(u32::MAX) + 1)?;
@@ -129,6 +144,13 @@ impl Checker {
             Some(_) => {}
         }
         let header = &self.header;
+        for (what, statics, dynamic) in [
+            ("nodes of a frame", header.static_nodes, info.dynamic_nodes),
+            ("triangle records of a frame", header.static_slots, info.dynamic_slots),
+            ("list entries of a frame", header.static_list_entries, info.dynamic_list_entries),
+        ] {
+            at_most(what, u64::from(statics) + u64::from(dynamic), MOST_IDS)?;
+        }
         let all = |step: Step| match step {
             Step::Node(_) => u64::from(header.static_nodes) + u64::from(info.dynamic_nodes),
             Step::List(_) => u64::from(header.static_list_entries) + u64::from(info.dynamic_list_entries),
@@ -222,10 +244,10 @@ impl Checker {
     fn end(&mut self, policy: &[u32], totals: &Totals) -> Result<(), Violation> {
         self.policy.check(policy).map_err(Violation::End)?;
         self.counted.count_policy(policy.iter().filter_map(|&word| Step::unpack(word)));
-        let pairs = totals_values(totals).into_iter().zip(totals_values(&self.counted));
-        for ((recorded, counted), what) in pairs.zip(TOTALS_NAMES) {
+        let pairs = totals.values().into_iter().zip(self.counted.values());
+        for ((recorded, counted), counter) in pairs.zip(Totals::DECLARED) {
             if recorded != counted {
-                return Err(Violation::Totals { what, recorded, counted });
+                return Err(Violation::Totals { what: counter.name, recorded, counted });
             }
         }
         self.in_frame = false;

@@ -110,12 +110,6 @@ impl Step {
         word >> INDEX_BITS
     }
 
-    /// The node that a packed step visits, if it does.
-    #[inline]
-    pub fn node(word: u32) -> Option<NodeId> {
-        (Self::tag(word) == 0).then_some(NodeId(word))
-    }
-
     /// A packed step with this tag, if it is of a step.
     pub fn of_tag(tag: usize) -> Option<Self> {
         u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))

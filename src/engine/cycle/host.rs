@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use super::group::Group;
 use super::ray::{Id, Origin, Ray, Sender};
 use super::wires::Wires;
 use crate::engine::source::{FrameCounts, StreamFault, check_step, parents};
@@ -12,14 +13,6 @@ use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::stats::Cause;
 use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
-
-/// A chunk of which somebody still needs a ray.
-#[derive(Debug)]
-pub struct Group {
-    pub chunk: Arc<Chunk>,
-    /// The children of each ray, in the stream's order.
-    pub children: Vec<Vec<usize>>,
-}
 
 /// Where the dispatcher stands in the stream.
 #[derive(Debug)]

@@ -8,6 +8,7 @@ mod division;
 mod dram;
 mod flat;
 mod gathering;
+mod group;
 mod host;
 mod intersection;
 mod l2;
@@ -159,6 +160,10 @@ impl Engine for Cycle {
                 self.drop_dynamic_lines();
             }
             self.tick_units(now);
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1));
+                self.host.latencies.forget_longest();
+            }
             if feed.hears() {
                 feed.heard(&mut self.logs())?;
             }

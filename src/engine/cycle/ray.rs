@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-use super::host::Group;
+use super::group::Group;
 use crate::stream::{Decision, RayKind, Step};
 
 /// The number of a pool entry, or, from the pool's size on, of an entry for a step of a frame's end.

@@ -123,7 +123,10 @@ impl Dispatcher {
             (None, None) if self.waiting.is_empty() => Cause::Starved,
             (None, _) => Cause::Pipeline,
         };
-        self.causes.cycle(now, u64::from(busy), idle);
+        if busy {
+            self.causes.begin(now, 1);
+        }
+        self.causes.cycle(now, idle);
         self.wake(now, busy, links);
         Ok(events)
     }

@@ -47,16 +47,15 @@ impl Division {
             links.tested(id, now);
         }
         let queue = &mut links.divisions[self.index];
-        let mut occupied = 0;
         if now >= self.open_at
             && let Some(id) = queue.take(now, &mut links.clock)
         {
             self.stages.push_back((now + self.timing.latency, id));
             self.open_at = now + self.timing.interval;
-            occupied = self.timing.interval;
+            self.causes.begin(now, self.timing.interval);
         }
         let idle = if self.stages.is_empty() { Cause::Starved } else { Cause::Pipeline };
-        self.causes.cycle(now, occupied, idle);
+        self.causes.cycle(now, idle);
         if let Some(&(at, _)) = self.stages.front() {
             links.clock.wake(self.part, at);
         }

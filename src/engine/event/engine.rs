@@ -10,7 +10,7 @@ use super::division::Division;
 use super::intersection::Intersection;
 use super::links::Links;
 use super::list::List;
-use super::pipeline::Pipeline;
+use super::pipeline::{Memory, Pipeline};
 use super::shadow_cache::ShadowCache;
 use super::traversal::Traversal;
 use super::wheel::Wheel;
@@ -85,20 +85,22 @@ pub(in crate::engine) struct Event {
 
 impl Event {
     pub(in crate::engine) fn new(spec: &MachineSpec, header: &Header) -> Self {
-        let line = spec.line_bytes.get();
+        let memory = Memory::new(spec);
         let wheel = Wheel::new(Parts::new(spec).count());
         let links = Links::new(spec, header, wheel);
         let parts = links.parts;
         Self {
             dispatcher: Dispatcher::new(spec),
-            traversal: (0..parts.traversal).map(|index| Traversal::new(&spec.traversal, line, index, &links)).collect(),
-            list: (0..parts.list).map(|index| List::new(&spec.list, line, index, &links)).collect(),
+            traversal: (0..parts.traversal)
+                .map(|index| Traversal::new(&spec.traversal, memory, index, &links))
+                .collect(),
+            list: (0..parts.list).map(|index| List::new(&spec.list, memory, index, &links)).collect(),
             intersection: (0..parts.intersection)
-                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), line, index, &links))
+                .map(|index| Intersection::new(&spec.intersection, spec.triangle_writes(), memory, index, &links))
                 .collect(),
             division: (0..parts.division).map(|index| Division::new(&spec.division, index, &links)).collect(),
             shadow_cache: (0..parts.shadow_cache)
-                .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.pool(), index, &links))
+                .map(|index| ShadowCache::new(&spec.shadow_cache, memory, spec.pool(), index, &links))
                 .collect(),
             groups: groups(&parts),
             links,
@@ -118,6 +120,15 @@ impl Event {
             self.intersection.iter().map(|unit| &unit.pipeline).collect(),
             self.shadow_cache.iter().map(|unit| &unit.pipeline).collect(),
         ]
+    }
+
+    fn pipelines_mut(&mut self) -> impl Iterator<Item = &mut Pipeline> {
+        let Self { traversal, list, intersection, shadow_cache, .. } = self;
+        let traversal = traversal.iter_mut().map(|unit| &mut unit.pipeline);
+        let list = list.iter_mut().map(|unit| &mut unit.pipeline);
+        let intersection = intersection.iter_mut().map(|unit| &mut unit.pipeline);
+        let shadow_cache = shadow_cache.iter_mut().map(|unit| &mut unit.pipeline);
+        traversal.chain(list).chain(intersection).chain(shadow_cache)
     }
 
     /// Lets all parts that are due act, but for the dispatcher: kind by kind, and of a kind number `now` modulo their count first.
@@ -162,10 +173,7 @@ impl Event {
 
     fn drop_dynamic_lines(&mut self) {
         let first = self.links.layout.dynamic_part();
-        self.traversal.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
-        self.list.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
-        self.intersection.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
-        self.shadow_cache.iter_mut().for_each(|unit| unit.pipeline.drop_from(first));
+        self.pipelines_mut().for_each(|pipeline| pipeline.drop_from(first));
     }
 
     /// All caches hold from now on what the warm ones do.
@@ -219,6 +227,9 @@ impl Event {
 impl Engine for Event {
     fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
         let mut due = PartSet::default();
+        if feed.marks() {
+            self.pipelines_mut().for_each(Pipeline::foresee_nothing);
+        }
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
         while let Some(now) = self.links.clock.turn(&mut due) {
@@ -244,6 +255,10 @@ impl Engine for Event {
                 }
             }
             self.tick_parts(now, &due);
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1));
+                self.dispatcher.latencies.forget_longest();
+            }
             if feed.hears() {
                 feed.heard(&mut self.logs())?;
             }
@@ -259,6 +274,7 @@ impl Engine for Event {
         let unit = |unit: &Pipeline| UnitTally {
             causes: unit.causes().until(cycles),
             cache: *unit.cache().counts(),
+            l1: *unit.l1_counts(),
             requested: *unit.requested(),
             written_through: *unit.written_through(),
             read_straight: *unit.read_straight(),

@@ -1,7 +1,7 @@
 //! The intersection unit: fetches triangle records in two phases and tests them.
 
 use super::links::Links;
-use super::pipeline::{Pipeline, Stages};
+use super::pipeline::{Memory, Pipeline, Stages};
 use super::ray::{Owner, RayId};
 use crate::machine::intersection::IntersectionSpec;
 use crate::machine::writes::WritePolicy;
@@ -23,12 +23,12 @@ pub struct Intersection {
 
 impl Intersection {
     /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
-    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links) -> Self {
+    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.intersection(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index: index as usize,
-            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
+            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, writes, memory),
             leaving: Ring::new(),
             contexts: spec.tests.size(),
             free: spec.tests.size(),
@@ -45,15 +45,15 @@ impl Intersection {
         }
         if free_at_start && let Some(id) = links.tests[self.index].take(now, &mut links.clock) {
             self.free -= 1;
-            self.take_on(id, links);
+            self.take_on(id, now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let (core, part) = (self.pipeline.core(), self.pipeline.part());
         let sent = self.leaving.front().is_some_and(|&id| links.send_to_division(id, core, part, now));
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }
@@ -64,7 +64,7 @@ impl Intersection {
         }
     }
 
-    fn take_on(&mut self, id: RayId, links: &mut Links) {
+    fn take_on(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
         ray.at_edges = false;
         let element = match ray.step() {
@@ -72,7 +72,7 @@ impl Intersection {
             Some(step) if step.entry().is_some() => links.entry_element(id),
             step => unreachable!("{step:?} is not for an intersection unit"),
         };
-        self.pipeline.fetch(id, &element, links);
+        self.pipeline.fetch(id, &element, now, links);
     }
 
     /// An operation of the ray has ended.
@@ -82,7 +82,7 @@ impl Intersection {
         if stop != Stop::Plane && !ray.at_edges {
             ray.at_edges = true;
             let element = links.layout.edges(slot);
-            self.pipeline.fetch(id, &element, links);
+            self.pipeline.fetch(id, &element, now, links);
         } else if stop == Stop::Hit && ray.kind != RayKind::Shadow && matches!(ray.owner, Owner::Traversal(_)) {
             self.leaving.push_back(id);
         } else {

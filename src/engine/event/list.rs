@@ -1,7 +1,7 @@
 //! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be tested.
 
 use super::links::{Links, take};
-use super::pipeline::{Pipeline, Stages};
+use super::pipeline::{Memory, Pipeline, Stages};
 use super::ray::RayId;
 use crate::machine::list::ListSpec;
 use crate::machine::writes::WritePolicy;
@@ -23,12 +23,12 @@ pub struct List {
 
 impl List {
     /// Unit `index`, empty.
-    pub fn new(spec: &ListSpec, line: u64, index: u32, links: &Links) -> Self {
+    pub fn new(spec: &ListSpec, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.list(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
-            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, WritePolicy::Back),
+            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, WritePolicy::Back, memory),
             leaving: Ring::new(),
             contexts: spec.lists.size(),
             free: spec.lists.size(),
@@ -54,13 +54,13 @@ impl List {
             links.rays[id as usize].list = Some(self.index);
             self.route(id, now, links);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let part = self.pipeline.part();
         let sent = self.leaving.front().is_some_and(|&id| links.send_to_test(id, self.pipeline.core(), part, now));
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }
@@ -75,7 +75,7 @@ impl List {
         match links.rays[id as usize].path_step() {
             Some(Step::List(entry)) => {
                 let element = links.layout.list_entry(entry);
-                self.pipeline.fetch(id, &element, links);
+                self.pipeline.fetch(id, &element, now, links);
             }
             Some(Step::Triangle { .. }) => self.leaving.push_back(id),
             _ => {

@@ -3,13 +3,14 @@
 use super::causes::Causes;
 use super::links::{Answer, Links, take};
 use super::ray::{Fetch, Ray, RayId};
-use crate::machine::layout::{Element, Layout};
+use crate::machine::MachineSpec;
+use crate::machine::layout::Element;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::{Cause, TrafficClass};
+use crate::stats::{Cause, L1Counts, TrafficClass};
 
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]
@@ -22,13 +23,21 @@ pub struct Stages {
     pub width: u64,
 }
 
-/// What became of the requests of a cycle.
+/// What a unit knows of the memory below its L1.
 #[derive(Clone, Copy, Debug)]
-struct Passage {
-    /// Whether the fetch queue was stopped.
-    stalled: bool,
-    /// Whether a request found a place in the L2.
-    sent: bool,
+pub struct Memory {
+    /// Bytes of a line.
+    pub line: u64,
+    /// The shortest latency of a cache of the L2.
+    pub answer_latency: u64,
+}
+
+impl Memory {
+    /// Of `machine`.
+    pub fn new(machine: &MachineSpec) -> Self {
+        let latencies = machine.l2.caches().into_iter().map(|(_, cache)| cache.latency.get());
+        Self { line: machine.line_bytes.get(), answer_latency: latencies.min().unwrap_or(0) }
+    }
 }
 
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
@@ -62,8 +71,13 @@ pub struct Pipeline {
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
     accessed: bool,
-    /// Whether the access of this cycle is a hit whose operation begins in the next one.
-    begins_next: bool,
+    /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
+    foresees: bool,
+    answer_latency: u64,
+    /// The first cycle in which the port of the L1 is free.
+    access_at: u64,
+    /// When the last operation begins of those that were entered ahead.
+    begins_last: u64,
     filled_for: Vec<RayId>,
     release: Release,
     /// Rays whose lines have come and are given out one by one.
@@ -77,8 +91,18 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// An empty unit with the number `part`, of a core, whose L1 has lines of `line` bytes.
-    pub fn new(part: PartId, core: u32, cache: &CacheSpec, timing: Stages, line: u64, writes: WritePolicy) -> Self {
+    /// An empty unit with the number `part`, of a core.
+    pub fn new(
+        part: PartId,
+        core: u32,
+        cache: &CacheSpec,
+        timing: Stages,
+        writes: WritePolicy,
+        memory: Memory,
+    ) -> Self {
+        let Memory { line, answer_latency } = memory;
+        let one_a_cycle = cache.ports.get() == 1 && timing.interval == 1 && timing.width == 1;
+        let foresees = one_a_cycle && cache.latency.get() == 1 && writes == WritePolicy::Back;
         Self {
             part,
             core,
@@ -102,7 +126,10 @@ impl Pipeline {
             causes: Causes::default(),
             filled: false,
             accessed: false,
-            begins_next: false,
+            foresees,
+            answer_latency,
+            access_at: 0,
+            begins_last: 0,
             filled_for: Vec::new(),
             release: cache.release,
             released: Ring::new(),
@@ -181,50 +208,111 @@ impl Pipeline {
         take(&mut self.stages, now)
     }
 
-    /// The ray whose operation ends, if all other rays of the unit are in the pipeline or wait for lines from the L2.
-    #[inline]
-    pub fn leaves_alone(&self, now: u64) -> Option<RayId> {
-        let queued = self.fetching.len() | self.hits.len() | self.ready.len() | self.out.len() | self.released.len();
-        let &(at, ray) = self.stages.front()?;
-        (at == now && queued == 0).then_some(ray)
-    }
-
-    /// The whole cycle of a unit that [leaves](Pipeline::leaves_alone) a ray alone, if the ray fetches `element` next, to which an L1 without
-    /// banks gives one access: if the element lies in one line, which is there, its operation begins in the next cycle. No line comes
-    /// before. Returns when the next operation ends; `None` if it is not so, and nothing was done.
-    #[inline]
-    pub fn fetch_at_once(&mut self, ray: RayId, element: &Element, layout: &Layout, now: u64) -> Option<u64> {
-        let (line, lines) = layout.lines(element);
-        if lines > 1 || self.hit_latency > 1 || self.open_at > now + 1 {
-            return None;
-        }
-        if !self.cache.hit(line, element.class, Access::Read) {
-            return None;
-        }
-        self.requested[element.class as usize] += Bytes(element.bytes);
-        self.stages.drop_front();
-        self.enter(ray, now + 1);
-        self.causes.cycle(now, 0, Cause::Memory);
-        self.causes.ahead(now + 1, self.timing.interval, self.idle_cause(false));
-        self.stages.front().map(|stage| stage.0)
+    /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be replaced while it works.
+    pub fn foresee_nothing(&mut self) {
+        self.foresees = false;
     }
 
     /// A ray begins to fetch `element`.
     #[inline]
-    pub fn fetch(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].begin_fetch(element, &links.layout);
+    pub fn fetch(&mut self, ray: RayId, element: &Element, now: u64, links: &mut Links) {
+        let mut fetch = Fetch::of(element, &links.layout);
+        if self.foresees && self.queued() == 0 {
+            let bound = self.first_unknown(now, links);
+            if self.foresee(ray, &mut fetch, now, bound) {
+                return;
+            }
+        }
+        links.rays[ray as usize].fetch = fetch;
         self.fetching.push_back(ray);
+    }
+
+    /// Entries of all queues and lists that an access or an operation waits in.
+    #[inline]
+    fn queued(&self) -> usize {
+        self.fetching.len() | self.hits.len() | self.ready.len() | self.released.len()
+    }
+
+    /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's latency.
+    #[inline]
+    fn first_unknown(&self, now: u64, links: &Links) -> u64 {
+        let line = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        line.min(now + self.answer_latency + 1)
+    }
+
+    /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and all before it have left the
+    /// ready list: the port is free from cycle `access_at` on, a line is there in the cycle after its access, and the operation begins when those
+    /// before it have begun. So accesses are made at once, in their turn, from cycle `from` on, and the ray enters the pipeline, for a
+    /// later cycle. All that is before cycle `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes on
+    /// as others do.
+    #[inline]
+    fn foresee(&mut self, ray: RayId, fetch: &mut Fetch, from: u64, bound: u64) -> bool {
+        let access = if fetch.write { Access::Write } else { Access::Read };
+        loop {
+            let access_at = from.max(self.access_at);
+            let begin = (access_at + 1).max(self.open_at);
+            if begin >= bound || !self.cache.hit(fetch.line, fetch.class, access) {
+                return false;
+            }
+            self.access_at = access_at + 1;
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+            if fetch.left == 0 {
+                self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+                if fetch.missing == 0 {
+                    self.enter_ahead(ray, begin);
+                } else {
+                    self.waiting += 1;
+                }
+                return true;
+            }
+        }
+    }
+
+    /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready list, hits that get their
+    /// lines in the next cycle, and the fetch queue up to the first line that is not there.
+    fn foresee_queued(&mut self, now: u64, links: &mut Links) {
+        while let Some(ray) = self.ready.pop_front() {
+            self.enter_ahead(ray, self.open_at.max(now + 1));
+        }
+        let bound = self.first_unknown(now, links);
+        if bound <= now + 1 || !self.released.is_empty() {
+            return;
+        }
+        while let Some((_, ray)) = self.hits.pop_front() {
+            let fetch = &mut links.rays[ray as usize].fetch;
+            fetch.missing -= 1;
+            if fetch.missing == 0 && fetch.left == 0 {
+                self.waiting -= 1;
+                self.enter_ahead(ray, self.open_at.max(now + 1));
+            }
+        }
+        while let Some(&ray) = self.fetching.front() {
+            let fetch = &mut links.rays[ray as usize].fetch;
+            if !self.foresee(ray, fetch, now + 1, bound) {
+                return;
+            }
+            self.fetching.drop_front();
+        }
+    }
+
+    /// An operation of `ray` begins in cycle `at`, which is to come.
+    #[inline]
+    fn enter_ahead(&mut self, ray: RayId, at: u64) {
+        self.enter(ray, at);
+        self.causes.begin(at, self.timing.interval);
+        self.begins_last = at;
     }
 
     /// A ray begins to fetch `element` from the L2.
     pub fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        self.fetch(ray, element, links);
-        links.rays[ray as usize].fetch.straight = true;
+        links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
+        self.fetching.push_back(ray);
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
     pub fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].begin_fetch(element, &links.layout);
+        links.rays[ray as usize].fetch = Fetch::of(element, &links.layout);
         self.ready.push_back(ray);
     }
 
@@ -237,7 +325,11 @@ impl Pipeline {
     /// Step 5: whether an operation began.
     #[inline]
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        now >= self.open_at && self.begin_first(now, rays)
+        let began = now >= self.open_at && self.begin_first(now, rays);
+        if began {
+            self.causes.begin(now, self.timing.interval);
+        }
+        began
     }
 
     /// Step 5 of a unit in which several operations can begin at once: whether any did.
@@ -253,8 +345,7 @@ impl Pipeline {
     #[inline]
     fn begin_first(&mut self, now: u64, rays: &[Ray]) -> bool {
         let Some(&ray) = self.ready.front() else { return false };
-        let fetch = &rays[ray as usize].fetch;
-        if fetch.write && self.writes.go_through(fetch.class) && !self.write_through(fetch) {
+        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
             return false;
         }
         self.ready.drop_front();
@@ -269,8 +360,11 @@ impl Pipeline {
         self.open_at = at + self.timing.interval;
     }
 
-    /// Sends the write of an operation down, if there is a place.
+    /// Sends the write of an operation down, if it goes through; false if there is no place.
     fn write_through(&mut self, fetch: &Fetch) -> bool {
+        if !fetch.write || !self.writes.go_through(fetch.class) {
+            return true;
+        }
         if self.out.len() == self.out_places {
             return false;
         }
@@ -281,48 +375,60 @@ impl Pipeline {
         true
     }
 
-    /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
-    /// to go to another unit.
+    /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit.
     #[inline]
-    pub fn end(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
-        let passage = self.pass_down(now, links);
-        self.account(now, began, leaving || !self.ready.is_empty());
-        self.announce(now, links, passage);
-    }
-
-    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can and others waited.
-    pub fn end_full(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
-        let passage = self.pass_down(now, links);
-        let held = leaving || !self.ready.is_empty();
-        if began {
-            self.account(now, began, held);
-        } else {
-            self.account_passed_by(now, held);
-        }
-        self.announce(now, links, passage);
-    }
-
-    /// Steps 6 and 7.
-    #[inline]
-    fn pass_down(&mut self, now: u64, links: &mut Links) -> Passage {
-        (self.accessed, self.begins_next) = (false, false);
-        let stalled = self.access(now, links);
-        let sent = !self.out.is_empty() && self.send(now, links);
-        Passage { stalled, sent }
-    }
-
-    /// Announces the next cycle in which the unit has something to do.
-    #[inline]
-    fn announce(&mut self, now: u64, links: &mut Links, Passage { stalled, sent }: Passage) {
+    pub fn end(&mut self, now: u64, links: &mut Links, leaving: bool) {
         let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
-        let at_once = !self.released.is_empty()
-            || !self.fetching.is_empty() && (!stalled || sent)
-            || !self.out.is_empty() && sent
-            || lines <= now && (self.filled || sent || self.accessed);
-        let at = if at_once { now + 1 } else { self.next_event(now, lines) };
+        let at = if self.queued() | self.out.len() == 0 && lines > now {
+            self.account(now, leaving);
+            self.account_ahead(now, leaving);
+            self.stages.front().map_or(u64::MAX, |stage| stage.0).min(lines)
+        } else {
+            self.end_crowded(now, links, leaving, false)
+        };
         if at != u64::MAX {
             links.clock.wake(self.part, at);
         }
+    }
+
+    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation began.
+    pub fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
+        let at = self.end_crowded(now, links, leaving, true);
+        if at != u64::MAX {
+            links.clock.wake(self.part, at);
+        }
+    }
+
+    /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is known.
+    fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
+        self.accessed = false;
+        let stalled = self.access(now, links);
+        let sent = !self.out.is_empty() && self.send(now, links);
+        let ready = !self.ready.is_empty();
+        if passed_by {
+            self.causes.passed_by(now, self.idle_cause(leaving || ready));
+        } else {
+            self.account(now, leaving || ready);
+        }
+        if self.foresees {
+            self.foresee_queued(now, links);
+            if ready && !leaving {
+                // Where no operation begins from the next cycle on, the next ray waits for a line.
+                self.causes.cycle(now + 1, Cause::Memory);
+            }
+        }
+        self.account_ahead(now, leaving || !self.ready.is_empty());
+
+        let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        let at_once = !self.released.is_empty()
+            || !self.fetching.is_empty() && sent
+            || !self.out.is_empty() && sent
+            || lines <= now && (self.filled || sent || self.accessed);
+        if at_once {
+            return now + 1;
+        }
+        let access = if self.fetching.is_empty() || stalled { u64::MAX } else { self.access_at.max(now + 1) };
+        self.next_event(now, lines).min(access)
     }
 
     /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first line comes.
@@ -351,24 +457,17 @@ impl Pipeline {
 
     /// Counts the cycle by its cause; `held` says whether a ray waits for a place in the pipeline or elsewhere.
     #[inline]
-    fn account(&mut self, now: u64, began: bool, held: bool) {
-        let idle = self.idle_cause(held);
-        let occupied = if began { self.timing.interval } else { 0 };
-        if self.begins_next {
-            // In this cycle its ray waits for the line.
-            self.causes.cycle(now, occupied, if held { Cause::Blocked } else { Cause::Memory });
-            self.causes.ahead(now + 1, self.timing.interval, idle);
-        } else {
-            self.causes.cycle(now, occupied, idle);
-        }
+    fn account(&mut self, now: u64, held: bool) {
+        let waits_for_line = self.begins_last > now && !held;
+        let idle = if waits_for_line { Cause::Memory } else { self.idle_cause(held) };
+        self.causes.cycle(now, idle);
     }
 
-    /// Counts a cycle in which no operation began and rays had to wait at the intake.
-    fn account_passed_by(&mut self, now: u64, held: bool) {
-        let idle = self.idle_cause(held);
-        self.causes.passed_by(now, idle);
-        if self.begins_next {
-            self.causes.ahead(now + 1, self.timing.interval, idle);
+    /// Counts the cycles up to that in which the last operation begins that is known to: until then, its ray waits for its line.
+    #[inline]
+    fn account_ahead(&mut self, now: u64, held: bool) {
+        if self.begins_last > now {
+            self.causes.ahead(self.begins_last, self.idle_cause(held));
         }
     }
 
@@ -379,45 +478,47 @@ impl Pipeline {
             self.line_came(ray, &mut links.rays);
             return false;
         }
+        if now < self.access_at {
+            return false;
+        }
         self.banks.clear();
         for _ in 0..self.ports {
-            let Some(&ray) = self.fetching.front() else { return false };
-            let fetch = links.rays[ray as usize].fetch;
-            if fetch.straight {
-                if !self.ask_straight(ray, &mut links.rays) {
+            let Some(&id) = self.fetching.front() else { return false };
+            let ray = &mut links.rays[id as usize];
+            let Fetch { line, class, write, straight, .. } = ray.fetch;
+            if straight {
+                if !self.ask_straight(id, ray) {
                     return true;
                 }
                 continue;
             }
-            if !self.banks.take(fetch.line) {
-                self.cache.conflict(fetch.class);
+            if !self.banks.take(line, class) {
                 return false;
             }
-            let access = self.writes.access(fetch.class, fetch.write);
-            let hit = self.cache.hit(fetch.line, fetch.class, access);
-            if !hit && !self.miss(ray, access, &mut links.rays) {
+            let access = if write { self.writes.access(class, true) } else { Access::Read };
+            let hit = self.cache.hit(line, class, access);
+            if !hit && !self.miss(id, ray, access) {
                 return true;
             }
             self.accessed = true;
-            let fetch = &mut links.rays[ray as usize].fetch;
+            let fetch = &mut ray.fetch;
             fetch.line.0 += 1;
             fetch.left -= 1;
             if fetch.left > 0 {
                 // With a latency of one cycle, the line is there when the next one is accessed.
                 if !hit || self.hit_latency > 1 {
-                    self.wait(ray, hit, now, fetch);
+                    self.wait(id, hit, now, fetch);
                 }
                 continue;
             }
-            self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+            self.requested[class as usize] += Bytes(fetch.bytes.into());
             self.fetching.drop_front();
-            let alone = hit && fetch.missing == 0 && !(fetch.write && self.writes.go_through(fetch.class));
+            let alone = hit && fetch.missing == 0 && access != Access::WriteThrough;
             if alone && self.is_open_next(now, links.lines[self.part.0 as usize].front()) {
-                self.enter(ray, now + 1);
-                self.begins_next = true;
+                self.enter_ahead(id, now + 1);
             } else {
                 self.waiting += 1;
-                self.wait(ray, hit, now, fetch);
+                self.wait(id, hit, now, fetch);
             }
         }
         false
@@ -445,11 +546,11 @@ impl Pipeline {
             && line.is_none_or(|line| line.at > now + 1)
     }
 
-    /// An access of `ray` to a line that is not there; false if it has to wait.
-    fn miss(&mut self, ray: RayId, access: Access, rays: &mut [Ray]) -> bool {
-        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = rays[ray as usize];
+    /// An access of ray `id` to a line that is not there; false if it has to wait.
+    fn miss(&mut self, id: RayId, ray: &Ray, access: Access) -> bool {
+        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = *ray;
         let room = self.out.len() < self.out_places;
-        match self.cache.miss(line, class, access, Some(ray), room) {
+        match self.cache.miss(line, class, access, Some(id), room) {
             Lookup::Stalled => return false,
             Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
             Lookup::Merged => {}
@@ -462,17 +563,16 @@ impl Pipeline {
         true
     }
 
-    /// The first ray of the fetch queue asks the L2 for its line; false if it has to wait.
-    fn ask_straight(&mut self, ray: RayId, rays: &mut [Ray]) -> bool {
+    /// The first ray of the fetch queue, `id`, asks the L2 for its line; false if it has to wait.
+    fn ask_straight(&mut self, id: RayId, ray: &mut Ray) -> bool {
         if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
             return false;
         }
-        let marked = rays[ray as usize].marked;
-        let fetch = &mut rays[ray as usize].fetch;
+        let (marked, fetch) = (ray.marked, &mut ray.fetch);
         let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
         (fetch.left, fetch.missing) = (0, 1);
         self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
-        self.straight.push_back((line, ray));
+        self.straight.push_back((line, id));
         self.read_straight[class as usize].add(bytes);
         self.waiting += 1;
         self.fetching.drop_front();
@@ -525,6 +625,11 @@ impl Pipeline {
     /// Reads that went past the L1, by class.
     pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
+    }
+
+    /// What its L1 alone counted, by class.
+    pub fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+        self.banks.counts()
     }
 
     /// Misses of marked rays, by class.

@@ -1,7 +1,7 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
 use crate::machine::layout::{Element, Layout};
-use crate::quantity::{LineAddr, NodeId};
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step};
 
@@ -134,23 +134,18 @@ impl Ray {
         if self.next < self.path_end { self.step() } else { None }
     }
 
-    /// The node that the step of the path after the next one visits, if it does.
-    #[inline]
-    pub fn node_after(&self) -> Option<NodeId> {
-        let after = self.next + 1;
-        if after >= self.path_end { None } else { self.steps.get(after).and_then(|&word| Step::node(word)) }
-    }
-
     /// Whether the ray has policy steps.
     pub fn has_policy(&self) -> bool {
         self.path_end < self.steps.len()
     }
+}
 
-    /// Begins to fetch `element`.
+impl Fetch {
+    /// A fetch of `element`, not begun yet.
     #[inline]
-    pub fn begin_fetch(&mut self, element: &Element, layout: &Layout) {
+    pub fn of(element: &Element, layout: &Layout) -> Self {
         let (line, lines) = layout.lines(element);
-        self.fetch = Fetch {
+        Self {
             first: line,
             line,
             left: lines as u8,
@@ -159,6 +154,6 @@ impl Ray {
             straight: false,
             class: element.class,
             bytes: element.bytes as u32,
-        };
+        }
     }
 }

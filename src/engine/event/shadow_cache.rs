@@ -5,7 +5,7 @@ use crate::memory::ring::Ring;
 use std::collections::VecDeque;
 
 use super::links::{Links, take};
-use super::pipeline::{Pipeline, Stages};
+use super::pipeline::{Memory, Pipeline, Stages};
 use super::ray::{Owner, RayId};
 use super::register::{Kept, Register};
 use crate::machine::parts::Parts;
@@ -46,17 +46,20 @@ pub struct ShadowCache {
 
 impl ShadowCache {
     /// Unit `index`, empty, of a machine whose pool has `pool` entries.
-    pub fn new(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links) -> Self {
+    pub fn new(spec: &ShadowCacheSpec, memory: Memory, pool: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.shadow_cache(index);
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first_entry = pool as RayId;
         let contexts = spec.contexts.get() as RayId;
         let own_entries = first_entry + index * contexts;
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: spec.width.get() };
+        let mut pipeline = Pipeline::new(part, links.parts.core(part), &spec.cache, stages, writes, memory);
+        // Decisions, and entries that intersection units accessed, get ready without a fetch.
+        pipeline.foresee_nothing();
         Self {
             index,
             place: spec.place,
-            pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
+            pipeline,
             register: Register::new(spec.register.size()),
             leaving: Ring::new(),
             done: Ring::new(),
@@ -101,10 +104,10 @@ impl ShadowCache {
             self.leaving.pop_front();
         }
         let leaving = !self.leaving.is_empty() || !self.done.is_empty();
-        if passed_by {
-            self.pipeline.end_full(now, links, began, leaving);
+        if passed_by && !began {
+            self.pipeline.end_passed_by(now, links, leaving);
         } else {
-            self.pipeline.end(now, links, began, leaving);
+            self.pipeline.end(now, links, leaving);
         }
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
@@ -199,7 +202,7 @@ impl ShadowCache {
                     Step::List(entry) => links.layout.list_entry(entry),
                     _ => return self.leaving.push_back(id),
                 };
-                return self.pipeline.fetch(id, &element, links);
+                return self.pipeline.fetch(id, &element, now, links);
             };
             let home = links.home(store, index);
             if home != self.index {
@@ -236,18 +239,18 @@ impl ShadowCache {
                     continue;
                 }
             }
-            return self.access(id, sets_modes, links);
+            return self.access(id, sets_modes, now, links);
         }
     }
 
     /// Accesses the entry of the ray's next step.
-    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links) {
+    fn access(&mut self, id: RayId, sets_modes: bool, now: u64, links: &mut Links) {
         let element = links.entry_element(id);
         match self.place {
             Place::Triangle => self.leaving.push_back(id),
             Place::L2 if element.write && !sets_modes => self.pipeline.ready_to_write(id, &element, links),
             Place::L2 => self.pipeline.fetch_straight(id, &element, links),
-            Place::Own | Place::Free => self.pipeline.fetch(id, &element, links),
+            Place::Own | Place::Free => self.pipeline.fetch(id, &element, now, links),
         }
     }
 

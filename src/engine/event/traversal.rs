@@ -1,7 +1,7 @@
 //! The traversal unit: fetches nodes and tests their boxes.
 
 use super::links::{Links, take};
-use super::pipeline::{Pipeline, Stages};
+use super::pipeline::{Memory, Pipeline, Stages};
 use super::ray::RayId;
 use crate::machine::parts::Parts;
 use crate::machine::traversal::TraversalSpec;
@@ -24,11 +24,11 @@ pub struct Traversal {
 
 impl Traversal {
     /// Unit `index`, empty.
-    pub fn new(spec: &TraversalSpec, line: u64, index: u32, links: &Links) -> Self {
+    pub fn new(spec: &TraversalSpec, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.traversal(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let core = links.parts.core(part);
-        let pipeline = Pipeline::new(part, core, &spec.cache, stages, line, WritePolicy::Back);
+        let pipeline = Pipeline::new(part, core, &spec.cache, stages, WritePolicy::Back, memory);
         Self { index, pipeline, leaving: Ring::new(), done: Ring::new() }
     }
 
@@ -36,9 +36,6 @@ impl Traversal {
     pub fn tick(&mut self, now: u64, links: &mut Links) {
         let part = self.pipeline.part();
         let mail = links.mail[part.0 as usize];
-        if mail > now + 1 && self.leaving.is_empty() && self.done.is_empty() && self.visit_at_once(now, mail, links) {
-            return;
-        }
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
             let ray = &mut links.rays[id as usize];
@@ -53,27 +50,12 @@ impl Traversal {
             self.done.drop_front();
             links.freed.push(self.index);
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        self.pipeline.begin(now, &links.rays);
         let sent = !self.leaving.is_empty() && self.send(now, links);
-        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
+        self.pipeline.end(now, links, !self.leaving.is_empty() || !self.done.is_empty());
         if sent && !self.leaving.is_empty() {
             links.clock.wake(part, now + 1);
         }
-    }
-
-    /// Most cycles of a unit that is not crowded: an operation ends, and its ray visits another node, whose line is there. Then the next operation
-    /// of the ray begins in the next cycle, and nothing else happens in either. Whether it is so; if not, nothing was done.
-    #[inline]
-    fn visit_at_once(&mut self, now: u64, mail: u64, links: &mut Links) -> bool {
-        let Some(id) = self.pipeline.leaves_alone(now) else { return false };
-        let ray = &mut links.rays[id as usize];
-        let Some(node) = ray.node_after() else { return false };
-        let element = links.layout.node(node);
-        let Some(at) = self.pipeline.fetch_at_once(id, &element, &links.layout, now) else { return false };
-        ray.next += 1;
-        links.replayed.count_visit(ray.kind);
-        links.clock.wake(self.pipeline.part(), at.min(mail));
-        true
     }
 
     /// Takes the rays that have come, and finds out when the next of what is on its way comes.
@@ -113,7 +95,7 @@ impl Traversal {
         match links.rays[id as usize].path_step() {
             Some(Step::Node(node)) => {
                 let element = links.layout.node(node);
-                self.pipeline.fetch(id, &element, links);
+                self.pipeline.fetch(id, &element, now, links);
             }
             Some(_) => self.leaving.push_back(id),
             None => self.retire(id, now, links),
