@@ -61,7 +61,9 @@
 
 pub mod accel;
 pub mod cli;
+pub(crate) mod counters;
 pub mod culling;
+pub mod energy;
 pub mod engine;
 pub mod experiment;
 pub(crate) mod input;
@@ -76,6 +78,7 @@ pub mod report;
 pub mod ron_file;
 pub mod scene;
 pub(crate) mod shipped;
+pub(crate) mod spread;
 pub mod stats;
 pub mod stream;
 pub mod tracer;

@@ -11,6 +11,7 @@ use common::ROOT;
 use umbrasim::memory::dram::Dram;
 use umbrasim::memory::dram::mapping::{Field, Mapping};
 use umbrasim::memory::dram::part::DramPart;
+use umbrasim::memory::dram::power::{Currents, DramEnergy, DramWork};
 use umbrasim::memory::dram::spec::DramSpec;
 use umbrasim::memory::{PartId, Request, Wake};
 use umbrasim::quantity::{Bytes, LineAddr};
@@ -79,10 +80,67 @@ fn replay(requests: &[Asked], queue: u64) -> (Vec<Option<u64>>, DramCounts) {
     (done, *dram.counts(0))
 }
 
+/// The part's currents.
+fn currents() -> Currents {
+    match part().energy {
+        Some(DramEnergy::Currents(currents)) => currents,
+        other => panic!("DDR4 is known by currents: {other:?}"),
+    }
+}
+
+#[test]
+fn a_command_costs_what_it_costs_there() {
+    let part = part();
+    let ours = currents().commands(&part.timing, part.burst_clocks.get(), part.clock_mhz.get());
+    for row in rows("energies.csv") {
+        let ours = match row[1].as_str() {
+            "act_energy" => ours.activate,
+            "read_energy" => ours.read,
+            "write_energy" => ours.write,
+            "ref_energy" => ours.refresh,
+            other => panic!("{other} is of no command"),
+        };
+        let [commands, energy] = [&row[2], &row[3]].map(|number| number.parse::<f64>().unwrap());
+        // It counts V x mA x clocks, and calls them pJ.
+        let theirs = energy / commands * 1000.0 / part.clock_mhz.get() as f64;
+        assert!((ours / theirs - 1.0).abs() < 1e-9, "{row:?}: {ours} against {theirs} pJ a command");
+    }
+}
+
+#[test]
+fn a_stream_costs_what_it_costs_there() {
+    let (spec, part) = (spec(), part());
+    let came: Vec<Asked> = rows("stream.csv").iter().map(|row| asked(row)).collect();
+    let pressed: Vec<Asked> = came.iter().map(|&(_, address, write)| (0, address, write)).collect();
+    for (run, requests) in [("as_came", came), ("pressed", pressed)] {
+        let (_, counts) = replay(&requests, 32);
+        let energy = spec.energy(&DramWork { counts, line_bytes: 64, seconds: 0.0 }).unwrap();
+        let of_commands = energy.iter().filter(|(name, _)| ["dram_activate", "dram_read", "dram_write"].contains(name));
+        let ours: f64 = of_commands.map(|(_, energy)| energy.typical).sum();
+        let of_run = |row: &&Vec<String>| row[0] == run && row[1] != "ref_energy";
+        let theirs: f64 = rows("energies.csv").iter().filter(of_run).map(|row| row[3].parse::<f64>().unwrap()).sum();
+        let theirs = theirs * 1000.0 / part.clock_mhz.get() as f64;
+        // Reads that find their line among writes that wait are answered there, and both choose rows in their own order.
+        assert!((ours / theirs - 1.0).abs() < 0.05, "{run}: {ours} against {theirs} pJ");
+    }
+}
+
 #[test]
 fn the_ini_file_is_our_part() {
     let text = fs::read_to_string(fixture("ddr4_3200.ini")).unwrap();
     let values: BTreeMap<_, _> = text.lines().filter_map(|line| line.split_once(" = ")).collect();
+    let mine = currents();
+    for (name, ours) in [
+        ("VDD", mine.volt),
+        ("IDD0", mine.idd0),
+        ("IDD2N", mine.idd2n),
+        ("IDD3N", mine.idd3n),
+        ("IDD4R", mine.idd4r),
+        ("IDD4W", mine.idd4w),
+        ("IDD5AB", mine.idd5),
+    ] {
+        assert_eq!(values[name].parse::<f64>().unwrap(), ours, "{name}");
+    }
     let value = |name: &str| values[name].parse::<u64>().unwrap();
     let DramPart { bank_groups, banks, row_bytes, burst_bytes, burst_clocks, clock_mhz, timing: t, .. } = part();
     let ours = [

@@ -21,8 +21,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("input", &["output"]),
     ("shipped", &[]),
     ("ron_file", &["ranged", "input", "shipped"]),
-    ("stats", &["quantity"]),
-    ("stream", &["quantity", "output", "input"]),
+    ("counters", &[]),
+    ("spread", &[]),
+    ("stats", &["quantity", "counters"]),
+    ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
     ("scene", &["quantity", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
@@ -30,12 +32,16 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
-    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
-    ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
-    ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
+    ("memory", &["quantity", "ranged", "named", "ron_file", "spread", "stats"]),
+    ("machine", &["quantity", "ranged", "ron_file", "spread", "stats", "stream", "memory"]),
+    ("energy", &["spread", "stats", "stream::Structure", "memory", "machine"]),
+    ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "input", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    (
+        "report",
+        &["quantity", "named", "output", "input", "counters", "stats", "stream::Totals", "validate::PixelVerdict"],
+    ),
     (
         "experiment",
         &[
@@ -63,7 +69,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
-const TIMING: [&str; 3] = ["memory", "machine", "engine"];
+const TIMING: [&str; 4] = ["memory", "machine", "energy", "engine"];
 
 /// A file of the library: its path in `src`, with `/`, and its text.
 struct Source {

@@ -87,6 +87,7 @@ impl<'a> Setting<'a> {
                 header: Header {
                     scene: scene.name.clone(),
                     frames: numbers.clone(),
+                    warmup: Vec::new(),
                     resolution,
                     policy: name.clone(),
                     structure: tracer.accel().structure(),

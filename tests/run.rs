@@ -176,6 +176,19 @@ fn stable_names(summary: &Value) {
         has(&machine, "fidelity policies");
         for (_, run) in object(&machine["policies"]) {
             has(&run, "cycles rays_per_second bytes hit_rate utilization");
+            has(&run, "frames milliseconds_per_frame frames_per_second energy");
+            has(&run["energy"], "joules low high by");
+            let frames = run["frames"].as_array().unwrap();
+            assert!(frames.iter().all(|frame| frame["energy"]["joules"].as_f64().unwrap() > 0.0));
+            let measured = || frames.iter().filter(|frame| frame["warmup"] == false);
+            assert_eq!((frames.len(), measured().count()), (3, 1));
+            for (level, classes) in object(&run["bytes"]) {
+                let total: u64 = object(&classes).values().map(|bytes| bytes.as_u64().unwrap()).sum();
+                let sum: u64 = measured().map(|frame| frame["bytes"][&level].as_u64().unwrap()).sum();
+                assert_eq!(total, sum, "{level}");
+            }
+            let cycles: u64 = measured().map(|frame| frame["cycles"].as_u64().unwrap()).sum();
+            assert_eq!(run["cycles"], cycles);
             assert!(run["cycles"].as_u64().unwrap() > 0 && run["rays_per_second"].as_f64().unwrap() > 0.0);
             assert!(run["bytes"]["dram"]["node"].as_u64().unwrap() > 0, "{}", run["bytes"]);
             let rates = object(&run["hit_rate"]).into_values().flat_map(|classes| object(&classes).into_values());

@@ -20,7 +20,7 @@ use umbrasim::validate::{self, Comparison};
 fn experiment(name: &str, scene: Option<&str>, side: u32) -> Experiment {
     let file = Path::new(ROOT).join("configs/experiments").join(name);
     let resolution = Some(Resolution { width: side, height: side });
-    let mut experiment = Experiment::load(&file, Overrides { frames: None, resolution }).unwrap();
+    let mut experiment = Experiment::load(&file, Overrides { resolution, ..Overrides::default() }).unwrap();
     if let Some(scene) = scene {
         let folder = Path::new(ROOT).join("configs/scenes");
         let spec: umbrasim::scene::spec::SceneSpec = umbrasim::ron_file::read(&folder.join(scene)).unwrap();

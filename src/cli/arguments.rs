@@ -24,12 +24,15 @@ pub(super) struct ExperimentArgs {
     /// Trace pictures of this size instead of the file's [example: 512x512]
     #[arg(long, value_name = "WxH")]
     resolution: Option<Resolution>,
+    /// Replay N frames before measured ones, and leave them out of all means [default: 1 where a policy learns]
+    #[arg(long, value_name = "N")]
+    warmup: Option<u32>,
 }
 
 impl ExperimentArgs {
     /// Loads the experiment, and tells what of the scene's files has no effect.
     pub(super) fn load(&self) -> Result<Experiment> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution };
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: self.warmup };
         let experiment = Experiment::load(&config_path(Kind::Experiment, &self.config)?, overrides)?;
         eprintln!("{}: {}", experiment.spec.name, experiment.need());
         experiment.scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));

@@ -81,8 +81,10 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let third = pixels as usize / 3;
     let pilot = piece(open(frames / 3)?, third, wanted).map_err(RunError::Source)?;
     let held_back = piece(open(2 * frames / 3)?, 2 * third, wanted).map_err(RunError::Source)?;
+    // A pilot is measured whole, wherever its frame lies.
+    let pilot_header = Header { warmup: Vec::new(), ..header.clone() };
     let on = |machine: &MachineSpec, rung, piece: &[Item]| {
-        let stats = run(machine, rung, header, piece.iter().cloned().map(Ok::<_, Infallible>));
+        let stats = run(machine, rung, &pilot_header, piece.iter().cloned().map(Ok::<_, Infallible>));
         stats.map(|stats| Figures::of(&stats))
     };
     let without = |&(part, leave_out): &Part| {

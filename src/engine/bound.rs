@@ -3,8 +3,12 @@
 //!
 //! Frames and their ends follow one another, so their bounds add up.
 
+use std::ops::AddAssign;
+
 use super::RunError;
+use super::tally::PerClass;
 use super::work::{Holder, Work, stores_as_recorded};
+use crate::energy;
 use crate::engine::source::parents;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
@@ -45,16 +49,51 @@ impl Lines {
     }
 }
 
-/// What is counted of a kind of units.
+/// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at least.
 #[derive(Clone, Copy, Debug, Default)]
 struct KindWork {
-    /// Of the phase: operations, accesses to lines, cycles that rays hold contexts at least.
     operations: u64,
     accesses: u64,
     held: u64,
-    /// Of the run.
-    all_operations: u64,
-    all_accesses: u64,
+}
+
+/// What is added up over frames.
+#[derive(Clone, Debug, Default)]
+struct Sums {
+    cycles: u64,
+    serial: u64,
+    traced: u64,
+    answered: u64,
+    first_touches: u64,
+    writes: u64,
+    /// Steps of stores that are left out of what must be done.
+    left_out: u64,
+    operations: [u64; Kind::ALL.len()],
+    accesses: [u64; Kind::ALL.len()],
+    requested: [PerClass<Bytes>; Kind::ALL.len()],
+    l2: PerClass<Bytes>,
+    dram: PerClass<Bytes>,
+}
+
+impl AddAssign<&Sums> for Sums {
+    fn add_assign(&mut self, other: &Self) {
+        self.cycles += other.cycles;
+        self.serial += other.serial;
+        self.traced += other.traced;
+        self.answered += other.answered;
+        self.first_touches += other.first_touches;
+        self.writes += other.writes;
+        self.left_out += other.left_out;
+        add_each(&mut self.operations, &other.operations);
+        add_each(&mut self.accesses, &other.accesses);
+        self.requested.iter_mut().zip(&other.requested).for_each(|(sum, other)| add_each(sum, other));
+        add_each(&mut self.l2, &other.l2);
+        add_each(&mut self.dram, &other.dram);
+    }
+}
+
+fn add_each<T: AddAssign + Copy>(sums: &mut [T], others: &[T]) {
+    sums.iter_mut().zip(others).for_each(|(sum, &other)| *sum += other);
 }
 
 /// Adds up a stream's bounds.
@@ -80,19 +119,13 @@ pub(super) struct Bound {
     /// Whether the L2's cache for a class is ideal.
     ideal_homes: [bool; TrafficClass::ALL.len()],
     channels: Vec<u64>,
-    // Of the run.
-    cycles: u64,
-    serial: u64,
-    traced: u64,
-    first_touches: u64,
-    writes: u64,
-    /// Whether steps of stores are performed as recorded; else they are left out of what must be done, and this many may be done.
+    /// Whether steps of stores are performed as recorded; else they are left out of what must be done, and may be done.
     stores_count: bool,
-    left_out: u64,
     primitives: u64,
-    requested: [[Bytes; TrafficClass::ALL.len()]; Kind::ALL.len()],
-    l2: [Bytes; TrafficClass::ALL.len()],
-    dram: [Bytes; TrafficClass::ALL.len()],
+    /// The frame under way, and those that are over.
+    frame: Sums,
+    number: u32,
+    frames: Vec<(u32, Sums)>,
 }
 
 impl Bound {
@@ -115,17 +148,11 @@ impl Bound {
             ideal_homes: TrafficClass::ALL
                 .map(|class| machine.l2.caches()[machine.l2.home(class)].1.contents == Contents::Ideal),
             channels: vec![0; machine.dram.channels.size()],
-            cycles: 0,
-            serial: 0,
-            traced: 0,
-            first_touches: 0,
-            writes: 0,
             stores_count: stores_as_recorded(machine),
-            left_out: 0,
             primitives: header.primitives.into(),
-            requested: Default::default(),
-            l2: Default::default(),
-            dram: Default::default(),
+            frame: Sums::default(),
+            number: 0,
+            frames: Vec::new(),
             machine: machine.clone(),
         }
     }
@@ -136,7 +163,8 @@ impl Bound {
             Item::Frame(info) => {
                 self.layout.begin_frame(info);
                 // A sweep sets words and counters of all.
-                self.left_out += 2 * self.primitives;
+                self.frame.left_out += 2 * self.primitives;
+                self.number = info.number;
                 let first = self.layout.dynamic_part().0;
                 self.touched.iter_mut().for_each(|lines| lines.forget_from(first));
                 self.touched_by_any.forget_from(first);
@@ -150,6 +178,7 @@ impl Bound {
                     self.longest = self.longest.max(held);
                 }
                 self.end_phase();
+                self.frames.push((self.number, std::mem::take(&mut self.frame)));
             }
         }
     }
@@ -160,6 +189,7 @@ impl Bound {
         // From the first hand-over of a ray's group to the ray being done, at least.
         let mut done = vec![0; chunk.len()];
         for (index, ray) in chunk.rays().enumerate() {
+            self.frame.answered += 1;
             let known = self.oracle && ray.head.kind == RayKind::Shadow;
             let skipped = known || ray.head.decision == Decision::Skip;
             let mut slot = if skipped { 0 } else { latency };
@@ -168,7 +198,7 @@ impl Bound {
                 let steps = ray.packed_path().iter().filter_map(|&word| Step::unpack(word));
                 slot += steps.map(|step| self.step(step, Holder::Traversal, ray.head.kind)).sum::<u64>();
                 self.slots_held += slot;
-                self.traced += 1;
+                self.frame.traced += 1;
             }
             let spec = &self.machine.shadow_cache;
             let performed = ray.packed_policy().iter().filter(|&&word| spec.performs(word));
@@ -180,8 +210,8 @@ impl Bound {
             if !known && spec.decide.takes_an_operation(ray.head.decision) {
                 let unit = &self.kinds[Kind::ShadowCache as usize];
                 policy += unit.latency;
-                let work = &mut self.work[Kind::ShadowCache as usize];
-                (work.operations, work.all_operations) = (work.operations + 1, work.all_operations + 1);
+                self.work[Kind::ShadowCache as usize].operations += 1;
+                self.frame.operations[Kind::ShadowCache as usize] += 1;
             }
             if !known {
                 let spec = self.machine.shadow_cache;
@@ -196,7 +226,7 @@ impl Bound {
             done[index] = slot + policy + if parent == index { 0 } else { done[parent] + shading };
             self.longest = self.longest.max(done[index]);
             // One thing after another: a few cycles from part to part beside what was counted.
-            self.serial += slot + policy + latency + shading + 16;
+            self.frame.serial += slot + policy + latency + shading + 16;
         }
     }
 
@@ -204,7 +234,7 @@ impl Bound {
     fn step(&mut self, step: Step, holder: Holder, ray: RayKind) -> u64 {
         if step.entry().is_some() && !self.stores_count {
             // Learned bits may be read and taken over beside it.
-            self.left_out += 3;
+            self.frame.left_out += 3;
             return 0;
         }
         let work = Work::of(step, holder, ray, &self.layout);
@@ -220,9 +250,8 @@ impl Bound {
             held += self.machine.division.latency.get();
             self.divisions += 1;
         }
-        let counted = &mut self.work[work.kind as usize];
-        counted.operations += operations;
-        counted.all_operations += operations;
+        self.work[work.kind as usize].operations += operations;
+        self.frame.operations[work.kind as usize] += operations;
         self.touch(work.kind, &work.first);
         if let Some(second) = &work.second {
             self.touch(work.kind, second);
@@ -240,10 +269,10 @@ impl Bound {
     fn touch(&mut self, kind: Kind, element: &Element) {
         let (first, lines) = self.layout.lines(element);
         let (class, size) = (element.class as usize, Bytes(self.machine.line_bytes.get()));
-        self.requested[kind as usize][class] += Bytes(element.bytes);
-        let work = &mut self.work[kind as usize];
-        (work.accesses, work.all_accesses) = (work.accesses + lines, work.all_accesses + lines);
-        self.writes += u64::from(element.write) * lines;
+        self.frame.requested[kind as usize][class] += Bytes(element.bytes);
+        self.work[kind as usize].accesses += lines;
+        self.frame.accesses[kind as usize] += lines;
+        self.frame.writes += u64::from(element.write) * lines;
         if self.kinds[kind as usize].cache.contents == Contents::Ideal {
             return;
         }
@@ -251,12 +280,12 @@ impl Bound {
         for line in first.0..first.0 + lines {
             if self.touched[kind as usize].touch(line) {
                 self.banks[self.homes[class].bank(LineAddr(line))] += 1;
-                self.l2[class] += size;
+                self.frame.l2[class] += size;
                 if !l2_is_ideal && self.touched_by_any.touch(line) {
                     let place = self.machine.dram.place(LineAddr(line));
                     self.channels[place.channel] += 1;
-                    self.dram[class] += size;
-                    self.first_touches += 1;
+                    self.frame.dram[class] += size;
+                    self.frame.first_touches += 1;
                 }
             }
         }
@@ -283,7 +312,7 @@ impl Bound {
             let line = self.machine.line_bytes.get();
             self.channels.iter().for_each(|&lines| at_least(lines * line * cycles / bytes, 1));
         }
-        self.cycles += least;
+        self.frame.cycles += least;
         self.divisions = 0;
         (self.rays, self.pool_held, self.slots_held, self.longest) = (0, 0, 0, 0);
         for work in &mut self.work {
@@ -293,39 +322,44 @@ impl Bound {
         self.channels.fill(0);
     }
 
-    /// The bounds of what was added.
-    pub fn bounds(&self) -> Bounds {
+    /// The sum of the frames that are not among `left_out`.
+    fn sum(&self, left_out: &[u32]) -> Sums {
+        let mut sum = Sums::default();
+        self.frames.iter().filter(|(frame, _)| !left_out.contains(frame)).for_each(|(_, frame)| sum += frame);
+        sum
+    }
+
+    /// The bounds of all frames but those of `warmup`. A line that no frame touched before is fetched in any case; a line
+    /// that was written in a frame of `warmup` may be written back later.
+    pub fn bounds(&self, warmup: &[u32]) -> Bounds {
+        let (measured, all) = (self.sum(warmup), self.sum(&[]));
         let line = self.machine.line_bytes.get();
-        let accesses: u64 = self.work.iter().map(|work| work.all_accesses).sum();
-        let sum = |bytes: &[Bytes]| bytes.iter().copied().sum::<Bytes>();
+        let bytes = |bytes: &PerClass<Bytes>| bytes.iter().copied().sum::<Bytes>();
         // An access fetches its line; a write may have to be written back, to a line that must be fetched for it.
-        let (accesses, writes) = if self.stores_count {
-            (accesses, self.writes)
-        } else {
-            (accesses + 2 * self.left_out, self.writes + 2 * self.left_out)
-        };
+        let left_out = if self.stores_count { 0 } else { 2 * all.left_out };
+        let (accesses, writes) = (measured.accesses.iter().sum::<u64>() + left_out, all.writes + left_out);
         let l2 = Bytes((accesses + writes) * line);
         let dram = Bytes((accesses + 3 * writes) * line);
+        let most = self.serial_cycles(&measured, left_out, dram.0 / line);
         Bounds {
-            cycles: Range { least: Cycle(self.cycles), most: Cycle(self.serial_cycles(dram.0 / line)) },
-            l2_bytes: Range { least: sum(&self.l2), most: l2 },
-            dram_bytes: Range { least: sum(&self.dram), most: dram },
+            cycles: Range { least: Cycle(measured.cycles), most: Cycle(most) },
+            l2_bytes: Range { least: bytes(&measured.l2), most: l2 },
+            dram_bytes: Range { least: bytes(&measured.dram), most: dram },
         }
     }
 
     /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come before it.
-    fn serial_cycles(&self, requests: u64) -> u64 {
+    fn serial_cycles(&self, sums: &Sums, left_out: u64, requests: u64) -> u64 {
         let operations: u64 = self
             .kinds
             .iter()
-            .zip(&self.work)
-            .map(|(unit, work)| work.all_operations * (unit.latency + 8) + work.all_accesses * unit.cache.latency.get())
+            .zip(sums.operations.iter().zip(&sums.accesses))
+            .map(|(unit, (operations, accesses))| operations * (unit.latency + 8) + accesses * unit.cache.latency.get())
             .sum();
-        let left_out = if self.stores_count { 0 } else { 2 * self.left_out };
         let unit = &self.kinds[Kind::ShadowCache as usize];
         let operations = operations + left_out * (unit.latency + unit.cache.latency.get() + 16);
         let l2 = self.machine.l2.caches().iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or(0);
-        let served = |request| self.serial + operations + requests * (request + 2 * l2 + 16) + 1000;
+        let served = |request| sums.serial + operations + requests * (request + 2 * l2 + 16) + 1000;
         let part = &self.machine.dram.part;
         let line = self.machine.line_bytes.get();
         if let Model::Flat { latency, bytes_per_cycle } = self.machine.dram.model {
@@ -341,32 +375,32 @@ impl Bound {
     }
 
     /// The lower bound as what a machine would have measured that meets it.
-    fn stats(&self) -> MachineStats {
+    fn stats(&self, sums: &Sums) -> MachineStats {
         let machine = &self.machine;
         let present = |bytes: &[Bytes]| {
             let all = TrafficClass::ALL.into_iter().zip(bytes.iter().copied());
             all.filter(|(_, bytes)| bytes.0 > 0).collect()
         };
         let mut stats = MachineStats {
-            cycles: Cycle(self.cycles),
+            cycles: Cycle(sums.cycles),
             clock_mhz: machine.clock_mhz.get() as f64,
-            rays: self.traced,
+            rays: sums.traced,
             dram_organization: machine.dram.to_string(),
             dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
             ..MachineStats::default()
         };
-        stats.dram.reads = self.first_touches;
+        stats.dram.reads = sums.first_touches;
         for (home, (name, _)) in machine.l2.caches().into_iter().enumerate() {
-            let mut here = self.l2;
+            let mut here = sums.l2;
             let elsewhere = TrafficClass::ALL.into_iter().filter(|&class| machine.l2.home(class) != home);
             elsewhere.for_each(|class| here[class as usize] = Bytes(0));
             stats.bytes.insert(name, present(&here));
         }
-        stats.bytes.insert("dram".into(), present(&self.dram));
-        for ((kind, unit), work) in Kind::ALL.into_iter().zip(&self.kinds).zip(&self.work) {
+        stats.bytes.insert("dram".into(), present(&sums.dram));
+        for (kind, unit) in Kind::ALL.into_iter().zip(&self.kinds) {
             let (name, level) = kind.names();
-            stats.bytes.insert(level.into(), present(&self.requested[kind as usize]));
-            let busy = (work.all_operations * unit.interval).div_ceil(unit.width);
+            stats.bytes.insert(level.into(), present(&sums.requested[kind as usize]));
+            let busy = (sums.operations[kind as usize] * unit.interval).div_ceil(unit.width);
             stats.units.insert(name.into(), [(Cause::Busy, busy)].into());
             stats.unit_counts.insert(name.into(), unit.count);
         }
@@ -386,11 +420,18 @@ pub(super) fn run<E>(
         bound.add(&item);
         oracle.add(&item);
     }
-    let limit = oracle.bounds();
+    let limit = oracle.bounds(&header.warmup);
+    let stats = |sums: &Sums| {
+        let stats = bound.stats(sums);
+        MachineStats { energy: energy::of(machine, header.structure, &stats), ..stats }
+    };
+    let frame =
+        |(number, sums): &(u32, Sums)| stats(sums).as_frame(*number, header.warmup.contains(number), sums.answered);
     Ok(MachineStats {
         accuracy: Accuracy::Bounded,
-        bounds: Some(bound.bounds()),
+        frames: bound.frames.iter().map(frame).collect(),
+        bounds: Some(bound.bounds(&header.warmup)),
         oracle: Some(Limit { cycles: limit.cycles.least, dram_bytes: limit.dram_bytes.least }),
-        ..bound.stats()
+        ..stats(&bound.sum(&header.warmup))
     })
 }

@@ -1,7 +1,7 @@
 //! The identities that every run must keep.
 
 use super::RunError;
-use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum_bytes, sum_caches};
+use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum};
 use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
@@ -118,10 +118,10 @@ pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
 fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let line = machine.line_bytes.get();
     let units = || tally.units.iter().flatten();
-    let l1 = sum_caches(units().map(|unit| &unit.cache));
-    let l2 = sum_caches(tally.banks.iter().map(|bank| &bank.cache));
-    let moved = sum_bytes(tally.banks.iter().map(|bank| &bank.served.moved));
-    let dram = sum_bytes(tally.channels.iter().map(|channel| &channel.moved));
+    let l1 = sum(units().map(|unit| &unit.cache));
+    let l2 = sum(tally.banks.iter().map(|bank| &bank.cache));
+    let moved = sum(tally.banks.iter().map(|bank| &bank.served.moved));
+    let dram = sum(tally.channels.iter().map(|channel| &channel.moved));
     for class in TrafficClass::ALL {
         let (index, name) = (class as usize, class.name());
         let past = |of: fn(&UnitTally) -> &PerClass<Past>| {

@@ -1,10 +1,11 @@
 //! What an engine is fed with: the stream's items, all of them or a sample.
 
+use super::frame_log::FrameLog;
 use super::sampling::WarmCaches;
 use super::tally::Tally;
 use super::{RunError, check};
 use crate::engine::source::{FrameCounts, StoreWork};
-use crate::machine::shadow_cache::ShadowCacheSpec;
+use crate::machine::MachineSpec;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 
@@ -29,6 +30,14 @@ pub(super) trait Feed<E> {
     /// So many rays are done.
     fn rays_over(&mut self, _: usize) {}
 
+    /// Whether a frame is over of which [`Feed::frame_counted`] is to be told.
+    fn wants_frame(&self) -> bool {
+        false
+    }
+
+    /// Receives what was counted up to the end of the cycle in which the frame was over.
+    fn frame_counted(&mut self, _: &Tally) {}
+
     /// Whether [`Feed::mark`] is to be called at the end of the cycle.
     fn marks(&self) -> bool {
         false
@@ -43,9 +52,17 @@ pub(super) trait Feed<E> {
 /// All items.
 pub(super) struct Whole<'a, I> {
     pub items: I,
-    pub spec: &'a ShadowCacheSpec,
+    /// What is counted frame by frame.
+    pub frames: FrameLog<'a>,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
+}
+
+impl<'a, I> Whole<'a, I> {
+    /// All of `items` for a machine.
+    pub fn new(machine: &'a MachineSpec, items: I) -> Self {
+        Self { items, frames: FrameLog::new(machine), stores: StoreWork::default() }
+    }
 }
 
 impl<E, I: Iterator<Item = Result<Item, E>>> Feed<E> for Whole<'_, I> {
@@ -55,6 +72,15 @@ impl<E, I: Iterator<Item = Result<Item, E>>> Feed<E> for Whole<'_, I> {
 
     fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>> {
         self.stores += counts.stores;
-        check::frame(counts, self.spec)
+        self.frames.over(*counts);
+        check::frame(counts, &self.frames.machine().shadow_cache)
+    }
+
+    fn wants_frame(&self) -> bool {
+        self.frames.is_over()
+    }
+
+    fn frame_counted(&mut self, tally: &Tally) {
+        self.frames.add(tally);
     }
 }

@@ -7,6 +7,7 @@ mod cycle;
 mod event;
 mod feed;
 mod fidelity;
+mod frame_log;
 mod gathering;
 mod lines;
 mod observe;
@@ -30,7 +31,7 @@ pub use self::lines::LineStream;
 pub use self::observe::DramObserver;
 use self::profile::curves::{Curves, Heat};
 use self::sampling::{Findings, Plan, Sampler};
-use self::source::{StoreWork, StreamFault};
+use self::source::StreamFault;
 use self::tally::Tally;
 use self::work::known_to_profile;
 use crate::machine::{MachineSpec, SpecError};
@@ -196,6 +197,8 @@ pub fn reuse<E, I: Iterator<Item = Result<Item, E>>>(
 ) -> Result<(MachineStats, Vec<ReuseLevel>), RunError<E>> {
     machine.check()?;
     machine.check_stream(header)?;
+    // Distances are those of all frames, and so are the figures beside them.
+    let header = &Header { warmup: Vec::new(), ..header.clone() };
     check_stores(machine)?;
     let sample = match of {
         ReuseOf::Everything => None,
@@ -295,10 +298,13 @@ fn whole<E>(
     observer: Option<&mut dyn DramObserver>,
 ) -> Result<MachineStats, RunError<E>> {
     let mut bound = Bound::new(machine, header, false);
-    let tally = replay(engine, machine, items.inspect(|item| item.iter().for_each(|item| bound.add(item))), observer)?;
-    let (stats, bounds) = (tally.stats(machine), bound.bounds());
-    check::bounds(&stats, &bounds).map_err(RunError::Invariant)?;
-    Ok(MachineStats { bounds: Some(bounds), ..stats })
+    let items = items.inspect(|item| item.iter().for_each(|item| bound.add(item)));
+    let mut feed = Whole::new(machine, items);
+    let whole = fed(engine, machine, &mut feed, observer)?.stats(machine);
+    let frames = feed.frames;
+    check::bounds(&whole, &bound.bounds(&[])).map_err(RunError::Invariant)?;
+    let measured = frames.finish(whole, header).map_err(RunError::Invariant)?;
+    Ok(MachineStats { bounds: Some(bound.bounds(&header.warmup)), ..measured })
 }
 
 /// As [`run`] with `Event` or `Cycle`, while `observer` is told what the DRAM is asked for and does. Every command is checked
@@ -332,16 +338,27 @@ pub fn run_observed<E>(
     }
 }
 
+/// Replays `items`; what the run counted, its identities checked.
+#[cfg(test)]
 fn replay<E>(
     engine: &mut impl Engine,
     machine: &MachineSpec,
     items: impl Iterator<Item = Result<Item, E>>,
     observer: Option<&mut dyn DramObserver>,
 ) -> Result<Tally, RunError<E>> {
-    let mut feed = Whole { items, spec: &machine.shadow_cache, stores: StoreWork::default() };
+    fed(engine, machine, &mut Whole::new(machine, items), observer)
+}
+
+/// Replays all that `feed` gives; what the run counted, its identities checked.
+fn fed<E>(
+    engine: &mut impl Engine,
+    machine: &MachineSpec,
+    feed: &mut Whole<'_, impl Iterator<Item = Result<Item, E>>>,
+    observer: Option<&mut dyn DramObserver>,
+) -> Result<Tally, RunError<E>> {
     let cycles = match observer {
-        None => engine.run(&mut feed)?,
-        Some(observer) => observe::run(engine, machine, &mut feed, observer)?,
+        None => engine.run(feed)?,
+        Some(observer) => observe::run(engine, machine, feed, observer)?,
     };
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;

@@ -3,6 +3,7 @@
 use std::io;
 
 use super::feed::Feed;
+use super::tally::Tally;
 use super::{Engine, RunError};
 use crate::engine::source::FrameCounts;
 use crate::machine::MachineSpec;
@@ -58,6 +59,14 @@ impl<E, F: Feed<E>> Feed<E> for Observed<'_, F> {
         self.feed.frame_over(counts)
     }
 
+    fn wants_frame(&self) -> bool {
+        self.feed.wants_frame()
+    }
+
+    fn frame_counted(&mut self, tally: &Tally) {
+        self.feed.frame_counted(tally);
+    }
+
     fn hears(&self) -> bool {
         true
     }
@@ -88,7 +97,6 @@ mod tests {
 
     use super::super::feed::Whole;
     use super::*;
-    use crate::engine::source::StoreWork;
     use crate::memory::dram::command::Command;
 
     struct Nobody;
@@ -119,7 +127,7 @@ mod tests {
             Ok(200)
         }
 
-        fn tally(&self, _: u64) -> super::super::tally::Tally {
+        fn tally(&self, _: u64) -> Tally {
             Default::default()
         }
 
@@ -132,7 +140,7 @@ mod tests {
     fn an_illegal_command_ends_the_run_with_its_numbers() {
         let machine = MachineSpec::default();
         let items = std::iter::empty::<Result<Item, Infallible>>();
-        let mut feed = Whole { items, spec: &machine.shadow_cache, stores: StoreWork::default() };
+        let mut feed = Whole::new(&machine, items);
         let error = run(&mut Wrong(ChannelLog::default()), &machine, &mut feed, &mut Nobody).unwrap_err();
         let told = "channel 0 of the DRAM, clock 106: `rc` is violated, which allows it from clock 107 on";
         assert_eq!(error.to_string(), told);

@@ -1,5 +1,6 @@
 //! What a machine takes from a stream, what can be wrong with it, and what is counted of it.
 
+use crate::counters::counters;
 use crate::machine::layout::{Layout, OutOfRange};
 use crate::stream::{Chunk, Decision, RayKind, Step, Totals};
 
@@ -43,44 +44,21 @@ pub struct FrameCounts {
     pub stores: StoreWork,
 }
 
-/// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are performed, merged or
-/// raised; writes (updates included), recorded or added, are performed, merged, deferred or covered.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct StoreWork {
-    /// Reads that a register answered.
-    pub merged_reads: u64,
-    /// Writes that a register merged with one that waited.
-    pub merged_writes: u64,
-    /// Reads performed as updates: first touches.
-    pub raised_reads: u64,
-    /// Writes that are not recorded: of a sweep, and of first touches.
-    pub added_writes: u64,
-    /// Recorded writes of a frame's end that are left to first touches.
-    pub deferred_writes: u64,
-    /// Recorded writes of a frame's end that a sweep covers.
-    pub covered_writes: u64,
-    /// Updates that change nothing and were dropped at their rays.
-    pub dropped_writes: u64,
-    /// Reads that are not recorded: of learned bits at a frame's end.
-    pub added_reads: u64,
-    /// Updates that were merged with another of the same hit.
-    pub gathered_writes: u64,
-    /// Skipped shadow rays that the host answered.
-    pub answered_rays: u64,
-}
-
-impl std::ops::AddAssign for StoreWork {
-    fn add_assign(&mut self, other: Self) {
-        self.merged_reads += other.merged_reads;
-        self.merged_writes += other.merged_writes;
-        self.raised_reads += other.raised_reads;
-        self.added_writes += other.added_writes;
-        self.deferred_writes += other.deferred_writes;
-        self.covered_writes += other.covered_writes;
-        self.dropped_writes += other.dropped_writes;
-        self.added_reads += other.added_reads;
-        self.gathered_writes += other.gathered_writes;
-        self.answered_rays += other.answered_rays;
+counters! {
+    /// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are
+    /// performed, merged or raised; writes (updates included), recorded or added, are performed, merged, deferred or
+    /// covered.
+    pub struct StoreWork {
+        merged_reads: "reads", "reads that a register answered";
+        merged_writes: "writes", "writes that a register merged with one that waited";
+        raised_reads: "reads", "reads performed as updates: first touches";
+        added_writes: "writes", "writes that are not recorded: of a sweep, and of first touches";
+        deferred_writes: "writes", "recorded writes of a frame's end that are left to first touches";
+        covered_writes: "writes", "recorded writes of a frame's end that a sweep covers";
+        dropped_writes: "writes", "updates that change nothing and were dropped at their rays";
+        added_reads: "reads", "reads that are not recorded: of learned bits at a frame's end";
+        gathered_writes: "writes", "updates that were merged with another of the same hit";
+        answered_rays: "rays", "skipped shadow rays that the host answered";
     }
 }
 

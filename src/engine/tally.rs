@@ -1,6 +1,7 @@
 //! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of it.
 
 use std::collections::BTreeMap;
+use std::ops::AddAssign;
 
 use crate::engine::source::StoreWork;
 use crate::engine::unloaded::RayLatencies;
@@ -10,7 +11,7 @@ use crate::memory::bank::Served;
 use crate::memory::cache::Past;
 use crate::memory::queue::Load;
 use crate::quantity::{Bytes, Cycle};
-use crate::stats::{CacheCounts, Cause, DramCounts, MachineStats, QueueCounts, TrafficClass};
+use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, MachineStats, QueueCounts, TrafficClass};
 use crate::stream::RayKind;
 
 /// Something a class of traffic, in the order of [`TrafficClass::ALL`].
@@ -32,6 +33,8 @@ pub struct UnitTally {
     pub causes: PerCause,
     /// Accesses to its L1.
     pub cache: PerClass<CacheCounts>,
+    /// What its L1 alone counts.
+    pub l1: PerClass<L1Counts>,
     /// Bytes that it asked its L1 for.
     pub requested: PerClass<Bytes>,
     /// Writes that went through its L1.
@@ -146,17 +149,7 @@ impl Tally {
 
     /// The commands of all channels.
     pub fn commands(&self) -> DramCounts {
-        let mut sum = DramCounts::default();
-        for channel in &self.channels {
-            let DramCounts { reads, writes, row_hits, row_misses, row_conflicts, refreshes } = channel.counts;
-            sum.reads += reads;
-            sum.writes += writes;
-            sum.row_hits += row_hits;
-            sum.row_misses += row_misses;
-            sum.row_conflicts += row_conflicts;
-            sum.refreshes += refreshes;
-        }
-        sum
+        self.channels.iter().map(|channel| channel.counts).sum()
     }
 
     /// The run as reports have it.
@@ -172,8 +165,9 @@ impl Tally {
         };
         for (kind, units) in Kind::ALL.into_iter().zip(&self.units) {
             let (unit, level) = kind.names();
-            stats.caches.insert(level.into(), present(&sum_caches(units.iter().map(|unit| &unit.cache))));
-            stats.bytes.insert(level.into(), present(&sum_bytes(units.iter().map(|unit| &unit.requested))));
+            let (counts, l1) = (sum(units.iter().map(|unit| &unit.cache)), sum(units.iter().map(|unit| &unit.l1)));
+            stats.caches.insert(level.into(), cache_stats(&counts, Some(&l1)));
+            stats.bytes.insert(level.into(), present(&sum(units.iter().map(|unit| &unit.requested))));
             stats.units.insert(unit.into(), sum_causes(units.iter().map(|unit| &unit.causes)));
             stats.unit_counts.insert(unit.into(), units.len() as u64);
         }
@@ -202,35 +196,26 @@ impl Tally {
         for (name, cache) in machine.l2.caches() {
             let own = first..first + cache.banks.size();
             let banks = self.banks.chunks(of_core).flat_map(|banks| &banks[own.clone()]);
-            stats.caches.insert(name.clone(), present(&sum_caches(banks.clone().map(|bank| &bank.cache))));
-            stats.bytes.insert(name, present(&sum_bytes(banks.map(|bank| &bank.served.moved))));
+            stats.caches.insert(name.clone(), cache_stats(&sum(banks.clone().map(|bank| &bank.cache)), None));
+            stats.bytes.insert(name, present(&sum(banks.map(|bank| &bank.served.moved))));
             first = own.end;
         }
-        stats.bytes.insert("dram".into(), present(&sum_bytes(self.channels.iter().map(|channel| &channel.moved))));
+        stats.bytes.insert("dram".into(), present(&sum(self.channels.iter().map(|channel| &channel.moved))));
         stats
     }
 }
 
-/// Accesses of several caches together.
-pub fn sum_caches<'a>(caches: impl Iterator<Item = &'a PerClass<CacheCounts>>) -> PerClass<CacheCounts> {
-    let mut sum = PerClass::<CacheCounts>::default();
-    for (class, counts) in caches.flat_map(|counts| counts.iter().enumerate()) {
-        sum[class].accesses += counts.accesses;
-        sum[class].hits += counts.hits;
-        sum[class].half_misses += counts.half_misses;
-        sum[class].misses += counts.misses;
-        sum[class].passed_writes += counts.passed_writes;
-        sum[class].bank_conflicts += counts.bank_conflicts;
-        sum[class].write_backs += counts.write_backs;
-    }
+/// The sum of what several parts counted, by class.
+pub fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
+    let mut sum = PerClass::default();
+    parts.for_each(|part| sum.iter_mut().zip(part).for_each(|(sum, &counted)| *sum += counted));
     sum
 }
 
-/// Bytes of several parts together.
-pub fn sum_bytes<'a>(moved: impl Iterator<Item = &'a PerClass<Bytes>>) -> PerClass<Bytes> {
-    let mut sum = PerClass::default();
-    moved.for_each(|moved| sum.iter_mut().zip(moved).for_each(|(sum, &moved)| *sum += moved));
-    sum
+/// Accesses by class, of classes that were accessed; `l1` is what an L1 counts beside that.
+fn cache_stats(counts: &PerClass<CacheCounts>, l1: Option<&PerClass<L1Counts>>) -> BTreeMap<TrafficClass, CacheStats> {
+    let l1 = |class: TrafficClass| l1.map(|counts| counts[class as usize]);
+    present(counts).into_iter().map(|(class, counts)| (class, CacheStats { counts, l1: l1(class) })).collect()
 }
 
 /// What is not zero, by class: absent is absent.

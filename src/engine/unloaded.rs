@@ -83,4 +83,9 @@ impl RayLatencies {
         counts.most = counts.most.max(cycles);
         self.too_fast += u64::from(cycles < unloaded);
     }
+
+    /// From now on the longest latencies are those of rays to come.
+    pub fn forget_longest(&mut self) {
+        self.kinds.iter_mut().for_each(|counts| counts.most = 0);
+    }
 }

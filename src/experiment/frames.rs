@@ -71,6 +71,32 @@ impl<'de> Deserialize<'de> for FrameRange {
     }
 }
 
+/// The frames that machines replay, by their numbers in order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Replayed {
+    /// All of them.
+    pub frames: Vec<u32>,
+    /// Those that are not measured.
+    pub warmup: Vec<u32>,
+}
+
+impl Replayed {
+    /// Whether machines replay `frame`.
+    pub fn contains(&self, frame: u32) -> bool {
+        self.frames.contains(&frame)
+    }
+
+    /// Whether machines replay `frame`, and it is no warm-up frame.
+    pub fn measures(&self, frame: u32) -> bool {
+        self.contains(frame) && !self.warmup.contains(&frame)
+    }
+
+    /// The measured frames.
+    pub fn measured(&self) -> impl Iterator<Item = u32> {
+        self.frames.iter().copied().filter(|&frame| self.measures(frame))
+    }
+}
+
 /// A choice among the traced frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum FrameChoice {
@@ -83,6 +109,24 @@ pub enum FrameChoice {
 }
 
 impl FrameChoice {
+    /// The frames of `traced` that machines replay, if `warmup` frames come before measured ones.
+    pub fn replayed(self, traced: &[u32], warmup: usize) -> Replayed {
+        let mut replayed = Replayed::default();
+        let measures = |index: usize| index >= warmup && self.takes(index);
+        for (index, &frame) in traced.iter().enumerate() {
+            let is_measured = measures(index);
+            let is_before = (index..traced.len().min(index + warmup + 1)).any(measures);
+            let is_first = index < warmup && self != Self::Never;
+            if is_measured || is_before || is_first {
+                replayed.frames.push(frame);
+            }
+            if !is_measured && (is_before || is_first) {
+                replayed.warmup.push(frame);
+            }
+        }
+        replayed
+    }
+
     /// Whether the traced frame number `index`, counted from 0, is chosen.
     pub fn takes(self, index: usize) -> bool {
         match self {
@@ -102,6 +146,21 @@ mod tests {
         assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().len(), 50);
         assert_eq!("3..6".parse::<FrameRange>().unwrap().numbers(), [3, 4, 5]);
         assert_eq!("0..800:16".parse::<FrameRange>().unwrap().numbers().last(), Some(&784));
+    }
+
+    #[test]
+    fn warm_up_frames_come_first_and_before_measured_ones() {
+        let traced: Vec<u32> = (0..12).collect();
+        let of = |choice: FrameChoice, warmup: usize| {
+            let replayed = choice.replayed(&traced, warmup);
+            (replayed.measured().collect::<Vec<_>>(), replayed.warmup)
+        };
+        let every = FrameChoice::Every(3.try_into().unwrap());
+        assert_eq!(of(every, 0), (vec![0, 3, 6, 9], vec![]));
+        assert_eq!(of(every, 1), (vec![3, 6, 9], vec![0, 2, 5, 8]));
+        assert_eq!(of(every, 4), (vec![6, 9], vec![0, 1, 2, 3, 4, 5, 7, 8]));
+        assert_eq!(of(FrameChoice::All, 2), ((2..12).collect(), vec![0, 1]));
+        assert_eq!(of(FrameChoice::Never, 2), (vec![], vec![]));
     }
 
     #[test]

@@ -246,7 +246,7 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
 
 /// What a cache counted of a class; nothing if it has no such traffic.
 fn counts(stats: &MachineStats, cache: &str, class: TrafficClass) -> CacheCounts {
-    stats.caches.get(cache).and_then(|classes| classes.get(&class)).copied().unwrap_or_default()
+    stats.caches.get(cache).and_then(|classes| classes.get(&class)).map(|cache| cache.counts).unwrap_or_default()
 }
 
 /// What the L2 that is asked for a class counted of it: a class has one home.

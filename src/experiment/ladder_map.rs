@@ -91,6 +91,7 @@ impl Case {
         Header {
             scene: "made to order".into(),
             frames: vec![0],
+            warmup: Vec::new(),
             resolution: Resolution { width: 128, height: 128 },
             policy: "none".into(),
             structure: Structure::Bvh2,

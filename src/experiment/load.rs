@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use super::files::{beside, read_machine};
-use super::frames::FrameRange;
+use super::frames::{FrameChoice, FrameRange, Replayed};
 use super::need::Need;
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
@@ -16,7 +16,7 @@ use crate::ron_file::{self, ConfigError};
 use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
-use crate::stream::{Step, Structure};
+use crate::stream::{Step, StoreEntries, Structure};
 
 /// What the command line sets in place of the file.
 #[derive(Clone, Copy, Debug, Default)]
@@ -25,6 +25,8 @@ pub struct Overrides {
     pub frames: Option<FrameRange>,
     /// Another size of the pictures.
     pub resolution: Option<Resolution>,
+    /// Another number of warm-up frames.
+    pub warmup: Option<u32>,
 }
 
 /// Why an experiment cannot be run.
@@ -50,6 +52,8 @@ pub struct Experiment {
     pub machines: Named<MachineSpec>,
     /// Numbers of the frames, in order.
     pub frames: Vec<u32>,
+    /// Those of them that the machines replay.
+    pub replayed: Replayed,
 }
 
 /// All that a run depends on, to be written beside its results.
@@ -69,6 +73,7 @@ impl Experiment {
         let mut spec = ExperimentSpec::read(path)?;
         spec.frames = overrides.frames.unwrap_or(spec.frames);
         spec.resolution = overrides.resolution.unwrap_or(spec.resolution);
+        spec.warmup = overrides.warmup.or(spec.warmup);
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
 
         let mut machines = Named::default();
@@ -110,7 +115,17 @@ impl Experiment {
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
-        let experiment = Self { spec, scene_spec, scene, machines, frames };
+        let warmup = spec.warmup.unwrap_or_else(|| default_warmup(&spec, &scene, &frames));
+        let replayed = spec.replay.replayed(&frames, warmup as usize);
+        if warmup > 0 && spec.replay != FrameChoice::Never && replayed.measured().next().is_none() {
+            let traced = if frames.len() == 1 { "1 frame".into() } else { format!("{} frames", frames.len()) };
+            let what = format!(
+                "`warmup` is {warmup}, and of {traced} `replay` takes none behind them: no frame is left to measure"
+            );
+            return Err(wrong(what).into());
+        }
+        spec.warmup = Some(warmup);
+        let experiment = Self { spec, scene_spec, scene, machines, frames, replayed };
         experiment.need().check().map_err(wrong)?;
         Ok(experiment)
     }
@@ -120,6 +135,11 @@ impl Experiment {
         let (policies, lights) = (self.spec.policies.len(), self.scene.light_count);
         let machines: Vec<u128> = self.machines.iter().map(|(_, machine)| machine.footprint()).collect();
         Need::new(self.spec.resolution, self.frames.len(), policies, lights, self.scene.primitive_count(), &machines)
+    }
+
+    /// The frames that warm caches and words up where all frames are replayed.
+    pub fn first_frames(&self) -> &[u32] {
+        &self.frames[..self.frames.len().saturating_sub(1).min(self.spec.warmup.unwrap_or(0) as usize)]
     }
 
     /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
@@ -157,6 +177,13 @@ impl Experiment {
             .position(|(_, policy)| *policy == PolicySpec::Off)
             .expect("a spec without `Off` is refused when it is read")
     }
+}
+
+/// One warm-up frame where a policy keeps what it learns for later frames, if there are frames left to measure.
+fn default_warmup(spec: &ExperimentSpec, scene: &Scene, frames: &[u32]) -> u32 {
+    let learns = |policy: &PolicySpec| policy.build(SceneFacts::of(scene)).stores() != StoreEntries::default();
+    let is_left = spec.replay.replayed(frames, 1).measured().next().is_some();
+    u32::from(is_left && spec.policies.iter().any(|(_, policy)| learns(policy)))
 }
 
 /// Refuses policies that need a tree of boxes with a structure that is none.

@@ -144,7 +144,7 @@ pub(crate) fn pareto(
 
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution };
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: None };
         let mut experiment = Experiment::load(&beside(path, &self.file), overrides)?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {

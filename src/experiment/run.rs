@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::frames::Replayed;
 use super::load::Experiment;
 use super::progress;
 use super::replay::{Finished, Replays};
@@ -18,7 +19,7 @@ use crate::reference::Reference;
 use crate::report::ReportError;
 use crate::report::run::pictures::{Image, PictureInfo};
 use crate::report::run::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, RunFiles, SCHEMA, SceneSummary, Summary,
+    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, RunFiles, SCHEMA, SceneSummary, Summary,
 };
 use crate::report::split::Split;
 use crate::stats::MachineStats;
@@ -100,7 +101,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
             let frame = scene.animation.frame(number);
             let validated = experiment.spec.validate.takes(index);
             let words = validated.then(|| latch(&policies, scene.primitive_count()));
-            let replayed = experiment.spec.replay.takes(index);
+            let replayed = experiment.replayed.contains(number);
             let mut recorded = vec![Totals::default(); policies.len()];
             let (traced, waited) = (Instant::now(), clock.machines);
             let lanes = tracer.frame(&frame, &mut policies, |policy, item| {
@@ -121,8 +122,10 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
             let validated = words
                 .map(|words| (validation::validate(experiment, &reference, &frame, tracer.offset(), &lanes), words));
             gathered.add(experiment, number, &lanes, validated);
-            if replayed {
-                gathered.replayed.push(number);
+            if replayed && !experiment.replayed.measures(number) {
+                gathered.warmup.push(number);
+            } else if replayed {
+                gathered.measured.push(number);
                 gathered.totals.iter_mut().zip(&recorded).for_each(|(all, &frame)| *all += frame);
             }
             clock.reference += compared.elapsed();
@@ -149,13 +152,15 @@ fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
 }
 
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
-    let replayed = experiment.frames.iter().enumerate().filter(|&(index, _)| experiment.spec.replay.takes(index));
-    let frames: Vec<u32> = replayed.map(|(_, &number)| number).collect();
+    let Replayed { frames, warmup } = &experiment.replayed;
     let inputs = experiment.inputs();
     experiment
         .policy_names()
         .zip(policies)
-        .map(|(name, policy)| tracer.header(name, policy.as_ref(), frames.clone(), &inputs))
+        .map(|(name, policy)| Header {
+            warmup: warmup.clone(),
+            ..tracer.header(name, policy.as_ref(), frames.clone(), &inputs)
+        })
         .collect()
 }
 
@@ -187,6 +192,12 @@ fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[Lane
     Ok(())
 }
 
+/// Rays that a machine replayed, those of warm-up frames among them.
+fn replayed_rays(stats: &MachineStats) -> u64 {
+    let all = stats.frames.iter().map(|frame| frame.rays).sum();
+    if stats.frames.is_empty() { stats.rays } else { all }
+}
+
 /// What a policy did in a frame, as the tracer counted, without the reference renderer.
 pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
     FrameResult {
@@ -204,9 +215,10 @@ pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
 /// What the frames gave so far.
 struct Gathered {
     frames: Vec<u32>,
-    /// Those of them that the machines replayed.
-    replayed: Vec<u32>,
-    /// By policy, what the machines replayed.
+    /// Those of them that the machines measured, and that they replayed to warm up.
+    measured: Vec<u32>,
+    warmup: Vec<u32>,
+    /// By policy, what the measured frames ask for.
     totals: Vec<Totals>,
     /// By policy, then frame.
     results: Vec<Vec<FrameResult>>,
@@ -224,7 +236,8 @@ impl Gathered {
         let policies = experiment.spec.policies.len();
         Self {
             frames: Vec::new(),
-            replayed: Vec::new(),
+            measured: Vec::new(),
+            warmup: Vec::new(),
             totals: vec![Totals::default(); policies],
             results: vec![Vec::new(); policies],
             wrong: vec![vec![WrongDecisions::default(); experiment.scene.light_count]; policies],
@@ -310,18 +323,27 @@ impl Gathered {
                 policy: names[policy].to_owned(),
                 source: Box::new(source),
             })?;
-            stage(format!("{machine}, {}{}", names[policy], role.suffix()), replayed.wall, Some(replayed.stats.rays));
+            stage(
+                format!("{machine}, {}{}", names[policy], role.suffix()),
+                replayed.wall,
+                Some(replayed_rays(&replayed.stats)),
+            );
             measured.entry(machine.clone()).or_default().push((policy, role, replayed.stats.clone()));
             if role != Role::AsItIs {
                 continue;
             }
             let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
                 fidelity: experiment.spec.fidelity.to_string(),
-                frames: self.replayed.clone(),
+                frames: self.measured.clone(),
+                warmup: self.warmup.clone(),
                 policies: Named::default(),
                 split: Named::default(),
             });
-            summary.policies.insert(names[policy], MachineRun::from(replayed.stats));
+            let totals = &self.totals[policy];
+            let rays = totals.primary_rays + totals.secondary_rays + totals.shadow_rays;
+            let asked = Asked { frames: self.measured.len(), rays };
+            let asked = (asked.frames > 0).then_some(asked);
+            summary.policies.insert(names[policy], MachineRun::new(replayed.stats, asked));
             machines.insert(machine, summary);
         }
         let machines: Named<MachineSummary> = machines

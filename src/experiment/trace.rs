@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::load::Experiment;
 use super::progress;
-use crate::stream::{StreamError, StreamWriter};
+use crate::stream::{Header, StreamError, StreamWriter};
 use crate::tracer::Tracer;
 
 /// Why no stream was recorded.
@@ -44,7 +44,10 @@ pub(crate) fn trace(
     let first = scene.animation.frame(experiment.frames[0]);
     let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
     let mut policies = vec![experiment.policies().swap_remove(index)];
-    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs());
+    let header = Header {
+        warmup: experiment.first_frames().to_vec(),
+        ..tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs())
+    };
     let mut writer = StreamWriter::create(path, &header)?;
     let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
     for &number in &experiment.frames {

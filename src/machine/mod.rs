@@ -3,6 +3,7 @@
 
 pub mod dispatcher;
 pub mod division;
+pub mod energy;
 mod footprint;
 pub mod intersection;
 pub mod kinds;

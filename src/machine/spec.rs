@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
 use super::division::DivisionSpec;
+use super::energy::EnergySpec;
 use super::footprint::Footprint;
 use super::intersection::IntersectionSpec;
 use super::list::ListSpec;
@@ -47,6 +48,8 @@ pub struct MachineSpec {
     pub l2: L2Spec,
     /// The DRAM.
     pub dram: DramSpec,
+    /// What operations, accesses and time cost in energy.
+    pub energy: EnergySpec,
 }
 
 impl Default for MachineSpec {
@@ -64,6 +67,7 @@ impl Default for MachineSpec {
             shadow_cache: ShadowCacheSpec::default(),
             l2: L2Spec::default(),
             dram: DramSpec::default(),
+            energy: EnergySpec::default(),
         }
     }
 }

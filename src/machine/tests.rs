@@ -16,6 +16,7 @@ fn header(lights: u32) -> Header {
     Header {
         scene: String::new(),
         frames: Vec::new(),
+        warmup: Vec::new(),
         resolution: Resolution { width: 1, height: 1 },
         policy: String::new(),
         structure: Structure::Bvh2,

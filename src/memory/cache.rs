@@ -8,7 +8,7 @@ use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Within};
-use crate::stats::{CacheCounts, TrafficClass};
+use crate::stats::{CacheCounts, L1Counts, TrafficClass};
 
 /// How accesses that wait in a miss register get their line when it has come.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -254,11 +254,6 @@ impl Cache {
         Lookup::Miss
     }
 
-    /// An access of `class` has to wait for its bank.
-    pub fn conflict(&mut self, class: TrafficClass) {
-        self.counts[class as usize].bank_conflicts += 1;
-    }
-
     /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says whether a dirty
     /// victim could be sent down. A dirty line that is not kept is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
@@ -332,18 +327,19 @@ impl Cache {
     }
 }
 
-/// The banks of an L1 in one cycle.
+/// The banks of an L1 in one cycle, and accesses that found theirs in use.
 #[derive(Clone, Copy, Debug)]
 pub struct BanksInUse {
     /// The number of banks, less one; `None` without banks.
     mask: Option<u64>,
     used: u64,
+    counts: [L1Counts; TrafficClass::ALL.len()],
 }
 
 impl BanksInUse {
     /// No bank is in use yet.
     pub fn none(spec: &CacheSpec) -> Self {
-        Self { mask: spec.banks.map(|banks| banks.get() - 1), used: 0 }
+        Self { mask: spec.banks.map(|banks| banks.get() - 1), used: 0, counts: Default::default() }
     }
 
     /// A new cycle begins.
@@ -351,12 +347,18 @@ impl BanksInUse {
         self.used = 0;
     }
 
-    /// Takes the bank of `line`; false if it is in use.
-    pub fn take(&mut self, line: LineAddr) -> bool {
+    /// Takes the bank of `line` for an access of `class`; false, and a conflict is counted, if it is in use.
+    pub fn take(&mut self, line: LineAddr, class: TrafficClass) -> bool {
         let Some(mask) = self.mask else { return true };
         let bank = 1 << (line.0 & mask);
         let free = self.used & bank == 0;
         self.used |= bank;
+        self.counts[class as usize].bank_conflicts += u64::from(!free);
         free
+    }
+
+    /// What was counted, by class in the order of [`TrafficClass::ALL`].
+    pub fn counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+        &self.counts
     }
 }

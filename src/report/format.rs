@@ -97,6 +97,31 @@ pub(crate) fn words(key: &str) -> String {
     shown.collect::<Vec<String>>().join(" ")
 }
 
+/// Milliseconds with three digits.
+pub(crate) fn milliseconds(value: f64) -> String {
+    let digits = if value >= 100.0 {
+        0
+    } else if value >= 10.0 {
+        1
+    } else if value >= 1.0 {
+        2
+    } else {
+        3
+    };
+    format!("{value:.digits$}")
+}
+
+/// Joules with a prefix and three digits.
+pub(crate) fn joules(value: f64) -> String {
+    let (factor, unit) = match value {
+        value if value >= 1.0 => (1.0, "J"),
+        value if value >= 1e-3 => (1e3, "mJ"),
+        value if value >= 1e-6 => (1e6, "\u{b5}J"),
+        _ => (1e9, "nJ"),
+    };
+    format!("{} {unit}", milliseconds(value * factor))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

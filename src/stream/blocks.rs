@@ -10,16 +10,17 @@ use super::format::{
     VERSION, checksum, field,
 };
 use super::header::Header;
-use super::totals::{TOTALS_NAMES, totals_values};
+use super::totals::Totals;
 
 /// The first way in which a frame's entry of the index is not what was read of the frame.
 pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault> {
     let values = |entry: &FrameEntry| {
         let FrameEntry { number, offset, bytes, raw_bytes, rays, blocks, totals } = *entry;
         let own = [number.into(), offset, bytes.0, raw_bytes.0, rays, blocks];
-        own.into_iter().chain(totals_values(&totals))
+        own.into_iter().chain(totals.values())
     };
-    let names = ["number", "offset", "bytes", "raw_bytes", "rays", "blocks"].into_iter().chain(TOTALS_NAMES);
+    let names = ["number", "offset", "bytes", "raw_bytes", "rays", "blocks"].into_iter();
+    let names = names.chain(Totals::DECLARED.iter().map(|counter| counter.name));
     let mut all = names.zip(values(index)).zip(values(seen));
     all.find_map(|((what, index), found)| {
         (index != found).then_some(Fault::Index { frame: seen.number, what, index, found })

@@ -8,7 +8,7 @@ use super::header::{Header, NO_RECORD};
 use super::item::{FrameInfo, Item};
 use super::limits::Limits;
 use super::step::Step;
-use super::totals::{TOTALS_NAMES, Totals, totals_values};
+use super::totals::Totals;
 use super::violation::{RayFault, Violation};
 use crate::quantity::PixelId;
 
@@ -22,6 +22,8 @@ const MOST_IDS: u64 = Step::MAX_INDEX as u64 + 1;
 /// Checks a header's numbers, its records apart.
 pub(super) fn counts(header: &Header) -> Result<(), Violation> {
     let stores = &header.stores;
+    let foreign = header.warmup.iter().filter(|frame| !header.frames.contains(frame)).count();
+    at_most("warm-up frames that the stream does not have", foreign as u64, 0)?;
     for (what, found) in [
         ("static nodes", header.static_nodes),
         ("static triangle records", header.static_slots),
@@ -242,10 +244,10 @@ impl Checker {
     fn end(&mut self, policy: &[u32], totals: &Totals) -> Result<(), Violation> {
         self.policy.check(policy).map_err(Violation::End)?;
         self.counted.count_policy(policy.iter().filter_map(|&word| Step::unpack(word)));
-        let pairs = totals_values(totals).into_iter().zip(totals_values(&self.counted));
-        for ((recorded, counted), what) in pairs.zip(TOTALS_NAMES) {
+        let pairs = totals.values().into_iter().zip(self.counted.values());
+        for ((recorded, counted), counter) in pairs.zip(Totals::DECLARED) {
             if recorded != counted {
-                return Err(Violation::Totals { what, recorded, counted });
+                return Err(Violation::Totals { what: counter.name, recorded, counted });
             }
         }
         self.in_frame = false;

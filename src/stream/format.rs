@@ -41,7 +41,7 @@
 
 use super::fault::Fault;
 use super::item::FrameInfo;
-use super::totals::{TOTALS_NAMES, Totals, totals_values};
+use super::totals::Totals;
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
@@ -65,7 +65,7 @@ pub const RAW_LIMIT: usize = 64 << 20;
 /// Bytes of a FRAM payload.
 const FRAME_INFO_BYTES: usize = 16;
 /// Bytes of totals.
-const TOTALS_BYTES: usize = 8 * TOTALS_NAMES.len();
+const TOTALS_BYTES: usize = 8 * Totals::DECLARED.len();
 /// Bytes of a frame in the INDX payload.
 const ENTRY_BYTES: usize = 44 + TOTALS_BYTES;
 
@@ -278,28 +278,10 @@ pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<Fr
 }
 
 fn put_totals(totals: &Totals, out: &mut Vec<u8>) {
-    out.extend(totals_values(totals).into_iter().flat_map(u64::to_le_bytes));
+    out.extend(totals.values().into_iter().flat_map(u64::to_le_bytes));
 }
 
 /// The totals in the first [`TOTALS_BYTES`] of `bytes`.
 fn totals(bytes: &[u8]) -> Totals {
-    let value = |index: usize| u64::from_le_bytes(field(bytes, 8 * index));
-    Totals {
-        primary_rays: value(0),
-        secondary_rays: value(1),
-        shadow_rays: value(2),
-        shadow_rays_skipped: value(3),
-        shadow_rays_dynamic_only: value(4),
-        node_visits: value(5),
-        triangle_tests: value(6),
-        shadow_node_visits: value(7),
-        shadow_triangle_tests: value(8),
-        list_reads: value(9),
-        policy_triangle_tests: value(10),
-        policy_node_visits: value(11),
-        policy_reads: value(12),
-        policy_writes: value(13),
-        repeated_updates: value(14),
-        silent_updates: value(15),
-    }
+    Totals::from_values(std::array::from_fn(|index| u64::from_le_bytes(field(bytes, 8 * index))))
 }

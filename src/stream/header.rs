@@ -15,6 +15,9 @@ pub struct Header {
     pub scene: String,
     /// Numbers of the frames, in order.
     pub frames: Vec<u32>,
+    /// Those of the frames that warm caches and words up: they are replayed, and left out of what is measured.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warmup: Vec<u32>,
     /// The picture's size.
     pub resolution: Resolution,
     /// The culling policy's name in the experiment.

@@ -1,48 +1,32 @@
 //! What the tracer counts in a frame, and what the records hold: the two must be equal.
 
-use serde::{Deserialize, Serialize};
-
 use super::chunk::{Chunk, Decision, Ray, RayHead, RayKind};
 use super::step::{Effect, Step};
+use crate::counters::counters;
 
-/// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from the
-/// records: the two must be equal.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Totals {
-    /// Primary rays: one a pixel.
-    pub primary_rays: u64,
-    /// Reflected and refracted rays.
-    pub secondary_rays: u64,
-    /// Shadow rays that there would be without culling.
-    pub shadow_rays: u64,
-    /// Shadow rays whose answer was known: nothing was traced.
-    pub shadow_rays_skipped: u64,
-    /// Shadow rays traced among dynamic objects only.
-    pub shadow_rays_dynamic_only: u64,
-    /// Node visits of primary and secondary rays.
-    pub node_visits: u64,
-    /// Triangle tests of primary and secondary rays.
-    pub triangle_tests: u64,
-    /// Node visits of shadow rays.
-    pub shadow_node_visits: u64,
-    /// Triangle tests of shadow rays.
-    pub shadow_triangle_tests: u64,
-    /// Entries of primitive lists read by any ray.
-    pub list_reads: u64,
-    /// Triangle tests made by the policy (occlusion tests, occluders tested again).
-    pub policy_triangle_tests: u64,
-    /// Nodes visited by the policy (shaft queries).
-    pub policy_node_visits: u64,
-    /// Reads of the policy's stores.
-    pub policy_reads: u64,
-    /// Writes and read-modify-writes of the policy's stores.
-    pub policy_writes: u64,
-    /// Updates among them, on rays' account, of which an earlier one of the frame has set all bits
-    /// ([`Effect::Repeats`]).
-    pub repeated_updates: u64,
-    /// Updates among them, on rays' account, that change no bit of the latched word ([`Effect::Silent`]).
-    pub silent_updates: u64,
+counters! {
+    /// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from
+    /// the records: the two must be equal. A file holds the counters in this order.
+    pub struct Totals {
+        primary_rays: "rays", "rays from the camera: one a pixel";
+        secondary_rays: "rays", "reflected and refracted rays";
+        shadow_rays: "rays", "shadow rays that there are without culling: one a hit and light that asks for it";
+        shadow_rays_skipped: "rays", "shadow rays whose answer was known: nothing was traced";
+        shadow_rays_dynamic_only: "rays", "shadow rays traced among dynamic triangles only";
+        node_visits: "visits", "nodes fetched by primary and secondary rays";
+        triangle_tests: "tests", "triangles tested by primary and secondary rays";
+        shadow_node_visits: "visits", "nodes fetched by shadow rays";
+        shadow_triangle_tests: "tests", "triangles tested by shadow rays";
+        list_reads: "reads", "entries of the kd-tree's primitive lists read by any ray or policy";
+        policy_triangle_tests: "tests", "triangles tested by the policy itself, occlusion tests included";
+        policy_node_visits: "visits", "nodes fetched by the policy itself (shaft queries, searches below a node)";
+        policy_reads: "accesses", "reads of the policy's stores: mode words, counters, occluder ids";
+        policy_writes: "accesses", "writes of the policy's stores, reads with a write after them included";
+        repeated_updates: "accesses",
+            "updates among policy_writes, on rays' account, of which an earlier one of the frame has set all bits";
+        silent_updates: "accesses",
+            "updates among policy_writes, on rays' account, that change no bit of the latched word";
+    }
 }
 
 impl Totals {
@@ -132,85 +116,4 @@ impl Totals {
             self.triangle_tests += triangles;
         }
     }
-}
-
-impl std::ops::AddAssign for Totals {
-    fn add_assign(&mut self, other: Self) {
-        self.primary_rays += other.primary_rays;
-        self.secondary_rays += other.secondary_rays;
-        self.shadow_rays += other.shadow_rays;
-        self.shadow_rays_skipped += other.shadow_rays_skipped;
-        self.shadow_rays_dynamic_only += other.shadow_rays_dynamic_only;
-        self.node_visits += other.node_visits;
-        self.triangle_tests += other.triangle_tests;
-        self.shadow_node_visits += other.shadow_node_visits;
-        self.shadow_triangle_tests += other.shadow_triangle_tests;
-        self.list_reads += other.list_reads;
-        self.policy_triangle_tests += other.policy_triangle_tests;
-        self.policy_node_visits += other.policy_node_visits;
-        self.policy_reads += other.policy_reads;
-        self.policy_writes += other.policy_writes;
-        self.repeated_updates += other.repeated_updates;
-        self.silent_updates += other.silent_updates;
-    }
-}
-
-/// Names of the totals, in the order of [`totals_values`].
-pub const TOTALS_NAMES: [&str; 16] = [
-    "primary_rays",
-    "secondary_rays",
-    "shadow_rays",
-    "shadow_rays_skipped",
-    "shadow_rays_dynamic_only",
-    "node_visits",
-    "triangle_tests",
-    "shadow_node_visits",
-    "shadow_triangle_tests",
-    "list_reads",
-    "policy_triangle_tests",
-    "policy_node_visits",
-    "policy_reads",
-    "policy_writes",
-    "repeated_updates",
-    "silent_updates",
-];
-
-/// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
-pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
-    let Totals {
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-        repeated_updates,
-        silent_updates,
-    } = *totals;
-    [
-        primary_rays,
-        secondary_rays,
-        shadow_rays,
-        shadow_rays_skipped,
-        shadow_rays_dynamic_only,
-        node_visits,
-        triangle_tests,
-        shadow_node_visits,
-        shadow_triangle_tests,
-        list_reads,
-        policy_triangle_tests,
-        policy_node_visits,
-        policy_reads,
-        policy_writes,
-        repeated_updates,
-        silent_updates,
-    ]
 }

@@ -54,6 +54,7 @@ impl<'a> Tracer<'a> {
         Header {
             scene: self.scene.name.clone(),
             frames,
+            warmup: Vec::new(),
             resolution: self.resolution,
             policy: name.to_owned(),
             structure: self.accel.structure(),

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::flat::Bus;
+use super::flat::{Bus, Moved};
 use super::wires::{DramRequest, Request, Wires};
 use crate::memory::dram::command::{ChannelLog, Column, Command};
 use crate::memory::dram::part::DramPart;
@@ -118,8 +118,8 @@ impl Channel {
 
     fn act(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
         if let Some(bus) = &mut self.flat {
-            let passed = bus.act(now, &mut wires.to_channel[self.index]);
-            passed.iter().for_each(|(_, request)| self.count(request));
+            let Moved { begun, passed } = bus.act(now, &mut wires.to_channel[self.index]);
+            begun.iter().for_each(|request| self.count(request));
             self.transfers.extend(passed);
             return;
         }
@@ -219,6 +219,7 @@ impl Channel {
             self.activates.retain(|&activate| activate + self.part.timing.faw.get() > now);
             self.activates.push(now);
             self.log.give(now, Command::Activate { bank: number, row });
+            self.counts.activates += 1;
             wires.to_channel[self.index].entries(cycle).skip(index).take(1).for_each(|entry| entry.activated = true);
         } else if let Some(index) = precharge {
             let number = queue[index].place.bank;

@@ -11,22 +11,35 @@ pub struct Bus {
     moving: Option<(Request, u64)>,
 }
 
+/// What the bus did in a cycle.
+pub struct Moved {
+    /// Requests whose transfer began.
+    pub begun: Vec<Request>,
+    /// Those whose line has passed, and when they are over.
+    pub passed: Vec<(u64, Request)>,
+}
+
 impl Bus {
     pub fn new(latency: u64, rate: Option<u64>, line: u64) -> Self {
         Self { latency, rate, line, moving: None }
     }
 
-    /// Takes what can be moved in cycle `now`; requests whose line has passed, and when they are over.
-    pub fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Vec<(u64, Request)> {
-        let mut passed = Vec::new();
+    /// Takes what can be moved in cycle `now`.
+    pub fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Moved {
+        let (mut begun, mut passed) = (Vec::new(), Vec::new());
         let Some(mut bytes) = self.rate else {
             while let Some(entry) = queue.take(now) {
+                begun.push(entry.request);
                 passed.push((now + self.latency, entry.request));
             }
-            return passed;
+            return Moved { begun, passed };
         };
         while bytes > 0 {
-            let next = || queue.take(now).map(|entry| (entry.request, self.line));
+            let next = || {
+                let request = queue.take(now)?.request;
+                begun.push(request);
+                Some((request, self.line))
+            };
             let Some((request, left)) = self.moving.take().or_else(next) else { break };
             let moved = bytes.min(left);
             bytes -= moved;
@@ -36,7 +49,7 @@ impl Bus {
                 passed.push((now + 1 + self.latency, request));
             }
         }
-        passed
+        Moved { begun, passed }
     }
 
     pub fn is_empty(&self) -> bool {

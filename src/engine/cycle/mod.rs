@@ -160,6 +160,10 @@ impl Engine for Cycle {
                 self.drop_dynamic_lines();
             }
             self.tick_units(now);
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1));
+                self.host.latencies.forget_longest();
+            }
             if feed.hears() {
                 feed.heard(&mut self.logs())?;
             }

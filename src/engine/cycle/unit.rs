@@ -226,7 +226,7 @@ impl Unit {
             if let Some(banks) = self.spec.banks {
                 let bank = line.0 % banks.get();
                 if banks_in_use.contains(&bank) {
-                    self.cache.counts[class as usize].bank_conflicts += 1;
+                    self.tally.l1[class as usize].bank_conflicts += 1;
                     return;
                 }
                 banks_in_use.push(bank);

@@ -255,6 +255,10 @@ impl Engine for Event {
                 }
             }
             self.tick_parts(now, &due);
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1));
+                self.dispatcher.latencies.forget_longest();
+            }
             if feed.hears() {
                 feed.heard(&mut self.logs())?;
             }
@@ -270,6 +274,7 @@ impl Engine for Event {
         let unit = |unit: &Pipeline| UnitTally {
             causes: unit.causes().until(cycles),
             cache: *unit.cache().counts(),
+            l1: *unit.l1_counts(),
             requested: *unit.requested(),
             written_through: *unit.written_through(),
             read_straight: *unit.read_straight(),

@@ -10,7 +10,7 @@ use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, P
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
-use crate::stats::{Cause, TrafficClass};
+use crate::stats::{Cause, L1Counts, TrafficClass};
 
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]
@@ -492,8 +492,7 @@ impl Pipeline {
                 }
                 continue;
             }
-            if !self.banks.take(line) {
-                self.cache.conflict(class);
+            if !self.banks.take(line, class) {
                 return false;
             }
             let access = if write { self.writes.access(class, true) } else { Access::Read };
@@ -626,6 +625,11 @@ impl Pipeline {
     /// Reads that went past the L1, by class.
     pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
+    }
+
+    /// What its L1 alone counted, by class.
+    pub fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+        self.banks.counts()
     }
 
     /// Misses of marked rays, by class.

@@ -115,6 +115,7 @@ impl Dram {
                 } else {
                     channel.counts.row_misses += 1;
                 }
+                channel.counts.activates += 1;
                 clock = clock.max(place.activate_at);
                 clock = channel.activates.take(clock);
                 (place.open, place.activate_at) = (Some(row), clock + timing.rc.get());

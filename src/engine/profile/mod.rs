@@ -304,6 +304,7 @@ impl<W: Watch> Profile<W> {
 
     fn hand_out_all<E>(&mut self, at: u64, feed: &mut impl Feed<E>) -> Result<(), RunError<E>> {
         while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
+            self.tell_frame(at, feed);
             let (id, at, holder, stage) = match given {
                 Given::Frame => {
                     let first = self.layout.dynamic_part();
@@ -318,7 +319,15 @@ impl<W: Watch> Profile<W> {
             self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
             self.agenda.put(at, id);
         }
+        self.tell_frame(at, feed);
         Ok(())
+    }
+
+    /// Tells what was counted up to cycle `at` if a frame is over.
+    fn tell_frame<E>(&self, at: u64, feed: &mut impl Feed<E>) {
+        if feed.wants_frame() {
+            feed.frame_counted(&self.tally(at + 1));
+        }
     }
 
     /// Who was told of accesses.

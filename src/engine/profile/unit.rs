@@ -167,6 +167,7 @@ impl Unit {
         UnitTally {
             causes: busy((self.operations * self.interval).div_ceil(self.width)),
             cache: *self.level.counts(),
+            l1: Default::default(),
             requested: self.requested,
             written_through: self.written_through,
             read_straight: PerClass::default(),

@@ -128,6 +128,9 @@ pub struct Windows {
     capacity: Capacity,
     tags: L2Tags,
     info: FrameInfo,
+    /// Frames that warm the tags alone, and whether this is one.
+    warmup: Vec<u32>,
+    warms_up: bool,
     /// What is known of the window up to now.
     known: Known,
     /// Windows of the stream up to now.
@@ -150,6 +153,8 @@ impl Windows {
             capacity: Capacity::new(machine),
             tags: L2Tags::new(header, machine),
             info: FrameInfo::default(),
+            warmup: header.warmup.clone(),
+            warms_up: false,
             known: Known::default(),
             windows: 0,
             axis: Axis::new(plan.strata, plan.draws.end.max(keep)),
@@ -168,6 +173,7 @@ impl Windows {
             Portion::Frame(info) => {
                 self.tags.begin_frame();
                 self.info = info;
+                self.warms_up = self.warmup.contains(&info.number);
                 Vec::new()
             }
             Portion::Piece(piece) => self.piece(*piece),
@@ -183,7 +189,9 @@ impl Windows {
         let Moved { dram, bank } = self.tags.pass(&requests);
         (piece.known.dram, piece.known.bank) = (dram, bank);
         let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
-        self.rays += piece.rays.clone().filter(traced).count() as u64;
+        if !self.warms_up {
+            self.rays += piece.rays.clone().filter(traced).count() as u64;
+        }
         self.known += piece.known;
         let window = self.windows;
         if is_last {
@@ -214,7 +222,7 @@ impl Windows {
         let open = take(&mut self.open);
         let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
         // All ends are replayed, by the first pass.
-        if !steps.is_empty() && self.plan.draws.start == 0 {
+        if !steps.is_empty() && self.plan.draws.start == 0 && !self.warms_up {
             let warm = WarmCaches::new(l1s, self.tags.snapshot());
             jobs.push(Job { number: self.jobs, draw: 0, info: self.info, warm, work: JobWork::End(steps) });
             self.jobs += 1;
@@ -226,6 +234,11 @@ impl Windows {
     /// It is known how long the window is, and which points lie in it: without any, it need not be kept.
     fn end_window(&mut self) {
         let known = take(&mut self.known).columns(&self.capacity);
+        if self.warms_up {
+            self.open.retain(|open| open.window != self.windows);
+            self.windows += 1;
+            return;
+        }
         let (size, hits) = self.axis.next(&known);
         let wanted = self.plan.draws.start..self.unwanted;
         let is_wanted = hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw));

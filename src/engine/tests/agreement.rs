@@ -41,7 +41,7 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
     }
     let mut bound = Bound::new(machine, header, false);
     stream.iter().for_each(|item| bound.add(item));
-    check::bounds(&event.0.stats(machine), &bound.bounds())?;
+    check::bounds(&event.0.stats(machine), &bound.bounds(&[]))?;
     let end = machine.dram.clocks(machine.clock_mhz.get()).first(cycle.0.cycles) - 1;
     for (channel, log) in cycle.1.iter().enumerate() {
         let found = violations(&machine.dram, machine.line_bytes.get(), log.commands(), end);
@@ -111,7 +111,7 @@ fn engines_agree_on_any_machine_and_stream() {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.passed_writes).sum()
     });
     reached("bank conflicts", |tally| {
-        tally.units.iter().flatten().flat_map(|unit| unit.cache).map(|it| it.bank_conflicts).sum()
+        tally.units.iter().flatten().flat_map(|unit| unit.l1).map(|it| it.bank_conflicts).sum()
     });
     reached("merged reads", |tally| tally.stores.merged_reads);
     reached("merged writes", |tally| tally.stores.merged_writes);

@@ -4,7 +4,7 @@ use super::*;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::spec::Model;
 use crate::memory::tags::Contents;
-use crate::stats::{Accuracy, CacheCounts, LatencyCounts};
+use crate::stats::{Accuracy, LatencyCounts};
 
 /// The machine `configs/machines/ideal.ron` with L1s of `latency` cycles.
 fn ideal(latency: u64) -> MachineSpec {
@@ -27,7 +27,7 @@ fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
     // `Profile` knows no banks of L1s.
     let accesses = |stats: &MachineStats| {
         let classes = stats.caches["l1_traversal"].iter();
-        classes.map(|(&class, counts)| (class, CacheCounts { bank_conflicts: 0, ..*counts })).collect::<Vec<_>>()
+        classes.map(|(&class, cache)| (class, cache.counts)).collect::<Vec<_>>()
     };
     assert_eq!((event.rays, accesses(&event)), (profile.rays, accesses(&profile)));
     event
@@ -124,6 +124,10 @@ fn writes_end_in_an_ideal_cache() {
 }
 
 /// Two rays whose nodes are accessed in one cycle. Lines of 64 B: a node each.
+fn bank_conflicts(stats: &MachineStats) -> u64 {
+    stats.caches["l1_traversal"][&TrafficClass::Node].l1.unwrap().bank_conflicts
+}
+
 #[test]
 fn accesses_of_a_cycle_to_one_bank_conflict() {
     for (banks, second, conflicts) in
@@ -136,7 +140,7 @@ fn accesses_of_a_cycle_to_one_bank_conflict() {
         (cache.ports, cache.banks) = (num(2), banks.map(pow));
         let rays = [0, second].map(|node| SyntheticRay::primary(nodes([node])));
         let stats = on_all_rungs(&machine, &one_frame(&rays));
-        assert_eq!(stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts, conflicts, "{banks:?} {second}");
+        assert_eq!(bank_conflicts(&stats), conflicts, "{banks:?} {second}");
     }
 }
 
@@ -152,7 +156,7 @@ fn banks_limit_ports() {
         let stats = on_all_rungs(&machine, &one_frame(&rays));
         let least = 100 * 50 * cycles_a_node;
         assert!(least <= stats.cycles.0 && stats.cycles.0 < least + 500, "{banks} banks: {} cycles", stats.cycles.0);
-        let conflicts = stats.caches["l1_traversal"][&TrafficClass::Node].bank_conflicts;
+        let conflicts = bank_conflicts(&stats);
         assert_eq!(conflicts == 0, banks == 2, "{conflicts}");
     }
 }

@@ -1,5 +1,6 @@
 mod agreement;
 mod allocation;
+mod frames;
 mod ideal;
 mod ladder;
 mod random;

@@ -18,6 +18,7 @@ pub fn header() -> Header {
     Header {
         scene: "synthetic".into(),
         frames: vec![0],
+        warmup: Vec::new(),
         resolution: Resolution { width: 1, height: 1 },
         policy: "none".into(),
         structure: Structure::Bvh2,

@@ -82,7 +82,7 @@ impl Sweep {
     /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
     pub(super) fn load(path: &Path) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
-        let overrides = Overrides { frames: spec.frames, resolution: spec.resolution };
+        let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, warmup: None };
         let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
         let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();

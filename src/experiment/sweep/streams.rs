@@ -49,23 +49,27 @@ pub(in super::super) struct Streams<'a> {
     pub(super) identities: Vec<Identity>,
 }
 
-/// A recorded stream and what the tracer counted in it.
+/// A recorded stream and what the tracer counted in its measured frames.
 pub(in super::super) struct Recorded {
     pub(crate) path: PathBuf,
     pub(crate) header: Header,
     pub(crate) totals: Totals,
+    rays: u64,
 }
 
 impl Recorded {
-    /// Its rays, skipped ones included.
+    /// The rays of all its frames, skipped ones included.
     pub(crate) fn rays(&self) -> u64 {
-        self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
+        self.rays
     }
 
     fn new(path: &Path, reader: &StreamReader) -> Self {
-        let mut totals = Totals::default();
-        reader.frames().iter().for_each(|frame| totals += frame.totals);
-        Self { path: path.into(), header: reader.header().clone(), totals }
+        let header = reader.header().clone();
+        let measured = reader.frames().iter().filter(|frame| !header.warmup.contains(&frame.number));
+        let totals = measured.map(|frame| frame.totals).sum();
+        let all: Totals = reader.frames().iter().map(|frame| frame.totals).sum();
+        let rays = all.primary_rays + all.secondary_rays + all.shadow_rays;
+        Self { path: path.into(), header, totals, rays }
     }
 }
 
@@ -83,7 +87,8 @@ impl<'a> Streams<'a> {
         let mut headers = Vec::new();
         for ((name, spec), policy) in experiment.spec.policies.iter().zip(&policies) {
             let inputs = format!("{inputs}{spec:?}");
-            headers.push(tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs));
+            let warmup = experiment.first_frames().to_vec();
+            headers.push(Header { warmup, ..tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs) });
         }
         let identities: Vec<Identity> = headers.iter().map(|header| Identity::new(header, &policies)).collect();
         let paths = identities.iter().map(|identity| folder.join(format!("{identity}.rays"))).collect();

@@ -250,6 +250,7 @@ impl Channel {
     fn activate(&mut self, index: usize, clock: u64) {
         let Place { bank, row, .. } = self.prepare(index, Prepared::Activated);
         self.log.give(clock, Command::Activate { bank, row });
+        self.counts.activates += 1;
         let timing = &self.dram.timing;
         self.any.activate = clock + timing.rrd_s.get();
         self.groups[self.dram.group(bank)].activate = clock + timing.rrd_l.get();

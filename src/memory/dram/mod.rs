@@ -6,6 +6,7 @@ mod flat;
 pub mod legality;
 pub mod mapping;
 pub mod part;
+pub mod power;
 pub mod spec;
 #[cfg(test)]
 mod tests;

@@ -3,7 +3,9 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::power::{Currents, DramEnergy};
 use crate::ranged::{PowerOfTwo, Within};
+use crate::spread::Spread;
 
 /// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
 /// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at the line.
@@ -26,6 +28,9 @@ pub struct DramPart {
     pub burst_clocks: Within<1, 64>,
     /// Timing.
     pub timing: Timing,
+    /// What its commands and its time cost in energy; without it, nothing is told of the energy of a machine.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<DramEnergy>,
 }
 
 impl<'de> Deserialize<'de> for DramPart {
@@ -85,6 +90,20 @@ pub struct Timing {
     pub rfc: Within<1, 10_000>,
 }
 
+/// The currents of `configs/dram/lpddr4_3200.ron`.
+const LPDDR4: Currents = Currents {
+    volt: 1.2,
+    devices: 1,
+    idd0: 80.0,
+    idd2n: 34.0,
+    idd3n: 47.0,
+    idd4r: 243.0,
+    idd4w: 228.0,
+    idd5: 280.0,
+    factor: Spread::new(0.6, 1.0, 1.2),
+    io_pj_per_bit: Spread::new(0.4, 1.0, 2.0),
+};
+
 /// One LPDDR4-3200 channel of 16 bits, as in `configs/dram/lpddr4_3200.ron`.
 impl Default for DramPart {
     fn default() -> Self {
@@ -118,6 +137,7 @@ impl Default for DramPart {
                     rfc: Within::literal(288),
                 }
             },
+            energy: Some(DramEnergy::Currents(LPDDR4)),
         }
     }
 }

@@ -1,22 +1,24 @@
 //! A run's result in sentences.
 
+use super::steady::{self, ColdStart};
 use super::summary::{MachineRun, PolicySummary, Summary};
 use super::tables::dram_bytes;
 use crate::quantity::Bytes;
-use crate::report::format::{bytes, change, counted, exact, or_absent, percent, short};
+use crate::report::format::{bytes, change, counted, exact, joules, milliseconds, or_absent, percent, short};
 use crate::stats::TrafficClass;
 
 /// What the run is of.
 pub(super) fn setting(summary: &Summary) -> String {
     let scene = &summary.scene;
     format!(
-        "{}: {} static and {} dynamic triangles, {}; {} at {}.",
+        "{}: {} static and {} dynamic triangles, {}; {} at {}.{}",
         scene.name,
         exact(scene.triangles_static),
         exact(scene.triangles_dynamic),
         counted(scene.lights as usize, "light"),
         counted(summary.frames.len(), "frame"),
         summary.resolution,
+        steady::frames(summary).into_iter().map(|line| format!(" {line}")).collect::<String>(),
     )
 }
 
@@ -67,29 +69,34 @@ fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> String {
     for (machine, found) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| found.policies.get(baseline));
         if let (Some(off), Some(run)) = (off, found.policies.get(name)) {
-            let all = found.frames.len() == summary.frames.len();
-            let part = format!("{machine} ({} of {} frames)", found.frames.len(), summary.frames.len());
-            text += &on_machine(if all { machine } else { &part }, off, run);
+            text += &on_machine(machine, off, run);
         }
     }
     text
 }
 
+/// What a policy does to a machine in the mean of the measured frames, and in the first one.
 fn on_machine(machine: &str, off: &MachineRun, run: &MachineRun) -> String {
-    let moved = |run: &MachineRun| dram_bytes(run).unwrap_or_default();
-    let changed = |before: f64, after: f64| or_absent(change(before, after), |change| change);
+    let pair = |figure: fn(&MachineRun) -> Option<f64>, show: fn(f64) -> String| {
+        let (before, after) = (figure(off)?, figure(run)?);
+        Some(format!("{} instead of {} ({})", show(after), show(before), or_absent(change(before, after), |it| it)))
+    };
+    let moved = dram_bytes(run).unwrap_or_default();
     let words = run.stats.bytes.get("dram").and_then(|classes| classes.get(&TrafficClass::ModeWord));
     let words = words
         .filter(|words| words.0 > 0)
-        .map(|&words: &Bytes| format!(", of which mode words are {}", percent(words.0 as f64 / moved(run).0 as f64)));
+        .map(|&words: &Bytes| format!(", of which mode words are {}", percent(words.0 as f64 / moved.0 as f64)));
+    let time = pair(|run| run.milliseconds_per_frame, |time| format!("{} ms", milliseconds(time)));
+    let dram = pair(|run| run.dram_bytes_per_frame, |amount| bytes(Bytes(amount.round() as u64)));
+    let energy = pair(|run| run.joules_per_frame, joules).map(|energy| format!(" and {energy} of energy"));
+    let cold = ColdStart::of(off, run).and_then(|cold| cold.text());
+    let cold = cold.map(|cold| format!(" Cold start: {cold}."));
     format!(
-        " On {machine}, cycles went from {} to {} ({}) and DRAM traffic from {} to {} ({}){}.",
-        short(off.stats.cycles.0 as f64),
-        short(run.stats.cycles.0 as f64),
-        changed(off.stats.cycles.0 as f64, run.stats.cycles.0 as f64),
-        bytes(moved(off)),
-        bytes(moved(run)),
-        changed(moved(off).0 as f64, moved(run).0 as f64),
+        " On {machine}, a frame takes {}, {} of DRAM traffic{}{}.{}",
+        or_absent(time, |it| it),
+        or_absent(dram, |it| it),
         words.unwrap_or_default(),
+        energy.unwrap_or_default(),
+        cold.unwrap_or_default(),
     )
 }

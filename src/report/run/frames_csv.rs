@@ -1,29 +1,17 @@
 //! `frames.csv`, with every count of every frame.
 
+use super::machine_columns::MachineColumns;
 use super::summary::{FrameSummary, PolicySummary, Psnr, Summary};
 use crate::report::csv_table::{CsvTable, cell};
+use crate::stream::Totals;
 
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
 
-const COLUMNS: [Column; 24] = [
-    ("frame", |row| row.frame.to_string()),
-    ("primary_rays", |row| row.counts.primary_rays.to_string()),
-    ("secondary_rays", |row| row.counts.secondary_rays.to_string()),
-    ("shadow_rays", |row| row.counts.shadow_rays.to_string()),
-    ("shadow_rays_skipped", |row| row.counts.shadow_rays_skipped.to_string()),
-    ("shadow_rays_dynamic_only", |row| row.counts.shadow_rays_dynamic_only.to_string()),
+/// The columns behind the frame's number and the tracer's counters.
+const COLUMNS: [Column; 9] = [
     ("occlusion_tests", |row| row.counts.occlusion_tests.to_string()),
     ("occlusion_tests_per_pixel", |row| cell(row.counts.occlusion_tests_per_pixel)),
-    ("node_visits", |row| row.counts.node_visits.to_string()),
-    ("triangle_tests", |row| row.counts.triangle_tests.to_string()),
-    ("shadow_node_visits", |row| row.counts.shadow_node_visits.to_string()),
-    ("shadow_triangle_tests", |row| row.counts.shadow_triangle_tests.to_string()),
-    ("list_reads", |row| row.counts.list_reads.to_string()),
-    ("policy_node_visits", |row| row.counts.policy_node_visits.to_string()),
-    ("policy_triangle_tests", |row| row.counts.policy_triangle_tests.to_string()),
-    ("policy_reads", |row| row.counts.policy_reads.to_string()),
-    ("policy_writes", |row| row.counts.policy_writes.to_string()),
     ("traversal_saved", |row| cell(row.traversal_saved)),
     ("intersection_saved", |row| cell(row.intersection_saved)),
     ("false_dark", |row| cell(row.counts.false_dark)),
@@ -37,14 +25,21 @@ const COLUMNS: [Column; 24] = [
     }),
 ];
 
-/// `frames.csv`: a row a policy and frame, policies in the experiment's order.
-pub(super) fn frames_csv(summary: &Summary) -> CsvTable {
-    let head = std::iter::once("policy").chain(COLUMNS.iter().map(|(header, _)| *header));
+/// `frames.csv`: a row a policy and frame, policies in the experiment's order, columns of machines last.
+pub(in crate::report) fn frames_csv(summary: &Summary) -> CsvTable {
+    let machines = MachineColumns::of(summary);
+    let counters = Totals::DECLARED.iter().map(|counter| counter.name);
+    let head = ["policy", "frame"].into_iter().chain(counters).chain(COLUMNS.map(|(header, _)| header));
+    let head: Vec<String> = head.map(str::to_owned).chain(machines.iter().flat_map(MachineColumns::head)).collect();
     let of_policy = |(name, policy): (&str, &PolicySummary)| -> Vec<Vec<String>> {
         let row = |frame: &FrameSummary| {
-            std::iter::once(name.to_owned()).chain(COLUMNS.iter().map(|(_, text)| text(frame))).collect()
+            let names = [name.to_owned(), frame.frame.to_string()];
+            let counters = frame.counts.totals.values().map(|value| value.to_string());
+            let of_machines = machines.iter().flat_map(|machine| machine.row(name, frame.frame));
+            names.into_iter().chain(counters).chain(COLUMNS.map(|(_, text)| text(frame))).chain(of_machines).collect()
         };
         policy.frames.iter().map(row).collect()
     };
-    CsvTable::new("frames.csv", head, summary.policies.iter().flat_map(of_policy).collect())
+    let rows = summary.policies.iter().flat_map(of_policy).collect();
+    CsvTable::new("frames.csv", head.iter().map(String::as_str), rows)
 }

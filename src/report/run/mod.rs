@@ -2,17 +2,19 @@
 
 mod files;
 mod findings;
-mod frames_csv;
+pub(super) mod frames_csv;
+mod machine_columns;
 mod page;
 pub(crate) mod pictures;
 mod plots;
+mod steady;
 mod summary;
 mod tables;
 mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
 pub(crate) use summary::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
+    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
 pub(crate) use tables::{replayed, terminal};
 pub(crate) use write::redraw;

@@ -5,6 +5,7 @@
 //! two runs of the same experiment.
 
 use std::collections::BTreeMap;
+use std::ops::Deref;
 
 use serde::{Deserialize, Serialize};
 
@@ -127,29 +128,16 @@ pub(crate) struct LightWrong {
     pub false_lit: u64,
 }
 
-/// Counts of a policy, of a frame or of many. See [`Totals`] for those of the same name.
+/// Counts of a policy, of a frame or of many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "the documented fields of `Totals`, under the same names")]
 pub(crate) struct Counts {
-    pub primary_rays: u64,
-    pub secondary_rays: u64,
-    pub shadow_rays: u64,
-    pub shadow_rays_skipped: u64,
-    pub shadow_rays_dynamic_only: u64,
+    /// The tracer's counts.
+    #[serde(flatten)]
+    pub totals: Totals,
     /// Primary rays tested against a neighbour pixel's primitive.
     pub occlusion_tests: u64,
     /// The same over the number of primary rays.
     pub occlusion_tests_per_pixel: Option<f64>,
-    pub node_visits: u64,
-    pub triangle_tests: u64,
-    pub shadow_node_visits: u64,
-    pub shadow_triangle_tests: u64,
-    pub list_reads: u64,
-    pub policy_node_visits: u64,
-    /// Occlusion tests included.
-    pub policy_triangle_tests: u64,
-    pub policy_reads: u64,
-    pub policy_writes: u64,
     /// Shadow rays decided dark that find their light when traced; `None` where nobody looked.
     pub false_dark: Option<u64>,
     /// Shadow rays decided lit that are stopped when traced; `None` where nobody looked.
@@ -158,6 +146,15 @@ pub(crate) struct Counts {
     pub compared_rays: Option<u64>,
     /// Those of them on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
     pub numeric_differences: Option<u64>,
+}
+
+/// The tracer's counts read as fields of their own.
+impl Deref for Counts {
+    type Target = Totals;
+
+    fn deref(&self) -> &Totals {
+        &self.totals
+    }
 }
 
 fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
@@ -191,21 +188,8 @@ impl Counts {
         let absent = Some(0);
         let mut sum = Self { false_dark: absent, false_lit: absent, ..Self::default() };
         for frame in frames {
-            sum.primary_rays += frame.primary_rays;
-            sum.secondary_rays += frame.secondary_rays;
-            sum.shadow_rays += frame.shadow_rays;
-            sum.shadow_rays_skipped += frame.shadow_rays_skipped;
-            sum.shadow_rays_dynamic_only += frame.shadow_rays_dynamic_only;
+            sum.totals += frame.totals;
             sum.occlusion_tests += frame.occlusion_tests;
-            sum.node_visits += frame.node_visits;
-            sum.triangle_tests += frame.triangle_tests;
-            sum.shadow_node_visits += frame.shadow_node_visits;
-            sum.shadow_triangle_tests += frame.shadow_triangle_tests;
-            sum.list_reads += frame.list_reads;
-            sum.policy_node_visits += frame.policy_node_visits;
-            sum.policy_triangle_tests += frame.policy_triangle_tests;
-            sum.policy_reads += frame.policy_reads;
-            sum.policy_writes += frame.policy_writes;
             // One frame in which nobody looked, and there is no sum.
             sum.false_dark = sum.false_dark.zip(frame.false_dark).map(|(a, b)| a + b);
             sum.false_lit = sum.false_lit.zip(frame.false_lit).map(|(a, b)| a + b);
@@ -247,22 +231,9 @@ impl FrameResult {
             "occlusion tests are triangle tests of the policy"
         );
         Counts {
-            primary_rays: totals.primary_rays,
-            secondary_rays: totals.secondary_rays,
-            shadow_rays: totals.shadow_rays,
-            shadow_rays_skipped: totals.shadow_rays_skipped,
-            shadow_rays_dynamic_only: totals.shadow_rays_dynamic_only,
+            totals,
             occlusion_tests: self.occlusion_tests,
             occlusion_tests_per_pixel: share(self.occlusion_tests, totals.primary_rays),
-            node_visits: totals.node_visits,
-            triangle_tests: totals.triangle_tests,
-            shadow_node_visits: totals.shadow_node_visits,
-            shadow_triangle_tests: totals.shadow_triangle_tests,
-            list_reads: totals.list_reads,
-            policy_node_visits: totals.policy_node_visits,
-            policy_triangle_tests: totals.policy_triangle_tests,
-            policy_reads: totals.policy_reads,
-            policy_writes: totals.policy_writes,
             false_dark: self.false_dark,
             false_lit: self.false_lit,
             compared_rays: self.compared_rays,
@@ -348,8 +319,11 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 pub(crate) struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
-    /// Numbers of the frames that it replayed, in order.
+    /// Numbers of the frames that were measured, in order.
     pub frames: Vec<u32>,
+    /// Numbers of those that it replayed before them, to warm caches and words up.
+    #[serde(default)]
+    pub warmup: Vec<u32>,
     /// A run for each policy's stream.
     pub policies: Named<MachineRun>,
     /// What each policy that culls saved and paid, where the replays for it were made.
@@ -357,14 +331,22 @@ pub(crate) struct MachineSummary {
     pub split: Named<Split>,
 }
 
-/// What a machine measured on the stream of one policy.
+/// What a machine measured on the stream of one policy; warm-up frames are in `frames` alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MachineRun {
     /// The measurements.
     #[serde(flatten)]
     pub stats: MachineStats,
+    /// Time of a measured frame, their mean, in ms of simulated time.
+    pub milliseconds_per_frame: Option<f64>,
+    /// Measured frames a second of simulated time.
+    pub frames_per_second: Option<f64>,
     /// Rays a second of simulated time.
     pub rays_per_second: Option<f64>,
+    /// Rays that the measured frames ask for: traced ones, and those whose answers are known.
+    pub rays_answered: Option<u64>,
+    /// The same a second of simulated time.
+    pub rays_answered_per_second: Option<f64>,
     /// Hits over accesses, a cache and class of traffic.
     pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
     /// Share of its cycles in which a unit kind began an operation.
@@ -373,21 +355,69 @@ pub(crate) struct MachineRun {
     pub dram_row_hit_rate: Option<f64>,
     /// Bytes moved over those that the DRAM could have moved at its peak.
     pub dram_utilization: Option<f64>,
+    /// Bytes that the DRAM moved a second of simulated time, in GB/s (10^9 bytes).
+    pub dram_gigabytes_per_second: Option<f64>,
+    /// Bytes that the DRAM moved a measured frame.
+    pub dram_bytes_per_frame: Option<f64>,
+    /// Energy a measured frame in J.
+    pub joules_per_frame: Option<f64>,
+    /// Energy a ray that was asked for in J.
+    pub joules_per_ray: Option<f64>,
+}
+
+/// What the measured frames of a run ask for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Asked {
+    /// The frames.
+    pub frames: usize,
+    /// Their rays, skipped ones among them.
+    pub rays: u64,
+}
+
+impl Asked {
+    /// What the frames of `stats` ask for; `None` of a run that does not tell frames apart.
+    pub(crate) fn of(stats: &MachineStats) -> Option<Self> {
+        let measured = || stats.frames.iter().filter(|frame| !frame.warmup);
+        let asked = Self { frames: measured().count(), rays: measured().map(|frame| frame.answered).sum() };
+        (asked.frames > 0).then_some(asked)
+    }
+}
+
+impl MachineRun {
+    /// The figures of `stats`, of frames that ask for so much.
+    pub(crate) fn new(stats: MachineStats, asked: Option<Asked>) -> Self {
+        let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
+        let dram = stats.dram;
+        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
+        let moved = stats.bytes.get("dram").map(|_| stats.moved("dram").0 as f64);
+        let seconds = (stats.cycles.0 > 0).then(|| stats.cycles.0 as f64 / (stats.clock_mhz * 1e6));
+        let a_second = |amount: Option<f64>| amount.zip(seconds).map(|(amount, seconds)| amount / seconds);
+        let frames = asked.map(|asked| asked.frames as f64);
+        let a_frame = |amount: Option<f64>| amount.zip(frames).map(|(amount, frames)| amount / frames);
+        let (rays, joules) = (asked.map(|asked| asked.rays), stats.energy.as_ref().map(|energy| energy.joules));
+        let answered = rays.map(|rays| rays as f64);
+        Self {
+            milliseconds_per_frame: a_frame(seconds.map(|seconds| seconds * 1e3)),
+            frames_per_second: a_second(frames),
+            rays_per_second: a_second(Some(stats.rays as f64)),
+            rays_answered: rays,
+            rays_answered_per_second: a_second(answered),
+            hit_rate: stats.hit_rates(),
+            utilization: used.collect(),
+            dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
+            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved / peak),
+            dram_gigabytes_per_second: a_second(moved.map(|moved| moved / 1e9)),
+            dram_bytes_per_frame: a_frame(moved),
+            joules_per_frame: a_frame(joules),
+            joules_per_ray: joules.zip(answered.filter(|&rays| rays > 0.0)).map(|(joules, rays)| joules / rays),
+            stats,
+        }
+    }
 }
 
 impl From<MachineStats> for MachineRun {
     fn from(stats: MachineStats) -> Self {
-        let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
-        let dram = stats.dram;
-        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
-        let moved = stats.bytes.get("dram").map(|classes| classes.values().map(|bytes| bytes.0).sum::<u64>());
-        Self {
-            rays_per_second: (stats.cycles.0 > 0).then(|| stats.rays_per_second()),
-            hit_rate: stats.hit_rates(),
-            utilization: used.collect(),
-            dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
-            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved as f64 / peak),
-            stats,
-        }
+        let asked = Asked::of(&stats);
+        Self::new(stats, asked)
     }
 }

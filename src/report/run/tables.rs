@@ -1,11 +1,16 @@
 //! The few figures that sum a run up, for the terminal and the page.
 
+use super::steady;
 use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
+use crate::counters::Counter;
 use crate::quantity::Bytes;
-use crate::report::format::{bytes, change, exact, or_absent, percent, short};
+use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::grid::{Grid, drawn};
 use crate::report::split::Split;
-use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats, ModelCheck, Needs, PartNeed};
+use crate::stats::{
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
+    TrafficClass,
+};
 
 /// The policies' key figures.
 pub(super) fn policies(summary: &Summary) -> Grid {
@@ -73,31 +78,37 @@ fn error(accuracy: &Accuracy) -> String {
     }
 }
 
-/// The machines' key figures, with the change against the run without culling.
+/// The machines' key figures of measured frames, with the change against the run without culling. Rays a second are those
+/// answered, and energy is that of a frame.
 pub(super) fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 7] =
-        ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error (cycles, DRAM)"];
+    const HEAD: [&str; 8] =
+        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy", "\u{b1} time, DRAM"];
     let mut rows = Vec::new();
     for (name, machine) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
         for (policy, run) in machine.policies.iter() {
             let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let changed = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
                 let change = off.and_then(|off| change_of(figure, share, off, run));
                 change.map_or(text.clone(), |change| format!("{text} ({change})"))
             };
             rows.push(vec![
                 name.to_owned(),
                 policy.to_owned(),
-                changed(short(run.stats.cycles.0 as f64), |run| Some(run.stats.cycles.0 as f64), 0),
-                or_absent(run.rays_per_second, short),
-                changed(or_absent(dram_bytes(run), bytes), |run| Some(dram_bytes(run)?.0 as f64), 2),
+                measured(or_absent(run.milliseconds_per_frame, milliseconds), |run| run.milliseconds_per_frame, 0),
+                or_absent(run.rays_answered_per_second, short),
+                measured(or_absent(run.dram_bytes_per_frame, mean_bytes), |run| run.dram_bytes_per_frame, 2),
                 or_absent(run.dram_utilization, percent),
+                or_absent(run.joules_per_frame, joules),
                 error(&run.stats.accuracy),
             ]);
         }
     }
     Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
+}
+
+fn mean_bytes(amount: f64) -> String {
+    bytes(Bytes(amount.round() as u64))
 }
 
 /// What each policy saved and paid on a machine.
@@ -116,7 +127,9 @@ pub(super) fn split(machine: &MachineSummary) -> Grid {
 pub(crate) fn terminal(summary: &Summary) -> String {
     let grids = [policies(summary), machines(summary)];
     let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
-    shown.collect::<Vec<_>>().join("\n\n")
+    let lines: Vec<String> = steady::frames(summary).into_iter().chain(steady::cold_starts(summary)).collect();
+    let lines = (!lines.is_empty()).then(|| lines.join("\n"));
+    shown.chain(lines).collect::<Vec<_>>().join("\n\n")
 }
 
 /// What one machine measured on one stream, for the terminal, without a line's end at the end.
@@ -137,30 +150,7 @@ pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> Str
             or_absent(run.dram_row_hit_rate, percent),
         ]],
     };
-    let mut caches = Vec::new();
-    for (cache, classes) in &stats.caches {
-        for (class, counts) in classes {
-            let CacheCounts { accesses, half_misses, misses, write_backs, bank_conflicts, .. } = *counts;
-            let [accesses, half_misses, misses, write_backs, bank_conflicts] =
-                [accesses, half_misses, misses, write_backs, bank_conflicts].map(exact);
-            let hit_rate = or_absent(counts.hit_rate(), percent);
-            caches.push(vec![
-                cache.clone(),
-                class.name().to_owned(),
-                accesses,
-                hit_rate,
-                half_misses,
-                misses,
-                write_backs,
-                bank_conflicts,
-            ]);
-        }
-    }
-    let caches = Grid {
-        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs", "bank conflicts"]),
-        names: 2,
-        rows: caches,
-    };
+    let caches = caches(stats);
     let units = stats.units.iter().map(|(unit, causes)| {
         // A rung that does not tell all causes leaves them out.
         let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
@@ -181,6 +171,27 @@ pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> Str
     let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
     let rest = [dram, drawn(&caches), drawn(&units)];
     [drawn(&sum), trust(stats)].into_iter().chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
+}
+
+/// What each cache counted, a class a row; a counter that a level does not have is absent there.
+fn caches(stats: &MachineStats) -> Grid {
+    let words = |counter: &Counter| counter.name.replace('_', " ");
+    let counters = CacheCounts::DECLARED.iter().chain(L1Counts::DECLARED).map(words);
+    let row = |cache: &str, class: TrafficClass, stats: &CacheStats| {
+        let names = [cache.to_owned(), class.name().to_owned(), or_absent(stats.hit_rate(), percent)];
+        let l1 = stats.l1.map(|l1| l1.values());
+        let l1 = (0..L1Counts::DECLARED.len()).map(|index| or_absent(l1.map(|values| values[index]), exact));
+        names.into_iter().chain(stats.values().map(exact)).chain(l1).collect()
+    };
+    Grid {
+        head: ["cache", "class", "hit rate"].map(Into::into).into_iter().chain(counters).collect(),
+        names: 2,
+        rows: stats
+            .caches
+            .iter()
+            .flat_map(|(cache, classes)| classes.iter().map(|(&class, it)| row(cache, class, it)))
+            .collect(),
+    }
 }
 
 /// How far from the truth the numbers may be, and what no machine can leave.

@@ -22,6 +22,7 @@ fn header(frames: &[u32]) -> Header {
     Header {
         scene: "room".to_owned(),
         frames: frames.to_vec(),
+        warmup: Vec::new(),
         resolution: Resolution { width: 4, height: 3 },
         policy: "published".to_owned(),
         structure: Structure::Bvh2,

@@ -128,7 +128,7 @@ fn every_rule_of_rays_is_checked() {
 #[test]
 fn totals_must_be_those_of_the_records() {
     let good = totals(&[small_chunk()], &[]);
-    for at in 0..totals::TOTALS_NAMES.len() {
+    for at in 0..Totals::DECLARED.len() {
         let mut payload = Vec::new();
         format::put_end(&[], &good, &mut payload);
         payload[8 * at] ^= 1;
@@ -140,7 +140,7 @@ fn totals_must_be_those_of_the_records() {
         ];
         match refusal(&header(&[8]), &items).1 {
             Violation::Totals { what, recorded, counted } => {
-                assert_eq!((what, recorded), (totals::TOTALS_NAMES[at], counted ^ 1));
+                assert_eq!((what, recorded), (Totals::DECLARED[at].name, counted ^ 1));
             }
             other => panic!("{other:?}"),
         }

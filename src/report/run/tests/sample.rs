@@ -14,8 +14,8 @@ use crate::report::run::{
 use crate::report::split::Split;
 use crate::report::sweep::{Change, SweepPoint, SweepSummary};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
-    QueueCounts, TrafficClass,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
+    ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -62,15 +62,13 @@ fn machine(share: f64, words: u64) -> MachineRun {
         ];
         all.map(|(class, bytes)| (class, Bytes(bytes))).into_iter().collect::<BTreeMap<_, _>>()
     };
-    let cache = |hits: u64| CacheCounts {
-        accesses: 1_000_000,
-        hits,
-        half_misses: 20_000,
-        misses: 980_000 - hits,
-        passed_writes: 0,
-        bank_conflicts: 0,
-        write_backs: 0,
+    let l2 = |hits: u64| {
+        let misses = 980_000 - hits;
+        let counts =
+            CacheCounts { accesses: 1_000_000, hits, half_misses: 20_000, misses, passed_writes: 0, write_backs: 0 };
+        CacheStats { counts, l1: None }
     };
+    let l1 = |hits: u64| CacheStats { l1: Some(L1Counts::default()), ..l2(hits) };
     let cycles = scaled(812_000_000.0);
     let unit = |count: u64, busy: f64| {
         let whole = cycles * count;
@@ -85,7 +83,8 @@ fn machine(share: f64, words: u64) -> MachineRun {
             (Cause::Starved, whole - busy - pipeline - memory - blocked),
         ])
     };
-    MachineRun::from(MachineStats {
+    let joules = cycles as f64 * 2e-10;
+    let mut stats = MachineStats {
         cycles: Cycle(cycles),
         clock_mhz: 500.0,
         rays: 75_000_000,
@@ -96,15 +95,12 @@ fn machine(share: f64, words: u64) -> MachineRun {
             ("dram".into(), classes(0.9e9, 0.4e9, words)),
         ]),
         caches: BTreeMap::from([
-            ("l1_traversal".into(), BTreeMap::from([(TrafficClass::Node, cache(953_000))])),
+            ("l1_traversal".into(), BTreeMap::from([(TrafficClass::Node, l1(953_000))])),
             (
                 "l1_intersection".into(),
-                BTreeMap::from([(TrafficClass::Triangle, cache(830_000)), (TrafficClass::ModeWord, cache(912_000))]),
+                BTreeMap::from([(TrafficClass::Triangle, l1(830_000)), (TrafficClass::ModeWord, l1(912_000))]),
             ),
-            (
-                "l2".into(),
-                BTreeMap::from([(TrafficClass::Node, cache(901_000)), (TrafficClass::Triangle, cache(702_000))]),
-            ),
+            ("l2".into(), BTreeMap::from([(TrafficClass::Node, l2(901_000)), (TrafficClass::Triangle, l2(702_000))])),
         ]),
         units: BTreeMap::from([
             ("traversal".into(), unit(4, 0.52)),
@@ -124,11 +120,20 @@ fn machine(share: f64, words: u64) -> MachineRun {
             row_misses: scaled(1e6),
             row_conflicts: scaled(5e6),
             refreshes: 1_000,
+            activates: scaled(6e6),
         },
         dram_organization:
             "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
         dram_peak_bytes_per_cycle: Some(12.8),
         accuracy: Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.015, dram_bytes: 0.02, rate: 0.05 },
+        frames: Vec::new(),
+        energy: Some(Energy {
+            joules,
+            low: 0.5 * joules,
+            high: 3.0 * joules,
+            by: BTreeMap::from([("traversal".into(), 0.4 * joules), ("dram_read".into(), 0.6 * joules)]),
+            classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
+        }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
         needs: Some(Needs {
             target: 0.02,
@@ -149,7 +154,9 @@ fn machine(share: f64, words: u64) -> MachineRun {
         }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
-    })
+    };
+    stats.frames = vec![stats.as_frame(0, true, 1_500_000), stats.as_frame(16, false, 1_500_000)];
+    MachineRun::from(stats)
 }
 
 /// A report such as a run makes, with frame numbers `frames`.
@@ -189,7 +196,8 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
         });
         MachineSummary {
             fidelity: "event".into(),
-            frames: frames.to_vec(),
+            frames: frames.iter().copied().filter(|&frame| frame > 0).collect(),
+            warmup: vec![0],
             split: split.collect(),
             policies: policies.clone(),
         }

@@ -1,0 +1,146 @@
+//! What one machine measured on one stream.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::accuracy::{Accuracy, Bounds, Limit, Needs};
+use super::counts::{CacheCounts, CacheStats, DramCounts, LatencyCounts, QueueCounts};
+use super::difference::{less, less_nested, more, more_nested};
+use super::energy::Energy;
+use super::frames::FrameStats;
+use super::traffic::{Cause, TrafficClass};
+use crate::quantity::{Bytes, Cycle};
+
+/// What one machine measured on one stream.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MachineStats {
+    /// Time from the first ray to the last write-back.
+    pub cycles: Cycle,
+    /// The machine's clock.
+    pub clock_mhz: f64,
+    /// Rays replayed, skipped ones not counted.
+    pub rays: u64,
+    /// Bytes moved a level (`l1_traversal`, ..., `l2`, `dram`) and class. A level's bytes are those moved between it
+    /// and the level above (towards the units).
+    pub bytes: BTreeMap<String, BTreeMap<TrafficClass, Bytes>>,
+    /// Accesses a cache (all instances of a kind together) and class.
+    pub caches: BTreeMap<String, BTreeMap<TrafficClass, CacheStats>>,
+    /// Cycles of every unit kind, summed over its instances, by cause.
+    pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
+    /// Instances of every unit kind: the causes of a kind sum to `cycles` times this.
+    pub unit_counts: BTreeMap<String, u64>,
+    /// Queues between parts, by who takes from them; of rungs that have queues.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub queues: BTreeMap<String, QueueCounts>,
+    /// Latencies by kind of rays; of rungs that know them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub latency: BTreeMap<String, LatencyCounts>,
+    /// The DRAM's commands.
+    pub dram: DramCounts,
+    /// The DRAM's channels, part, page policy and address mapping, in words.
+    pub dram_organization: String,
+    /// Peak bandwidth of the DRAM in bytes a machine cycle; a flat one may have none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dram_peak_bytes_per_cycle: Option<f64>,
+    /// How far from the truth these numbers may be.
+    #[serde(default)]
+    pub accuracy: Accuracy,
+    /// Half the widths of the 95 % intervals of estimated figures, by their path: `bytes.l2.node`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub half_widths: BTreeMap<String, f64>,
+    /// What the stream needs; where somebody asked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub needs: Option<Needs>,
+    /// The frames that were replayed, warm-up frames among them; of runs that know them apart. All other figures are
+    /// of the measured frames: the sums of theirs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub frames: Vec<FrameStats>,
+    /// Energy; absent where that of the DRAM is not known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<Energy>,
+    /// What no machine can leave.
+    #[serde(default)]
+    pub bounds: Option<Bounds>,
+    /// What culling cannot beat; where it was computed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub oracle: Option<Limit>,
+}
+
+impl MachineStats {
+    /// Bytes moved at a level, all classes together; none if there is no such level.
+    pub fn moved(&self, level: &str) -> Bytes {
+        self.bytes.get(level).into_iter().flat_map(|classes| classes.values()).copied().sum()
+    }
+
+    /// Hits over accesses, a cache and class of traffic, where there are any.
+    pub fn hit_rates(&self) -> BTreeMap<String, BTreeMap<TrafficClass, f64>> {
+        let of = |classes: &BTreeMap<TrafficClass, CacheStats>| {
+            classes.iter().filter_map(|(&class, cache)| Some((class, cache.counts.hit_rate()?))).collect()
+        };
+        self.caches.iter().map(|(cache, classes)| (cache.clone(), of(classes))).collect()
+    }
+
+    /// Rays a second of simulated time.
+    pub fn rays_per_second(&self) -> f64 {
+        self.rays as f64 / self.cycles.0 as f64 * self.clock_mhz * 1e6
+    }
+
+    /// Share of its cycles in which a unit kind began an operation.
+    pub fn utilization(&self, unit: &str) -> Option<f64> {
+        let busy = self.units.get(unit)?.get(&Cause::Busy).copied().unwrap_or(0);
+        let total = self.cycles.0 * self.unit_counts.get(unit)?;
+        (total > 0).then(|| busy as f64 / total as f64)
+    }
+}
+
+impl MachineStats {
+    /// What was counted after `earlier` counts of the same run. Classes in which nothing was counted are absent.
+    pub fn since(&self, earlier: &Self) -> Self {
+        Self {
+            cycles: self.cycles - earlier.cycles,
+            rays: self.rays - earlier.rays,
+            bytes: less_nested(&self.bytes, &earlier.bytes, |bytes| *bytes != Bytes(0)),
+            caches: less_nested(&self.caches, &earlier.caches, |cache| cache.counts != CacheCounts::default()),
+            units: less_nested(&self.units, &earlier.units, |_| true),
+            queues: less(&self.queues, Some(&earlier.queues), |_| true),
+            latency: less(&self.latency, Some(&earlier.latency), |latency| latency.rays > 0),
+            dram: self.dram - earlier.dram,
+            ..self.clone()
+        }
+    }
+
+    /// Adds the counts of other frames of the same run.
+    pub fn add(&mut self, other: &Self) {
+        self.cycles += other.cycles;
+        self.rays += other.rays;
+        more_nested(&mut self.bytes, &other.bytes);
+        more_nested(&mut self.caches, &other.caches);
+        more_nested(&mut self.units, &other.units);
+        more(&mut self.queues, &other.queues);
+        more(&mut self.latency, &other.latency);
+        self.dram += other.dram;
+    }
+
+    /// The same run with nothing counted.
+    pub fn nothing(&self) -> Self {
+        self.since(self)
+    }
+
+    /// These counts as those of one frame, which asked for so many rays, without classes.
+    pub fn as_frame(&self, frame: u32, warmup: bool, answered: u64) -> FrameStats {
+        let accesses = |classes: &BTreeMap<_, CacheStats>| classes.values().map(|cache| cache.counts).sum();
+        FrameStats {
+            frame,
+            warmup,
+            cycles: self.cycles,
+            rays: self.rays,
+            answered,
+            bytes: self.bytes.keys().map(|level| (level.clone(), self.moved(level))).collect(),
+            caches: self.caches.iter().map(|(cache, classes)| (cache.clone(), accesses(classes))).collect(),
+            units: self.units.clone(),
+            dram: self.dram,
+            energy: self.energy.clone(),
+        }
+    }
+}

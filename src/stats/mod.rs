@@ -1,0 +1,18 @@
+//! What a timing run measured, as plain data: the timing side fills it, reports read it, neither knows the other.
+
+mod accuracy;
+mod counts;
+mod difference;
+mod energy;
+mod frames;
+mod machine;
+mod reuse;
+mod traffic;
+
+pub use accuracy::{Accuracy, Bounds, Limit, ModelCheck, Needs, PartNeed, Range};
+pub use counts::{CacheCounts, CacheStats, DramCounts, L1Counts, LatencyCounts, QueueCounts};
+pub use energy::Energy;
+pub use frames::FrameStats;
+pub use machine::MachineStats;
+pub use reuse::{ReuseCurve, ReuseLevel};
+pub use traffic::{Cause, TrafficClass};

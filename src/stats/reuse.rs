@@ -1,0 +1,53 @@
+//! Misses of caches of all sizes, from reuse distances.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::traffic::TrafficClass;
+
+/// Misses of a class in LRU caches of any size, from reuse distances.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReuseCurve {
+    /// Accesses.
+    pub accesses: u64,
+    /// Accesses that the sampled lines stand for; all, without a sample.
+    pub sampled: f64,
+    /// First touches of a line by a cache.
+    pub first_touches: f64,
+    /// Misses, first touches included, of caches without sets, for each of [`ReuseCurve::sizes`].
+    pub misses: Vec<f64>,
+    /// Misses of the cache as the machine has it, if lines fall into its sets at random.
+    pub misses_in_sets: f64,
+}
+
+impl ReuseCurve {
+    /// Sizes of caches in bytes: powers of two from 1 kB to 16 MB.
+    pub fn sizes() -> impl Iterator<Item = u64> {
+        (10..=24).map(|power| 1 << power)
+    }
+}
+
+/// Reuse in the caches of a kind.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ReuseLevel {
+    /// Their name in reports.
+    pub name: String,
+    /// How many there are.
+    pub caches: u64,
+    /// Bytes of each in the machine.
+    pub bytes: u64,
+    /// Lines a set in the machine.
+    pub ways: u64,
+    /// By class.
+    pub classes: BTreeMap<TrafficClass, ReuseCurve>,
+}
+
+impl ReuseLevel {
+    /// Misses over accesses of the caches as the machine has them, if lines fall into their sets at random; `None` without an access.
+    pub fn miss_ratio_in_sets(&self) -> Option<f64> {
+        let sum = |of: fn(&ReuseCurve) -> f64| self.classes.values().map(of).sum::<f64>();
+        let sampled = sum(|curve| curve.sampled);
+        (sampled > 0.0).then(|| sum(|curve| curve.misses_in_sets) / sampled)
+    }
+}

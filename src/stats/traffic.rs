@@ -1,0 +1,77 @@
+//! Classes of memory traffic, and causes of a unit's cycles.
+
+use serde::{Deserialize, Serialize};
+
+/// What memory traffic is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum TrafficClass {
+    /// Nodes of the acceleration structure.
+    Node,
+    /// Primitive lists of the kd-tree.
+    List,
+    /// Triangle records.
+    Triangle,
+    /// Mode words.
+    ModeWord,
+    /// Counters of rendered pixels.
+    PixelCounter,
+    /// Ids of occluders.
+    OccluderId,
+    /// Rays.
+    Ray,
+}
+
+impl TrafficClass {
+    /// All classes.
+    pub const ALL: [Self; 7] =
+        [Self::Node, Self::List, Self::Triangle, Self::ModeWord, Self::PixelCounter, Self::OccluderId, Self::Ray];
+
+    /// The class's name in reports, as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Node => "node",
+            Self::List => "list",
+            Self::Triangle => "triangle",
+            Self::ModeWord => "mode_word",
+            Self::PixelCounter => "pixel_counter",
+            Self::OccluderId => "occluder_id",
+            Self::Ray => "ray",
+        }
+    }
+}
+
+/// The one cause that each cycle of a unit has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Cause {
+    /// The unit began an operation in this cycle.
+    Busy,
+    /// It had nothing to do: no ray in it, and none in front of it that it could take.
+    Starved,
+    /// It had rays, all inside its pipeline.
+    Pipeline,
+    /// It had rays, and the first that waits does so for data of its cache.
+    Memory,
+    /// It had a result that its neighbour could not take.
+    Blocked,
+    /// It took as many rays as it can in a cycle, none of them began an operation, and others waited in front of it.
+    Intake,
+}
+
+impl Cause {
+    /// All causes, in the order of plots.
+    pub const ALL: [Self; 6] = [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Intake, Self::Starved];
+
+    /// The cause's name in reports, as in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Busy => "busy",
+            Self::Starved => "starved",
+            Self::Pipeline => "pipeline",
+            Self::Memory => "memory",
+            Self::Blocked => "blocked",
+            Self::Intake => "intake",
+        }
+    }
+}
