@@ -2,6 +2,7 @@
 
 mod channel;
 pub mod command;
+pub mod currents;
 mod flat;
 pub mod legality;
 pub mod mapping;
