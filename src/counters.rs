@@ -6,7 +6,7 @@
 
 /// What a counter is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Counter {
+pub(crate) struct Counter {
     /// Its name: that of the struct's field and of the number in files.
     pub name: &'static str,
     /// Its unit.
@@ -36,7 +36,7 @@ macro_rules! counters {
         #[allow(dead_code, reason = "not every group of counters is read by all that a declaration offers")]
         impl $name {
             /// The counters, in the order of their declaration.
-            pub const DECLARED: &'static [$crate::counters::Counter] = &[
+            pub(crate) const DECLARED: &'static [$crate::counters::Counter] = &[
                 $($crate::counters::Counter { name: stringify!($field), unit: $unit, about: $about },)+
                 $($($crate::counters::Counter {
                     name: stringify!($peak), unit: $peak_unit, about: $peak_about,
@@ -44,12 +44,12 @@ macro_rules! counters {
             ];
 
             /// The values, in the order of [`Self::DECLARED`].
-            pub fn values(&self) -> [u64; Self::DECLARED.len()] {
+            pub(crate) fn values(&self) -> [u64; Self::DECLARED.len()] {
                 [$(self.$field,)+ $($(self.$peak,)+)?]
             }
 
             /// The counters with these values, in the order of [`Self::DECLARED`].
-            pub fn from_values([$($field,)+ $($($peak,)+)?]: [u64; Self::DECLARED.len()]) -> Self {
+            pub(crate) fn from_values([$($field,)+ $($($peak,)+)?]: [u64; Self::DECLARED.len()]) -> Self {
                 Self { $($field,)+ $($($peak,)+)? }
             }
         }

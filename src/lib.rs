@@ -59,18 +59,20 @@
 //! # }
 //! ```
 
+#![warn(unreachable_pub)]
+
 pub mod accel;
 pub mod cli;
 pub(crate) mod counters;
 pub mod culling;
-pub mod energy;
+pub(crate) mod energy;
 pub mod engine;
 pub mod experiment;
 pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;
-pub mod output;
+pub(crate) mod output;
 pub mod quantity;
 pub mod ranged;
 pub mod reference;

@@ -13,7 +13,7 @@ use crate::scene::Triangle;
 
 /// A triangle to build a tree over, and whose it is.
 #[derive(Clone, Copy, Debug)]
-pub struct Item<'a> {
+pub(super) struct Item<'a> {
     /// Whose triangle it is.
     pub primitive: PrimitiveId,
     /// Where it is.
@@ -22,7 +22,7 @@ pub struct Item<'a> {
 
 /// Ids from which a tree's nodes, slots and list entries count.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Base {
+pub(super) struct Base {
     /// The id of the tree's root.
     pub node: u32,
     /// The tree's first triangle slot.
@@ -33,7 +33,7 @@ pub struct Base {
 
 /// Sizes of a tree.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sizes {
+pub(super) struct Sizes {
     /// Nodes.
     pub nodes: u32,
     /// Entries of primitive lists.
@@ -41,7 +41,7 @@ pub struct Sizes {
 }
 
 /// A tree over static triangles.
-pub trait StaticTree: Sized {
+pub(super) trait StaticTree: Sized {
     /// The tree and a frame's dynamic one under one root.
     type Joined<'a>: JoinedTree
     where
@@ -71,7 +71,7 @@ pub trait StaticTree: Sized {
 const BOXES_ONLY: &str = "a policy that needs a tree of boxes is refused with a kd-tree before it is built";
 
 /// What rays can meet in a frame. Ids are global: static ones first, then dynamic ones.
-pub trait JoinedTree {
+pub(super) trait JoinedTree {
     /// Sizes of the dynamic tree.
     fn dynamic_sizes(&self) -> Sizes;
 

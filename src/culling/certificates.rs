@@ -62,7 +62,7 @@ impl Default for CertificateSpec {
 const NO_CHILDREN: u32 = 0;
 
 /// The tree of cells, as it was at the frame's start.
-pub struct Certificates {
+pub(crate) struct Certificates {
     spec: CertificateSpec,
     facts: SceneFacts,
     layout: WordLayout,
@@ -77,7 +77,7 @@ pub struct Certificates {
 
 /// The smallest cell around a hit that the tree has, and what it says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Leaf {
+pub(crate) struct Leaf {
     /// The cell.
     pub cell: Cell,
     /// Its mode; PARTIAL_SHADOW if it cannot be divided any more.
@@ -100,7 +100,7 @@ fn bits(mode: Shadow) -> u32 {
 
 impl Certificates {
     /// No certificate yet.
-    pub fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
+    pub(crate) fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
         let layout = WordLayout::new(facts.lamps.count(facts.lights as usize));
         Self {
             spec,
@@ -114,7 +114,7 @@ impl Certificates {
     }
 
     /// A frame begins with these lights: what was known of one that has moved is forgotten.
-    pub fn begin_frame(&mut self, lights: &[Light]) {
+    pub(crate) fn begin_frame(&mut self, lights: &[Light]) {
         let moved: Vec<_> = lights
             .iter()
             .zip(&self.lights)
@@ -137,7 +137,7 @@ impl Certificates {
     }
 
     /// Somebody to use and extend them in a band.
-    pub fn prover(&self) -> Prover<'_> {
+    pub(crate) fn prover(&self) -> Prover<'_> {
         Prover {
             certificates: self,
             sides: FxHashMap::default(),
@@ -177,7 +177,7 @@ impl Certificates {
 
     /// Takes in what the provers of a frame found. Band for band the findings agree, because what is proven is true; so
     /// their order leaves no trace but in the side of a receiver that was first seen from both.
-    pub fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+    pub(crate) fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         for word in self.cleared.drain(..) {
             trail.update(Store::ModeWord, word);
         }
@@ -216,7 +216,7 @@ impl Certificates {
 
     /// The store of mode words: the words of all nodes that there can be, static primitives first, then as many references, then
     /// the counts of rays.
-    pub fn stores(&self) -> StoreEntries {
+    pub(crate) fn stores(&self) -> StoreEntries {
         StoreEntries {
             mode_words: self.reference(self.nodes()) + self.spec.counts.get() as u32,
             word_owners: self.facts.statics,
@@ -261,7 +261,7 @@ impl Finding {
 
 /// Uses certificates in a band, and asks for new ones, which count at once within the band. What rays of a cell have
 /// shown is counted within the band only.
-pub struct Prover<'a> {
+pub(crate) struct Prover<'a> {
     certificates: &'a Certificates,
     sides: FxHashMap<PrimitiveId, bool>,
     modes: FxHashMap<(Cell, LightId), Shadow>,
@@ -276,7 +276,7 @@ pub struct Prover<'a> {
 
 impl Prover<'_> {
     /// The next hit is worked on.
-    pub fn hit(&mut self) {
+    pub(crate) fn hit(&mut self) {
         self.read.clear();
         self.counted.clear();
     }
@@ -290,7 +290,7 @@ impl Prover<'_> {
 
     /// The leaf around the hit for a light; `None` where there can be no certificate: on what moves, on the strip along
     /// the edges, and on a receiver's other side.
-    pub fn leaf(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
+    pub(crate) fn leaf(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
         let leaf = self.find(hit, light, probe);
         self.leaves[usize::from(light.0)] = leaf;
         leaf
@@ -337,7 +337,7 @@ impl Prover<'_> {
     }
 
     /// A ray from the last leaf found for the light had this static blocker, or none: asks for a proof if it is time.
-    pub fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
+    pub(crate) fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
         let Some(Leaf { cell, mode: Shadow::Init, outside }) = self.leaves[usize::from(light.0)] else { return };
         let all = self.certificates;
         let light = all.facts.lamps.of(light);
@@ -374,7 +374,7 @@ impl Prover<'_> {
     }
 
     /// What was found.
-    pub fn finish(self) -> impl Iterator<Item = Change> {
+    pub(crate) fn finish(self) -> impl Iterator<Item = Change> {
         let (all, sides) = (self.certificates, self.sides);
         self.modes.into_iter().filter_map(move |((cell, light), mode)| {
             let side = all.side(cell.primitive).or_else(|| sides.get(&cell.primitive).copied());

@@ -11,14 +11,14 @@ use crate::scene::Light;
 use crate::stream::StoreEntries;
 
 /// The policy.
-pub struct Certified {
+pub(crate) struct Certified {
     certificates: Certificates,
     facts: SceneFacts,
 }
 
 impl Certified {
     /// Nothing proven yet.
-    pub fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
+    pub(crate) fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
         Self { certificates: Certificates::new(spec, facts), facts }
     }
 }

@@ -20,14 +20,14 @@ const NONE: u32 = u32::MAX;
 const HINT: u32 = 1 << 17;
 
 /// The table, as it was at the frame's start.
-pub struct Hints {
+pub(crate) struct Hints {
     entries: Vec<u32>,
     lights: u32,
 }
 
 impl Hints {
     /// An empty table.
-    pub fn new<const LO: u64, const HI: u64>(entries: PowerOfTwo<LO, HI>, lights: u32) -> Self {
+    pub(crate) fn new<const LO: u64, const HI: u64>(entries: PowerOfTwo<LO, HI>, lights: u32) -> Self {
         Self { entries: vec![NONE; entries.size()], lights }
     }
 
@@ -40,12 +40,12 @@ impl Hints {
     }
 
     /// Somebody to use it in a band.
-    pub fn worker(&self) -> HintWorker<'_> {
+    pub(crate) fn worker(&self) -> HintWorker<'_> {
         HintWorker { hints: self, changed: FxHashMap::default(), last: vec![Last::default(); self.lights as usize] }
     }
 
     /// Takes in what was learned in a frame; of two bands, the later one's stays.
-    pub fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
+    pub(crate) fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         let mut hints: Vec<_> = changes.iter().filter(|change| change.kind == HINT).collect();
         // Stable: what one band learned comes in any order, but names an entry once.
         hints.sort_by_key(|change| change.index);
@@ -56,7 +56,7 @@ impl Hints {
     }
 
     /// The number of entries.
-    pub fn entries(&self) -> u32 {
+    pub(crate) fn entries(&self) -> u32 {
         self.entries.len() as u32
     }
 }
@@ -71,7 +71,7 @@ struct Last {
 }
 
 /// Uses hints in a band.
-pub struct HintWorker<'a> {
+pub(crate) struct HintWorker<'a> {
     hints: &'a Hints,
     changed: FxHashMap<u32, u32>,
     last: Vec<Last>,
@@ -84,7 +84,7 @@ impl HintWorker<'_> {
 
     /// A triangle that is certain to block `ray`, if a hint names one: the cell's own hint, then the light's last blocker.
     /// A cell without a hint has its last ray lit, or is new: then the last blocker is tried only next to other dark rays.
-    pub fn blocker(&self, cell: Cell, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
+    pub(crate) fn blocker(&self, cell: Cell, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
         let index = self.hints.index(cell, light);
         probe.read(Store::OccluderId, index);
         let hint = self.hint(index);
@@ -95,7 +95,7 @@ impl HintWorker<'_> {
     }
 
     /// A ray from a cell to a light had this static blocker, or none: after a lit ray the cell has no hint.
-    pub fn learn(&mut self, cell: Cell, light: LightId, blocker: Option<PrimitiveId>) {
+    pub(crate) fn learn(&mut self, cell: Cell, light: LightId, blocker: Option<PrimitiveId>) {
         let last = &mut self.last[usize::from(light.0)];
         *last = Last { blocker: blocker.or(last.blocker), dark: blocker.is_some() };
         let index = self.hints.index(cell, light);
@@ -106,7 +106,7 @@ impl HintWorker<'_> {
     }
 
     /// What was learned.
-    pub fn finish(self) -> impl Iterator<Item = Change> {
+    pub(crate) fn finish(self) -> impl Iterator<Item = Change> {
         self.changed.into_iter().map(|(index, value)| Change { kind: HINT, index, value })
     }
 }

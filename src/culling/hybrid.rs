@@ -39,7 +39,7 @@ impl Default for HybridSpec {
 }
 
 /// The policy.
-pub struct Hybrid {
+pub(crate) struct Hybrid {
     certificates: Certificates,
     hints: Hints,
     facts: SceneFacts,
@@ -47,7 +47,7 @@ pub struct Hybrid {
 
 impl Hybrid {
     /// Nothing known yet.
-    pub fn new(spec: HybridSpec, facts: SceneFacts) -> Self {
+    pub(crate) fn new(spec: HybridSpec, facts: SceneFacts) -> Self {
         let hints = Hints::new(spec.hints, facts.lights);
         Self { certificates: Certificates::new(spec.certificates, facts), hints, facts }
     }

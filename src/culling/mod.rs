@@ -5,24 +5,24 @@
 //! no result depends on the order in which bands are traced, nor on the number of threads.
 
 pub mod cells;
-pub mod certificates;
-pub mod certified;
+pub(crate) mod certificates;
+pub(crate) mod certified;
 mod facts;
 pub mod hash_predictor;
-pub mod hints;
-pub mod hybrid;
+pub(crate) mod hints;
+pub(crate) mod hybrid;
 pub mod knowledge;
 pub mod last_occluder;
-pub mod mode_word;
+pub(crate) mod mode_word;
 pub mod occluder_grid;
-pub mod off;
-pub mod oracle;
+pub(crate) mod off;
+pub(crate) mod oracle;
 mod policy;
 mod probe;
 pub mod published;
-pub mod ray_counts;
-pub mod retest;
-pub mod sato;
+pub(crate) mod ray_counts;
+pub(crate) mod retest;
+pub(crate) mod sato;
 mod spec;
 pub mod symmetric;
 

@@ -7,7 +7,7 @@ use crate::quantity::{LightId, PrimitiveId};
 
 /// Whether a primitive is fully seen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Occlusion {
+pub(crate) enum Occlusion {
     /// Nothing is known.
     Init,
     /// Part of it was hidden, or outside the picture.
@@ -20,7 +20,7 @@ pub enum Occlusion {
 
 /// What was seen of a light from a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Shadow {
+pub(crate) enum Shadow {
     /// Nothing yet.
     Init,
     /// Only shadow.
@@ -32,19 +32,19 @@ pub enum Shadow {
 }
 
 /// The bit of "a shadow was seen", before its shift to the light's place.
-pub const SEEN_DARK: u32 = 0b01;
+pub(crate) const SEEN_DARK: u32 = 0b01;
 /// The bit of "the light was seen", before its shift to the light's place.
-pub const SEEN_LIT: u32 = 0b10;
+pub(crate) const SEEN_LIT: u32 = 0b10;
 
 const OCCLUSION_BITS: u32 = 0b11;
 
 /// A primitive's first word.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ModeWord(pub u32);
+pub(crate) struct ModeWord(pub u32);
 
 impl ModeWord {
     /// The occlusion mode.
-    pub fn occlusion(self) -> Occlusion {
+    pub(crate) fn occlusion(self) -> Occlusion {
         match self.0 & OCCLUSION_BITS {
             0b00 => Occlusion::Init,
             0b01 => Occlusion::PartiallyOccluded,
@@ -54,7 +54,7 @@ impl ModeWord {
     }
 
     /// The word with another occlusion mode.
-    pub fn with_occlusion(self, mode: Occlusion) -> Self {
+    pub(crate) fn with_occlusion(self, mode: Occlusion) -> Self {
         let bits = match mode {
             Occlusion::Init => 0b00,
             Occlusion::PartiallyOccluded => 0b01,
@@ -65,20 +65,20 @@ impl ModeWord {
     }
 
     /// The word with the occlusion mode only.
-    pub fn without_shadows(self) -> Self {
+    pub(crate) fn without_shadows(self) -> Self {
         Self(self.0 & OCCLUSION_BITS)
     }
 }
 
 /// Where the modes of a primitive lie, for a number of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct WordLayout {
+pub(crate) struct WordLayout {
     words: u32,
 }
 
 /// The place of a light's two bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ShadowPlace {
+pub(crate) struct ShadowPlace {
     /// The word, counted over all primitives.
     pub word: u32,
     /// The lower bit.
@@ -87,7 +87,7 @@ pub struct ShadowPlace {
 
 impl ShadowPlace {
     /// The mode that `word` holds here.
-    pub fn mode(self, word: u32) -> Shadow {
+    pub(crate) fn mode(self, word: u32) -> Shadow {
         match word >> self.shift & 0b11 {
             0b00 => Shadow::Init,
             SEEN_DARK => Shadow::Full,
@@ -99,22 +99,22 @@ impl ShadowPlace {
 
 impl WordLayout {
     /// The layout for `lights` lights.
-    pub fn new(lights: usize) -> Self {
+    pub(crate) fn new(lights: usize) -> Self {
         Self { words: 1 + (lights.saturating_sub(15)).div_ceil(16) as u32 }
     }
 
     /// Words a primitive.
-    pub fn words_per_primitive(self) -> u32 {
+    pub(crate) fn words_per_primitive(self) -> u32 {
         self.words
     }
 
     /// The first word of a primitive: it holds the occlusion mode.
-    pub fn first(self, primitive: PrimitiveId) -> u32 {
+    pub(crate) fn first(self, primitive: PrimitiveId) -> u32 {
         primitive.0 * self.words
     }
 
     /// Where a light's modes are.
-    pub fn shadow(self, primitive: PrimitiveId, light: LightId) -> ShadowPlace {
+    pub(crate) fn shadow(self, primitive: PrimitiveId, light: LightId) -> ShadowPlace {
         let pair = u32::from(light.0) + 1;
         ShadowPlace { word: self.first(primitive) + pair / 16, shift: 2 * (pair % 16) }
     }

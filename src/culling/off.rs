@@ -6,7 +6,7 @@ use crate::accel::Ray;
 use crate::quantity::LightId;
 
 /// Keeps nothing and traces every ray.
-pub struct Off;
+pub(crate) struct Off;
 
 impl Policy for Off {
     fn worker(&self) -> Box<dyn Worker + '_> {

@@ -6,7 +6,7 @@ use crate::accel::Ray;
 use crate::quantity::LightId;
 
 /// Knows of every ray whether a static triangle blocks it.
-pub struct Oracle;
+pub(crate) struct Oracle;
 
 impl Policy for Oracle {
     fn worker(&self) -> Box<dyn Worker + '_> {

@@ -12,7 +12,7 @@ use crate::stream::Store;
 /// Rays of a cell towards a light. In memory 32 bits: a count of 8, a flag for each kind of answer and one for a proof that
 /// was asked for, and a tag of 21 (the model compares the whole pair).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Seen {
+pub(crate) struct Seen {
     /// How many, as far as 8 bits count.
     pub rays: u8,
     /// Whether some were lit.
@@ -25,13 +25,13 @@ pub struct Seen {
 
 impl Seen {
     /// Whether all had the same answer.
-    pub fn uniform(self) -> bool {
+    pub(crate) fn uniform(self) -> bool {
         !(self.lit && self.dark)
     }
 }
 
 /// The table in a band; it begins empty.
-pub struct RayCounts {
+pub(crate) struct RayCounts {
     bits: u32,
     /// The entry of the table's first slot in the store of mode words.
     base: u32,
@@ -40,13 +40,20 @@ pub struct RayCounts {
 
 impl RayCounts {
     /// An empty table of `size` slots, which lie from entry `base` on in the store of mode words.
-    pub fn new(size: PowerOfTwo<2, 1_048_576>, base: u32) -> Self {
+    pub(crate) fn new(size: PowerOfTwo<2, 1_048_576>, base: u32) -> Self {
         Self { bits: size.get().trailing_zeros(), base, slots: FxHashMap::default() }
     }
 
     /// Counts a ray, with one access to memory; what the slot then holds, to be changed. Of the rays of one hit to an area's
     /// points the first is counted, and the access made, for all (`first`); the unit holds the entry meanwhile.
-    pub fn count(&mut self, cell: Cell, light: LightId, dark: bool, first: bool, probe: &mut Probe<'_>) -> &mut Seen {
+    pub(crate) fn count(
+        &mut self,
+        cell: Cell,
+        light: LightId,
+        dark: bool,
+        first: bool,
+        probe: &mut Probe<'_>,
+    ) -> &mut Seen {
         let slot = self.slot(cell, light);
         if first {
             probe.update(Store::ModeWord, self.base + slot);

@@ -7,7 +7,7 @@ use crate::accel::{Order, Ray};
 use crate::quantity::LightId;
 
 /// Keeps nothing and traces every ray, in its own order.
-pub struct Sato;
+pub(crate) struct Sato;
 
 impl Policy for Sato {
     fn order(&self) -> Order {

@@ -18,7 +18,7 @@ const PICO: f64 = 1e-12;
 const MILLIWATT: f64 = 1e9;
 
 /// The energy of what `stats` count, on streams of a structure; `None` where the energy of the DRAM is not known.
-pub fn of(machine: &MachineSpec, structure: Structure, stats: &MachineStats) -> Option<Energy> {
+pub(crate) fn of(machine: &MachineSpec, structure: Structure, stats: &MachineStats) -> Option<Energy> {
     let seconds = stats.cycles.0 as f64 / (stats.clock_mhz * 1e6);
     let line_bytes = machine.line_bytes.get();
     let dram = machine.dram.energy(&DramWork { counts: stats.dram, line_bytes, seconds })?;

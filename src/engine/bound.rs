@@ -23,12 +23,12 @@ use crate::stream::{Chunk, Decision, Header, Item, RayKind, Step};
 
 /// Lines that were touched.
 #[derive(Clone, Debug, Default)]
-pub struct Lines(Vec<u64>);
+pub(super) struct Lines(Vec<u64>);
 
 impl Lines {
     /// Touches a line; whether it is the first time.
     #[inline]
-    pub fn touch(&mut self, line: u64) -> bool {
+    pub(super) fn touch(&mut self, line: u64) -> bool {
         let word = (line / 64) as usize;
         if word >= self.0.len() {
             self.0.resize(word + 1, 0);
@@ -40,7 +40,7 @@ impl Lines {
     }
 
     /// Forgets lines from `first` on.
-    pub fn forget_from(&mut self, first: u64) {
+    pub(super) fn forget_from(&mut self, first: u64) {
         let word = (first / 64) as usize;
         self.0.truncate(word + 1);
         if let Some(last) = self.0.get_mut(word) {
@@ -130,7 +130,7 @@ pub(super) struct Bound {
 
 impl Bound {
     /// Bounds of a stream that has not begun.
-    pub fn new(machine: &MachineSpec, header: &Header, oracle: bool) -> Self {
+    pub(super) fn new(machine: &MachineSpec, header: &Header, oracle: bool) -> Self {
         Self {
             kinds: Kind::ALL.map(|kind| kind.spec(machine)),
             layout: Layout::new(header, machine),
@@ -158,7 +158,7 @@ impl Bound {
     }
 
     /// The stream's next item. What is wrong with it is for others to find.
-    pub fn add(&mut self, item: &Item) {
+    pub(super) fn add(&mut self, item: &Item) {
         match item {
             Item::Frame(info) => {
                 self.layout.begin_frame(info);
@@ -331,7 +331,7 @@ impl Bound {
 
     /// The bounds of all frames but those of `warmup`. A line that no frame touched before is fetched in any case; a line
     /// that was written in a frame of `warmup` may be written back later.
-    pub fn bounds(&self, warmup: &[u32]) -> Bounds {
+    pub(super) fn bounds(&self, warmup: &[u32]) -> Bounds {
         let (measured, all) = (self.sum(warmup), self.sum(&[]));
         let line = self.machine.line_bytes.get();
         let bytes = |bytes: &PerClass<Bytes>| bytes.iter().copied().sum::<Bytes>();

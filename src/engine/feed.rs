@@ -60,7 +60,7 @@ pub(super) struct Whole<'a, I> {
 
 impl<'a, I> Whole<'a, I> {
     /// All of `items` for a machine.
-    pub fn new(machine: &'a MachineSpec, items: I) -> Self {
+    pub(super) fn new(machine: &'a MachineSpec, items: I) -> Self {
         Self { items, frames: FrameLog::new(machine), stores: StoreWork::default() }
     }
 }

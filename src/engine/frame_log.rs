@@ -18,27 +18,27 @@ pub(super) struct FrameLog<'a> {
 
 impl<'a> FrameLog<'a> {
     /// No frame is over.
-    pub fn new(machine: &'a MachineSpec) -> Self {
+    pub(super) fn new(machine: &'a MachineSpec) -> Self {
         Self { machine, over: None, ends: Vec::new() }
     }
 
     /// The machine.
-    pub fn machine(&self) -> &'a MachineSpec {
+    pub(super) fn machine(&self) -> &'a MachineSpec {
         self.machine
     }
 
     /// A frame is over.
-    pub fn over(&mut self, counts: FrameCounts) {
+    pub(super) fn over(&mut self, counts: FrameCounts) {
         self.over = Some(counts);
     }
 
     /// Whether a frame is over that was not counted.
-    pub fn is_over(&self) -> bool {
+    pub(super) fn is_over(&self) -> bool {
         self.over.is_some()
     }
 
     /// The frame that is over ends with these counts of the run.
-    pub fn add(&mut self, tally: &Tally) {
+    pub(super) fn add(&mut self, tally: &Tally) {
         if let Some(counts) = self.over.take() {
             self.ends.push((counts, tally.stats(self.machine)));
         }
@@ -49,7 +49,7 @@ impl<'a> FrameLog<'a> {
     ///
     /// # Errors
     /// The frames' sum is not what the `whole` run counted: an error in the simulator.
-    pub fn finish(mut self, whole: MachineStats, header: &Header) -> Result<MachineStats, String> {
+    pub(super) fn finish(mut self, whole: MachineStats, header: &Header) -> Result<MachineStats, String> {
         let with_energy =
             |stats: MachineStats| MachineStats { energy: energy::of(self.machine, header.structure, &stats), ..stats };
         let Some((_, last)) = self.ends.last_mut() else { return Ok(with_energy(whole)) };

@@ -7,7 +7,7 @@ use crate::stream::{RayKind, Step};
 
 /// A hit: its chunk by the host's number, and its place in the chunk.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct HitId {
+pub(super) struct HitId {
     /// The chunk.
     pub chunk: u32,
     /// The place of the ray that has the hit.
@@ -16,7 +16,7 @@ pub struct HitId {
 
 /// A ray that has done its path.
 #[derive(Debug)]
-pub struct Retiring<'a> {
+pub(super) struct Retiring<'a> {
     /// What the ray is for.
     pub kind: RayKind,
     /// The hit that it starts on.
@@ -39,7 +39,7 @@ struct Hit {
 
 /// The table.
 #[derive(Clone, Debug)]
-pub struct Gathering {
+pub(super) struct Gathering {
     entries: usize,
     in_use: usize,
     hits: FxHashMap<HitId, Hit>,
@@ -47,18 +47,18 @@ pub struct Gathering {
 
 impl Gathering {
     /// An empty table of so many entries.
-    pub fn new(entries: usize) -> Self {
+    pub(super) fn new(entries: usize) -> Self {
         Self { entries, in_use: 0, hits: FxHashMap::default() }
     }
 
     /// Whether there is one.
-    pub fn is_there(&self) -> bool {
+    pub(super) fn is_there(&self) -> bool {
         self.entries > 0
     }
 
     /// The ray has done its path: leaves its updates in the table, or takes along what is there. Gives how many
     /// updates were merged with others.
-    pub fn retire(&mut self, ray: Retiring<'_>, stores: &Stores) -> u64 {
+    pub(super) fn retire(&mut self, ray: Retiring<'_>, stores: &Stores) -> u64 {
         if ray.kind != RayKind::Shadow || ray.siblings < 2 || !self.is_there() {
             return 0;
         }

@@ -14,7 +14,7 @@ mod observe;
 mod part_set;
 mod profile;
 mod retired;
-pub mod sampling;
+pub(crate) mod sampling;
 mod source;
 mod tally;
 #[cfg(test)]

@@ -2,17 +2,17 @@
 
 /// The set.
 #[derive(Clone, Debug, Default)]
-pub struct PartSet(Vec<u64>);
+pub(super) struct PartSet(Vec<u64>);
 
 impl PartSet {
     /// An empty set of parts below `parts`.
-    pub fn new(parts: usize) -> Self {
+    pub(super) fn new(parts: usize) -> Self {
         Self(vec![0; parts.div_ceil(64)])
     }
 
     /// Replaces this set by the one in `words` and clears `words`.
     #[inline]
-    pub fn take_from(&mut self, words: &mut [u64]) {
+    pub(super) fn take_from(&mut self, words: &mut [u64]) {
         self.0.resize(words.len(), 0);
         for (own, word) in self.0.iter_mut().zip(words) {
             *own = std::mem::take(word);
@@ -20,18 +20,18 @@ impl PartSet {
     }
 
     /// Adds a part.
-    pub fn add(&mut self, part: u32) {
+    pub(super) fn add(&mut self, part: u32) {
         self.0[part as usize / 64] |= 1 << (part % 64);
     }
 
     /// Removes a part.
-    pub fn remove(&mut self, part: u32) {
+    pub(super) fn remove(&mut self, part: u32) {
         self.0[part as usize / 64] &= !(1 << (part % 64));
     }
 
     /// The first part from `from` to before `end`.
     #[inline]
-    pub fn next(&self, from: u32, end: u32) -> Option<u32> {
+    pub(super) fn next(&self, from: u32, end: u32) -> Option<u32> {
         let mut word = from as usize / 64;
         let mut bits = *self.0.get(word)? & !0 << (from % 64);
         loop {

@@ -15,12 +15,12 @@ use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, Machine
 use crate::stream::RayKind;
 
 /// Something a class of traffic, in the order of [`TrafficClass::ALL`].
-pub type PerClass<T> = [T; TrafficClass::ALL.len()];
+pub(super) type PerClass<T> = [T; TrafficClass::ALL.len()];
 /// Cycles a cause, at the places of their discriminants.
-pub type PerCause = [u64; Cause::ALL.len()];
+pub(super) type PerCause = [u64; Cause::ALL.len()];
 
 /// So many busy cycles; of others nothing is known.
-pub fn busy(cycles: u64) -> PerCause {
+pub(super) fn busy(cycles: u64) -> PerCause {
     let mut causes = PerCause::default();
     causes[Cause::Busy as usize] = cycles;
     causes
@@ -28,7 +28,7 @@ pub fn busy(cycles: u64) -> PerCause {
 
 /// What a unit with an L1 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct UnitTally {
+pub(super) struct UnitTally {
     /// Cycles by cause.
     pub causes: PerCause,
     /// Accesses to its L1.
@@ -47,7 +47,7 @@ pub struct UnitTally {
 
 /// What a bank of the L2 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct BankTally {
+pub(super) struct BankTally {
     /// Accesses.
     pub cache: PerClass<CacheCounts>,
     /// What it did for L1s.
@@ -56,7 +56,7 @@ pub struct BankTally {
 
 /// What a channel of the DRAM counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct ChannelTally {
+pub(super) struct ChannelTally {
     /// Commands.
     pub counts: DramCounts,
     /// Bytes moved.
@@ -67,7 +67,7 @@ pub struct ChannelTally {
 
 /// Who takes from a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum QueueKind {
+pub(super) enum QueueKind {
     /// The dispatcher, from the in FIFO.
     Dispatcher,
     /// The host, from the out FIFO.
@@ -86,11 +86,11 @@ pub enum QueueKind {
 
 impl QueueKind {
     /// All kinds.
-    pub const ALL: [Self; 7] =
+    pub(super) const ALL: [Self; 7] =
         [Self::Dispatcher, Self::Host, Self::List, Self::Intersection, Self::Division, Self::L2, Self::Dram];
 
     /// The kind's name in reports.
-    pub fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Dispatcher => "in_fifo",
             Self::Host => "out_fifo",
@@ -105,7 +105,7 @@ impl QueueKind {
 
 /// What a whole run counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Tally {
+pub(super) struct Tally {
     /// Cycles that the run took.
     pub cycles: u64,
     /// Whether every cycle of a unit has a cause; else the busy ones alone are counted.
@@ -132,7 +132,7 @@ pub struct Tally {
 
 impl Tally {
     /// Cycles in which operations occupied any part: what the watchdog looks at.
-    pub fn operations(&self) -> u64 {
+    pub(super) fn operations(&self) -> u64 {
         let busy = |causes: &PerCause| causes[Cause::Busy as usize];
         let columns = |channel: &ChannelTally| channel.counts.reads + channel.counts.writes;
         busy(&self.dispatcher)
@@ -142,18 +142,18 @@ impl Tally {
     }
 
     /// Cycles that operations occupied units of each kind.
-    pub fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
+    pub(super) fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
         let busy = |units: &Vec<UnitTally>| units.iter().map(|unit| unit.causes[Cause::Busy as usize]).sum();
         std::array::from_fn(|kind| busy(&self.units[kind]))
     }
 
     /// The commands of all channels.
-    pub fn commands(&self) -> DramCounts {
+    pub(super) fn commands(&self) -> DramCounts {
         self.channels.iter().map(|channel| channel.counts).sum()
     }
 
     /// The run as reports have it.
-    pub fn stats(&self, machine: &MachineSpec) -> MachineStats {
+    pub(super) fn stats(&self, machine: &MachineSpec) -> MachineStats {
         let mut stats = MachineStats {
             cycles: Cycle(self.cycles),
             clock_mhz: machine.clock_mhz.get() as f64,
@@ -206,7 +206,7 @@ impl Tally {
 }
 
 /// The sum of what several parts counted, by class.
-pub fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
+pub(super) fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
     let mut sum = PerClass::default();
     parts.for_each(|part| sum.iter_mut().zip(part).for_each(|(sum, &counted)| *sum += counted));
     sum

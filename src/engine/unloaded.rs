@@ -8,7 +8,7 @@ use crate::stream::{Decision, RayKind, Step, Stop};
 
 /// The least latencies of a machine, in cycles.
 #[derive(Clone, Copy, Debug)]
-pub struct Unloaded {
+pub(super) struct Unloaded {
     dispatch: u64,
     node: u64,
     list: u64,
@@ -18,7 +18,7 @@ pub struct Unloaded {
 
 impl Unloaded {
     /// Of `machine`.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(super) fn new(machine: &MachineSpec) -> Self {
         // A line that a miss asked for earlier may come in the cycle after an access to it; a hit takes its time.
         let access = |cache: &CacheSpec| match cache.contents {
             Contents::Tags => 1,
@@ -35,17 +35,17 @@ impl Unloaded {
     }
 
     /// The steps of the path of a ray of a kind, by their tags.
-    pub fn by_tag(&self, ray: RayKind) -> [u64; Step::TAGS] {
+    pub(super) fn by_tag(&self, ray: RayKind) -> [u64; Step::TAGS] {
         std::array::from_fn(|tag| Step::of_tag(tag).map_or(0, |step| self.step(step, ray)))
     }
 
     /// From being handed over to the traversal unit.
-    pub fn dispatch(&self) -> u64 {
+    pub(super) fn dispatch(&self) -> u64 {
         self.dispatch
     }
 
     /// A step of the path of a ray of a kind.
-    pub fn step(&self, step: Step, ray: RayKind) -> u64 {
+    pub(super) fn step(&self, step: Step, ray: RayKind) -> u64 {
         match step {
             Step::Node(_) => self.node,
             // The way to the list unit is that of the test before, or one that is not counted.
@@ -63,7 +63,7 @@ impl Unloaded {
 
 /// Latencies of all kinds of rays, in the order of [`RayKind::ALL`], and how many were shorter than they can be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct RayLatencies {
+pub(super) struct RayLatencies {
     /// By kind.
     pub kinds: [LatencyCounts; RayKind::ALL.len()],
     /// Rays that took less than [`Unloaded`] says: an error in the simulator.
@@ -72,7 +72,7 @@ pub struct RayLatencies {
 
 impl RayLatencies {
     /// Counts a ray that took `cycles` from being handed over to being done; one that was skipped has no path to take.
-    pub fn count(&mut self, kind: RayKind, decision: Decision, cycles: u64, unloaded: u64) {
+    pub(super) fn count(&mut self, kind: RayKind, decision: Decision, cycles: u64, unloaded: u64) {
         if decision == Decision::Skip {
             return;
         }
@@ -85,7 +85,7 @@ impl RayLatencies {
     }
 
     /// From now on the longest latencies are those of rays to come.
-    pub fn forget_longest(&mut self) {
+    pub(super) fn forget_longest(&mut self) {
         self.kinds.iter_mut().for_each(|counts| counts.most = 0);
     }
 }

@@ -6,7 +6,7 @@ use crate::memory::cache::CacheSpec;
 
 /// Kinds of units, in the order of [`super::tally::Tally::units`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub(crate) enum Kind {
     /// Traversal units.
     Traversal,
     /// List units.
@@ -19,7 +19,7 @@ pub enum Kind {
 
 /// What all units of a kind have.
 #[derive(Clone, Copy, Debug)]
-pub struct KindSpec {
+pub(crate) struct KindSpec {
     /// Units of all cores.
     pub count: u64,
     /// Stages of the pipeline.
@@ -40,10 +40,10 @@ pub struct KindSpec {
 
 impl Kind {
     /// All kinds.
-    pub const ALL: [Self; 4] = [Self::Traversal, Self::List, Self::Intersection, Self::ShadowCache];
+    pub(crate) const ALL: [Self; 4] = [Self::Traversal, Self::List, Self::Intersection, Self::ShadowCache];
 
     /// The names of a kind, and of its L1s, in reports.
-    pub fn names(self) -> (&'static str, &'static str) {
+    pub(crate) fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Traversal => ("traversal", "l1_traversal"),
             Self::List => ("list", "l1_list"),
@@ -53,7 +53,7 @@ impl Kind {
     }
 
     /// The units of this kind in `machine`.
-    pub fn spec(self, machine: &MachineSpec) -> KindSpec {
+    pub(crate) fn spec(self, machine: &MachineSpec) -> KindSpec {
         let MachineSpec { traversal, list, intersection, shadow_cache, .. } = machine;
         let of_all_cores = |count: u64| machine.cores.get() * count;
         match self {

@@ -16,15 +16,15 @@ const ALIGNMENT: u64 = 4096;
 const LIST_ENTRY_BYTES: u64 = 4;
 
 /// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can hold more ([`StoreLayout::Record`]).
-pub const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
+pub(crate) const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
 /// Bytes that a triangle test reads first.
-pub const PLANE_BYTES: u64 = 16;
+pub(crate) const PLANE_BYTES: u64 = 16;
 /// Bytes that it reads if the plane is hit.
-pub const EDGE_BYTES: u64 = 32;
+pub(crate) const EDGE_BYTES: u64 = 32;
 
 /// Something in memory that is read or written at once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Element {
+pub(crate) struct Element {
     /// Where it begins.
     pub addr: Addr,
     /// Its size.
@@ -62,7 +62,7 @@ impl Array {
 
 /// The layout of a stream's current frame.
 #[derive(Clone, Debug)]
-pub struct Layout {
+pub(crate) struct Layout {
     nodes: Array,
     lists: Array,
     triangles: Array,
@@ -83,7 +83,7 @@ pub struct OutOfRange {
 
 impl Layout {
     /// The layout of a stream on a machine, before the first frame.
-    pub fn new(header: &Header, spec: &MachineSpec) -> Self {
+    pub(crate) fn new(header: &Header, spec: &MachineSpec) -> Self {
         let line = spec.line_bytes.get();
         let unit = &spec.shadow_cache;
         // Words that cost nothing lie nowhere: triangle records are as without them.
@@ -106,7 +106,7 @@ impl Layout {
     }
 
     /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
-    pub fn begin_frame(&mut self, frame: &FrameInfo) {
+    pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
         let mut end = self.dynamic_base;
         let arrays = [
             (&mut self.nodes, frame.dynamic_nodes),
@@ -120,13 +120,13 @@ impl Layout {
     }
 
     /// The first line of the dynamic part.
-    pub fn dynamic_part(&self) -> LineAddr {
+    pub(crate) fn dynamic_part(&self) -> LineAddr {
         LineAddr(self.dynamic_base >> self.line_shift)
     }
 
     /// The lines that `element` lies in: the first, and how many.
     #[inline]
-    pub fn lines(&self, element: &Element) -> (LineAddr, u64) {
+    pub(crate) fn lines(&self, element: &Element) -> (LineAddr, u64) {
         let first = element.addr.0 >> self.line_shift;
         let last = (element.addr.0 + element.bytes - 1) >> self.line_shift;
         (LineAddr(first), last - first + 1)
@@ -134,7 +134,7 @@ impl Layout {
 
     /// Checks that what `step` names exists.
     #[inline]
-    pub fn check(&self, step: Step) -> Result<(), OutOfRange> {
+    pub(crate) fn check(&self, step: Step) -> Result<(), OutOfRange> {
         let (what, index, len) = match step {
             Step::Node(NodeId(index)) => ("node", index, self.nodes.len()),
             Step::List(ListId(index)) => ("list entry", index, self.lists.len()),
@@ -153,31 +153,31 @@ impl Layout {
 
     /// The node.
     #[inline]
-    pub fn node(&self, NodeId(index): NodeId) -> Element {
+    pub(crate) fn node(&self, NodeId(index): NodeId) -> Element {
         self.element(&self.nodes, index, TrafficClass::Node, false)
     }
 
     /// The list entry.
     #[inline]
-    pub fn list_entry(&self, ListId(index): ListId) -> Element {
+    pub(crate) fn list_entry(&self, ListId(index): ListId) -> Element {
         self.element(&self.lists, index, TrafficClass::List, false)
     }
 
     /// The first part of a triangle record.
     #[inline]
-    pub fn plane(&self, TriangleSlot(index): TriangleSlot) -> Element {
+    pub(crate) fn plane(&self, TriangleSlot(index): TriangleSlot) -> Element {
         Element { bytes: PLANE_BYTES, ..self.element(&self.triangles, index, TrafficClass::Triangle, false) }
     }
 
     /// The second part of a triangle record.
     #[inline]
-    pub fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
+    pub(crate) fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
         let record = self.element(&self.triangles, index, TrafficClass::Triangle, false);
         Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
     }
 
     /// An entry of a store.
-    pub fn entry(&self, store: Store, index: u32, write: bool) -> Element {
+    pub(crate) fn entry(&self, store: Store, index: u32, write: bool) -> Element {
         let class = match store {
             Store::ModeWord => TrafficClass::ModeWord,
             Store::PixelCounter => TrafficClass::PixelCounter,
@@ -188,12 +188,12 @@ impl Layout {
     }
 
     /// The line that an entry of a store lies in.
-    pub fn line_of(&self, store: Store, index: u32) -> LineAddr {
+    pub(crate) fn line_of(&self, store: Store, index: u32) -> LineAddr {
         LineAddr(self.stores.entry(store, index).0 >> self.line_shift)
     }
 
     /// The policy's stores.
-    pub fn stores(&self) -> &Stores {
+    pub(crate) fn stores(&self) -> &Stores {
         &self.stores
     }
 

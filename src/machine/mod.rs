@@ -3,20 +3,20 @@
 
 pub mod dispatcher;
 pub mod division;
-pub mod energy;
+pub(crate) mod energy;
 mod footprint;
 pub mod intersection;
-pub mod kinds;
-pub mod layout;
+pub(crate) mod kinds;
+pub(crate) mod layout;
 pub mod list;
-pub mod parts;
+pub(crate) mod parts;
 pub mod shadow_cache;
 pub mod spec;
 pub mod stores;
 #[cfg(test)]
 mod tests;
 pub mod traversal;
-pub mod word_traffic;
+pub(crate) mod word_traffic;
 pub mod writes;
 
 pub use spec::{MachineSpec, SpecError};

@@ -5,7 +5,7 @@ use crate::memory::PartId;
 
 /// The numbers of the parts, in the order in which they act in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct Parts {
+pub(crate) struct Parts {
     /// Cores, which have equal shares of all parts but the dispatcher and the channels: the first units are the first core's.
     pub cores: u32,
     /// Traversal units.
@@ -26,7 +26,7 @@ pub struct Parts {
 
 impl Parts {
     /// The parts of a machine.
-    pub fn new(spec: &MachineSpec) -> Self {
+    pub(crate) fn new(spec: &MachineSpec) -> Self {
         let all = |a_core: u64| (spec.cores.get() * a_core) as u32;
         Self {
             cores: all(1),
@@ -41,45 +41,45 @@ impl Parts {
     }
 
     /// The dispatcher.
-    pub const DISPATCHER: PartId = PartId(0);
+    pub(crate) const DISPATCHER: PartId = PartId(0);
 
     /// Traversal unit `index`.
-    pub fn traversal(&self, index: u32) -> PartId {
+    pub(crate) fn traversal(&self, index: u32) -> PartId {
         PartId(1 + index)
     }
 
     /// List unit `index`.
-    pub fn list(&self, index: u32) -> PartId {
+    pub(crate) fn list(&self, index: u32) -> PartId {
         PartId(self.traversal(self.traversal).0 + index)
     }
 
     /// Intersection unit `index`.
-    pub fn intersection(&self, index: u32) -> PartId {
+    pub(crate) fn intersection(&self, index: u32) -> PartId {
         PartId(self.list(self.list).0 + index)
     }
 
     /// Division unit `index`.
-    pub fn division(&self, index: u32) -> PartId {
+    pub(crate) fn division(&self, index: u32) -> PartId {
         PartId(self.intersection(self.intersection).0 + index)
     }
 
     /// Shadow-cache unit `index`.
-    pub fn shadow_cache(&self, index: u32) -> PartId {
+    pub(crate) fn shadow_cache(&self, index: u32) -> PartId {
         PartId(self.division(self.division).0 + index)
     }
 
     /// Bank `index` of the L2.
-    pub fn bank(&self, index: u32) -> PartId {
+    pub(crate) fn bank(&self, index: u32) -> PartId {
         PartId(self.shadow_cache(self.shadow_cache).0 + index)
     }
 
     /// Channel `index` of the DRAM.
-    pub fn channel(&self, index: u32) -> PartId {
+    pub(crate) fn channel(&self, index: u32) -> PartId {
         PartId(self.bank(self.banks).0 + index)
     }
 
     /// The core of a unit or a bank.
-    pub fn core(&self, part: PartId) -> u32 {
+    pub(crate) fn core(&self, part: PartId) -> u32 {
         let kinds = [
             (self.traversal(0), self.traversal),
             (self.list(0), self.list),
@@ -93,18 +93,18 @@ impl Parts {
     }
 
     /// The intersection unit of a core that `number` chooses.
-    pub fn intersection_of(&self, core: u32, number: u64) -> u32 {
+    pub(crate) fn intersection_of(&self, core: u32, number: u64) -> u32 {
         self.choose(self.intersection, core, number)
     }
 
     /// Of `units` of a kind, the one of a core that `number` chooses.
-    pub fn choose(&self, units: u32, core: u32, number: u64) -> u32 {
+    pub(crate) fn choose(&self, units: u32, core: u32, number: u64) -> u32 {
         let a_core = units / self.cores;
         core * a_core + (number % u64::from(a_core)) as u32
     }
 
     /// The number of parts.
-    pub fn count(&self) -> usize {
+    pub(crate) fn count(&self) -> usize {
         self.channel(self.channels).0 as usize
     }
 }

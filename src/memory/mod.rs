@@ -1,16 +1,16 @@
 //! Caches and DRAM. This room knows addresses and classes of traffic, never rays: whoever waits for data is a number.
 
-pub mod allocation;
-pub mod bank;
+pub(crate) mod allocation;
+pub(crate) mod bank;
 pub mod cache;
 pub mod dram;
 pub mod l2;
-pub mod mshr;
-pub mod paged;
-pub mod queue;
+pub(crate) mod mshr;
+pub(crate) mod paged;
+pub(crate) mod queue;
 pub mod replacement;
-pub mod reuse;
-pub mod ring;
+pub(crate) mod reuse;
+pub(crate) mod ring;
 pub mod tags;
 
 use crate::quantity::{Bytes, LineAddr};

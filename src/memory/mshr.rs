@@ -5,7 +5,7 @@ use crate::stats::TrafficClass;
 
 /// What becomes of a line when it comes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fate {
+pub(crate) struct Fate {
     /// Whether an access that waits makes it dirty.
     pub dirty: bool,
     /// Whether an access that waits gives it a place.
@@ -25,7 +25,7 @@ struct Register {
 
 /// The registers of a cache.
 #[derive(Clone, Debug)]
-pub struct MshrFile {
+pub(crate) struct MshrFile {
     registers: Vec<Register>,
     used: usize,
     targets: usize,
@@ -33,11 +33,11 @@ pub struct MshrFile {
 
 /// A register in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct RegisterId(usize);
+pub(crate) struct RegisterId(usize);
 
 impl MshrFile {
     /// `registers` free registers, each for `targets` accesses.
-    pub fn new(registers: usize, targets: usize) -> Self {
+    pub(crate) fn new(registers: usize, targets: usize) -> Self {
         let free = Register {
             line: LineAddr(u64::MAX),
             class: TrafficClass::Node,
@@ -49,32 +49,27 @@ impl MshrFile {
     }
 
     /// The register that holds `line`.
-    pub fn find(&self, line: LineAddr) -> Option<RegisterId> {
+    pub(crate) fn find(&self, line: LineAddr) -> Option<RegisterId> {
         self.registers[..self.used].iter().position(|register| register.line == line).map(RegisterId)
     }
 
     /// The lines on their way.
-    pub fn lines(&self) -> impl Iterator<Item = LineAddr> {
+    pub(crate) fn lines(&self) -> impl Iterator<Item = LineAddr> {
         self.registers[..self.used].iter().map(|register| register.line)
     }
 
     /// Whether no register is free.
-    pub fn is_full(&self) -> bool {
+    pub(crate) fn is_full(&self) -> bool {
         self.used == self.registers.len()
     }
 
     /// Registers in use.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.used
     }
 
-    /// Whether no register is in use.
-    pub fn is_empty(&self) -> bool {
-        self.used == 0
-    }
-
     /// Adds an access to a line on its way; false if the register has no target left.
-    pub fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
+    pub(crate) fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
         let register = &mut self.registers[id.0];
         if register.merged == self.targets {
             return false;
@@ -87,7 +82,7 @@ impl MshrFile {
     }
 
     /// Takes a free register for `line`; the caller has asked [`MshrFile::is_full`].
-    pub fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
+    pub(crate) fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
         let register = &mut self.registers[self.used];
         (register.line, register.class, register.fate, register.merged) = (line, class, fate, 1);
         register.waiting.clear();
@@ -96,13 +91,13 @@ impl MshrFile {
     }
 
     /// What the line of a register is for, and what becomes of it.
-    pub fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
+    pub(crate) fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
         let register = &self.registers[id.0];
         (register.class, register.fate)
     }
 
     /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
-    pub fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
+    pub(crate) fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
         waiting.extend_from_slice(&self.registers[id.0].waiting);
         self.used -= 1;
         self.registers.swap(id.0, self.used);

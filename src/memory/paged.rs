@@ -5,20 +5,20 @@ const PAGE: usize = 64;
 
 /// A value for each line; a line without one has the `empty` value.
 #[derive(Clone, Debug)]
-pub struct Paged<T> {
+pub(crate) struct Paged<T> {
     pages: Vec<Option<Box<[T; PAGE]>>>,
     empty: T,
 }
 
 impl<T: Copy> Paged<T> {
     /// No line has a value.
-    pub fn new(empty: T) -> Self {
+    pub(crate) fn new(empty: T) -> Self {
         Self { pages: Vec::new(), empty }
     }
 
     /// The value of a line, to be changed.
     #[inline]
-    pub fn at(&mut self, line: usize) -> &mut T {
+    pub(crate) fn at(&mut self, line: usize) -> &mut T {
         let page = line / PAGE;
         if page >= self.pages.len() {
             self.pages.resize_with(page + 1, || None);
@@ -27,7 +27,7 @@ impl<T: Copy> Paged<T> {
     }
 
     /// Lines on touched pages, from `first` on, with their values, to be changed.
-    pub fn from(&mut self, first: usize) -> impl Iterator<Item = (usize, &mut T)> {
+    pub(crate) fn from(&mut self, first: usize) -> impl Iterator<Item = (usize, &mut T)> {
         let pages = self.pages.iter_mut().enumerate().skip(first / PAGE);
         let values = pages.filter_map(|(number, page)| page.as_mut().map(|page| (number, page)));
         let lines = values.flat_map(|(number, page)| {

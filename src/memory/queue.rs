@@ -6,7 +6,7 @@ use super::{PartId, Wake};
 /// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle it
 /// is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
 #[derive(Clone, Debug)]
-pub struct Queue<T> {
+pub(crate) struct Queue<T> {
     entries: Ring<(u64, T)>,
     capacity: usize,
     last_taken: u64,
@@ -30,7 +30,7 @@ pub struct Load {
 
 impl<T: Copy> Queue<T> {
     /// An empty queue of `capacity` places.
-    pub fn new(capacity: usize) -> Self {
+    pub(crate) fn new(capacity: usize) -> Self {
         Self {
             entries: Ring::new(),
             capacity,
@@ -44,14 +44,14 @@ impl<T: Copy> Queue<T> {
 
     /// Whether a place can be used in cycle `now`.
     #[inline]
-    pub fn has_room(&self, now: u64) -> bool {
+    pub(crate) fn has_room(&self, now: u64) -> bool {
         let freed_now = if self.last_taken == now { self.taken_then } else { 0 };
         self.entries.len() + freed_now < self.capacity
     }
 
     /// Puts `entry` in the cycle before `at`, to be taken from then on. The caller has asked for room.
     #[inline]
-    pub fn put(&mut self, entry: T, at: u64) {
+    pub(crate) fn put(&mut self, entry: T, at: u64) {
         debug_assert!(self.entries.len() < self.capacity);
         self.count_to(at - 1);
         self.load.entries += 1;
@@ -60,13 +60,13 @@ impl<T: Copy> Queue<T> {
 
     /// The first entry, if it can be taken in cycle `now`.
     #[inline]
-    pub fn first(&self, now: u64) -> Option<T> {
+    pub(crate) fn first(&self, now: u64) -> Option<T> {
         self.entries.front().filter(|(at, _)| *at <= now).map(|&(_, entry)| entry)
     }
 
     /// Takes the first entry in cycle `now`, and wakes who waits for a place.
     #[inline]
-    pub fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
+    pub(crate) fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
         let &(at, entry) = self.entries.front()?;
         if at > now {
             return None;
@@ -78,7 +78,7 @@ impl<T: Copy> Queue<T> {
     }
 
     /// Takes entry `index` in cycle `now`, whatever stands before it.
-    pub fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
+    pub(crate) fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
         self.count_to(now);
         let (at, entry) = self.entries.remove(index)?;
         self.taken(at, now, wake);
@@ -93,7 +93,7 @@ impl<T: Copy> Queue<T> {
     }
 
     /// How full the queue was, up to the last time that something was put or taken.
-    pub fn load(&self) -> Load {
+    pub(crate) fn load(&self) -> Load {
         self.load
     }
 
@@ -109,7 +109,7 @@ impl<T: Copy> Queue<T> {
     }
 
     /// `part`, which found no room in cycle `now`, is to be woken when there is.
-    pub fn wait_for_room(&mut self, part: PartId, now: u64, wake: &mut impl Wake) {
+    pub(crate) fn wait_for_room(&mut self, part: PartId, now: u64, wake: &mut impl Wake) {
         if self.entries.len() < self.capacity {
             // A place was freed in this cycle: it can be used in the next.
             wake.wake(part, now + 1);
@@ -120,38 +120,38 @@ impl<T: Copy> Queue<T> {
 
     /// The cycle from which on the first entry can be taken.
     #[inline]
-    pub fn next_at(&self) -> Option<u64> {
+    pub(crate) fn next_at(&self) -> Option<u64> {
         self.entries.front().map(|&(at, _)| at)
     }
 
     /// The cycle from which on the last entry can be taken.
     #[inline]
-    pub fn last_at(&self) -> Option<u64> {
+    pub(crate) fn last_at(&self) -> Option<u64> {
         self.entries.back().map(|&(at, _)| at)
     }
 
     /// Entries that can be taken in cycle `now` in their order, with their places.
-    pub fn visible(&self, now: u64) -> impl Iterator<Item = (usize, &T)> {
+    pub(crate) fn visible(&self, now: u64) -> impl Iterator<Item = (usize, &T)> {
         self.entries.iter().enumerate().take_while(move |(_, (at, _))| *at <= now).map(|(i, (_, entry))| (i, entry))
     }
 
     /// Entry `index`, to change it.
-    pub fn get_mut(&mut self, index: usize) -> Option<&mut T> {
+    pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {
         self.entries.get_mut(index).map(|(_, entry)| entry)
     }
 
     /// Entries, those that cannot be taken yet included.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
 
     /// Whether there is no entry.
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.entries.is_empty()
     }
 
     /// Places in all.
-    pub fn capacity(&self) -> usize {
+    pub(crate) fn capacity(&self) -> usize {
         self.capacity
     }
 }

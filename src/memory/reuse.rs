@@ -52,7 +52,7 @@ impl Bits {
 
 /// The stack of one cache. Lines are of one or several groups; distances are counted group by group.
 #[derive(Clone, Debug)]
-pub struct Stack<const GROUPS: usize = 1> {
+pub(crate) struct Stack<const GROUPS: usize = 1> {
     /// The last touch of each line.
     last: Paged<u32>,
     /// The line that was touched at each time.
@@ -69,7 +69,7 @@ impl<const GROUPS: usize> Default for Stack<GROUPS> {
 impl<const GROUPS: usize> Stack<GROUPS> {
     /// Touches `line`, which is of `group`; gives the other lines of each group that were touched since it was last, or nothing if it is the
     /// first time.
-    pub fn touch(&mut self, line: u32, group: usize) -> Option<[u64; GROUPS]> {
+    pub(crate) fn touch(&mut self, line: u32, group: usize) -> Option<[u64; GROUPS]> {
         if self.line.len() == self.bits[0].words.len() * WORD {
             self.make_room();
         }
@@ -101,7 +101,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
     }
 
     /// Forgets lines from `first` on, as if they had never been touched.
-    pub fn drop_from(&mut self, first: u32) {
+    pub(crate) fn drop_from(&mut self, first: u32) {
         for (_, last) in self.last.from(first as usize).filter(|(_, last)| **last != NEVER) {
             let time = std::mem::replace(last, NEVER) as usize;
             let group = (0..GROUPS).find(|&group| self.bits[group].has(time));
@@ -113,7 +113,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
 /// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), beside some that are always there: the first nodes of a
 /// hierarchy are touched by every ray, and a sample that has one of them, or none, would be far off.
 #[derive(Clone, Debug)]
-pub struct Sample {
+pub(crate) struct Sample {
     rate: f64,
     hot: Arc<FxHashSet<u32>>,
     stack: Stack<2>,
@@ -121,7 +121,7 @@ pub struct Sample {
 
 /// What a touch of a line in the sample stands for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampled {
+pub(crate) struct Sampled {
     /// The estimated distance; none for a first touch.
     pub distance: Option<u64>,
     /// Touches that it stands for.
@@ -130,12 +130,12 @@ pub struct Sampled {
 
 impl Sample {
     /// A share `rate` of the lines, and all lines that `hot` marks.
-    pub fn new(rate: f64, hot: Arc<FxHashSet<u32>>) -> Self {
+    pub(crate) fn new(rate: f64, hot: Arc<FxHashSet<u32>>) -> Self {
         Self { rate, hot, stack: Stack::default() }
     }
 
     /// Touches `line`; nothing if it is not in the sample.
-    pub fn touch(&mut self, line: u32) -> Option<Sampled> {
+    pub(crate) fn touch(&mut self, line: u32) -> Option<Sampled> {
         if self.hot.contains(&line) {
             return Some(Sampled { distance: self.estimate(line, 0), weight: 1.0 });
         }
@@ -149,7 +149,7 @@ impl Sample {
     }
 
     /// Forgets lines from `first` on.
-    pub fn drop_from(&mut self, first: u32) {
+    pub(crate) fn drop_from(&mut self, first: u32) {
         self.stack.drop_from(first);
     }
 }

@@ -3,7 +3,7 @@
 
 /// A first-in first-out queue that grows when it is full.
 #[derive(Clone, Debug)]
-pub struct Ring<T> {
+pub(crate) struct Ring<T> {
     /// A power of two of places, or none. Those that hold no entry hold what was there.
     places: Vec<T>,
     /// Below the number of places, if there are any.
@@ -19,19 +19,19 @@ impl<T> Default for Ring<T> {
 
 impl<T: Copy> Ring<T> {
     /// An empty queue.
-    pub fn new() -> Self {
+    pub(crate) fn new() -> Self {
         Self::default()
     }
 
     /// The number of entries.
     #[inline]
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.len
     }
 
     /// Whether there is no entry.
     #[inline]
-    pub fn is_empty(&self) -> bool {
+    pub(crate) fn is_empty(&self) -> bool {
         self.len == 0
     }
 
@@ -42,25 +42,25 @@ impl<T: Copy> Ring<T> {
 
     /// The first entry.
     #[inline]
-    pub fn front(&self) -> Option<&T> {
+    pub(crate) fn front(&self) -> Option<&T> {
         if self.len == 0 { None } else { self.places.get(self.first) }
     }
 
     /// The last entry.
     #[inline]
-    pub fn back(&self) -> Option<&T> {
+    pub(crate) fn back(&self) -> Option<&T> {
         if self.len == 0 { None } else { self.places.get(self.place(self.len - 1)) }
     }
 
     /// The last entry, to change it.
     #[inline]
-    pub fn back_mut(&mut self) -> Option<&mut T> {
+    pub(crate) fn back_mut(&mut self) -> Option<&mut T> {
         self.get_mut(self.len.wrapping_sub(1))
     }
 
     /// Entry `index`, to change it.
     #[inline]
-    pub fn get_mut(&mut self, index: usize) -> Option<&mut T> {
+    pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {
         if index >= self.len {
             return None;
         }
@@ -70,7 +70,7 @@ impl<T: Copy> Ring<T> {
 
     /// Puts `entry` behind all others.
     #[inline]
-    pub fn push_back(&mut self, entry: T) {
+    pub(crate) fn push_back(&mut self, entry: T) {
         if self.len == self.places.len() {
             self.grow(entry);
         }
@@ -88,7 +88,7 @@ impl<T: Copy> Ring<T> {
 
     /// Takes the first entry.
     #[inline]
-    pub fn pop_front(&mut self) -> Option<T> {
+    pub(crate) fn pop_front(&mut self) -> Option<T> {
         let entry = *self.front()?;
         self.drop_front();
         Some(entry)
@@ -96,14 +96,14 @@ impl<T: Copy> Ring<T> {
 
     /// Drops the first entry, which is there.
     #[inline]
-    pub fn drop_front(&mut self) {
+    pub(crate) fn drop_front(&mut self) {
         debug_assert!(self.len > 0);
         self.first = self.place(1);
         self.len -= 1;
     }
 
     /// Takes entry `index`; the later ones move up.
-    pub fn remove(&mut self, index: usize) -> Option<T> {
+    pub(crate) fn remove(&mut self, index: usize) -> Option<T> {
         let entry = *self.get_mut(index)?;
         for place in (0..index).rev() {
             let (from, to) = (self.place(place), self.place(place + 1));
@@ -114,7 +114,7 @@ impl<T: Copy> Ring<T> {
     }
 
     /// Puts `entry` behind the last one whose key is not above its own. Keys ascend.
-    pub fn insert_by_key<K: PartialOrd>(&mut self, entry: T, key: impl Fn(&T) -> K) {
+    pub(crate) fn insert_by_key<K: PartialOrd>(&mut self, entry: T, key: impl Fn(&T) -> K) {
         self.push_back(entry);
         for index in (1..self.len).rev() {
             let (before, at) = (self.place(index - 1), self.place(index));
@@ -126,7 +126,7 @@ impl<T: Copy> Ring<T> {
     }
 
     /// The entries in order.
-    pub fn iter(&self) -> impl Iterator<Item = &T> + Clone {
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &T> + Clone {
         (0..self.len).map(|index| &self.places[self.place(index)])
     }
 }

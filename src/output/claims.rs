@@ -38,7 +38,7 @@ enum Identity {
 /// Two outputs are one file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{first} {}` and `{second} {}` are the same file: each output needs its own", first_path.display(), second_path.display())]
-pub struct ClaimError {
+pub(crate) struct ClaimError {
     first: &'static str,
     first_path: PathBuf,
     second: &'static str,
@@ -53,7 +53,7 @@ fn claims() -> MutexGuard<'static, Vec<Claim>> {
 ///
 /// # Errors
 /// The file is another output.
-pub fn claim_file(option: &'static str, path: &Path) -> Result<(), ClaimError> {
+pub(crate) fn claim_file(option: &'static str, path: &Path) -> Result<(), ClaimError> {
     claim(&mut claims(), option, path)
 }
 
@@ -61,7 +61,7 @@ pub fn claim_file(option: &'static str, path: &Path) -> Result<(), ClaimError> {
 ///
 /// # Errors
 /// The folder is another output.
-pub fn claim_folder(option: &'static str, path: &Path) -> Result<(), ClaimError> {
+pub(crate) fn claim_folder(option: &'static str, path: &Path) -> Result<(), ClaimError> {
     let mut claims = claims();
     claim(&mut claims, option, path)?;
     // A folder without a list, or with one that cannot be read, is refused when it is to be written.
@@ -80,7 +80,7 @@ fn claim(claims: &mut Vec<Claim>, option: &'static str, path: &Path) -> Result<(
 }
 
 /// Whether standard output is one of the command's files.
-pub fn is_standard_output_claimed() -> bool {
+pub(crate) fn is_standard_output_claimed() -> bool {
     claims().iter().any(|claim| claim.identity == Identity::Standard)
 }
 

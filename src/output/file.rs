@@ -83,7 +83,7 @@ fn is_of_system(path: &Path) -> bool {
 ///
 /// # Errors
 /// As [`OutputFile::create`] and [`OutputFile::finish`].
-pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = OutputFile::create(path)?;
     file.write_all(bytes)?;
     file.finish()

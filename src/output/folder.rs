@@ -19,7 +19,7 @@ const SUMMARY: &str = "summary.json";
 
 /// A folder of results that only this process writes, from before the work to its end.
 #[derive(Debug)]
-pub struct ResultsFolder {
+pub(crate) struct ResultsFolder {
     /// As the user named it.
     path: PathBuf,
     /// Where that leads.
@@ -34,7 +34,7 @@ impl ResultsFolder {
     ///
     /// # Errors
     /// Something else is there, another process writes there, or nothing can be written there.
-    pub fn claim(path: &Path) -> Result<Self, FolderError> {
+    pub(crate) fn claim(path: &Path) -> Result<Self, FolderError> {
         let write = |source| FolderError::Write { path: path.into(), source };
         let target = follow(path).map_err(write)?;
         // `.` and `..` have no name of their own.
@@ -53,7 +53,7 @@ impl ResultsFolder {
     }
 
     /// The folder, as the user named it.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         &self.path
     }
 
@@ -61,7 +61,7 @@ impl ResultsFolder {
     ///
     /// # Errors
     /// It cannot be made.
-    pub fn make(&self) -> Result<(), FolderError> {
+    pub(crate) fn make(&self) -> Result<(), FolderError> {
         let write = |source| FolderError::Write { path: self.path.clone(), source };
         if carry::read_list(&self.target).map_err(write)?.is_none() {
             fs::create_dir_all(&self.target).map_err(write)?;
@@ -75,7 +75,7 @@ impl ResultsFolder {
     ///
     /// # Errors
     /// Those of `fill`; the new files cannot take their place: they are kept beside it then.
-    pub fn replace<E: From<FolderError>>(&self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    pub(crate) fn replace<E: From<FolderError>>(&self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
         let target = self.target.as_path();
         let write = |source| FolderError::Write { path: self.path.clone(), source };
         let work = TemporaryFolder::create_in(folder_of(target)).map_err(write)?;

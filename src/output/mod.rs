@@ -17,13 +17,13 @@ mod links;
 mod lock;
 mod names;
 mod registry;
-pub mod signals;
+pub(crate) mod signals;
 mod temporary;
 #[cfg(test)]
 mod tests;
 
-pub use claims::{ClaimError, claim_file, claim_folder, is_standard_output_claimed};
-pub use error::FolderError;
-pub use file::{OutputFile, write_whole};
-pub use folder::ResultsFolder;
-pub use temporary::TemporaryFolder;
+pub(crate) use claims::{claim_file, claim_folder, is_standard_output_claimed};
+pub(crate) use error::FolderError;
+pub(crate) use file::{OutputFile, write_whole};
+pub(crate) use folder::ResultsFolder;
+pub(crate) use temporary::TemporaryFolder;

@@ -16,7 +16,7 @@ static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 /// # Errors
 /// The system does not allow to watch.
 #[cfg(unix)]
-pub fn watch() -> io::Result<()> {
+pub(crate) fn watch() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     let mut wanted = vec![SIGINT, SIGTERM];
     if !is_ignored(SIGHUP) {
@@ -55,6 +55,6 @@ fn is_ignored(signal: i32) -> bool {
 }
 
 /// A flag that the first signal sets from now on: the command ends by itself at the next good place.
-pub fn stop_flag() -> Arc<AtomicBool> {
+pub(crate) fn stop_flag() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(Arc::default))
 }

@@ -74,7 +74,7 @@ impl Drop for TemporaryFile {
 
 /// A folder that is removed with all that is in it when it is dropped.
 #[derive(Debug)]
-pub struct TemporaryFolder {
+pub(crate) struct TemporaryFolder {
     dir: Option<TempDir>,
     _locked: Option<File>,
 }
@@ -84,7 +84,7 @@ impl TemporaryFolder {
     ///
     /// # Errors
     /// The parent is not there, or takes no new folder.
-    pub fn create_in(parent: &Path) -> io::Result<Self> {
+    pub(crate) fn create_in(parent: &Path) -> io::Result<Self> {
         leftovers::sweep(parent);
         loop {
             let mut live = live();
@@ -102,12 +102,12 @@ impl TemporaryFolder {
     ///
     /// # Errors
     /// That one takes no new folder.
-    pub fn create() -> io::Result<Self> {
+    pub(crate) fn create() -> io::Result<Self> {
         Self::create_in(&std::env::temp_dir())
     }
 
     /// Its path.
-    pub fn path(&self) -> &Path {
+    pub(crate) fn path(&self) -> &Path {
         self.dir.as_ref().expect("it is there until it is dropped").path()
     }
 }

@@ -62,7 +62,7 @@ pub(super) struct Tree {
 
 impl Tree {
     /// A tree over those triangles that a ray can hit: with an area, and of finite coordinates.
-    pub fn new(triangles: impl Iterator<Item = (PrimitiveId, Triangle)>) -> Self {
+    pub(super) fn new(triangles: impl Iterator<Item = (PrimitiveId, Triangle)>) -> Self {
         let mut items: Vec<Item> = triangles
             .filter(|(_, triangle)| can_be_hit(triangle))
             .map(|(primitive, triangle)| {
@@ -97,7 +97,7 @@ impl Tree {
     }
 
     /// The largest coordinate, without its sign.
-    pub fn reach(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         self.nodes
             .first()
             .map_or(0.0, |root| f64::from(root.bounds.low.abs().max(root.bounds.high.abs()).max_element()))
@@ -105,7 +105,7 @@ impl Tree {
 
     /// Shows `visit` every triangle that the ray meets at a t of 0 to `limit`, 0 left out, and others perhaps; near boxes
     /// come first. `visit` gives the new limit; one below 0 ends the walk.
-    pub fn walk(&self, ray: &Ray, mut limit: f64, mut visit: impl FnMut(PrimitiveId, Crossing) -> f64) {
+    pub(super) fn walk(&self, ray: &Ray, mut limit: f64, mut visit: impl FnMut(PrimitiveId, Crossing) -> f64) {
         let enter = |child: u32, limit| {
             let Bounds { low, high } = self.nodes[child as usize].bounds;
             ray.enter(low, high, limit)

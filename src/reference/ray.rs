@@ -38,7 +38,7 @@ pub(super) struct Crossing {
 
 impl Ray {
     /// A ray through geometry whose coordinates are not larger than `reach`.
-    pub fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
+    pub(super) fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
         let d = direction.to_array();
         let z = (0..3).fold(0, |longest, axis| if d[axis].abs() > d[longest].abs() { axis } else { longest });
         let (x, y) = ((z + 1) % 3, (z + 2) % 3);
@@ -56,7 +56,7 @@ impl Ray {
 
     /// Where the line of the ray meets a triangle, edges included, from either side. A line in the triangle's plane
     /// does not meet it.
-    pub fn meet(&self, triangle: &Triangle) -> Option<Crossing> {
+    pub(super) fn meet(&self, triangle: &Triangle) -> Option<Crossing> {
         let [x, y, z] = self.axes;
         let [a, b, c] = triangle.v.map(|corner| {
             let corner = (corner.as_dvec3() - self.origin).to_array();
@@ -77,7 +77,7 @@ impl Ray {
     }
 
     /// Where the ray enters a box, if it does so at a t of 0 to `limit`; errs on the side of entering.
-    pub fn enter(&self, low: Vec3, high: Vec3, limit: f64) -> Option<f64> {
+    pub(super) fn enter(&self, low: Vec3, high: Vec3, limit: f64) -> Option<f64> {
         let first = (low.as_dvec3() - self.from_low) * self.inverse;
         let second = (high.as_dvec3() - self.from_high) * self.inverse;
         let near = first.min(second).max_element().max(0.0);

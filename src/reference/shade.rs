@@ -38,7 +38,7 @@ struct Secondary {
 
 impl Shader<'_> {
     /// The colour, the hit and the shadows of a primary ray.
-    pub fn pixel(&self, ray: PixelRay) -> (Vec3, Option<PrimitiveId>, ShadowBits) {
+    pub(super) fn pixel(&self, ray: PixelRay) -> (Vec3, Option<PrimitiveId>, ShadowBits) {
         let Some(hit) = self.frame.closest(ray.origin, ray.direction) else {
             return (self.frame.scene.background, None, ShadowBits::default());
         };

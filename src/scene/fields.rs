@@ -6,35 +6,35 @@ use serde::{Deserialize, Deserializer, de::Error};
 use super::limits::{self, COORDINATE, LENGTH, Range, SHARE, STRENGTH};
 
 /// A place.
-pub fn point<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+pub(super) fn point<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     let point = vector(from)?;
     limits::check_reach(point).map_err(D::Error::custom)
 }
 
 /// A vector of any length.
-pub fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+pub(super) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     COORDINATE.check_vector("a coordinate", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// A vector that has a length.
-pub fn nonzero<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+pub(super) fn nonzero<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     let vector = vector(from)?;
     LENGTH.check("a vector's length", vector.length()).map_err(D::Error::custom)?;
     Ok(vector)
 }
 
 /// A size of three lengths.
-pub fn size<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+pub(super) fn size<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     LENGTH.check_vector("a size", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// The colour of a light; above 1 is allowed, for strong ones.
-pub fn color<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
+pub(super) fn color<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
     color_within(STRENGTH, from)
 }
 
 /// The colour of a surface, which may be left out.
-pub fn optional_surface<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec3>, D::Error> {
+pub(super) fn optional_surface<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec3>, D::Error> {
     #[derive(Deserialize)]
     #[serde(transparent)]
     struct Surface(#[serde(deserialize_with = "surface")] Vec3);
@@ -50,17 +50,17 @@ fn color_within<'de, D: Deserializer<'de>>(range: Range, from: D) -> Result<Vec3
 }
 
 /// A number that is, or is multiplied with, a coordinate or an angle.
-pub fn coordinate<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+pub(super) fn coordinate<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     COORDINATE.check("a number", f64::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// A length, or a factor of lengths.
-pub fn positive<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+pub(super) fn positive<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     LENGTH.check("a length", f64::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// An angle of view in degrees, between 0 and 180.
-pub fn angle_of_view<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+pub(super) fn angle_of_view<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     let degrees = f64::deserialize(from)?;
     if degrees > 0.0 && degrees < 180.0 {
         Ok(degrees)

@@ -4,16 +4,16 @@
 use glam::{DVec3, Vec3};
 
 /// The largest distance from the origin: squares of areas still fit in `f32`.
-pub const MAX_REACH: f64 = 1e9;
+pub(super) const MAX_REACH: f64 = 1e9;
 /// The largest number of triangles of a scene; the BART scenes have up to 111,000.
-pub const MAX_TRIANGLES: usize = 1 << 24;
+pub(super) const MAX_TRIANGLES: usize = 1 << 24;
 
 /// The largest width and height of a picture, in pixels.
-pub const MAX_SIDE: u32 = 1 << 15;
+pub(super) const MAX_SIDE: u32 = 1 << 15;
 
 /// Numbers from `low` to `high`, both included.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Range {
+pub(super) struct Range {
     /// The smallest.
     pub low: f64,
     /// The largest.
@@ -21,21 +21,21 @@ pub struct Range {
 }
 
 /// A coordinate, an angle in degrees, a factor of a coordinate.
-pub const COORDINATE: Range = Range { low: -MAX_REACH, high: MAX_REACH };
+pub(super) const COORDINATE: Range = Range { low: -MAX_REACH, high: MAX_REACH };
 /// The size of something: smaller than this, areas come close to the smallest `f32`.
-pub const LENGTH: Range = Range { low: 1e-9, high: MAX_REACH };
+pub(super) const LENGTH: Range = Range { low: 1e-9, high: MAX_REACH };
 /// A share of light that a surface sends back or lets through.
-pub const SHARE: Range = Range { low: 0.0, high: 1.0 };
+pub(super) const SHARE: Range = Range { low: 0.0, high: 1.0 };
 /// The strength of a light in red, green or blue.
-pub const STRENGTH: Range = Range { low: 0.0, high: 1e9 };
+pub(super) const STRENGTH: Range = Range { low: 0.0, high: 1e9 };
 /// A Phong exponent. The MTL specification has 0 to 1000; exporters write more.
-pub const SHININESS: Range = Range { low: 0.0, high: 1e9 };
+pub(super) const SHININESS: Range = Range { low: 0.0, high: 1e9 };
 /// An index of refraction, as the MTL specification has it.
-pub const REFRACTION: Range = Range { low: 0.001, high: 10.0 };
+pub(super) const REFRACTION: Range = Range { low: 0.001, high: 10.0 };
 
 impl Range {
     /// `value`, if it is within the range; `what` begins the message if it is not.
-    pub fn check(self, what: &str, value: f64) -> Result<f64, String> {
+    pub(super) fn check(self, what: &str, value: f64) -> Result<f64, String> {
         if (self.low..=self.high).contains(&value) {
             Ok(value)
         } else {
@@ -44,13 +44,13 @@ impl Range {
     }
 
     /// `value`, if each of its numbers is within the range.
-    pub fn check_vector(self, what: &str, value: DVec3) -> Result<DVec3, String> {
+    pub(super) fn check_vector(self, what: &str, value: DVec3) -> Result<DVec3, String> {
         value.to_array().into_iter().try_for_each(|number| self.check(what, number).map(|_| ()))?;
         Ok(value)
     }
 
     /// A colour of three numbers within the range.
-    pub fn check_color(self, what: &str, value: DVec3) -> Result<Vec3, String> {
+    pub(super) fn check_color(self, what: &str, value: DVec3) -> Result<Vec3, String> {
         self.check_vector(what, value).map(|color| color.as_vec3())
     }
 }
@@ -65,7 +65,7 @@ impl std::fmt::Display for Range {
 }
 
 /// `point`, if it is not too far from the origin.
-pub fn check_reach(point: DVec3) -> Result<DVec3, String> {
+pub(super) fn check_reach(point: DVec3) -> Result<DVec3, String> {
     if point.length() <= MAX_REACH {
         Ok(point)
     } else {
@@ -74,7 +74,7 @@ pub fn check_reach(point: DVec3) -> Result<DVec3, String> {
 }
 
 /// An error if a scene has more than [`MAX_TRIANGLES`].
-pub fn check_count(triangles: usize) -> Result<(), String> {
+pub(super) fn check_count(triangles: usize) -> Result<(), String> {
     if triangles <= MAX_TRIANGLES {
         Ok(())
     } else {

@@ -11,7 +11,7 @@ use crate::input::Files;
 
 /// The state of reading one scene.
 #[derive(Default)]
-pub struct Loader {
+pub(super) struct Loader {
     /// The files, each read once.
     pub files: Files,
     /// All materials.
@@ -33,20 +33,20 @@ pub struct Loader {
 
 impl Loader {
     /// Adds a material.
-    pub fn add_material(&mut self, material: Material) -> MaterialId {
+    pub(super) fn add_material(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
         MaterialId((self.materials.len() - 1) as u32)
     }
 
     /// Adds a texture.
-    pub fn add_texture(&mut self, texture: Texture) -> TextureId {
+    pub(super) fn add_texture(&mut self, texture: Texture) -> TextureId {
         self.textures.push(texture);
         TextureId((self.textures.len() - 1) as u32)
     }
 
     /// The texture in the picture file at `path`; it is decoded once, however often it is named. The error is a
     /// sentence without the path.
-    pub fn picture(&mut self, path: &Path) -> Result<TextureId, String> {
+    pub(super) fn picture(&mut self, path: &Path) -> Result<TextureId, String> {
         let bytes = self.files.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.into());
         if let Some(id) = self.pictures.get(&real) {
@@ -59,7 +59,7 @@ impl Loader {
     }
 
     /// Counts a statement of the file at `path` that has no effect here.
-    pub fn count_without_effect(&mut self, path: &Path, statement: &str) {
+    pub(super) fn count_without_effect(&mut self, path: &Path, statement: &str) {
         if let Some(count) = self.without_effect.get_mut(path).and_then(|counts| counts.get_mut(statement)) {
             *count += 1;
         } else {
@@ -68,12 +68,12 @@ impl Loader {
     }
 
     /// Tells the user something of a file.
-    pub fn notice(&mut self, path: &Path, what: &str) {
+    pub(super) fn notice(&mut self, path: &Path, what: &str) {
         self.notices.push(format!("{}: {what}", name(path)));
     }
 
     /// The materials, textures and origin of the scene.
-    pub fn finish(self) -> (Vec<Material>, Vec<Texture>, Origin) {
+    pub(super) fn finish(self) -> (Vec<Material>, Vec<Texture>, Origin) {
         let mut notices: Vec<_> = self.without_effect.iter().map(|(path, counts)| counted(path, counts)).collect();
         notices.extend(self.notices);
         (self.materials, self.textures, Origin { sources: self.files.into_sources(), notices })

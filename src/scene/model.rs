@@ -12,11 +12,11 @@ use super::limits;
 use super::transform::Transform;
 
 /// Where something is at a time in seconds: from its own space to the world.
-pub type PoseAt = Arc<dyn Fn(f64) -> DAffine3 + Send + Sync>;
+pub(super) type PoseAt = Arc<dyn Fn(f64) -> DAffine3 + Send + Sync>;
 
 /// What a file holds.
 #[derive(Default)]
-pub struct Model {
+pub(super) struct Model {
     /// Triangles that never move, in the world.
     pub statics: Geometry,
     /// Triangles that move, in their own space, and where they are.
@@ -28,7 +28,7 @@ pub struct Model {
 }
 
 /// A camera of a file; it looks along -z, y is up.
-pub struct FileCamera {
+pub(super) struct FileCamera {
     /// Its name.
     pub name: String,
     /// How it maps pixels to rays; a parallel one's direction is that of the camera.
@@ -39,7 +39,7 @@ pub struct FileCamera {
 
 impl FileCamera {
     /// The camera at a time in seconds.
-    pub fn at(&self, time: f64) -> Camera {
+    pub(super) fn at(&self, time: f64) -> Camera {
         let pose = (self.pose)(time);
         let axes = pose.matrix3;
         let camera = Camera::perspective(pose.translation, -axes.z_axis, axes.y_axis, 1.0);
@@ -52,7 +52,7 @@ impl FileCamera {
 }
 
 /// A point light of a file.
-pub struct FileLight {
+pub(super) struct FileLight {
     /// Its colour and strength.
     pub color: Vec3,
     /// Where it is.
@@ -66,7 +66,7 @@ impl Model {
     ///
     /// # Errors
     /// A corner that is too far from the origin.
-    pub fn still(geometry: Geometry, place: DAffine3, path: &Path) -> Result<Self, SceneError> {
+    pub(super) fn still(geometry: Geometry, place: DAffine3, path: &Path) -> Result<Self, SceneError> {
         let mut statics = Geometry::default();
         append(&mut statics, &geometry, place).map_err(|what| SceneError::Content { path: path.to_owned(), what })?;
         Ok(Self { statics, ..Self::default() })
@@ -77,7 +77,7 @@ impl Model {
 ///
 /// # Errors
 /// A corner that is too far from the origin, or too many triangles.
-pub fn append(whole: &mut Geometry, part: &Geometry, place: DAffine3) -> Result<(), String> {
+pub(super) fn append(whole: &mut Geometry, part: &Geometry, place: DAffine3) -> Result<(), String> {
     limits::check_count(whole.len() + part.len())?;
     let transform = Transform::new(place);
     for (triangle, attributes) in part.triangles.iter().zip(&part.attributes) {

@@ -8,10 +8,10 @@ use super::geometry::{Geometry, Triangle};
 use super::light::Light;
 
 /// Where a part is at a frame: from its own space to the world.
-pub type Pose = Box<dyn Fn(u32) -> DAffine3 + Send + Sync>;
+pub(crate) type Pose = Box<dyn Fn(u32) -> DAffine3 + Send + Sync>;
 
 /// Geometry that moves as one.
-pub struct Part {
+pub(crate) struct Part {
     /// The triangles in the part's own space.
     pub geometry: Geometry,
     /// Where it is.
@@ -19,7 +19,7 @@ pub struct Part {
 }
 
 /// Parts, a camera and lights.
-pub struct Parts {
+pub(crate) struct Parts {
     /// What moves.
     pub parts: Vec<Part>,
     /// Lights that stand still.
@@ -32,7 +32,7 @@ pub struct Parts {
 
 impl Parts {
     /// The number of triangles of all parts.
-    pub fn triangle_count(&self) -> usize {
+    pub(crate) fn triangle_count(&self) -> usize {
         self.parts.iter().map(|part| part.geometry.len()).sum()
     }
 }

@@ -15,19 +15,19 @@ use super::limits::check_reach;
 
 /// A quantity given at increasing key frames.
 #[derive(Clone, Debug)]
-pub struct Track<T> {
+pub(crate) struct Track<T> {
     keys: Vec<(u32, T)>,
 }
 
 impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Track<T> {
     /// A track through `keys`; the error says which key is wrong. At least one key, frames strictly increasing.
-    pub fn new(keys: Vec<(u32, T)>) -> Result<Self, String> {
+    pub(crate) fn new(keys: Vec<(u32, T)>) -> Result<Self, String> {
         check_frames(keys.iter().map(|key| key.0))?;
         Ok(Self { keys })
     }
 
     /// The value at `frame`.
-    pub fn at(&self, frame: u32) -> T {
+    pub(crate) fn at(&self, frame: u32) -> T {
         let after = self.keys.partition_point(|key| key.0 <= frame);
         if after == 0 || after == self.keys.len() {
             return self.keys[after.saturating_sub(1)].1;
@@ -170,7 +170,7 @@ fn y_axis() -> DVec3 {
 
 /// The cameras of an animation.
 #[derive(Clone, Debug)]
-pub struct CameraTrack {
+pub(crate) struct CameraTrack {
     eye: Track<DVec3>,
     target: Track<DVec3>,
     up: DVec3,
@@ -180,7 +180,7 @@ pub struct CameraTrack {
 impl CameraTrack {
     /// The track of `spec` over `frame_count` frames; the error names a frame at which the camera looks nowhere, or
     /// along its upward vector.
-    pub fn new(spec: &CameraSpec, frame_count: u32) -> Result<Self, String> {
+    pub(crate) fn new(spec: &CameraSpec, frame_count: u32) -> Result<Self, String> {
         let keys = match &spec.path {
             CameraPath::Still { eye, look } => vec![CameraKey { frame: 0, eye: *eye, look: *look }],
             CameraPath::Keys(keys) => keys.clone(),
@@ -203,7 +203,7 @@ impl CameraTrack {
     }
 
     /// The camera at `frame`.
-    pub fn at(&self, frame: u32) -> Camera {
+    pub(crate) fn at(&self, frame: u32) -> Camera {
         let eye = self.eye.at(frame);
         Camera::perspective(eye, self.target.at(frame) - eye, self.up, self.fov)
     }
@@ -232,7 +232,7 @@ fn unscaled() -> f64 {
 }
 
 /// Reads the keys of a moving object: at least one, in the order of their frames.
-pub fn pose_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PoseKey>, D::Error> {
+pub(crate) fn pose_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PoseKey>, D::Error> {
     let keys = Vec::<PoseKey>::deserialize(from)?;
     check_frames(keys.iter().map(|key| key.frame)).map_err(D::Error::custom)?;
     Ok(keys)
@@ -240,7 +240,7 @@ pub fn pose_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<PoseKey>, D::
 
 /// Where a moving object is.
 #[derive(Clone, Debug)]
-pub struct PoseTrack {
+pub(crate) struct PoseTrack {
     position: Track<DVec3>,
     rotation: Track<f64>,
     scale: Track<f64>,
@@ -248,7 +248,7 @@ pub struct PoseTrack {
 
 impl PoseTrack {
     /// The track through `keys`; the error says which key is wrong.
-    pub fn new(keys: &[PoseKey]) -> Result<Self, String> {
+    pub(crate) fn new(keys: &[PoseKey]) -> Result<Self, String> {
         Ok(Self {
             position: Track::new(keys.iter().map(|key| (key.frame, key.position)).collect())?,
             rotation: Track::new(keys.iter().map(|key| (key.frame, key.rotation.to_radians())).collect())?,
@@ -257,12 +257,12 @@ impl PoseTrack {
     }
 
     /// Where the object's origin is at `frame`, and its scale.
-    pub fn place(&self, frame: u32) -> (DVec3, f64) {
+    pub(crate) fn place(&self, frame: u32) -> (DVec3, f64) {
         (self.position.at(frame), self.scale.at(frame))
     }
 
     /// From the object's own space to the world at `frame`.
-    pub fn at(&self, frame: u32) -> DAffine3 {
+    pub(crate) fn at(&self, frame: u32) -> DAffine3 {
         let (position, scale) = self.place(frame);
         let turned = DQuat::from_rotation_y(self.rotation.at(frame));
         DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turned, position)

@@ -4,14 +4,14 @@ use earcut::{Earcut, deviation};
 use glam::DVec3;
 
 /// The largest number of corners of a polygon.
-pub const MAX_CORNERS: usize = 1 << 16;
+pub(super) const MAX_CORNERS: usize = 1 << 16;
 
 /// What triangles may miss of a polygon's area, as a share of it: corners are `f32`, hence rounded by some 1e-7.
 const TOLERANCE: f64 = 1e-6;
 
 /// Cuts polygons; its memory is used again for each.
 #[derive(Default)]
-pub struct Cutter {
+pub(super) struct Cutter {
     earcut: Earcut<f64>,
     flat: Vec<[f64; 2]>,
     indices: Vec<u32>,
@@ -20,7 +20,7 @@ pub struct Cutter {
 
 /// What became of a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Cut {
+pub(super) enum Cut {
     /// The triangles cover it.
     Whole,
     /// It crosses itself: what it covers is not defined, and a fan from its first corner stands for it.
@@ -31,7 +31,7 @@ impl Cutter {
     /// Three corners a triangle, in the polygon's direction, and what became of the polygon. A polygon that a fan from
     /// its first corner covers becomes that fan; any other, seen along its mean normal (Newell's), is cut by ears.
     /// `corners` are three or more.
-    pub fn cut(&mut self, corners: &[DVec3]) -> (&[[u32; 3]], Cut) {
+    pub(super) fn cut(&mut self, corners: &[DVec3]) -> (&[[u32; 3]], Cut) {
         self.triangles.clear();
         self.triangles.extend((1..corners.len() as u32 - 1).map(|corner| [0, corner, corner + 1]));
         let cut = if corners.len() == 3 || fan_covers(corners) { Cut::Whole } else { self.cut_ears(corners) };

@@ -8,14 +8,14 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 
 /// Corners around a circle.
-pub const SEGMENTS: usize = 32;
+pub(crate) const SEGMENTS: usize = 32;
 /// Bands of a sphere from pole to pole.
-pub const BANDS: usize = 16;
+pub(crate) const BANDS: usize = 16;
 
 /// A triangle with the true surface's unit normals at its corners. The corners run counter-clockwise as seen from
 /// where the normals point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SmoothTriangle {
+pub(crate) struct SmoothTriangle {
     /// The corners.
     pub v: [DVec3; 3],
     /// The normals.
@@ -32,7 +32,7 @@ impl SmoothTriangle {
 }
 
 /// A sphere in `2 * SEGMENTS * (BANDS - 1)` triangles; a negative `radius` shows the inside.
-pub fn sphere(center: DVec3, radius: f64) -> Vec<SmoothTriangle> {
+pub(crate) fn sphere(center: DVec3, radius: f64) -> Vec<SmoothTriangle> {
     let direction = |band: usize, segment: usize| match band {
         0 => DVec3::Y,
         BANDS => DVec3::NEG_Y,
@@ -60,7 +60,7 @@ pub fn sphere(center: DVec3, radius: f64) -> Vec<SmoothTriangle> {
 
 /// A cone or cylinder without caps in `2 * SEGMENTS` triangles, half of that if one radius is 0. Negative radii show
 /// the inside. `base` and `apex` must differ, and the radii must not differ in sign.
-pub fn cone(base: DVec3, base_radius: f64, apex: DVec3, apex_radius: f64) -> Vec<SmoothTriangle> {
+pub(crate) fn cone(base: DVec3, base_radius: f64, apex: DVec3, apex_radius: f64) -> Vec<SmoothTriangle> {
     let height = base.distance(apex);
     let axis = (apex - base) / height;
     let (x, y) = axis.any_orthonormal_pair();

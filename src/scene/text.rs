@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 /// A statement's line.
 #[derive(Debug)]
-pub struct Line<'a> {
+pub(super) struct Line<'a> {
     /// The first word.
     pub word: &'a str,
     /// What follows the first word, trimmed. A comment may be part of it: a name can hold a `#`.
@@ -18,7 +18,10 @@ pub struct Line<'a> {
 ///
 /// # Errors
 /// The first error of `each`, with the number of its line.
-pub fn each_line(bytes: &[u8], mut each: impl FnMut(&Line<'_>) -> Result<(), String>) -> Result<(), (usize, String)> {
+pub(super) fn each_line(
+    bytes: &[u8],
+    mut each: impl FnMut(&Line<'_>) -> Result<(), String>,
+) -> Result<(), (usize, String)> {
     let mut rest = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
     let mut next = 1;
     while !rest.is_empty() {
@@ -57,19 +60,19 @@ fn is_comment(line: &[u8]) -> bool {
 
 /// The words of a statement; one that begins with `#` begins a comment. A `#` inside a word is part of it: `1.#INF` is
 /// how some C libraries print infinity.
-pub fn words(text: &str) -> impl Iterator<Item = &str> {
+pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
 }
 
 /// A name without the comment that may follow.
-pub fn without_comment(name: &str) -> &str {
+pub(super) fn without_comment(name: &str) -> &str {
     let end =
         name.match_indices('#').find(|&(at, _)| name[..at].ends_with(|letter: char| letter.is_ascii_whitespace()));
     end.map_or(name, |(at, _)| name[..at].trim_ascii_end())
 }
 
 /// A finite number.
-pub fn number(word: &str) -> Result<f32, String> {
+pub(super) fn number(word: &str) -> Result<f32, String> {
     match word.parse::<f32>() {
         Ok(number) if number.is_finite() => Ok(number),
         _ => Err(format!("{:?} is not a finite number", shortened(word))),
@@ -77,12 +80,12 @@ pub fn number(word: &str) -> Result<f32, String> {
 }
 
 /// The beginning of a word that may be as long as its file.
-pub fn shortened(word: &str) -> &str {
+pub(super) fn shortened(word: &str) -> &str {
     shortened_to(word, 60)
 }
 
 /// The first `most` letters.
-pub fn shortened_to(text: &str, most: usize) -> &str {
+pub(super) fn shortened_to(text: &str, most: usize) -> &str {
     text.char_indices().nth(most).map_or(text, |(end, _)| &text[..end])
 }
 

@@ -7,7 +7,7 @@ use std::ops::{AddAssign, Sub};
 type Counted<V> = BTreeMap<String, V>;
 
 /// `now` less `earlier`, of what `stays`.
-pub fn less<K: Clone + Ord, V: Copy + Sub<Output = V>>(
+pub(super) fn less<K: Clone + Ord, V: Copy + Sub<Output = V>>(
     now: &BTreeMap<K, V>,
     earlier: Option<&BTreeMap<K, V>>,
     stays: fn(&V) -> bool,
@@ -18,7 +18,7 @@ pub fn less<K: Clone + Ord, V: Copy + Sub<Output = V>>(
 }
 
 /// The same of each part.
-pub fn less_nested<K: Clone + Ord, V: Copy + Sub<Output = V>>(
+pub(super) fn less_nested<K: Clone + Ord, V: Copy + Sub<Output = V>>(
     now: &Counted<BTreeMap<K, V>>,
     earlier: &Counted<BTreeMap<K, V>>,
     stays: fn(&V) -> bool,
@@ -27,12 +27,12 @@ pub fn less_nested<K: Clone + Ord, V: Copy + Sub<Output = V>>(
 }
 
 /// Adds `other` to `sum`.
-pub fn more<K: Clone + Ord, V: AddAssign + Copy + Default>(sum: &mut BTreeMap<K, V>, other: &BTreeMap<K, V>) {
+pub(super) fn more<K: Clone + Ord, V: AddAssign + Copy + Default>(sum: &mut BTreeMap<K, V>, other: &BTreeMap<K, V>) {
     other.iter().for_each(|(key, &value)| *sum.entry(key.clone()).or_default() += value);
 }
 
 /// The same of each part.
-pub fn more_nested<K: Clone + Ord, V: AddAssign + Copy + Default>(
+pub(super) fn more_nested<K: Clone + Ord, V: AddAssign + Copy + Default>(
     sum: &mut Counted<BTreeMap<K, V>>,
     other: &Counted<BTreeMap<K, V>>,
 ) {

@@ -43,13 +43,13 @@ pub(super) struct Blocks<R> {
 
 impl<R: Read + Seek> Blocks<R> {
     /// The blocks of the stream that is the whole of `input`; `path` is named in errors.
-    pub fn new(input: R, path: &Path) -> Self {
+    pub(super) fn new(input: R, path: &Path) -> Self {
         let path = path.to_owned();
         Self { input, path, seed: 0, position: 0, number: 0, stored: Vec::new(), raw: Vec::new() }
     }
 
     /// The file's length in bytes.
-    pub fn length(&mut self) -> Result<u64, StreamError> {
+    pub(super) fn length(&mut self) -> Result<u64, StreamError> {
         self.input.seek(SeekFrom::End(0)).map_err(|source| self.io(source))
     }
 
@@ -70,7 +70,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Goes on at byte `position` of the file.
-    pub fn seek(&mut self, position: u64) -> Result<(), StreamError> {
+    pub(super) fn seek(&mut self, position: u64) -> Result<(), StreamError> {
         self.input.seek(SeekFrom::Start(position)).map_err(|source| self.io(source))?;
         self.position = position;
         Ok(())
@@ -83,7 +83,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Reads the header of a file of `length` bytes, and learns the seed.
-    pub fn preamble(&mut self, length: u64) -> Result<Header, StreamError> {
+    pub(super) fn preamble(&mut self, length: u64) -> Result<Header, StreamError> {
         self.seek(0)?;
         let mut front = [0; PREAMBLE_BYTES];
         let there = length.min(PREAMBLE_BYTES as u64) as usize;
@@ -119,7 +119,7 @@ impl<R: Read + Seek> Blocks<R> {
 
     /// Reads the index of a file of `length` bytes, of which the preamble has just been read: the entries, and where
     /// the blocks of frames end. The header gets its records.
-    pub fn index(&mut self, header: &mut Header, length: u64) -> Result<(Vec<FrameEntry>, u64), StreamError> {
+    pub(super) fn index(&mut self, header: &mut Header, length: u64) -> Result<(Vec<FrameEntry>, u64), StreamError> {
         let begin = self.position;
         let missing = "its end is missing, so that it was not completed or a part was lost";
         if length < begin + (BLOCK_BYTES + FOOTER_BYTES) as u64 {
@@ -176,7 +176,7 @@ impl<R: Read + Seek> Blocks<R> {
     }
 
     /// Reads the next block, which must end at byte `end` or before, into `self.raw`.
-    pub fn read(&mut self, place: Place, end: u64) -> Result<Tag, StreamError> {
+    pub(super) fn read(&mut self, place: Place, end: u64) -> Result<Tag, StreamError> {
         let mut front = [0; BLOCK_BYTES];
         let area = end.saturating_sub(self.position);
         let Some(room) = area.checked_sub(BLOCK_BYTES as u64) else {

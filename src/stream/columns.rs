@@ -32,12 +32,12 @@ fn payload_len(rays: usize, steps: usize) -> usize {
 }
 
 /// Length of the payload of `chunk` in bytes.
-pub fn chunk_len(chunk: &Chunk) -> usize {
+pub(super) fn chunk_len(chunk: &Chunk) -> usize {
     payload_len(chunk.len(), chunk.steps())
 }
 
 /// Appends the payload of `chunk`.
-pub fn put_chunk(chunk: &Chunk, out: &mut Vec<u8>) {
+pub(super) fn put_chunk(chunk: &Chunk, out: &mut Vec<u8>) {
     put_words(&[chunk.len() as u32, chunk.steps() as u32], out);
     out.extend(chunk.rays().map(|ray| class(&ray.head)));
     out.extend(chunk.rays().map(|ray| ray.head.light.0));
@@ -74,7 +74,7 @@ fn class(head: &RayHead) -> u8 {
 
 /// Reads a payload. Its numbers add up; what they mean is not yet checked, not even whether every step is one: the
 /// chunk must not leave the module before a [`super::Checker`] has seen it.
-pub fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
+pub(super) fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
     if payload.len() < COUNTS_BYTES {
         return Err(Fault::Length { found: payload.len(), expected: COUNTS_BYTES });
     }

@@ -45,22 +45,22 @@ use super::totals::Totals;
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
-pub const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
+pub(crate) const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
-pub const END_MAGIC: [u8; 8] = *b"RAYS-END";
+pub(crate) const END_MAGIC: [u8; 8] = *b"RAYS-END";
 /// The version of the layout that this program writes and reads.
-pub const VERSION: u32 = 3;
+pub(crate) const VERSION: u32 = 3;
 /// Bytes before the header's text.
-pub const PREAMBLE_BYTES: usize = 20;
+pub(crate) const PREAMBLE_BYTES: usize = 20;
 /// Bytes of a block before its payload.
-pub const BLOCK_BYTES: usize = 24;
+pub(crate) const BLOCK_BYTES: usize = 24;
 /// Bytes of the footer.
-pub const FOOTER_BYTES: usize = 20;
+pub(crate) const FOOTER_BYTES: usize = 20;
 /// The longest header text, in bytes: room for some 150,000 frame numbers.
-pub const HEADER_LIMIT: usize = 1 << 20;
+pub(crate) const HEADER_LIMIT: usize = 1 << 20;
 /// The longest payload before compression, in bytes. It bounds the memory of a reader: payload, stored payload and
 /// decoded chunk, each about as large at most.
-pub const RAW_LIMIT: usize = 64 << 20;
+pub(crate) const RAW_LIMIT: usize = 64 << 20;
 
 /// Bytes of a FRAM payload.
 const FRAME_INFO_BYTES: usize = 16;
@@ -71,7 +71,7 @@ const ENTRY_BYTES: usize = 44 + TOTALS_BYTES;
 
 /// What a block holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Tag {
+pub(crate) enum Tag {
     /// A frame begins.
     Frame,
     /// Rays.
@@ -86,7 +86,7 @@ impl Tag {
     const ALL: [Self; 4] = [Self::Frame, Self::Rays, Self::End, Self::Index];
 
     /// The tag's bytes in the file.
-    pub fn bytes(self) -> [u8; 4] {
+    pub(crate) fn bytes(self) -> [u8; 4] {
         match self {
             Self::Frame => *b"FRAM",
             Self::Rays => *b"RAYS",
@@ -98,7 +98,7 @@ impl Tag {
 
 /// The fixed part of a block, its checksum apart.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct BlockHeader {
+pub(crate) struct BlockHeader {
     /// What the block holds.
     pub tag: Tag,
     /// Its place among the file's blocks.
@@ -111,7 +111,7 @@ pub struct BlockHeader {
 
 impl BlockHeader {
     /// The fixed part in front of the payload `stored`, with the checksum of both.
-    pub fn encode(&self, seed: u32, stored: &[u8]) -> [u8; BLOCK_BYTES] {
+    pub(crate) fn encode(&self, seed: u32, stored: &[u8]) -> [u8; BLOCK_BYTES] {
         let mut bytes = [0; BLOCK_BYTES];
         bytes[..4].copy_from_slice(&self.tag.bytes());
         bytes[4..12].copy_from_slice(&self.number.to_le_bytes());
@@ -125,7 +125,7 @@ impl BlockHeader {
     /// The fixed part, checked as far as it can be before the payload is read: `number` is the number that the block
     /// must have, `room` the bytes between the fixed part and the end of the area that holds the block. What passes has
     /// a payload of at most `room` bytes that grows to at most [`RAW_LIMIT`].
-    pub fn decode(bytes: &[u8; BLOCK_BYTES], number: u64, room: u64) -> Result<Self, Fault> {
+    pub(crate) fn decode(bytes: &[u8; BLOCK_BYTES], number: u64, room: u64) -> Result<Self, Fault> {
         let tag: [u8; 4] = field(bytes, 0);
         let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag).ok_or(Fault::Tag { found: tag })?;
         let header = Self {
@@ -150,7 +150,7 @@ impl BlockHeader {
 }
 
 /// CRC-32 (IEEE 802.3) of `parts` one after another, started from the checksum `seed`.
-pub fn checksum(seed: u32, parts: &[&[u8]]) -> u32 {
+pub(crate) fn checksum(seed: u32, parts: &[&[u8]]) -> u32 {
     let mut hasher = crc32fast::Hasher::new_with_initial(seed);
     for part in parts {
         hasher.update(part);
@@ -162,14 +162,14 @@ pub fn checksum(seed: u32, parts: &[&[u8]]) -> u32 {
 ///
 /// # Panics
 /// If they are not there: callers check lengths first.
-pub fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
+pub(crate) fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     let mut field = [0; N];
     field.copy_from_slice(&bytes[at..at + N]);
     field
 }
 
 /// Appends `words`, 4 bytes each.
-pub fn put_words(words: &[u32], out: &mut Vec<u8>) {
+pub(crate) fn put_words(words: &[u32], out: &mut Vec<u8>) {
     let start = out.len();
     out.resize(start + 4 * words.len(), 0);
     for (bytes, word) in out[start..].as_chunks_mut().0.iter_mut().zip(words) {
@@ -178,18 +178,18 @@ pub fn put_words(words: &[u32], out: &mut Vec<u8>) {
 }
 
 /// The words that `bytes` holds, 4 bytes each.
-pub fn words(bytes: &[u8]) -> Vec<u32> {
+pub(crate) fn words(bytes: &[u8]) -> Vec<u32> {
     bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
 }
 
 /// Appends a FRAM payload.
-pub fn put_frame(info: &FrameInfo, out: &mut Vec<u8>) {
+pub(crate) fn put_frame(info: &FrameInfo, out: &mut Vec<u8>) {
     let FrameInfo { number, dynamic_nodes, dynamic_slots, dynamic_list_entries } = *info;
     put_words(&[number, dynamic_nodes, dynamic_slots, dynamic_list_entries], out);
 }
 
 /// Reads a FRAM payload.
-pub fn frame(payload: &[u8]) -> Result<FrameInfo, Fault> {
+pub(crate) fn frame(payload: &[u8]) -> Result<FrameInfo, Fault> {
     if payload.len() != FRAME_INFO_BYTES {
         return Err(Fault::Length { found: payload.len(), expected: FRAME_INFO_BYTES });
     }
@@ -199,18 +199,18 @@ pub fn frame(payload: &[u8]) -> Result<FrameInfo, Fault> {
 }
 
 /// Appends a FEND payload.
-pub fn put_end(policy: &[u32], totals: &Totals, out: &mut Vec<u8>) {
+pub(crate) fn put_end(policy: &[u32], totals: &Totals, out: &mut Vec<u8>) {
     put_totals(totals, out);
     put_words(policy, out);
 }
 
 /// Length of a FEND payload.
-pub fn end_len(policy: &[u32]) -> usize {
+pub(crate) fn end_len(policy: &[u32]) -> usize {
     TOTALS_BYTES + 4 * policy.len()
 }
 
 /// Reads a FEND payload: the policy's steps, packed and not yet checked, and the totals.
-pub fn end(payload: &[u8]) -> Result<(Vec<u32>, Totals), Fault> {
+pub(crate) fn end(payload: &[u8]) -> Result<(Vec<u32>, Totals), Fault> {
     let steps = payload.len().saturating_sub(TOTALS_BYTES) / 4;
     let expected = TOTALS_BYTES + 4 * steps;
     if payload.len() != expected {
@@ -239,7 +239,7 @@ pub struct FrameEntry {
 }
 
 /// Appends an INDX payload.
-pub fn put_index(entries: &[FrameEntry], records: &[TriangleSlot], out: &mut Vec<u8>) {
+pub(crate) fn put_index(entries: &[FrameEntry], records: &[TriangleSlot], out: &mut Vec<u8>) {
     for entry in entries {
         let FrameEntry { number, offset, bytes, raw_bytes, rays, blocks, totals } = *entry;
         out.extend(number.to_le_bytes());
@@ -250,12 +250,16 @@ pub fn put_index(entries: &[FrameEntry], records: &[TriangleSlot], out: &mut Vec
 }
 
 /// Length of an INDX payload.
-pub fn index_len(frames: usize, primitives: usize) -> usize {
+pub(crate) fn index_len(frames: usize, primitives: usize) -> usize {
     frames.saturating_mul(ENTRY_BYTES).saturating_add(primitives.saturating_mul(4))
 }
 
 /// Reads an INDX payload of `frames` frames and `primitives` static primitives: the frames, and the primitives' records.
-pub fn index(payload: &[u8], frames: usize, primitives: usize) -> Result<(Vec<FrameEntry>, Vec<TriangleSlot>), Fault> {
+pub(crate) fn index(
+    payload: &[u8],
+    frames: usize,
+    primitives: usize,
+) -> Result<(Vec<FrameEntry>, Vec<TriangleSlot>), Fault> {
     let expected = index_len(frames, primitives);
     if payload.len() != expected {
         return Err(Fault::Length { found: payload.len(), expected });

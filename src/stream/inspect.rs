@@ -15,7 +15,7 @@ use crate::quantity::Bytes;
 
 /// A stream file's contents in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Inspection {
+pub(crate) struct Inspection {
     /// Version of the file's layout.
     pub version: u32,
     /// The file's length.
@@ -28,7 +28,7 @@ pub struct Inspection {
 
 /// A frame in numbers.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct FrameSummary {
+pub(crate) struct FrameSummary {
     /// The frame's entry of the index: number, sizes and totals.
     #[serde(flatten)]
     pub entry: FrameEntry,
@@ -46,7 +46,7 @@ pub struct FrameSummary {
 
 /// Shadow rays by what the policy decided.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct Decisions {
+pub(crate) struct Decisions {
     /// Traced among everything.
     pub trace: u64,
     /// Traced among dynamic objects only.
@@ -57,7 +57,7 @@ pub struct Decisions {
 
 /// Rays of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct KindSummary {
+pub(crate) struct KindSummary {
     /// The kind's name.
     pub kind: &'static str,
     /// How many there are.
@@ -124,7 +124,7 @@ impl FrameSummary {
 }
 
 /// Reads the stream once, a block at a time, and counts what is in it.
-pub fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<Inspection, StreamError> {
+pub(crate) fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<Inspection, StreamError> {
     reader.seek_frame(0)?;
     let mut frames: Vec<_> = reader.frames().iter().map(FrameSummary::new).collect();
     let mut current = 0;
@@ -147,7 +147,7 @@ pub fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<Inspectio
 }
 
 /// The inspection as tables for a terminal.
-pub fn render(inspection: &Inspection) -> String {
+pub(crate) fn render(inspection: &Inspection) -> String {
     let Inspection { version, file_bytes, header, frames } = inspection;
     let mut about = table::<&str>(&[]);
     about.add_row(["scene", &header.scene]);

@@ -14,7 +14,7 @@ pub(super) struct Limits([u32; TAGS]);
 
 impl Limits {
     /// The limits that `allowed` states for a step of each tag.
-    pub fn new(allowed: impl Fn(Step) -> u64) -> Self {
+    pub(super) fn new(allowed: impl Fn(Step) -> u64) -> Self {
         let mut limits = [0; TAGS];
         for (tag, limit) in limits.iter_mut().enumerate() {
             if let Some(step) = Step::unpack((tag as u32) << INDEX_BITS) {
@@ -30,12 +30,12 @@ impl Limits {
     }
 
     /// Whether all steps of an extent are possible.
-    pub fn hold(&self, extent: &Extent) -> bool {
+    pub(super) fn hold(&self, extent: &Extent) -> bool {
         extent.outermost().all(|step| step.pack() & Step::MAX_INDEX < self.of(step.pack()))
     }
 
     /// Checks packed steps.
-    pub fn check(&self, words: &[u32]) -> Result<(), StepFault> {
+    pub(super) fn check(&self, words: &[u32]) -> Result<(), StepFault> {
         let is_wrong = |&word: &u32| word & Step::MAX_INDEX >= self.of(word);
         // Where one is wrong hardly ever matters, and a loop without a way out is faster.
         if !words.iter().fold(false, |any, word| any | is_wrong(word)) {

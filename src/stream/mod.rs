@@ -6,23 +6,23 @@
 //! the replay lays out memory.
 
 mod blocks;
-pub mod check;
-pub mod chunk;
+pub(crate) mod check;
+pub(crate) mod chunk;
 mod columns;
 mod error;
 mod extent;
 mod fault;
-pub mod format;
+pub(crate) mod format;
 mod header;
-pub mod inspect;
+pub(crate) mod inspect;
 mod item;
 mod limits;
 mod packed;
-pub mod reader;
-pub mod step;
+pub(crate) mod reader;
+pub(crate) mod step;
 mod totals;
-pub mod violation;
-pub mod writer;
+pub(crate) mod violation;
+pub(crate) mod writer;
 
 #[cfg(test)]
 mod tests;

@@ -45,13 +45,13 @@ impl Band<'_> {
     }
 
     /// What the pixels of a row show.
-    pub fn row(&self, y: u32) -> Vec<Option<PrimitiveId>> {
+    pub(super) fn row(&self, y: u32) -> Vec<Option<PrimitiveId>> {
         let show = |x| self.world.closest(&self.ray(x, y), &mut Silent).map(|hit| hit.primitive);
         (0..self.resolution.width).map(show).collect()
     }
 
     /// Traces the pixels of `rows` for all policies.
-    pub fn trace(&self, rows: Range<u32>, policies: &[Box<dyn Policy>]) -> Vec<BandLane> {
+    pub(super) fn trace(&self, rows: Range<u32>, policies: &[Box<dyn Policy>]) -> Vec<BandLane> {
         let width = self.resolution.width;
         let mut trail = Trail::default();
         let primaries: Vec<_> = rows

@@ -115,7 +115,7 @@ pub(super) struct Lane<'a> {
 }
 
 impl<'a> Lane<'a> {
-    pub fn new(policy: &'a dyn Policy, lights: usize) -> Self {
+    pub(super) fn new(policy: &'a dyn Policy, lights: usize) -> Self {
         let record = BandRecord { wrong: vec![WrongDecisions::default(); lights], ..BandRecord::default() };
         Self {
             worker: policy.worker(),
@@ -128,13 +128,13 @@ impl<'a> Lane<'a> {
     }
 
     /// Another worker goes on.
-    pub fn change_worker(&mut self, worker: Box<dyn Worker + 'a>) {
+    pub(super) fn change_worker(&mut self, worker: Box<dyn Worker + 'a>) {
         let done = std::mem::replace(&mut self.worker, worker);
         self.record.changes.extend(done.finish());
     }
 
     /// Records a primary or secondary ray, with what the policy has done since the last record.
-    pub fn push(&mut self, head: RayHead, path: Path<'_>) {
+    pub(super) fn push(&mut self, head: RayHead, path: Path<'_>) {
         let totals = &mut self.record.totals;
         match head.kind {
             RayKind::Primary => totals.primary_rays += 1,
@@ -146,7 +146,7 @@ impl<'a> Lane<'a> {
     }
 
     /// Records a shadow ray, with what the policy has done since the last record.
-    pub fn push_shadow(&mut self, head: RayHead, path: Path<'_>, truth_dark: bool, primary: bool) {
+    pub(super) fn push_shadow(&mut self, head: RayHead, path: Path<'_>, truth_dark: bool, primary: bool) {
         let totals = &mut self.record.totals;
         totals.shadow_rays += 1;
         match head.decision {
@@ -181,13 +181,13 @@ impl<'a> Lane<'a> {
     }
 
     /// Ends a pixel.
-    pub fn end_pixel(&mut self, pixel: PixelId, color: Vec3, hit: Option<PrimitiveId>) {
+    pub(super) fn end_pixel(&mut self, pixel: PixelId, color: Vec3, hit: Option<PrimitiveId>) {
         let shadows = std::mem::take(&mut self.shadows);
         self.record.pixels.push(BandPixel { pixel, color, hit, shadows });
     }
 
     /// Ends the band.
-    pub fn finish(mut self) -> (Chunk, BandRecord) {
+    pub(super) fn finish(mut self) -> (Chunk, BandRecord) {
         self.record.changes.extend(self.worker.finish());
         (self.chunk, self.record)
     }

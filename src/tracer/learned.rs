@@ -11,7 +11,7 @@ pub(super) struct Learned(FxHashMap<u32, u32>);
 
 impl Learned {
     /// The next band of the frame: its updates that repeat those of earlier bands say so from now on.
-    pub fn settle(&mut self, chunk: &mut Chunk, record: &mut BandRecord) {
+    pub(super) fn settle(&mut self, chunk: &mut Chunk, record: &mut BandRecord) {
         for fresh in record.fresh.drain(..) {
             let known = self.0.entry(fresh.word).or_default();
             let effect = Effect::of_bits(fresh.bits, 0, *known);

@@ -52,20 +52,20 @@ pub(super) struct SecondaryRays {
 }
 
 impl<'a> Shader<'a> {
-    pub fn new(scene: &'a Scene, frame: &'a Frame, spec: RenderSpec, offset: f32) -> Self {
+    pub(super) fn new(scene: &'a Scene, frame: &'a Frame, spec: RenderSpec, offset: f32) -> Self {
         Self { scene, frame, spec, offset }
     }
 
-    pub fn light_count(&self) -> usize {
+    pub(super) fn light_count(&self) -> usize {
         self.frame.lights.len()
     }
 
-    pub fn background(&self) -> Vec3 {
+    pub(super) fn background(&self) -> Vec3 {
         self.scene.background
     }
 
     /// The surface that `ray` has hit.
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'a> {
+    pub(super) fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'a> {
         let triangle = self.scene.triangle(self.frame, hit.primitive);
         let attributes = self.scene.attributes(self.frame, hit.primitive);
         let material = &self.scene.materials[attributes.material.0 as usize];
@@ -96,13 +96,13 @@ impl<'a> Shader<'a> {
     }
 
     /// What is seen of the surface without any light.
-    pub fn ambient(&self, surface: &Surface<'_>) -> Vec3 {
+    pub(super) fn ambient(&self, surface: &Surface<'_>) -> Vec3 {
         surface.ambient
     }
 
     /// A ray from the surface in a direction whose density goes with the cosine of its angle to the normal (Malley's method, Pharr et
     /// al., "Physically Based Rendering"); `at` are two numbers from 0 to 1.
-    pub fn diffuse_ray(&self, surface: &Surface<'_>, at: [f32; 2]) -> Ray {
+    pub(super) fn diffuse_ray(&self, surface: &Surface<'_>, at: [f32; 2]) -> Ray {
         let normal = surface.geometric;
         let (tangent, other) = normal.any_orthonormal_pair();
         let (radius, (sin, cos)) = (at[0].sqrt(), (std::f32::consts::TAU * at[1]).sin_cos());
@@ -111,7 +111,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The shadow rays that the surface asks for: none if it sends back no light.
-    pub fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
+    pub(super) fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
         let start = surface.point + surface.geometric * self.offset;
         let asking = if surface.material.is_perfect_mirror() { &[] } else { &self.frame.lights[..] };
         asking.iter().enumerate().filter_map(move |(index, light)| {
@@ -139,7 +139,7 @@ impl<'a> Shader<'a> {
     }
 
     /// The reflected and the refracted ray, where they weigh enough; `weight` is that of the surface in the picture.
-    pub fn secondary_rays(&self, surface: &Surface<'_>, weight: Vec3) -> SecondaryRays {
+    pub(super) fn secondary_rays(&self, surface: &Surface<'_>, weight: Vec3) -> SecondaryRays {
         let Surface { material, shading: normal, direction, geometric, point, .. } = *surface;
         let from =
             |side: f32, direction: Vec3| Ray::new(point + geometric * (side * self.offset), direction, f32::INFINITY);

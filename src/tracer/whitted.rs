@@ -37,7 +37,13 @@ pub(super) struct Whitted<'a> {
 
 impl Whitted<'_> {
     /// Records a ray and all that follows from it; adds what it shows to each lane's colour.
-    pub fn follow(&mut self, pixel: PixelId, ray: &Traced<'_>, primary: Option<&Primary<'_>>, colors: &mut [Vec3]) {
+    pub(super) fn follow(
+        &mut self,
+        pixel: PixelId,
+        ray: &Traced<'_>,
+        primary: Option<&Primary<'_>>,
+        colors: &mut [Vec3],
+    ) {
         let place = self.lanes.first().map_or(0, |lane| lane.chunk.len());
         let head = RayHead {
             kind: ray.kind,

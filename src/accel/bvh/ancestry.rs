@@ -4,7 +4,7 @@ use super::tree::Tree;
 use crate::quantity::{NodeId, TriangleSlot};
 
 /// Parents of the static tree's nodes and leaves.
-pub struct Ancestry {
+pub(crate) struct Ancestry {
     /// The parent of each node; the root's is itself.
     parents: Vec<u32>,
     /// The node that holds each slot's leaf.
@@ -13,7 +13,7 @@ pub struct Ancestry {
 
 impl Ancestry {
     /// The ancestry of a static tree.
-    pub fn of<const N: usize>(tree: &Tree<N>) -> Self {
+    pub(crate) fn of<const N: usize>(tree: &Tree<N>) -> Self {
         let mut parents: Vec<u32> = (0..tree.nodes.len() as u32).collect();
         let mut holders = vec![0; tree.records.len()];
         for (node, content) in (0..).zip(&tree.nodes) {
@@ -30,7 +30,7 @@ impl Ancestry {
     }
 
     /// The node `levels` levels above the leaf of `slot`, or the root; level 1 is the node that holds the leaf.
-    pub fn ancestor(&self, slot: TriangleSlot, levels: u32) -> NodeId {
+    pub(crate) fn ancestor(&self, slot: TriangleSlot, levels: u32) -> NodeId {
         let holder = self.holders[slot.0 as usize];
         NodeId((1..levels).fold(holder, |node, _| self.parents[node as usize]))
     }

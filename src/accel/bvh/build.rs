@@ -20,7 +20,7 @@ use crate::accel::structure::{Base, Item};
 use crate::accel::triangle::Record;
 
 /// The parameters of obvhs for a quality.
-pub fn params(quality: Quality) -> BvhBuildParams {
+pub(super) fn params(quality: Quality) -> BvhBuildParams {
     let preset = match quality {
         Quality::Fast => BvhBuildParams::fast_build(),
         Quality::Medium => BvhBuildParams::medium_build(),
@@ -30,7 +30,7 @@ pub fn params(quality: Quality) -> BvhBuildParams {
 }
 
 /// A node width that obvhs can build.
-pub trait Build: Sized {
+pub(crate) trait Build: Sized {
     /// Builds the tree over `items`, of which there is at least one.
     fn build(items: &[Item<'_>], params: BvhBuildParams, base: Base) -> Self;
 }

@@ -10,7 +10,7 @@ const FEW: usize = 16;
 
 /// Items in groups of equal boxes, in the order of their first members; a group of [`FEW`] at most is taken apart.
 /// `None` if there is no larger group.
-pub fn groups(items: &[Item<'_>]) -> Option<Vec<Vec<u32>>> {
+pub(super) fn groups(items: &[Item<'_>]) -> Option<Vec<Vec<u32>>> {
     let mut sizes: FxHashMap<[u32; 6], usize> = FxHashMap::default();
     items.iter().for_each(|item| *sizes.entry(bounds(item)).or_default() += 1);
     if sizes.values().all(|size| *size <= FEW) {

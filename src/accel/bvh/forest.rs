@@ -4,7 +4,7 @@ use super::ancestry::Ancestry;
 use super::tree::{Node, Tree};
 
 /// The static tree and the dynamic one under one root.
-pub struct Forest<'a, const N: usize> {
+pub(crate) struct Forest<'a, const N: usize> {
     /// Node 0. With dynamic triangles it joins the two trees (child 0 and child 1); without, it is the static tree's own.
     pub root: Node<N>,
     /// Whether the root joins two trees.
@@ -19,7 +19,7 @@ pub struct Forest<'a, const N: usize> {
 
 impl<const N: usize> Forest<'_, N> {
     /// The node `id`, which is not 0.
-    pub fn node(&self, id: u32) -> &Node<N> {
+    pub(crate) fn node(&self, id: u32) -> &Node<N> {
         let id = id as usize;
         self.statics.nodes.get(id).unwrap_or_else(|| &self.dynamic.nodes[id - self.statics.nodes.len()])
     }

@@ -9,5 +9,5 @@ mod statics;
 mod tree;
 mod walk;
 
-pub use self::forest::Forest;
-pub use self::statics::Bvh;
+pub(super) use self::forest::Forest;
+pub(super) use self::statics::Bvh;

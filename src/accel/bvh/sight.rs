@@ -11,7 +11,7 @@ use crate::quantity::{NodeId, TriangleSlot};
 
 impl<const N: usize> Forest<'_, N> {
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
-    pub fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+    pub(crate) fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         if self.statics.records.is_empty() {
             return Sight::Clear;
         }

@@ -16,7 +16,7 @@ use crate::accel::triangle::Record;
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 
 /// The static tree of boxes.
-pub struct Bvh<const N: usize> {
+pub(crate) struct Bvh<const N: usize> {
     tree: Tree<N>,
     ancestry: Ancestry,
     /// Whether node 0 joins the tree with dynamic ones.

@@ -7,7 +7,7 @@ use crate::accel::triangle::Record;
 
 /// A reference to a child: a run of triangle slots, another node, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Child {
+pub(crate) struct Child {
     /// The first slot of a leaf, or the node's id.
     pub index: u32,
     /// Triangles of a leaf; 0 for a node.
@@ -16,17 +16,17 @@ pub struct Child {
 
 impl Child {
     /// No child.
-    pub const NONE: Self = Self { index: u32::MAX, count: 0 };
+    pub(crate) const NONE: Self = Self { index: u32::MAX, count: 0 };
 
     /// Whether there is no child.
-    pub fn is_none(self) -> bool {
+    pub(crate) fn is_none(self) -> bool {
         self == Self::NONE
     }
 }
 
 /// A node: the boxes of its children, axis by axis, and the references to them.
 #[derive(Clone, Copy, Debug)]
-pub struct Node<const N: usize> {
+pub(crate) struct Node<const N: usize> {
     /// Lower bounds, by axis and child.
     pub low: [[f32; N]; 3],
     /// Upper bounds, by axis and child.
@@ -43,7 +43,7 @@ impl<const N: usize> Default for Node<N> {
 
 impl<const N: usize> Node<N> {
     /// Makes `child` the child number `at`, with the given box.
-    pub fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
+    pub(crate) fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
         for axis in 0..3 {
             self.low[axis][at] = low[axis];
             self.high[axis][at] = high[axis];
@@ -52,7 +52,7 @@ impl<const N: usize> Node<N> {
     }
 
     /// The box around all children.
-    pub fn bounds(&self) -> (Vec3, Vec3) {
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for child in (0..N).filter(|&child| !self.children[child].is_none()) {
             low = low.min(Vec3::from_array(self.low.map(|planes| planes[child])));
@@ -63,12 +63,12 @@ impl<const N: usize> Node<N> {
 
     /// Where the ray enters each child's box, and infinity where it misses it.
     #[inline(always)]
-    pub fn entries(&self, ray: &Ray) -> [f32; N] {
+    pub(crate) fn entries(&self, ray: &Ray) -> [f32; N] {
         ray.entries(&self.low, &self.high)
     }
 
     /// Half the area of a child's box.
-    pub fn half_area(&self, child: usize) -> f32 {
+    pub(crate) fn half_area(&self, child: usize) -> f32 {
         let [x, y, z] = [0, 1, 2].map(|axis| self.high[axis][child] - self.low[axis][child]);
         x * y + y * z + z * x
     }
@@ -76,7 +76,7 @@ impl<const N: usize> Node<N> {
 
 /// A tree over static or dynamic triangles. Ids of nodes and slots are global (see [`NodeId`], [`TriangleSlot`]).
 #[derive(Clone, Debug, Default)]
-pub struct Tree<const N: usize> {
+pub(crate) struct Tree<const N: usize> {
     /// Nodes in depth-first order, the root first.
     pub nodes: Vec<Node<N>>,
     /// Triangle records in leaf order.

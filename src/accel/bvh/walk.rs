@@ -38,7 +38,7 @@ impl<const N: usize> Forest<'_, N> {
     }
 
     /// The nearest hit; at equal distance the one on the lowest primitive.
-    pub fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
+    pub(crate) fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
         let mut stack = Stack::with_capacity(64);
         let mut nearest: Option<Hit> = None;
         watch.node(NodeId(0));
@@ -69,7 +69,13 @@ impl<const N: usize> Forest<'_, N> {
 
     /// A triangle that blocks the ray within `scope`, the first found in `order`; static triangles are all tried before
     /// the first dynamic one, so that a dynamic blocker proves that no static one blocks.
-    pub fn blocker(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {
+    pub(crate) fn blocker(
+        &self,
+        ray: &Ray,
+        scope: Scope,
+        order: Order,
+        watch: &mut impl Observer,
+    ) -> Option<PrimitiveId> {
         if scope == Scope::Dynamic && !self.joined {
             return None;
         }
@@ -94,7 +100,7 @@ impl<const N: usize> Forest<'_, N> {
     }
 
     /// A triangle that blocks the ray, among those below a node, the nearest children first.
-    pub fn blocker_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
+    pub(crate) fn blocker_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
         let stack = vec![(0.0, Child { index: node.0, count: 0 })];
         self.first_blocker(ray, Order::NearestFirst, stack, watch)
     }

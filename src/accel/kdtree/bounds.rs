@@ -6,7 +6,7 @@ use crate::scene::Triangle;
 
 /// An axis-aligned box, closed on all sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bounds {
+pub(crate) struct Bounds {
     /// The lowest corner.
     pub low: Vec3,
     /// The highest corner.
@@ -15,26 +15,26 @@ pub struct Bounds {
 
 impl Bounds {
     /// Nothing.
-    pub const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
+    pub(crate) const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
 
     /// The box around a triangle.
-    pub fn of(triangle: &Triangle) -> Self {
+    pub(crate) fn of(triangle: &Triangle) -> Self {
         let [a, b, c] = triangle.v;
         Self { low: a.min(b).min(c), high: a.max(b).max(c) }
     }
 
     /// The box around both.
-    pub fn union(self, other: Self) -> Self {
+    pub(crate) fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
     /// What both have in common.
-    pub fn intersection(self, other: Self) -> Self {
+    pub(crate) fn intersection(self, other: Self) -> Self {
         Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
 
     /// The parts below and above a plane across `axis`.
-    pub fn split(self, axis: usize, at: f32) -> [Self; 2] {
+    pub(crate) fn split(self, axis: usize, at: f32) -> [Self; 2] {
         let [mut left, mut right] = [self; 2];
         left.high[axis] = at;
         right.low[axis] = at;
@@ -42,14 +42,14 @@ impl Bounds {
     }
 
     /// The surface's area.
-    pub fn area(self) -> f64 {
+    pub(crate) fn area(self) -> f64 {
         let size = (self.high.as_dvec3() - self.low.as_dvec3()).max(DVec3::ZERO);
         2.0 * (size.x * size.y + size.y * size.z + size.z * size.x)
     }
 
     /// The box around the part of `triangle` that lies in this box; `None` if no part does. Computed in `f64` and
     /// rounded outwards, so that the part never sticks out.
-    pub fn clip(self, triangle: &Triangle) -> Option<Self> {
+    pub(crate) fn clip(self, triangle: &Triangle) -> Option<Self> {
         let mut polygon = Polygon::new(triangle);
         for axis in 0..3 {
             polygon.clip(axis, f64::from(self.low[axis]), 1.0);

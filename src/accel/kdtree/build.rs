@@ -17,7 +17,7 @@ fn usual_depth(items: usize) -> u32 {
 
 /// How a tree is built.
 #[derive(Clone, Copy, Debug)]
-pub struct BuildSpec {
+pub(super) struct BuildSpec {
     /// How much work goes into it.
     pub quality: Quality,
     /// The order of its nodes.
@@ -43,7 +43,7 @@ struct Builder<'a> {
 /// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers every
 /// plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes only
 /// where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
-pub fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
+pub(super) fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     let parts: Vec<_> = items
         .iter()
         .enumerate()

@@ -17,5 +17,5 @@ mod statics;
 mod tests;
 mod traverse;
 
-pub use self::statics::KdTree;
-pub use self::traverse::Forest;
+pub(super) use self::statics::KdTree;
+pub(super) use self::traverse::Forest;

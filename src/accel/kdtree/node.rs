@@ -9,11 +9,11 @@ use crate::accel::triangle::Record;
 /// or the run's start; the second has the axis (3 for a leaf) in 2 bits, the reorder bit, and in 29 bits the id of the
 /// child that does not follow, or the run's length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Node([u32; 2]);
+pub(crate) struct Node([u32; 2]);
 
 /// What a node says.
 #[derive(Clone, Debug, PartialEq)]
-pub enum View {
+pub(crate) enum View {
     /// Two children, left (below) and right (above) of a plane.
     Split {
         /// The axis across which the plane lies.
@@ -31,17 +31,17 @@ const LEAF: u32 = 3;
 
 impl Node {
     /// A node of two children, of which `other` does not follow: the right one, or the left one if `reordered`.
-    pub fn split(axis: usize, at: f32, other: u32, reordered: bool) -> Self {
+    pub(crate) fn split(axis: usize, at: f32, other: u32, reordered: bool) -> Self {
         Self([at.to_bits(), other << 3 | u32::from(reordered) << 2 | axis as u32])
     }
 
     /// A leaf.
-    pub fn leaf(entries: Range<u32>) -> Self {
+    pub(crate) fn leaf(entries: Range<u32>) -> Self {
         Self([entries.start, (entries.end - entries.start) << 3 | LEAF])
     }
 
     /// What the node with this id says.
-    pub fn view(self, id: u32) -> View {
+    pub(crate) fn view(self, id: u32) -> View {
         let Self([first, second]) = self;
         let rest = second >> 3;
         if second & 3 == LEAF {
@@ -54,7 +54,7 @@ impl Node {
 
 /// A tree over static or dynamic triangles. Ids of nodes, list entries and slots are global.
 #[derive(Clone, Debug)]
-pub struct Tree {
+pub(crate) struct Tree {
     /// The box around all triangles.
     pub bounds: Bounds,
     /// Nodes in depth-first order; none for a tree over nothing.

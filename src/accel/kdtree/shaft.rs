@@ -10,7 +10,7 @@ use crate::quantity::{ListId, NodeId};
 impl Forest<'_> {
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss. A triangle that several
     /// leaves list is tested in each.
-    pub fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+    pub(crate) fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         let mut stack = vec![(u32::from(self.joined), self.statics.bounds)];
         while let Some((id, cell)) = stack.pop() {
             if shaft.misses_box(cell.low.as_dvec3(), cell.high.as_dvec3()) {

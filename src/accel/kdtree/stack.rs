@@ -10,7 +10,7 @@ use crate::quantity::NodeId;
 
 /// A cell that the ray crosses between the distances `enter` and `exit`.
 #[derive(Clone, Copy, Debug)]
-pub struct Span {
+pub(super) struct Span {
     /// Its node.
     pub node: u32,
     /// Where the ray enters.
@@ -23,7 +23,7 @@ pub struct Span {
 
 /// The stack.
 #[derive(Debug)]
-pub struct Stack {
+pub(super) struct Stack {
     entries: Vec<Span>,
     /// Places, if there is a limit.
     places: Option<usize>,
@@ -37,14 +37,14 @@ pub struct Stack {
 
 impl Stack {
     /// A stack of `places`, or without a limit, for a walk of `trees`, the last of which is the first. Their roots are in registers.
-    pub fn new(places: Option<usize>, trees: Vec<Span>) -> Self {
+    pub(super) fn new(places: Option<usize>, trees: Vec<Span>) -> Self {
         let mut entries = trees;
         entries.reserve(64);
         Self { entries, places, dropped: 0, path: Vec::new(), restart: None }
     }
 
     /// The ray visits a node.
-    pub fn visit(&mut self, span: &Span) {
+    pub(super) fn visit(&mut self, span: &Span) {
         if self.places.is_some() {
             self.path.truncate(span.depth as usize);
             self.path.push(span.node);
@@ -52,7 +52,7 @@ impl Stack {
     }
 
     /// The ray comes to `span`, a child of the present node, later.
-    pub fn push(&mut self, span: Span) {
+    pub(super) fn push(&mut self, span: Span) {
         self.entries.push(span);
         if let Some(places) = self.places {
             self.restart.get_or_insert(span.depth - 1);
@@ -69,7 +69,7 @@ impl Stack {
 
     /// The cell that the ray comes to next, of those that it enters within `reach`. If it was dropped, the nodes on the way to it are
     /// visited once more.
-    pub fn pop(&mut self, reach: f32, watch: &mut impl Observer) -> Option<Span> {
+    pub(super) fn pop(&mut self, reach: f32, watch: &mut impl Observer) -> Option<Span> {
         let span = loop {
             let span = self.entries.pop()?;
             if span.enter <= reach {

@@ -15,7 +15,7 @@ use crate::accel::triangle::Record;
 use crate::quantity::{PrimitiveId, TriangleSlot};
 
 /// The static kd-tree.
-pub struct KdTree {
+pub(crate) struct KdTree {
     tree: Tree,
     /// Whether node 0 joins the tree with dynamic ones.
     joined: bool,

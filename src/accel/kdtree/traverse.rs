@@ -21,7 +21,7 @@ use crate::accel::trail::Observer;
 use crate::quantity::{ListId, NodeId, PrimitiveId, TriangleSlot};
 
 /// The static tree and the dynamic one under one root.
-pub struct Forest<'a> {
+pub(crate) struct Forest<'a> {
     /// Whether node 0 joins two trees; else it is the static tree's own root.
     pub joined: bool,
     /// Nodes, list entries and records with ids from 0 on.
@@ -110,7 +110,7 @@ impl Forest<'_> {
     }
 
     /// The nearest hit; at equal distance the one on the lowest primitive.
-    pub fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
+    pub(crate) fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         let mut trees: Vec<_> = self.start(&ray, watch).into_iter().flatten().collect();
         // The tree that is entered first on top; the static one if they are entered together.
@@ -138,7 +138,7 @@ impl Forest<'_> {
 
     /// A triangle that blocks the ray within `scope`, the first found; static triangles are all tried before the first
     /// dynamic one, so that a dynamic blocker proves that no static one blocks.
-    pub fn blocker(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+    pub(crate) fn blocker(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
         if scope == Scope::Dynamic && !self.joined {
             return None;
         }

@@ -17,7 +17,7 @@ struct Register<W> {
 
 /// An access to a line.
 #[derive(Clone, Copy, Debug)]
-pub struct Asked {
+pub(super) struct Asked {
     pub line: LineAddr,
     pub class: TrafficClass,
     pub write: bool,
@@ -28,7 +28,7 @@ pub struct Asked {
 
 /// What an access met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Met {
+pub(super) enum Met {
     Hit,
     HalfMiss,
     Miss,
@@ -40,7 +40,7 @@ pub enum Met {
 
 /// A line that was filled.
 #[derive(Clone, Debug)]
-pub struct Filled<W> {
+pub(super) struct Filled<W> {
     /// The dirty line that it displaced.
     pub dirty_victim: Option<Victim>,
     /// Who waited, in the order of their accesses.
@@ -49,7 +49,7 @@ pub struct Filled<W> {
 
 /// The cache.
 #[derive(Clone, Debug)]
-pub struct Cache<W> {
+pub(super) struct Cache<W> {
     tags: TagArray,
     no_allocate: NoAllocate,
     registers: Vec<Register<W>>,
@@ -59,12 +59,12 @@ pub struct Cache<W> {
 }
 
 impl<W> Cache<W> {
-    pub fn new(tags: TagArray, no_allocate: NoAllocate, most_registers: usize, most_targets: usize) -> Self {
+    pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, most_registers: usize, most_targets: usize) -> Self {
         Self { tags, no_allocate, registers: Vec::new(), most_registers, most_targets, counts: Default::default() }
     }
 
     /// An access for `who`. `room` says whether a request can be sent down.
-    pub fn access(&mut self, asked: Asked, room: bool, who: W) -> Met {
+    pub(super) fn access(&mut self, asked: Asked, room: bool, who: W) -> Met {
         let Asked { line, class, write, dirties, needs_data } = asked;
         let unallocated = if write { self.no_allocate.writes } else { self.no_allocate.reads };
         let allocates = !unallocated.contains(class);
@@ -101,7 +101,7 @@ impl<W> Cache<W> {
 
     /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no `room`. A line that
     /// is not to be kept is not put in, and goes down itself if it was written.
-    pub fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
+    pub(super) fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
         let index = self.registers.iter().position(|register| register.line == line);
         let index = index.expect("only a line that was missed comes");
         let &Register { class, written, kept, .. } = &self.registers[index];
@@ -120,12 +120,12 @@ impl<W> Cache<W> {
     }
 
     /// A frame begins: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.tags.drop_from(first);
     }
 
     /// Lines on their way.
-    pub fn on_their_way(&self) -> usize {
+    pub(super) fn on_their_way(&self) -> usize {
         self.registers.len()
     }
 }

@@ -7,7 +7,7 @@ use super::wires::Wires;
 use crate::machine::division::DivisionSpec;
 use crate::stats::Cause;
 
-pub struct Division {
+pub(super) struct Division {
     index: usize,
     spec: DivisionSpec,
     stages: VecDeque<(u64, Id)>,
@@ -16,11 +16,11 @@ pub struct Division {
 }
 
 impl Division {
-    pub fn new(spec: &DivisionSpec, index: usize) -> Self {
+    pub(super) fn new(spec: &DivisionSpec, index: usize) -> Self {
         Self { index, spec: *spec, stages: VecDeque::new(), last_began: None, causes: Default::default() }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         if let Some(&(at, id)) = self.stages.front()
             && at == now
         {
@@ -45,7 +45,7 @@ impl Division {
         self.causes[cause as usize] += 1;
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!("in the pipeline {}, queue {}", self.stages.len(), wires.divisions[self.index].len())
     }
 }

@@ -30,7 +30,7 @@ struct GroupState {
     write_data_end: Option<u64>,
 }
 
-pub struct Channel {
+pub(super) struct Channel {
     index: usize,
     part: DramPart,
     page: Page,
@@ -63,7 +63,7 @@ fn passed(event: Option<u64>, wait: u64, now: u64) -> bool {
 }
 
 impl Channel {
-    pub fn new(spec: &DramSpec, index: usize, machine_mhz: u64, line: u64) -> Self {
+    pub(super) fn new(spec: &DramSpec, index: usize, machine_mhz: u64, line: u64) -> Self {
         let part = spec.part.clone();
         let (flat, mhz) = match spec.model {
             Model::Banks => (None, part.clock_mhz.get()),
@@ -93,7 +93,7 @@ impl Channel {
         }
     }
 
-    pub fn tick(&mut self, cycle: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, cycle: u64, wires: &mut Wires) {
         let mhz = self.mhz;
         // Data that ends at clock `e` has passed when `e / mhz` is not after the beginning of the cycle.
         while let Some(&(end, request)) = self.transfers.front()
@@ -136,7 +136,7 @@ impl Channel {
     }
 
     /// Whether a refresh was due in the last clock that was acted in, and was not given.
-    pub fn refresh_is_due(&self) -> bool {
+    pub(super) fn refresh_is_due(&self) -> bool {
         self.flat.is_none() && self.clock > (self.counts.refreshes + 1) * self.part.timing.refi.get()
     }
 
@@ -281,15 +281,15 @@ impl Channel {
     }
 
     /// Requests and commands, if they are kept; of a flat channel there are none.
-    pub fn log(&mut self) -> Option<&mut ChannelLog> {
+    pub(super) fn log(&mut self) -> Option<&mut ChannelLog> {
         self.flat.is_none().then_some(&mut self.log)
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.transfers.is_empty() && self.flat.as_ref().is_none_or(Bus::is_empty)
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!("queue {}, transfers {}", wires.to_channel[self.index].len(), self.transfers.len())
     }
 }

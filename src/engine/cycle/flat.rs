@@ -3,7 +3,7 @@
 use super::link::Link;
 use super::wires::{DramRequest, Request};
 
-pub struct Bus {
+pub(super) struct Bus {
     latency: u64,
     rate: Option<u64>,
     line: u64,
@@ -12,7 +12,7 @@ pub struct Bus {
 }
 
 /// What the bus did in a cycle.
-pub struct Moved {
+pub(super) struct Moved {
     /// Requests whose transfer began.
     pub begun: Vec<Request>,
     /// Those whose line has passed, and when they are over.
@@ -20,12 +20,12 @@ pub struct Moved {
 }
 
 impl Bus {
-    pub fn new(latency: u64, rate: Option<u64>, line: u64) -> Self {
+    pub(super) fn new(latency: u64, rate: Option<u64>, line: u64) -> Self {
         Self { latency, rate, line, moving: None }
     }
 
     /// Takes what can be moved in cycle `now`.
-    pub fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Moved {
+    pub(super) fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Moved {
         let (mut begun, mut passed) = (Vec::new(), Vec::new());
         let Some(mut bytes) = self.rate else {
             while let Some(entry) = queue.take(now) {
@@ -52,7 +52,7 @@ impl Bus {
         Moved { begun, passed }
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.moving.is_none()
     }
 }

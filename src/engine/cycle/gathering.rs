@@ -8,7 +8,7 @@ use crate::machine::layout::Layout;
 use crate::stream::{Decision, RayKind, Step};
 
 /// The table.
-pub struct Gathering {
+pub(super) struct Gathering {
     places: usize,
     /// Of each hit some of whose shadow rays are done, how many.
     done: BTreeMap<Key, usize>,
@@ -20,12 +20,12 @@ pub struct Gathering {
 type Key = (usize, usize);
 
 impl Gathering {
-    pub fn new(places: usize) -> Self {
+    pub(super) fn new(places: usize) -> Self {
         Self { places, done: BTreeMap::new(), table: BTreeMap::new() }
     }
 
     /// A ray has done its path; how many updates are merged thereby.
-    pub fn path_done(&mut self, ray: &mut Ray, layout: &Layout) -> u64 {
+    pub(super) fn path_done(&mut self, ray: &mut Ray, layout: &Layout) -> u64 {
         let Some(origin) = ray.origin.as_ref().filter(|_| self.places > 0 && ray.kind == RayKind::Shadow) else {
             return 0;
         };

@@ -6,7 +6,7 @@ use crate::stream::Chunk;
 
 /// A chunk of which somebody still needs a ray.
 #[derive(Debug)]
-pub struct Group {
+pub(super) struct Group {
     pub chunk: Arc<Chunk>,
     /// The children of each ray, in the stream's order.
     pub children: Vec<Vec<usize>>,

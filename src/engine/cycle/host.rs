@@ -30,7 +30,7 @@ enum Phase {
     Finished,
 }
 
-pub struct Host {
+pub(super) struct Host {
     spec: DispatcherSpec,
     pool: usize,
     cores: usize,
@@ -51,13 +51,13 @@ pub struct Host {
 
 /// What the dispatcher's cycle means for others.
 #[derive(Default)]
-pub struct HostCycle {
+pub(super) struct HostCycle {
     pub frame_over: Option<FrameCounts>,
     pub frame_began: bool,
 }
 
 impl Host {
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(super) fn new(machine: &MachineSpec) -> Self {
         let units = machine.cores.size() * machine.traversal.count.size();
         Self {
             spec: machine.dispatcher,
@@ -78,7 +78,7 @@ impl Host {
         }
     }
 
-    pub fn tick<E: From<StreamFault>>(
+    pub(super) fn tick<E: From<StreamFault>>(
         &mut self,
         now: u64,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
@@ -271,11 +271,11 @@ impl Host {
         self.pool - self.free_entries.len()
     }
 
-    pub fn is_finished(&self) -> bool {
+    pub(super) fn is_finished(&self) -> bool {
         matches!(self.phase, Phase::Finished)
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!(
             "rays in flight {}/{}, in FIFO {}, ready {}, being shaded {}, free slots {:?}",
             self.in_flight(),

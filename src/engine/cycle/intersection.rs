@@ -9,7 +9,7 @@ use crate::machine::intersection::IntersectionSpec;
 use crate::machine::writes::WritePolicy;
 use crate::stream::{RayKind, Step, Stop};
 
-pub struct Intersection {
+pub(super) struct Intersection {
     index: usize,
     pub unit: Unit,
     /// Rays that leave for division.
@@ -19,7 +19,7 @@ pub struct Intersection {
 }
 
 impl Intersection {
-    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, index: usize, l1: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &IntersectionSpec, writes: WritePolicy, index: usize, l1: usize, line: u64) -> Self {
         let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
@@ -30,7 +30,7 @@ impl Intersection {
         }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         while wires.test_left[self.index].take(now).is_some() {
             self.in_work -= 1;
         }
@@ -80,7 +80,7 @@ impl Intersection {
         }
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!(
             "{}, queue {}, tests {}/{}, leaving for division {}",
             self.unit.queues(),

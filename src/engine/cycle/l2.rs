@@ -9,7 +9,7 @@ use crate::memory::dram::spec::DramSpec;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{CacheCounts, TrafficClass};
 
-pub struct Bank {
+pub(super) struct Bank {
     index: usize,
     spec: BankedSpec,
     dram: DramSpec,
@@ -24,7 +24,7 @@ pub struct Bank {
 }
 
 impl Bank {
-    pub fn new(spec: &BankedSpec, dram: &DramSpec, index: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &BankedSpec, dram: &DramSpec, index: usize, line: u64) -> Self {
         Self {
             index,
             spec: *spec,
@@ -43,7 +43,7 @@ impl Bank {
         self.out.len() < self.spec.queue.size()
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         while let Some(&(at, to, line)) = self.answers.front()
             && at <= now
         {
@@ -106,19 +106,19 @@ impl Bank {
         }
     }
 
-    pub fn drop_from(&mut self, first: LineAddr) {
+    pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);
     }
 
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.answers.is_empty() && self.out.is_empty() && self.cache.on_their_way() == 0
     }
 
-    pub fn counts(&self) -> &[CacheCounts; TrafficClass::ALL.len()] {
+    pub(super) fn counts(&self) -> &[CacheCounts; TrafficClass::ALL.len()] {
         &self.cache.counts
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!(
             "requests {}/{}, misses under way {}, fills {}, answers {}, out {}",
             wires.to_bank[self.index].len(),

@@ -6,7 +6,7 @@ use crate::memory::queue::Load;
 
 /// A queue. What is put in can be taken `latency` cycles later; a place that is freed can be used in the next cycle.
 #[derive(Clone, Debug)]
-pub struct Link<T> {
+pub(super) struct Link<T> {
     places: usize,
     latency: u64,
     entries: VecDeque<(u64, T)>,
@@ -20,56 +20,56 @@ pub struct Link<T> {
 
 impl<T> Link<T> {
     /// An empty queue of `places` places.
-    pub fn new(places: usize, latency: u64) -> Self {
+    pub(super) fn new(places: usize, latency: u64) -> Self {
         Self { places, latency, entries: VecDeque::new(), put: Vec::new(), free: places, now: 0, load: Load::default() }
     }
 
     /// An empty queue with a place for everything that can come.
-    pub fn unbounded() -> Self {
+    pub(super) fn unbounded() -> Self {
         Self::new(usize::MAX, 1)
     }
 
     /// Whether there is a place.
-    pub fn has_room(&self) -> bool {
+    pub(super) fn has_room(&self) -> bool {
         self.put.len() < self.free
     }
 
     /// Puts `entry` in cycle `now`.
-    pub fn put(&mut self, now: u64, entry: T) {
+    pub(super) fn put(&mut self, now: u64, entry: T) {
         assert!(self.has_room(), "whoever puts has asked for room");
         self.put.push((now + self.latency, entry));
     }
 
     /// The first entry, if it can be taken in cycle `now`.
-    pub fn first(&self, now: u64) -> Option<&T> {
+    pub(super) fn first(&self, now: u64) -> Option<&T> {
         self.entries.front().filter(|(at, _)| *at <= now).map(|(_, entry)| entry)
     }
 
     /// Takes the first entry, if that is possible in cycle `now`.
-    pub fn take(&mut self, now: u64) -> Option<T> {
+    pub(super) fn take(&mut self, now: u64) -> Option<T> {
         self.first(now)?;
         self.remove(0)
     }
 
     /// Entries in order that can be taken in cycle `now`.
-    pub fn entries(&mut self, now: u64) -> impl Iterator<Item = &mut T> {
+    pub(super) fn entries(&mut self, now: u64) -> impl Iterator<Item = &mut T> {
         self.entries.iter_mut().filter(move |(at, _)| *at <= now).map(|(_, entry)| entry)
     }
 
     /// Entries in order that can be taken in cycle `now` and not before.
-    pub fn came(&self, now: u64) -> impl Iterator<Item = &T> {
+    pub(super) fn came(&self, now: u64) -> impl Iterator<Item = &T> {
         self.entries.iter().filter(move |(at, _)| *at == now).map(|(_, entry)| entry)
     }
 
     /// Takes entry `index`, whatever stands before it.
-    pub fn remove(&mut self, index: usize) -> Option<T> {
+    pub(super) fn remove(&mut self, index: usize) -> Option<T> {
         let (at, entry) = self.entries.remove(index)?;
         self.load.waited += self.now - (at - self.latency);
         Some(entry)
     }
 
     /// The cycle ends: what was put is there, what was taken has left its place.
-    pub fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         self.load.entries += self.put.len() as u64;
         self.entries.extend(self.put.drain(..));
         self.load.occupied += self.entries.len() as u64;
@@ -78,17 +78,17 @@ impl<T> Link<T> {
     }
 
     /// How full it was.
-    pub fn load(&self) -> Load {
+    pub(super) fn load(&self) -> Load {
         self.load
     }
 
     /// Whether nothing is there or was put.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.entries.is_empty() && self.put.is_empty()
     }
 
     /// How many are there, for the report of a deadlock.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.entries.len() + self.put.len()
     }
 }

@@ -9,7 +9,7 @@ use crate::machine::list::ListSpec;
 use crate::machine::writes::WritePolicy;
 use crate::stream::Step;
 
-pub struct List {
+pub(super) struct List {
     index: usize,
     pub unit: Unit,
     leaving: VecDeque<Id>,
@@ -18,7 +18,7 @@ pub struct List {
 }
 
 impl List {
-    pub fn new(spec: &ListSpec, index: usize, l1: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &ListSpec, index: usize, l1: usize, line: u64) -> Self {
         let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
@@ -29,7 +29,7 @@ impl List {
         }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         while wires.list_left[self.index].take(now).is_some() {
             self.in_work -= 1;
         }
@@ -72,7 +72,7 @@ impl List {
         }
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!(
             "{}, queue {}, lists {}/{}, leaving for intersection {}",
             self.unit.queues(),

@@ -7,25 +7,25 @@ use super::group::Group;
 use crate::stream::{Decision, RayKind, Step};
 
 /// The number of a pool entry, or, from the pool's size on, of an entry for a step of a frame's end.
-pub type Id = usize;
+pub(super) type Id = usize;
 
 /// Who has a slot or a context for a ray, and gets it back from other units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sender {
+pub(super) enum Sender {
     Traversal(usize),
     ShadowCache(usize),
 }
 
 /// Where a ray is in the stream.
 #[derive(Clone, Debug)]
-pub struct Origin {
+pub(super) struct Origin {
     pub group: Rc<Group>,
     pub index: usize,
 }
 
 /// The ray.
 #[derive(Clone, Debug)]
-pub struct Ray {
+pub(super) struct Ray {
     pub kind: RayKind,
     pub decision: Decision,
     /// Steps of the path that are not performed yet.
@@ -53,7 +53,7 @@ pub struct Ray {
 
 impl Ray {
     /// The step that an intersection unit is to perform.
-    pub fn tested_step(&mut self) -> &mut VecDeque<Step> {
+    pub(super) fn tested_step(&mut self) -> &mut VecDeque<Step> {
         match self.sender {
             Sender::Traversal(_) => &mut self.path,
             Sender::ShadowCache(_) => &mut self.policy,

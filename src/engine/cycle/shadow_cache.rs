@@ -10,7 +10,7 @@ use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::machine::writes::WritePolicy;
 use crate::stream::{Decision, RayKind, Step, Store};
 
-pub struct ShadowCache {
+pub(super) struct ShadowCache {
     index: usize,
     spec: ShadowCacheSpec,
     pub unit: Unit,
@@ -39,7 +39,7 @@ enum Registered {
 }
 
 impl ShadowCache {
-    pub fn new(spec: &ShadowCacheSpec, index: usize, pool: usize, l1: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &ShadowCacheSpec, index: usize, pool: usize, l1: usize, line: u64) -> Self {
         let contexts = spec.contexts.size();
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first = pool + index * contexts;
@@ -60,7 +60,7 @@ impl ShadowCache {
         }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         let free_contexts = self.spec.contexts.size() - self.in_work;
         self.unit.fill_and_hit(now, wires);
         while let Some(id) = self.unit.leave(now) {
@@ -265,7 +265,7 @@ impl ShadowCache {
         }
     }
 
-    pub fn queues(&self, wires: &Wires) -> String {
+    pub(super) fn queues(&self, wires: &Wires) -> String {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}, steps of the frame's end {}",
             self.unit.queues(),

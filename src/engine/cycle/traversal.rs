@@ -9,7 +9,7 @@ use crate::machine::traversal::TraversalSpec;
 use crate::machine::writes::WritePolicy;
 use crate::stream::{RayKind, Step};
 
-pub struct Traversal {
+pub(super) struct Traversal {
     index: usize,
     pub unit: Unit,
     /// Rays that leave for list or intersection units.
@@ -19,13 +19,13 @@ pub struct Traversal {
 }
 
 impl Traversal {
-    pub fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
         let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let unit = Unit::new(index, &spec.cache, pace, line, WritePolicy::Back);
         Self { index, unit, leaving: VecDeque::new(), done: VecDeque::new() }
     }
 
-    pub fn tick(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn tick(&mut self, now: u64, wires: &mut Wires) {
         self.unit.fill_and_hit(now, wires);
         if let Some(id) = self.unit.leave(now) {
             let ray = wires.ray(id);
@@ -80,7 +80,7 @@ impl Traversal {
         }
     }
 
-    pub fn queues(&self) -> String {
+    pub(super) fn queues(&self) -> String {
         format!("{}, leaving for lists or intersection {}", self.unit.queues(), self.leaving.len())
     }
 }

@@ -26,7 +26,7 @@ struct Fetch {
 
 /// How long an operation takes, from one to the next, and how many begin in a cycle.
 #[derive(Clone, Copy, Debug)]
-pub struct Pace {
+pub(super) struct Pace {
     pub latency: u64,
     pub interval: u64,
     pub width: u64,
@@ -34,7 +34,7 @@ pub struct Pace {
 
 /// The unit.
 #[derive(Clone, Debug)]
-pub struct Unit {
+pub(super) struct Unit {
     /// The number of its L1.
     l1: usize,
     spec: CacheSpec,
@@ -59,7 +59,7 @@ pub struct Unit {
 }
 
 impl Unit {
-    pub fn new(l1: usize, spec: &CacheSpec, pace: Pace, line: u64, writes: WritePolicy) -> Self {
+    pub(super) fn new(l1: usize, spec: &CacheSpec, pace: Pace, line: u64, writes: WritePolicy) -> Self {
         Self {
             l1,
             spec: *spec,
@@ -85,7 +85,7 @@ impl Unit {
     }
 
     /// A ray begins to fetch `element`.
-    pub fn fetch(&mut self, id: Id, element: Element, layout: &Layout) {
+    pub(super) fn fetch(&mut self, id: Id, element: Element, layout: &Layout) {
         let (first, count) = layout.lines(&element);
         let to_access = (0..count).map(|line| LineAddr(first.0 + line)).collect();
         self.fetches.insert(id, Fetch { element, to_access, to_come: 0, past_l1: false });
@@ -93,23 +93,23 @@ impl Unit {
     }
 
     /// A ray begins to fetch `element` from the L2.
-    pub fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
+    pub(super) fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
         self.fetch(id, element, layout);
         self.fetches.entry(id).and_modify(|fetch| fetch.past_l1 = true);
     }
 
     /// A ray is to have an operation on `element` without a fetch.
-    pub fn ready_with(&mut self, id: Id, element: Element) {
+    pub(super) fn ready_with(&mut self, id: Id, element: Element) {
         self.ready.push_back((id, Some(element)));
     }
 
     /// A ray is to have an operation without a fetch.
-    pub fn ready_without_fetch(&mut self, id: Id) {
+    pub(super) fn ready_without_fetch(&mut self, id: Id) {
         self.ready.push_back((id, None));
     }
 
     /// Steps 1 and 2.
-    pub fn fill_and_hit(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn fill_and_hit(&mut self, now: u64, wires: &mut Wires) {
         let lines = &mut wires.to_l1[self.l1];
         if let Some(&line) = lines.first(now)
             && let Some(oldest) = self.asked.iter().position(|&(asked, _)| asked == line)
@@ -154,14 +154,14 @@ impl Unit {
     }
 
     /// Step 3: the ray whose operation ends.
-    pub fn leave(&mut self, now: u64) -> Option<Id> {
+    pub(super) fn leave(&mut self, now: u64) -> Option<Id> {
         let &(_, id) = self.stages.front().filter(|&&(at, _)| at == now)?;
         self.stages.pop_front();
         Some(id)
     }
 
     /// Step 5: whether operations began.
-    pub fn begin(&mut self, now: u64, layout: &Layout) -> bool {
+    pub(super) fn begin(&mut self, now: u64, layout: &Layout) -> bool {
         if self.is_occupied(now) {
             return false;
         }
@@ -196,7 +196,7 @@ impl Unit {
     }
 
     /// Step 6.
-    pub fn access(&mut self, now: u64) {
+    pub(super) fn access(&mut self, now: u64) {
         if let Some(id) = self.in_rows.pop_front() {
             return self.line_came(id);
         }
@@ -252,7 +252,7 @@ impl Unit {
     }
 
     /// Step 7.
-    pub fn send(&mut self, now: u64, wires: &mut Wires) {
+    pub(super) fn send(&mut self, now: u64, wires: &mut Wires) {
         let Some(&request) = self.out.front() else { return };
         let bank = wires.bank_of(&request);
         if bank.has_room() {
@@ -263,7 +263,7 @@ impl Unit {
 
     /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit,
     /// `passed_by` whether rays had to wait because the unit took as many as it can.
-    pub fn account(&mut self, now: u64, began: bool, leaving: bool, passed_by: bool) {
+    pub(super) fn account(&mut self, now: u64, began: bool, leaving: bool, passed_by: bool) {
         let memory = !self.fetches.is_empty();
         let pipeline = !self.stages.is_empty();
         let blocked = leaving || !self.ready.is_empty();
@@ -284,22 +284,22 @@ impl Unit {
     }
 
     /// A frame begins: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);
     }
 
     /// Whether nothing is on its way to or from memory.
-    pub fn memory_is_empty(&self) -> bool {
+    pub(super) fn memory_is_empty(&self) -> bool {
         self.out.is_empty() && self.cache.on_their_way() == 0 && self.asked.is_empty()
     }
 
     /// What was counted.
-    pub fn tally(&self) -> UnitTally {
+    pub(super) fn tally(&self) -> UnitTally {
         UnitTally { cache: self.cache.counts, ..self.tally.clone() }
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(super) fn queues(&self) -> String {
         format!(
             "to fetch {}, fetches under way {}, ready {}, in the pipeline {}, misses under way {}, out {}/{}",
             self.fetch_queue.len(),

@@ -13,7 +13,7 @@ use crate::stream::{Header, RayKind, Step, Totals};
 
 /// What a cache asks of the level below.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub(super) struct Request {
     pub line: LineAddr,
     pub class: TrafficClass,
     pub write: bool,
@@ -24,7 +24,7 @@ pub struct Request {
 
 /// A request in a channel of the DRAM.
 #[derive(Clone, Copy, Debug)]
-pub struct DramRequest {
+pub(super) struct DramRequest {
     pub request: Request,
     pub place: Place,
     pub activated: bool,
@@ -41,7 +41,7 @@ fn put_if_room(queue: &mut Link<Id>, now: u64, id: Id) -> bool {
 }
 
 /// Links and common knowledge.
-pub struct Wires {
+pub(super) struct Wires {
     cores: usize,
     pool: usize,
     /// The rays in the machine, by their entries.
@@ -90,7 +90,7 @@ pub struct Wires {
 }
 
 impl Wires {
-    pub fn new(spec: &MachineSpec, header: &Header) -> Self {
+    pub(super) fn new(spec: &MachineSpec, header: &Header) -> Self {
         fn links<T>(count: usize, link: impl Fn() -> Link<T>) -> Vec<Link<T>> {
             (0..count).map(|_| link()).collect()
         }
@@ -144,7 +144,7 @@ impl Wires {
     }
 
     /// The cycle ends.
-    pub fn settle(&mut self) {
+    pub(super) fn settle(&mut self) {
         fn all<T>(links: &mut [Link<T>]) {
             links.iter_mut().for_each(Link::settle);
         }
@@ -170,7 +170,7 @@ impl Wires {
     }
 
     /// The ray in entry `id`.
-    pub fn ray(&mut self, id: Id) -> &mut Ray {
+    pub(super) fn ray(&mut self, id: Id) -> &mut Ray {
         self.rays[id].as_mut().expect("an entry that is under way holds a ray")
     }
 
@@ -190,36 +190,36 @@ impl Wires {
     }
 
     /// The intersection unit of the ray's tests.
-    pub fn test_unit(&mut self, id: Id) -> usize {
+    pub(super) fn test_unit(&mut self, id: Id) -> usize {
         self.unit_of(id, self.tests.len())
     }
 
     /// Sends a ray to its list unit, if that has a place in its queue.
-    pub fn send_to_list(&mut self, now: u64, id: Id) -> bool {
+    pub(super) fn send_to_list(&mut self, now: u64, id: Id) -> bool {
         let unit = self.unit_of(id, self.lists.len());
         put_if_room(&mut self.lists[unit], now, id)
     }
 
     /// Sends a ray to its intersection unit, if that has a place in its queue.
-    pub fn send_to_test(&mut self, now: u64, id: Id) -> bool {
+    pub(super) fn send_to_test(&mut self, now: u64, id: Id) -> bool {
         let unit = self.test_unit(id);
         put_if_room(&mut self.tests[unit], now, id)
     }
 
     /// Sends a ray to the intersection unit that accesses `line`, if that has a place in its queue.
-    pub fn send_to_access(&mut self, now: u64, id: Id, line: LineAddr) -> bool {
+    pub(super) fn send_to_access(&mut self, now: u64, id: Id, line: LineAddr) -> bool {
         let unit = line.0 as usize % self.tests.len();
         put_if_room(&mut self.tests[unit], now, id)
     }
 
     /// Sends a ray to its division unit, if that has a place in its queue.
-    pub fn send_to_division(&mut self, now: u64, id: Id) -> bool {
+    pub(super) fn send_to_division(&mut self, now: u64, id: Id) -> bool {
         let unit = self.unit_of(id, self.divisions.len());
         put_if_room(&mut self.divisions[unit], now, id)
     }
 
     /// What a ray was at an intersection unit for is done: a test, or an access to an entry.
-    pub fn test_is_over(&mut self, now: u64, id: Id) {
+    pub(super) fn test_is_over(&mut self, now: u64, id: Id) {
         let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
         let tested = matches!(ray.tested_step().front(), Some(Step::Triangle { .. }));
         if !tested {
@@ -245,13 +245,13 @@ impl Wires {
     }
 
     /// The ray has done its path.
-    pub fn path_done(&mut self, id: Id) {
+    pub(super) fn path_done(&mut self, id: Id) {
         let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
         self.words.work.gathered_writes += self.gathering.path_done(ray, &self.layout);
     }
 
     /// A ray is done and goes to the out FIFO, if that has a place.
-    pub fn send_out(&mut self, now: u64, id: Id) -> bool {
+    pub(super) fn send_out(&mut self, now: u64, id: Id) -> bool {
         let room = self.out_fifo.has_room();
         if room {
             self.out_fifo.put(now, id);
@@ -261,7 +261,7 @@ impl Wires {
     }
 
     /// A ray goes back to the traversal or shadow-cache unit that has a place for it.
-    pub fn give_back(&mut self, now: u64, id: Id) {
+    pub(super) fn give_back(&mut self, now: u64, id: Id) {
         match self.ray(id).sender {
             Sender::Traversal(unit) => self.back_in_traversal[unit].put(now, id),
             Sender::ShadowCache(unit) => self.back_in_policy[unit].put(now, id),
@@ -269,7 +269,7 @@ impl Wires {
     }
 
     /// Sends a ray to the shadow-cache unit where it begins.
-    pub fn send_to_policy(&mut self, now: u64, id: Id) {
+    pub(super) fn send_to_policy(&mut self, now: u64, id: Id) {
         let ray = self.rays[id].as_ref().expect("an entry that is under way holds a ray");
         let first = if ray.undecided { None } else { ray.policy.front() };
         let home = first.and_then(|&step| self.words.home(step, &self.layout));
@@ -278,7 +278,7 @@ impl Wires {
     }
 
     /// A frame's end of these steps begins.
-    pub fn begin_end(&mut self, now: u64, steps: Vec<Step>) {
+    pub(super) fn begin_end(&mut self, now: u64, steps: Vec<Step>) {
         let (steps, free) = self.words.without_free(steps);
         self.replayed.count_policy(free.into_iter());
         if steps.is_empty() && !self.words.registers_are_there() {
@@ -293,14 +293,14 @@ impl Wires {
     }
 
     /// The queue of the bank that `request` of an L1 goes to.
-    pub fn bank_of(&mut self, request: &Request) -> &mut Link<Request> {
+    pub(super) fn bank_of(&mut self, request: &Request) -> &mut Link<Request> {
         let (first, banks) = self.homes[request.class as usize];
         let before = self.core_of_l1[request.from] * (self.to_bank.len() / self.cores);
         &mut self.to_bank[before + first + (request.line.0 % banks) as usize]
     }
 
     /// Whether nothing is between L1s, L2 and DRAM.
-    pub fn memory_is_empty(&self) -> bool {
+    pub(super) fn memory_is_empty(&self) -> bool {
         self.to_bank.iter().all(Link::is_empty)
             && self.to_l1.iter().all(Link::is_empty)
             && self.to_channel.iter().all(Link::is_empty)

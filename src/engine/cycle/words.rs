@@ -7,7 +7,7 @@ use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::stream::{Header, Step, Store};
 
-pub struct Words {
+pub(super) struct Words {
     pub spec: ShadowCacheSpec,
     /// Shadow-cache units of all cores.
     units: usize,
@@ -22,19 +22,19 @@ pub struct Words {
 }
 
 /// The address of a step's entry.
-pub fn address(step: Step, layout: &Layout) -> Option<u64> {
+pub(super) fn address(step: Step, layout: &Layout) -> Option<u64> {
     let (store, index) = step.entry()?;
     Some(layout.entry(store, index, false).addr.0)
 }
 
 impl Words {
-    pub fn new(spec: &ShadowCacheSpec, units: usize, header: &Header) -> Self {
+    pub(super) fn new(spec: &ShadowCacheSpec, units: usize, header: &Header) -> Self {
         let (touched, learned, work) = (BTreeSet::new(), BTreeSet::new(), StoreWork::default());
         Self { spec: *spec, units, header: header.clone(), touched, learned, work, ending: 0 }
     }
 
     /// The unit that a step must be performed in; `None` if any will do.
-    pub fn home(&self, step: Step, layout: &Layout) -> Option<usize> {
+    pub(super) fn home(&self, step: Step, layout: &Layout) -> Option<usize> {
         let (store, index) = step.entry()?;
         let (line, _) = layout.lines(&layout.entry(store, index, false));
         Some(line.0 as usize % self.units)
@@ -69,7 +69,7 @@ impl Words {
     }
 
     /// If a ray's step is a first touch: the steps that stand in its place, of which all but `own` set modes.
-    pub fn first_touch(&mut self, step: Step, layout: &Layout) -> Option<FirstTouch> {
+    pub(super) fn first_touch(&mut self, step: Step, layout: &Layout) -> Option<FirstTouch> {
         if self.spec.frame_end != FrameEnd::Epoch || self.header.stores.pixel_counters == 0 {
             return None;
         }
@@ -89,18 +89,18 @@ impl Words {
     }
 
     /// The policy's steps without those that cost nothing, and these.
-    pub fn without_free<S: Default + Extend<Step> + IntoIterator<Item = Step>>(&self, steps: S) -> (S, S) {
+    pub(super) fn without_free<S: Default + Extend<Step> + IntoIterator<Item = Step>>(&self, steps: S) -> (S, S) {
         let free = self.spec.place == Place::Free;
         steps.into_iter().partition(|step| !free || step.entry().is_none())
     }
 
     /// Whether updates can wait in registers.
-    pub fn registers_are_there(&self) -> bool {
+    pub(super) fn registers_are_there(&self) -> bool {
         self.spec.register.get() > 0 && self.spec.place != Place::Free
     }
 
     /// The steps of a frame's end, from the recorded ones.
-    pub fn end(&mut self, recorded: &[u32], layout: &Layout) -> Vec<Step> {
+    pub(super) fn end(&mut self, recorded: &[u32], layout: &Layout) -> Vec<Step> {
         self.touched.clear();
         let free = self.spec.place == Place::Free;
         let mut all = Vec::new();
@@ -129,7 +129,7 @@ impl Words {
 }
 
 /// A first touch.
-pub struct FirstTouch {
+pub(super) struct FirstTouch {
     /// The updates that set modes.
     pub setting: Vec<Step>,
     /// The ray's own step, if it is none of them.

@@ -15,7 +15,7 @@ type Run = (u64, u64);
 
 /// A unit's cycles by cause.
 #[derive(Clone, Debug)]
-pub struct Causes {
+pub(crate) struct Causes {
     /// Idle cycles before `from`, by cause.
     totals: [u64; Cause::ALL.len()],
     /// The cause of the cycles from `from` on in which the unit is not busy, until something happens.
@@ -40,7 +40,7 @@ impl Default for Causes {
 impl Causes {
     /// An operation begins in cycle `at`, after all others, and occupies its entry for so many cycles.
     #[inline]
-    pub fn begin(&mut self, at: u64, cycles: u64) {
+    pub(crate) fn begin(&mut self, at: u64, cycles: u64) {
         self.busy += cycles;
         match self.runs.back_mut().filter(|run| run.1 == at) {
             Some(run) => run.1 += cycles,
@@ -50,7 +50,7 @@ impl Causes {
 
     /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no operation occupies the unit.
     #[inline]
-    pub fn cycle(&mut self, now: u64, idle: Cause) {
+    pub(crate) fn cycle(&mut self, now: u64, idle: Cause) {
         if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
             self.change(ahead.at, ahead.idle);
         }
@@ -63,14 +63,14 @@ impl Causes {
     /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
     /// began: it is lost at the intake if no earlier operation occupies it. Later cycles are `idle`'s as after
     /// [`Causes::cycle`].
-    pub fn passed_by(&mut self, now: u64, idle: Cause) {
+    pub(crate) fn passed_by(&mut self, now: u64, idle: Cause) {
         self.cycle(now, Cause::Intake);
         self.change(now + 1, idle);
     }
 
     /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the cause.
     #[inline]
-    pub fn ahead(&mut self, at: u64, idle: Cause) {
+    pub(crate) fn ahead(&mut self, at: u64, idle: Cause) {
         self.ahead = Some(Ahead { at, idle });
     }
 
@@ -92,13 +92,13 @@ impl Causes {
     }
 
     /// Cycles in which an operation occupied the unit, so far as is known.
-    pub fn busy(&self) -> u64 {
+    pub(crate) fn busy(&self) -> u64 {
         self.busy
     }
 
     /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to begin in the last one, its
     /// ray still waits.
-    pub fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
+    pub(crate) fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
         let mut end = self.clone();
         if let Some(ahead) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {
             end.change(ahead.at, ahead.idle);

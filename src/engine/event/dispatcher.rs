@@ -18,7 +18,7 @@ use crate::stream::{Decision, Item, Ray, RayKind, Step};
 
 /// What happened in a cycle that concerns others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Events {
+pub(crate) struct Events {
     /// A frame began: dynamic lines go from all caches.
     pub frame_began: bool,
     /// A frame is over.
@@ -29,7 +29,7 @@ pub struct Events {
 
 /// The dispatcher.
 #[derive(Clone, Debug)]
-pub struct Dispatcher {
+pub(crate) struct Dispatcher {
     spec: DispatcherSpec,
     pool: usize,
     /// The host.
@@ -54,7 +54,7 @@ pub struct Dispatcher {
 
 impl Dispatcher {
     /// The dispatcher of `machine` at the beginning of a stream.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
         let (cores, unloaded) = (machine.cores.size(), Unloaded::new(machine));
         Self {
             spec: machine.dispatcher,
@@ -75,7 +75,7 @@ impl Dispatcher {
     }
 
     /// Cycle `now`. `next` gives the stream's items.
-    pub fn tick<E: From<StreamFault>>(
+    pub(crate) fn tick<E: From<StreamFault>>(
         &mut self,
         now: u64,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
@@ -245,33 +245,33 @@ impl Dispatcher {
     }
 
     /// Rays handed over whose results the host has not taken.
-    pub fn in_flight(&self) -> usize {
+    pub(crate) fn in_flight(&self) -> usize {
         self.pool - self.free.len()
     }
 
     /// No unit gets a ray any more.
     #[cfg(test)]
-    pub fn take_all_slots(&mut self) {
+    pub(crate) fn take_all_slots(&mut self) {
         self.free_slots.fill(0);
     }
 
     /// Whether the stream is at its end.
-    pub fn is_finished(&self) -> bool {
+    pub(crate) fn is_finished(&self) -> bool {
         matches!(self.host.phase, Phase::Finished)
     }
 
     /// Rays done so far, skipped ones not counted.
-    pub fn rays(&self) -> u64 {
+    pub(crate) fn rays(&self) -> u64 {
         self.rays
     }
 
     /// How full the in FIFO was.
-    pub fn load(&self) -> Load {
+    pub(crate) fn load(&self) -> Load {
         self.waiting.load()
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(crate) fn queues(&self) -> String {
         format!(
             "rays in flight {}/{}, in FIFO {}/{}, {}, free slots {}",
             self.in_flight(),

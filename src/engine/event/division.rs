@@ -10,7 +10,7 @@ use crate::stats::Cause;
 
 /// A division unit.
 #[derive(Clone, Debug)]
-pub struct Division {
+pub(crate) struct Division {
     index: usize,
     part: PartId,
     core: u32,
@@ -24,7 +24,7 @@ pub struct Division {
 
 impl Division {
     /// Unit `index`, empty.
-    pub fn new(spec: &DivisionSpec, index: u32, links: &Links) -> Self {
+    pub(crate) fn new(spec: &DivisionSpec, index: u32, links: &Links) -> Self {
         let part = links.parts.division(index);
         Self {
             index: index as usize,
@@ -38,7 +38,7 @@ impl Division {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         if let Some(id) = take(&mut self.stages, now) {
             let unit = links.parts.intersection_of(self.core, id.into());
             links.freed_tests[unit as usize] += 1;
@@ -65,7 +65,7 @@ impl Division {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self, links: &Links) -> String {
+    pub(crate) fn queues(&self, links: &Links) -> String {
         let queue = &links.divisions[self.index];
         format!("in the pipeline {}, queue {}/{}", self.stages.len(), queue.len(), queue.capacity())
     }

@@ -10,7 +10,7 @@ use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
 
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ChunkRay {
+pub(super) struct ChunkRay {
     /// The host's number of the chunk.
     pub chunk: u32,
     /// The ray's place in it.
@@ -66,7 +66,7 @@ impl ActiveChunk {
 
 /// Where the host stands in the stream.
 #[derive(Clone, Debug)]
-pub enum Phase {
+pub(super) enum Phase {
     /// Before a frame.
     Between,
     /// In a frame.
@@ -81,7 +81,7 @@ pub enum Phase {
 
 /// The host.
 #[derive(Clone, Debug)]
-pub struct Host {
+pub(super) struct Host {
     /// Where it stands in the stream.
     pub phase: Phase,
     /// The frame's number.
@@ -96,7 +96,7 @@ pub struct Host {
 
 impl Host {
     /// A host at the beginning of a stream.
-    pub fn new(shading_cycles: u64) -> Self {
+    pub(super) fn new(shading_cycles: u64) -> Self {
         Self {
             phase: Phase::Between,
             frame: 0,
@@ -109,7 +109,7 @@ impl Host {
     }
 
     /// Takes items from the stream until a primary ray can be given out, or the frame has no more; whether a frame began.
-    pub fn pull<E: From<StreamFault>>(
+    pub(super) fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
         links: &mut Links,
@@ -161,12 +161,12 @@ impl Host {
     }
 
     /// The ray in its chunk.
-    pub fn ray(&self, which: ChunkRay) -> crate::stream::Ray<'_> {
+    pub(super) fn ray(&self, which: ChunkRay) -> crate::stream::Ray<'_> {
         self.active(which.chunk).chunk.ray(which.index as usize)
     }
 
     /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
-    pub fn siblings(&self, which: ChunkRay, back: u32) -> (u32, u32) {
+    pub(super) fn siblings(&self, which: ChunkRay, back: u32) -> (u32, u32) {
         let active = self.active(which.chunk);
         let hit = which.index - back;
         let traced = |&&index: &&u32| {
@@ -177,7 +177,7 @@ impl Host {
     }
 
     /// Whether all steps of the ray's chunk are known to exist.
-    pub fn is_sound(&self, which: ChunkRay) -> bool {
+    pub(super) fn is_sound(&self, which: ChunkRay) -> bool {
         self.active(which.chunk).sound
     }
 
@@ -187,7 +187,7 @@ impl Host {
 
     /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once. Returns how
     /// many are.
-    pub fn shade(&mut self, now: u64, links: &mut Links) -> Result<usize, StreamFault> {
+    pub(super) fn shade(&mut self, now: u64, links: &mut Links) -> Result<usize, StreamFault> {
         let mut all = 0;
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
@@ -225,7 +225,7 @@ impl Host {
     }
 
     /// Gives out the next ray.
-    pub fn give(&mut self) -> Option<ChunkRay> {
+    pub(super) fn give(&mut self) -> Option<ChunkRay> {
         self.ready.pop_front().or_else(|| {
             let (chunk, given) = self.current?;
             let primaries = &self.active(chunk).primaries;
@@ -236,17 +236,17 @@ impl Host {
     }
 
     /// Whether there is a ray to give out.
-    pub fn has_rays(&self) -> bool {
+    pub(super) fn has_rays(&self) -> bool {
         !self.ready.is_empty() || self.current.is_some()
     }
 
     /// When the next shading ends.
-    pub fn shading_ends(&self) -> Option<u64> {
+    pub(super) fn shading_ends(&self) -> Option<u64> {
         self.shading.front().map(|&(at, _)| at)
     }
 
     /// Takes a ray's results in cycle `now`.
-    pub fn take(&mut self, ray: ChunkRay, now: u64) {
+    pub(super) fn take(&mut self, ray: ChunkRay, now: u64) {
         let Some(active) = &self.chunks[ray.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
         if !active.children(ray.index).is_empty() {
             self.shading.push_back((now + self.shading_cycles, ray));
@@ -255,7 +255,7 @@ impl Host {
     }
 
     /// The state of the lists, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(super) fn queues(&self) -> String {
         format!("ready {}, being shaded {}", self.ready.len(), self.shading.len())
     }
 }

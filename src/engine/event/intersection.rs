@@ -11,7 +11,7 @@ use crate::stream::{RayKind, Step, Stop};
 
 /// An intersection unit.
 #[derive(Clone, Debug)]
-pub struct Intersection {
+pub(crate) struct Intersection {
     index: usize,
     /// The common part.
     pub pipeline: Pipeline,
@@ -23,7 +23,7 @@ pub struct Intersection {
 
 impl Intersection {
     /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
-    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, memory: Memory, index: u32, links: &Links) -> Self {
+    pub(crate) fn new(spec: &IntersectionSpec, writes: WritePolicy, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.intersection(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
@@ -36,7 +36,7 @@ impl Intersection {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         self.free += std::mem::take(&mut links.freed_tests[self.index]);
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
@@ -96,7 +96,7 @@ impl Intersection {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self, links: &Links) -> String {
+    pub(crate) fn queues(&self, links: &Links) -> String {
         let queue = &links.tests[self.index];
         format!(
             "{}, queue {}/{}, tests {}/{}, leaving for division {}",

@@ -22,11 +22,11 @@ use crate::quantity::LineAddr;
 use crate::stream::{self, Header, Step, Store, Totals};
 
 /// A queue with a place for everything that can come.
-pub type Inbox<T> = Ring<(u64, T)>;
+pub(super) type Inbox<T> = Ring<(u64, T)>;
 
 /// Takes the first of `inbox` if it is there in cycle `now`.
 #[inline]
-pub fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
+pub(super) fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
     let &(at, entry) = inbox.front()?;
     if at > now {
         return None;
@@ -37,7 +37,7 @@ pub fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
 
 /// A line from the L2.
 #[derive(Clone, Copy, Debug)]
-pub struct Answer {
+pub(crate) struct Answer {
     /// The cycle from which on it is there.
     pub at: u64,
     /// Which bank sends it: its place in turn in the cycle before. Answers of a cycle come in this order.
@@ -48,7 +48,7 @@ pub struct Answer {
 
 /// What the parts share.
 #[derive(Clone, Debug)]
-pub struct Links {
+pub(crate) struct Links {
     /// The parts' numbers.
     pub parts: Parts,
     /// The pool's rays, then the steps of a frame's end.
@@ -112,7 +112,7 @@ pub struct Links {
 
 impl Links {
     /// Empty links of a machine that replays a stream.
-    pub fn new(spec: &MachineSpec, header: &Header, clock: Wheel) -> Self {
+    pub(crate) fn new(spec: &MachineSpec, header: &Header, clock: Wheel) -> Self {
         let parts = Parts::new(spec);
         let line = spec.line_bytes.get();
         let contexts = parts.shadow_cache as usize * spec.shadow_cache.contexts.size();
@@ -152,7 +152,7 @@ impl Links {
     }
 
     /// Takes the steps of the policy that are not performed out of a ray that is handed over, and counts them.
-    pub fn leave_out(&mut self, ray: RayId) {
+    pub(crate) fn leave_out(&mut self, ray: RayId) {
         if self.shadow_cache.performs_all() {
             return;
         }
@@ -173,7 +173,7 @@ impl Links {
     }
 
     /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
-    pub fn answer(&mut self, ray: &stream::Ray<'_>) -> Result<bool, StreamFault> {
+    pub(crate) fn answer(&mut self, ray: &stream::Ray<'_>) -> Result<bool, StreamFault> {
         let spec = &self.shadow_cache;
         if !spec.decide.answers(ray.head.decision, 0) {
             return Ok(false);
@@ -193,14 +193,14 @@ impl Links {
     }
 
     /// The ray has done its path.
-    pub fn retire(&mut self, ray: RayId) {
+    pub(crate) fn retire(&mut self, ray: RayId) {
         let Ray { kind, chunk, hit, siblings, ref mut steps, path_end, .. } = self.rays[ray as usize];
         let ray = Retiring { kind, hit: HitId { chunk, place: hit }, siblings, steps, path_end };
         self.stores.gathered_writes += self.gathering.retire(ray, self.layout.stores());
     }
 
     /// The entry of a ray's next step.
-    pub fn entry_element(&self, ray: RayId) -> Element {
+    pub(crate) fn entry_element(&self, ray: RayId) -> Element {
         let step = self.rays[ray as usize].step().expect("the ray has a step of an entry");
         let (store, index) = step.entry().expect("the step is of an entry");
         self.layout.entry(store, index, step.writes())
@@ -224,7 +224,7 @@ impl Links {
     }
 
     /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those that do.
-    pub fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
+    pub(crate) fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
         let lazy = self.shadow_cache.frame_end == FrameEnd::Epoch && self.header.stores.pixel_counters > 0;
         let owner = self.layout.stores().owner(store, index).filter(|&owner| owner < self.header.static_primitives);
         let Some(primitive) = owner.filter(|_| lazy) else { return false };
@@ -246,7 +246,7 @@ impl Links {
     }
 
     /// A frame's end with these recorded steps begins; whether there is anything to do.
-    pub fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
+    pub(crate) fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
         let spec = self.shadow_cache;
         self.touched.clear();
         let counted = self.header.stores.pixel_counters > 0;
@@ -293,20 +293,20 @@ impl Links {
     }
 
     /// A shadow-cache unit's steps of a frame's end that has begun.
-    pub fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
+    pub(crate) fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
         let part = &mut self.frame_end[unit as usize];
         part.take_if(|(at, _)| *at <= now).map(|(_, steps)| steps)
     }
 
     /// A frame begins: lines of the dynamic part go from the L2.
-    pub fn drop_dynamic_lines(&mut self) {
+    pub(crate) fn drop_dynamic_lines(&mut self) {
         let first = self.layout.dynamic_part();
         self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
     }
 
     /// Something comes to traversal unit `unit` in cycle `at`.
     #[inline]
-    pub fn post(&mut self, unit: u32, at: u64) {
+    pub(crate) fn post(&mut self, unit: u32, at: u64) {
         let part = self.parts.traversal(unit);
         let mail = &mut self.mail[part.0 as usize];
         *mail = (*mail).min(at);
@@ -315,12 +315,12 @@ impl Links {
 
     /// Whether a line from the L2 has come to the L1 of `part`.
     #[inline]
-    pub fn line_is_there(&self, part: PartId, now: u64) -> bool {
+    pub(crate) fn line_is_there(&self, part: PartId, now: u64) -> bool {
         self.lines[part.0 as usize].front().is_some_and(|answer| answer.at <= now)
     }
 
     /// Cycle `now` of bank `index` of the L2.
-    pub fn tick_bank(&mut self, index: usize, now: u64) {
+    pub(crate) fn tick_bank(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, lines, mail, .. } = self;
         l2.banks[index].tick(now, dram, clock, |to, line, at| {
             let first = ((at - 1) % u64::from(parts.banks)) as u32;
@@ -331,7 +331,7 @@ impl Links {
     }
 
     /// Cycle `now` of channel `index` of the DRAM.
-    pub fn tick_channel(&mut self, index: usize, now: u64) {
+    pub(crate) fn tick_channel(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;
         dram.tick(index, now, clock, |to, line| l2.banks[(to.0 - first) as usize].deliver(line, now + 1));

@@ -11,7 +11,7 @@ use crate::stream::Step;
 
 /// A list unit.
 #[derive(Clone, Debug)]
-pub struct List {
+pub(crate) struct List {
     index: u32,
     /// The common part.
     pub pipeline: Pipeline,
@@ -23,7 +23,7 @@ pub struct List {
 
 impl List {
     /// Unit `index`, empty.
-    pub fn new(spec: &ListSpec, memory: Memory, index: u32, links: &Links) -> Self {
+    pub(crate) fn new(spec: &ListSpec, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.list(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
@@ -36,7 +36,7 @@ impl List {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let index = self.index as usize;
         self.free += std::mem::take(&mut links.freed_lists[index]);
         let free_at_start = self.free > 0;
@@ -87,7 +87,7 @@ impl List {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self, links: &Links) -> String {
+    pub(crate) fn queues(&self, links: &Links) -> String {
         let queue = &links.lists[self.index as usize];
         format!(
             "{}, queue {}/{}, lists {}/{}, leaving for intersection {}",

@@ -14,7 +14,7 @@ use crate::stats::{Cause, L1Counts, TrafficClass};
 
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]
-pub struct Stages {
+pub(crate) struct Stages {
     /// Cycles that an operation takes.
     pub latency: u64,
     /// Cycles from an operation to the next.
@@ -25,7 +25,7 @@ pub struct Stages {
 
 /// What a unit knows of the memory below its L1.
 #[derive(Clone, Copy, Debug)]
-pub struct Memory {
+pub(crate) struct Memory {
     /// Bytes of a line.
     pub line: u64,
     /// The shortest latency of a cache of the L2.
@@ -34,7 +34,7 @@ pub struct Memory {
 
 impl Memory {
     /// Of `machine`.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
         let latencies = machine.l2.caches().into_iter().map(|(_, cache)| cache.latency.get());
         Self { line: machine.line_bytes.get(), answer_latency: latencies.min().unwrap_or(0) }
     }
@@ -43,7 +43,7 @@ impl Memory {
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
 /// [`Pipeline::end`] in this order, once in every cycle in which it acts.
 #[derive(Clone, Debug)]
-pub struct Pipeline {
+pub(crate) struct Pipeline {
     part: PartId,
     core: u32,
     cache: Cache,
@@ -92,7 +92,7 @@ pub struct Pipeline {
 
 impl Pipeline {
     /// An empty unit with the number `part`, of a core.
-    pub fn new(
+    pub(crate) fn new(
         part: PartId,
         core: u32,
         cache: &CacheSpec,
@@ -142,19 +142,19 @@ impl Pipeline {
 
     /// The unit's number in the machine.
     #[inline]
-    pub fn part(&self) -> PartId {
+    pub(crate) fn part(&self) -> PartId {
         self.part
     }
 
     /// The unit's core.
     #[inline]
-    pub fn core(&self) -> u32 {
+    pub(crate) fn core(&self) -> u32 {
         self.core
     }
 
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
     #[inline]
-    pub fn arrive(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
         self.filled = links.line_is_there(self.part, now) && self.fill(links);
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
@@ -204,18 +204,18 @@ impl Pipeline {
 
     /// Step 3: the ray whose operation ends.
     #[inline]
-    pub fn leave(&mut self, now: u64) -> Option<RayId> {
+    pub(crate) fn leave(&mut self, now: u64) -> Option<RayId> {
         take(&mut self.stages, now)
     }
 
     /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be replaced while it works.
-    pub fn foresee_nothing(&mut self) {
+    pub(crate) fn foresee_nothing(&mut self) {
         self.foresees = false;
     }
 
     /// A ray begins to fetch `element`.
     #[inline]
-    pub fn fetch(&mut self, ray: RayId, element: &Element, now: u64, links: &mut Links) {
+    pub(crate) fn fetch(&mut self, ray: RayId, element: &Element, now: u64, links: &mut Links) {
         let mut fetch = Fetch::of(element, &links.layout);
         if self.foresees && self.queued() == 0 {
             let bound = self.first_unknown(now, links);
@@ -305,26 +305,26 @@ impl Pipeline {
     }
 
     /// A ray begins to fetch `element` from the L2.
-    pub fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
+    pub(crate) fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
         self.fetching.push_back(ray);
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
-    pub fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
+    pub(crate) fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].fetch = Fetch::of(element, &links.layout);
         self.ready.push_back(ray);
     }
 
     /// A ray is to take an operation without a fetch.
-    pub fn ready(&mut self, ray: RayId, links: &mut Links) {
+    pub(crate) fn ready(&mut self, ray: RayId, links: &mut Links) {
         links.rays[ray as usize].fetch.write = false;
         self.ready.push_back(ray);
     }
 
     /// Step 5: whether an operation began.
     #[inline]
-    pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
+    pub(crate) fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = now >= self.open_at && self.begin_first(now, rays);
         if began {
             self.causes.begin(now, self.timing.interval);
@@ -333,7 +333,7 @@ impl Pipeline {
     }
 
     /// Step 5 of a unit in which several operations can begin at once: whether any did.
-    pub fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
+    pub(crate) fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = self.begin(now, rays);
         if began {
             (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).for_each(drop);
@@ -377,7 +377,7 @@ impl Pipeline {
 
     /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit.
     #[inline]
-    pub fn end(&mut self, now: u64, links: &mut Links, leaving: bool) {
+    pub(crate) fn end(&mut self, now: u64, links: &mut Links, leaving: bool) {
         let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         let at = if self.queued() | self.out.len() == 0 && lines > now {
             self.account(now, leaving);
@@ -392,7 +392,7 @@ impl Pipeline {
     }
 
     /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation began.
-    pub fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
+    pub(crate) fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
         let at = self.end_crowded(now, links, leaving, true);
         if at != u64::MAX {
             links.clock.wake(self.part, at);
@@ -593,57 +593,57 @@ impl Pipeline {
     }
 
     /// A frame begins: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    pub(crate) fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);
     }
 
     /// The L1 holds from now on what `cache` does.
-    pub fn hold(&mut self, cache: &Cache) {
+    pub(crate) fn hold(&mut self, cache: &Cache) {
         self.cache.hold(cache);
     }
 
     /// Whether nothing is on its way to the L2.
-    pub fn is_idle(&self) -> bool {
+    pub(crate) fn is_idle(&self) -> bool {
         self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()
     }
 
     /// The L1.
-    pub fn cache(&self) -> &Cache {
+    pub(crate) fn cache(&self) -> &Cache {
         &self.cache
     }
 
     /// Bytes that the unit asked its L1 for, by class.
-    pub fn requested(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+    pub(crate) fn requested(&self) -> &[Bytes; TrafficClass::ALL.len()] {
         &self.requested
     }
 
     /// Writes that went through, by class.
-    pub fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
+    pub(crate) fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.written_through
     }
 
     /// Reads that went past the L1, by class.
-    pub fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
+    pub(crate) fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
     }
 
     /// What its L1 alone counted, by class.
-    pub fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+    pub(crate) fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
         self.banks.counts()
     }
 
     /// Misses of marked rays, by class.
-    pub fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
+    pub(crate) fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
         &self.marked
     }
 
     /// The unit's cycles.
-    pub fn causes(&self) -> &Causes {
+    pub(crate) fn causes(&self) -> &Causes {
         &self.causes
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(crate) fn queues(&self) -> String {
         format!(
             "to fetch {}, waiting for lines {}, ready {}, in the pipeline {}, misses under way {}, out {}/{}",
             self.fetching.len(),

@@ -6,11 +6,11 @@ use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step};
 
 /// The number of a pool entry. Steps of a frame's end have entries of their own, after the pool's.
-pub type RayId = u32;
+pub(super) type RayId = u32;
 
 /// Who works on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Owner {
+pub(crate) enum Owner {
     /// Traversal unit so-and-so.
     Traversal(u32),
     /// Shadow-cache unit so-and-so.
@@ -19,7 +19,7 @@ pub enum Owner {
 
 /// A fetch under way.
 #[derive(Clone, Copy, Debug)]
-pub struct Fetch {
+pub(crate) struct Fetch {
     /// The first line of the element.
     pub first: LineAddr,
     /// The next line to access.
@@ -40,7 +40,7 @@ pub struct Fetch {
 
 /// A ray of the pool.
 #[derive(Clone, Debug)]
-pub struct Ray {
+pub(crate) struct Ray {
     /// The packed steps of the path, then those of the policy.
     pub steps: Vec<u32>,
     /// Where the policy's steps begin.
@@ -124,18 +124,18 @@ impl Default for Ray {
 impl Ray {
     /// The next step; `None` after the last.
     #[inline]
-    pub fn step(&self) -> Option<Step> {
+    pub(crate) fn step(&self) -> Option<Step> {
         self.steps.get(self.next).map(|&word| Step::unpack(word).expect("steps are checked when a ray is handed over"))
     }
 
     /// The next step of the path; `None` after its last.
     #[inline]
-    pub fn path_step(&self) -> Option<Step> {
+    pub(crate) fn path_step(&self) -> Option<Step> {
         if self.next < self.path_end { self.step() } else { None }
     }
 
     /// Whether the ray has policy steps.
-    pub fn has_policy(&self) -> bool {
+    pub(crate) fn has_policy(&self) -> bool {
         self.path_end < self.steps.len()
     }
 }
@@ -143,7 +143,7 @@ impl Ray {
 impl Fetch {
     /// A fetch of `element`, not begun yet.
     #[inline]
-    pub fn of(element: &Element, layout: &Layout) -> Self {
+    pub(crate) fn of(element: &Element, layout: &Layout) -> Self {
         let (line, lines) = layout.lines(element);
         Self {
             first: line,

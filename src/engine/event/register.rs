@@ -7,7 +7,7 @@ use crate::stream::Step;
 
 /// What became of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kept {
+pub(super) enum Kept {
     /// It was merged with one that waited.
     Merged,
     /// It waits.
@@ -18,7 +18,7 @@ pub enum Kept {
 
 /// The register. An entry is known by its address.
 #[derive(Clone, Debug)]
-pub struct Register {
+pub(super) struct Register {
     entries: usize,
     read: VecDeque<Addr>,
     waiting: VecDeque<(Addr, Step)>,
@@ -26,22 +26,22 @@ pub struct Register {
 
 impl Register {
     /// An empty register.
-    pub fn new(entries: usize) -> Self {
+    pub(super) fn new(entries: usize) -> Self {
         Self { entries, read: VecDeque::new(), waiting: VecDeque::new() }
     }
 
     /// Whether there is one.
-    pub fn is_there(&self) -> bool {
+    pub(super) fn is_there(&self) -> bool {
         self.entries > 0
     }
 
     /// Whether a read of the entry at `addr` can be answered.
-    pub fn answers(&self, addr: Addr) -> bool {
+    pub(super) fn answers(&self, addr: Addr) -> bool {
         self.read.contains(&addr)
     }
 
     /// The entry at `addr` has been read.
-    pub fn was_read(&mut self, addr: Addr) {
+    pub(super) fn was_read(&mut self, addr: Addr) {
         if self.is_there() && !self.answers(addr) {
             if self.read.len() == self.entries {
                 self.read.pop_front();
@@ -51,7 +51,7 @@ impl Register {
     }
 
     /// Takes the update `step` of the entry at `addr`.
-    pub fn keep(&mut self, addr: Addr, step: Step) -> Kept {
+    pub(super) fn keep(&mut self, addr: Addr, step: Step) -> Kept {
         if self.waiting.iter().any(|&(other, _)| other == addr) {
             return Kept::Merged;
         }
@@ -61,7 +61,7 @@ impl Register {
     }
 
     /// A frame ends: forgets what was read; gives what waits, the oldest first.
-    pub fn drain(&mut self) -> impl Iterator<Item = Step> + '_ {
+    pub(super) fn drain(&mut self) -> impl Iterator<Item = Step> + '_ {
         self.read.clear();
         self.waiting.drain(..).map(|(_, step)| step)
     }

@@ -9,20 +9,20 @@ use crate::stream::{RayKind, Step, Store};
 
 impl Links {
     /// Sends a ray of a core to its list unit, if that has a place; else `from` is woken when it has.
-    pub fn send_to_list(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+    pub(crate) fn send_to_list(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
         let unit = self.parts.choose(self.parts.list, core, ray.into());
         send(&mut self.lists[unit as usize], ray, (from, self.parts.list(unit)), now, &mut self.clock)
     }
 
     /// Sends a ray of a core to its intersection unit, if that has a place; else `from` is woken when it has.
-    pub fn send_to_test(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+    pub(crate) fn send_to_test(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
         let pool = self.rays.len() - self.parts.shadow_cache as usize * self.shadow_cache.contexts.size();
         let number = ray as u64 - if ray as usize >= pool { pool as u64 } else { 0 };
         self.send_to_unit(ray, self.parts.intersection_of(core, number), from, now)
     }
 
     /// Sends a ray to the intersection unit whose L1 has the line of its entry, if there is a place; else `from` is woken.
-    pub fn send_to_access(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
+    pub(crate) fn send_to_access(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
         let (line, _) = self.layout.lines(&self.entry_element(ray));
         self.send_to_unit(ray, (line.0 % u64::from(self.parts.intersection)) as u32, from, now)
     }
@@ -32,13 +32,13 @@ impl Links {
     }
 
     /// Sends a ray of a core to its division unit, if that has a place; else `from` is woken when it has.
-    pub fn send_to_division(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
+    pub(crate) fn send_to_division(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
         let unit = self.parts.choose(self.parts.division, core, ray.into());
         send(&mut self.divisions[unit as usize], ray, (from, self.parts.division(unit)), now, &mut self.clock)
     }
 
     /// An intersection unit has done what a ray was there for: a test, or the access to an entry.
-    pub fn tested(&mut self, id: RayId, now: u64) {
+    pub(crate) fn tested(&mut self, id: RayId, now: u64) {
         let ray = &mut self.rays[id as usize];
         ray.fetched = ray.step().is_some_and(|step| step.entry().is_some());
         if !ray.fetched {
@@ -63,7 +63,7 @@ impl Links {
     }
 
     /// A ray goes back to the unit that has a slot or a context for it.
-    pub fn return_to_owner(&mut self, id: RayId, now: u64) {
+    pub(crate) fn return_to_owner(&mut self, id: RayId, now: u64) {
         match self.rays[id as usize].owner {
             Owner::Traversal(unit) => {
                 self.returned[unit as usize].push_back((now + 1, id));
@@ -77,7 +77,7 @@ impl Links {
     }
 
     /// A ray is done and goes to the out FIFO, if that has a place; else `from` is woken when it has.
-    pub fn send_out(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
+    pub(crate) fn send_out(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
         let sent = send(&mut self.done, ray, (from, Parts::DISPATCHER), now, &mut self.clock);
         if sent {
             self.rays[ray as usize].done = now;
@@ -86,7 +86,7 @@ impl Links {
     }
 
     /// Sends a ray to the shadow-cache unit where it begins.
-    pub fn send_to_shadow_cache(&mut self, id: RayId, now: u64) {
+    pub(crate) fn send_to_shadow_cache(&mut self, id: RayId, now: u64) {
         let ray = &self.rays[id as usize];
         let entry = ray.step().filter(|_| !ray.undecided).and_then(Step::entry);
         let unit = match entry {
@@ -97,13 +97,13 @@ impl Links {
     }
 
     /// Sends a ray to a shadow-cache unit.
-    pub fn pass_on(&mut self, ray: RayId, unit: u32, now: u64) {
+    pub(crate) fn pass_on(&mut self, ray: RayId, unit: u32, now: u64) {
         self.retired[unit as usize].push_back((now + 1, ray));
         self.clock.wake(self.parts.shadow_cache(unit), now + 1);
     }
 
     /// The shadow-cache unit of an entry.
-    pub fn home(&self, store: Store, index: u32) -> u32 {
+    pub(crate) fn home(&self, store: Store, index: u32) -> u32 {
         (self.layout.line_of(store, index).0 % u64::from(self.parts.shadow_cache)) as u32
     }
 }

@@ -24,7 +24,7 @@ struct Ending {
 
 /// A shadow-cache unit.
 #[derive(Clone, Debug)]
-pub struct ShadowCache {
+pub(crate) struct ShadowCache {
     index: u32,
     place: Place,
     /// The common part.
@@ -46,7 +46,7 @@ pub struct ShadowCache {
 
 impl ShadowCache {
     /// Unit `index`, empty, of a machine whose pool has `pool` entries.
-    pub fn new(spec: &ShadowCacheSpec, memory: Memory, pool: u64, index: u32, links: &Links) -> Self {
+    pub(crate) fn new(spec: &ShadowCacheSpec, memory: Memory, pool: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.shadow_cache(index);
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first_entry = pool as RayId;
@@ -73,7 +73,7 @@ impl ShadowCache {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let free_at_start = self.free;
         self.pipeline.arrive(now, links);
         while let Some(id) = self.pipeline.leave(now) {
@@ -267,7 +267,7 @@ impl ShadowCache {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self, links: &Links) -> String {
+    pub(crate) fn queues(&self, links: &Links) -> String {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}",
             self.pipeline.queues(),

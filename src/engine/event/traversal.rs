@@ -12,7 +12,7 @@ use crate::stream::Step;
 
 /// A traversal unit.
 #[derive(Clone, Debug)]
-pub struct Traversal {
+pub(crate) struct Traversal {
     index: u32,
     /// The common part.
     pub pipeline: Pipeline,
@@ -24,7 +24,7 @@ pub struct Traversal {
 
 impl Traversal {
     /// Unit `index`, empty.
-    pub fn new(spec: &TraversalSpec, memory: Memory, index: u32, links: &Links) -> Self {
+    pub(crate) fn new(spec: &TraversalSpec, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.traversal(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let core = links.parts.core(part);
@@ -33,7 +33,7 @@ impl Traversal {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links) {
+    pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let part = self.pipeline.part();
         let mail = links.mail[part.0 as usize];
         self.pipeline.arrive(now, links);
@@ -115,7 +115,7 @@ impl Traversal {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(crate) fn queues(&self) -> String {
         format!("{}, leaving for lists or intersection {}", self.pipeline.queues(), self.leaving.len())
     }
 }

@@ -9,7 +9,7 @@ const HORIZON: u64 = 1024;
 
 /// The wheel.
 #[derive(Clone, Debug)]
-pub struct Wheel {
+pub(crate) struct Wheel {
     now: u64,
     /// Words of a set.
     words: usize,
@@ -21,19 +21,19 @@ pub struct Wheel {
 
 impl Wheel {
     /// An empty wheel for parts below `parts`, before cycle 0.
-    pub fn new(parts: usize) -> Self {
+    pub(crate) fn new(parts: usize) -> Self {
         let words = parts.div_ceil(64);
         Self { now: 0, words, slots: vec![0; words * HORIZON as usize], occupied: [0; HORIZON as usize / 64] }
     }
 
     /// The cycle that the wheel is turned to.
-    pub fn now(&self) -> u64 {
+    pub(crate) fn now(&self) -> u64 {
         self.now
     }
 
     /// Turns to the first cycle in which a part is due and puts the parts into `due`; `None` if no part is.
     #[inline]
-    pub fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
+    pub(crate) fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
         let slot = self.next_slot()?;
         let start = self.now as usize % HORIZON as usize;
         self.now += (slot + HORIZON as usize - start) as u64 % HORIZON;

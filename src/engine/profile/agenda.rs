@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 
 /// The agenda.
 #[derive(Clone, Debug)]
-pub struct Agenda {
+pub(super) struct Agenda {
     now: u64,
     /// The first and the last of a cycle.
     lists: Vec<(u32, u32)>,
@@ -25,7 +25,7 @@ pub struct Agenda {
 
 impl Agenda {
     /// Empty, in cycle 0, for numbers below `count`.
-    pub fn new(count: usize) -> Self {
+    pub(super) fn new(count: usize) -> Self {
         Self {
             now: 0,
             lists: vec![(NONE, NONE); HORIZON as usize],
@@ -38,7 +38,7 @@ impl Agenda {
 
     /// `who`, who has no appointment, acts in cycle `at`, which is not over.
     #[inline]
-    pub fn put(&mut self, at: u64, who: u32) {
+    pub(super) fn put(&mut self, at: u64, who: u32) {
         debug_assert!(at >= self.now);
         if at - self.now >= HORIZON {
             self.put += 1;
@@ -58,7 +58,7 @@ impl Agenda {
 
     /// The next who acts in this cycle.
     #[inline]
-    pub fn take(&mut self) -> Option<u32> {
+    pub(super) fn take(&mut self) -> Option<u32> {
         let slot = (self.now % HORIZON) as usize;
         let (first, _) = &mut self.lists[slot];
         if *first == NONE {
@@ -73,7 +73,7 @@ impl Agenda {
     }
 
     /// Goes on to the next cycle in which anyone acts; `None` if nobody does.
-    pub fn turn(&mut self) -> Option<u64> {
+    pub(super) fn turn(&mut self) -> Option<u64> {
         let near = self.first_occupied();
         let far = self.later.peek().map(|&Reverse((at, ..))| at);
         self.now = match (near, far) {

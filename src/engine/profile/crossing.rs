@@ -11,7 +11,7 @@ use crate::machine::kinds::Kind;
 
 /// A unit takes a ray on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Taken {
+pub(super) struct Taken {
     /// The ray.
     pub ray: u32,
     /// The unit.
@@ -43,7 +43,7 @@ struct Gate {
 
 /// All units.
 #[derive(Clone, Debug)]
-pub struct Crossing {
+pub(super) struct Crossing {
     gates: Vec<Gate>,
     first_of_kind: [usize; Kind::ALL.len() + 1],
     cores: usize,
@@ -52,7 +52,7 @@ pub struct Crossing {
 
 impl Crossing {
     /// The units of `machine`, kind by kind and core by core.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(super) fn new(machine: &MachineSpec) -> Self {
         let specs = Kind::ALL.map(|kind| kind.spec(machine));
         let units = specs.iter().map(|spec| spec.count as usize).sum();
         let (mut gates, mut first_of_kind) = (Vec::new(), [0; Kind::ALL.len() + 1]);
@@ -76,36 +76,36 @@ impl Crossing {
     }
 
     /// The units of a kind.
-    pub fn of_kind(&self, kind: Kind) -> Range<usize> {
+    pub(super) fn of_kind(&self, kind: Kind) -> Range<usize> {
         self.first_of_kind[kind as usize]..self.first_of_kind[kind as usize + 1]
     }
 
     /// The kind of a unit.
-    pub fn kind(&self, unit: usize) -> Kind {
+    pub(super) fn kind(&self, unit: usize) -> Kind {
         let after = |kind: &Kind| unit < self.first_of_kind[*kind as usize + 1];
         Kind::ALL.into_iter().find(after).expect("units are numbered through")
     }
 
     /// The core of a unit.
-    pub fn core(&self, unit: usize) -> usize {
+    pub(super) fn core(&self, unit: usize) -> usize {
         let units = self.of_kind(self.kind(unit));
         (unit - units.start) * self.cores / units.len()
     }
 
     /// The unit of a kind that works for ray number `home` of unit `from`, in its core.
-    pub fn performer(&self, kind: Kind, from: usize, home: usize) -> usize {
+    pub(super) fn performer(&self, kind: Kind, from: usize, home: usize) -> usize {
         let units = self.of_kind(kind);
         let a_core = units.len() / self.cores;
         units.start + self.core(from) * a_core + home % a_core
     }
 
     /// The next ray that was taken on.
-    pub fn taken(&mut self) -> Option<Taken> {
+    pub(super) fn taken(&mut self) -> Option<Taken> {
         self.taken.pop_front()
     }
 
     /// A ray comes to a unit in cycle `at`; there is room.
-    pub fn arrive(&mut self, ray: u32, unit: usize, at: u64) {
+    pub(super) fn arrive(&mut self, ray: u32, unit: usize, at: u64) {
         let gate = &mut self.gates[unit];
         if gate.contexts == 0 {
             return gate.queue.push_back(ray);
@@ -124,7 +124,7 @@ impl Crossing {
     }
 
     /// A ray of unit `from` goes to unit `to`, from cycle `now` on.
-    pub fn send(&mut self, ray: u32, from: usize, to: usize, now: u64) {
+    pub(super) fn send(&mut self, ray: u32, from: usize, to: usize, now: u64) {
         self.gates[from].leaving.push_back((ray, to as u32));
         if self.gates[from].leaving.len() == 1 {
             self.send_on(from, now);
@@ -147,7 +147,7 @@ impl Crossing {
     }
 
     /// A context of a unit is free in cycle `now`.
-    pub fn leave(&mut self, unit: usize, now: u64) {
+    pub(super) fn leave(&mut self, unit: usize, now: u64) {
         self.gates[unit].contexts += 1;
         let Some(next) = self.gates[unit].queue.pop_front() else { return };
         self.gates[unit].contexts -= 1;

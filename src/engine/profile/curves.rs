@@ -135,7 +135,7 @@ fn held(sets: u64, ways: u64) -> Vec<f64> {
 
 /// Watches all caches of a machine. Each is given what the caches above it, as the machine has them, ask for.
 #[derive(Clone, Debug)]
-pub struct Curves {
+pub(crate) struct Curves {
     line: u64,
     /// L1s by kind, then the caches of the L2.
     levels: Vec<Level>,
@@ -146,7 +146,7 @@ pub struct Curves {
 
 impl Curves {
     /// The caches of `machine`; with `sample`, a share of the lines, and those that the second marks.
-    pub fn new(machine: &MachineSpec, sample: Option<(f64, Arc<FxHashSet<u32>>)>) -> Self {
+    pub(crate) fn new(machine: &MachineSpec, sample: Option<(f64, Arc<FxHashSet<u32>>)>) -> Self {
         let line = machine.line_bytes.get();
         let distances = match sample {
             None => Distances::Exact(Stack::default()),
@@ -168,7 +168,7 @@ impl Curves {
     }
 
     /// What was found.
-    pub fn levels(&self) -> Vec<ReuseLevel> {
+    pub(crate) fn levels(&self) -> Vec<ReuseLevel> {
         self.levels.iter().map(|level| level.curves(self.line)).filter(|level| !level.classes.is_empty()).collect()
     }
 }
@@ -191,19 +191,19 @@ impl Watch for Curves {
 
 /// How often a stream asks for each line.
 #[derive(Clone, Debug)]
-pub struct Heat {
+pub(crate) struct Heat {
     layout: Layout,
     touches: Paged<u32>,
 }
 
 impl Heat {
     /// Of a stream that has not begun.
-    pub fn new(machine: &MachineSpec, header: &Header) -> Self {
+    pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
         Self { layout: Layout::new(header, machine), touches: Paged::new(0) }
     }
 
     /// The stream's next item.
-    pub fn add(&mut self, item: &Item) {
+    pub(crate) fn add(&mut self, item: &Item) {
         match item {
             Item::Frame(info) => self.layout.begin_frame(info),
             Item::Rays(chunk) => {
@@ -230,7 +230,7 @@ impl Heat {
     }
 
     /// The `count` lines that are asked for most often; of equals the first.
-    pub fn hottest(mut self, count: usize) -> Arc<FxHashSet<u32>> {
+    pub(crate) fn hottest(mut self, count: usize) -> Arc<FxHashSet<u32>> {
         let touched = self.touches.from(0).filter(|(_, touches)| **touches > 0);
         let mut lines: Vec<(u32, u32)> = touched.map(|(line, &mut touches)| (line as u32, touches)).collect();
         lines.sort_by_key(|&(_, touches)| std::cmp::Reverse(touches));

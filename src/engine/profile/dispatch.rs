@@ -17,7 +17,7 @@ use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.
 #[derive(Clone, Debug)]
-pub struct Flight {
+pub(crate) struct Flight {
     /// The packed steps of the path, then those of the policy, all of them checked.
     pub steps: Vec<u32>,
     /// Where the policy's steps begin.
@@ -54,7 +54,7 @@ impl Flight {
 
     /// The next step of what `holder` does; `None` after the last.
     #[inline]
-    pub fn step(&self, holder: Holder) -> Option<Step> {
+    pub(crate) fn step(&self, holder: Holder) -> Option<Step> {
         let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
         (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
     }
@@ -76,14 +76,14 @@ impl Flight {
     }
 
     /// Whether the policy has steps on the ray's account.
-    pub fn has_policy(&self) -> bool {
+    pub(crate) fn has_policy(&self) -> bool {
         self.path_end < self.steps.len()
     }
 }
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
-pub enum Given {
+pub(crate) enum Given {
     /// A frame begins; the layout is that of the frame.
     Frame,
     /// The ray comes to its traversal unit in that cycle.
@@ -107,7 +107,7 @@ enum Phase {
 
 /// The dispatcher.
 #[derive(Clone, Debug)]
-pub struct Dispatch {
+pub(crate) struct Dispatch {
     spec: DispatcherSpec,
     words: ShadowCacheSpec,
     host: Host,
@@ -143,7 +143,7 @@ pub struct Dispatch {
 
 impl Dispatch {
     /// The dispatcher of `machine`, before the stream begins.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
         let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
         let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
         Self {
@@ -173,22 +173,22 @@ impl Dispatch {
     }
 
     /// Whether a skipped ray takes an operation for its decision.
-    pub fn units_decide(&self) -> bool {
+    pub(crate) fn units_decide(&self) -> bool {
         self.words.decide.takes_an_operation(Decision::Skip)
     }
 
     /// Entries of the pool: flights of higher numbers are steps of a frame's end.
-    pub fn pool(&self) -> usize {
+    pub(crate) fn pool(&self) -> usize {
         self.pool
     }
 
     /// Rays in flight.
-    pub fn in_flight(&self) -> usize {
+    pub(crate) fn in_flight(&self) -> usize {
         self.pool() - self.free.len()
     }
 
     /// What can be given in cycle `at`, if anything can: the stream is read on as far as that takes.
-    pub fn next<E>(
+    pub(crate) fn next<E>(
         &mut self,
         at: u64,
         feed: &mut impl Feed<E>,
@@ -294,25 +294,25 @@ impl Dispatch {
 
     /// The flight's next step was performed.
     #[inline]
-    pub fn performed(&mut self, id: u32) {
+    pub(crate) fn performed(&mut self, id: u32) {
         self.flights[id as usize].next += 1;
     }
 
     /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
-    pub fn retire(&mut self, id: u32, layout: &Layout) {
+    pub(crate) fn retire(&mut self, id: u32, layout: &Layout) {
         let Flight { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.flights[id as usize];
         let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
         self.stores.gathered_writes += self.gathering.retire(ray, layout.stores());
     }
 
     /// The ray has left its traversal unit.
-    pub fn left_slot(&mut self, id: u32) {
+    pub(crate) fn left_slot(&mut self, id: u32) {
         self.free_slots[self.flights[id as usize].unit as usize] += 1;
         self.freed = true;
     }
 
     /// The flight is over in cycle `now`: a ray with all that it does, or a step of the frame's end.
-    pub fn done(&mut self, id: u32, now: u64) {
+    pub(crate) fn done(&mut self, id: u32, now: u64) {
         self.freed = true;
         self.flights[id as usize].count(&mut self.replayed);
         if id as usize >= self.pool() {
@@ -342,17 +342,17 @@ impl Dispatch {
 
     /// No unit gets a ray any more.
     #[cfg(test)]
-    pub fn take_all_slots(&mut self) {
+    pub(crate) fn take_all_slots(&mut self) {
         self.free_slots.fill(0);
     }
 
     /// When the next parent's shading ends.
-    pub fn next_shaded(&self) -> Option<u64> {
+    pub(crate) fn next_shaded(&self) -> Option<u64> {
         self.host.next_shaded()
     }
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
-    pub fn shaded(&mut self, now: u64) {
+    pub(crate) fn shaded(&mut self, now: u64) {
         let Self { spec, host, words, stores, replayed, .. } = self;
         host.shaded(now, spec.shading_cycles.get(), |ray| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
@@ -369,7 +369,7 @@ impl Dispatch {
     }
 
     /// Whether the stream is at its end and all is done.
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Finished)
     }
 }

@@ -39,7 +39,7 @@ struct Channel {
 
 /// All channels.
 #[derive(Clone, Debug)]
-pub struct Dram {
+pub(super) struct Dram {
     spec: DramSpec,
     clocks: Clocks,
     line: Bytes,
@@ -50,7 +50,7 @@ pub struct Dram {
 
 impl Dram {
     /// The DRAM, idle, beside a machine of `machine_mhz` with lines of `line` bytes.
-    pub fn new(spec: &DramSpec, machine_mhz: u64, line: u64) -> Self {
+    pub(super) fn new(spec: &DramSpec, machine_mhz: u64, line: u64) -> Self {
         let DramPart { timing, banks, burst_clocks, .. } = &spec.part;
         // Of a flat channel, transfers are measured in bytes, of which a cycle has as many as the bus moves in it.
         let transfer = match spec.model {
@@ -78,7 +78,7 @@ impl Dram {
     }
 
     /// A request that is put in cycle `at`; gives the cycle in which its data has passed.
-    pub fn request(&mut self, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> u64 {
+    pub(super) fn request(&mut self, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> u64 {
         let Place { channel, bank, row, .. } = self.spec.place(line);
         let timing = &self.spec.part.timing;
         let channel = &mut self.channels[channel];
@@ -155,7 +155,7 @@ impl Dram {
     }
 
     /// When everything under way has come to its end.
-    pub fn settled_at(&self) -> u64 {
+    pub(super) fn settled_at(&self) -> u64 {
         let last = self.channels.iter().map(|channel| channel.settled_at).max().unwrap_or(0);
         match self.spec.model {
             Model::Banks => self.clocks.cycle_after(last),
@@ -164,7 +164,7 @@ impl Dram {
     }
 
     /// What the channels counted in a run of `cycles`.
-    pub fn tally(&self, cycles: u64) -> Vec<ChannelTally> {
+    pub(super) fn tally(&self, cycles: u64) -> Vec<ChannelTally> {
         let refreshes = match self.spec.model {
             Model::Banks => (self.clocks.first(cycles) - 1) / self.spec.part.timing.refi.get(),
             Model::Flat { .. } => 0,

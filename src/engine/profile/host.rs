@@ -13,7 +13,7 @@ const NONE: u32 = u32::MAX;
 
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug)]
-pub struct Place {
+pub(super) struct Place {
     /// The chunk, by the host's number.
     pub chunk: u32,
     /// The ray's place in it.
@@ -46,7 +46,7 @@ impl Active {
 
 /// What the stream gave when no ray was left to hand out.
 #[derive(Clone, Debug)]
-pub enum Pulled {
+pub(super) enum Pulled {
     /// A primary ray can be handed out.
     Rays,
     /// A frame began.
@@ -59,7 +59,7 @@ pub enum Pulled {
 
 /// The stream's rays that are known.
 #[derive(Clone, Debug, Default)]
-pub struct Host {
+pub(super) struct Host {
     chunks: Vec<Option<Active>>,
     /// The next primary ray.
     next_primary: Option<Place>,
@@ -73,7 +73,7 @@ pub struct Host {
 
 impl Host {
     /// Takes the stream's next item. There is no ray to hand out.
-    pub fn pull<E>(&mut self, feed: &mut impl Feed<E>) -> Result<Pulled, RunError<E>> {
+    pub(super) fn pull<E>(&mut self, feed: &mut impl Feed<E>) -> Result<Pulled, RunError<E>> {
         let item = feed.next()?;
         let found = match &item {
             None => "its end",
@@ -107,7 +107,7 @@ impl Host {
     }
 
     /// Whether the next ray is a primary one that has not been pulled, or there is none.
-    pub fn wants_rays(&self) -> bool {
+    pub(super) fn wants_rays(&self) -> bool {
         self.next_primary.is_none()
     }
 
@@ -116,17 +116,17 @@ impl Host {
     }
 
     /// The ray to be handed out next.
-    pub fn candidate(&self) -> Option<Place> {
+    pub(super) fn candidate(&self) -> Option<Place> {
         self.ready.front().copied().or(self.next_primary)
     }
 
     /// The chunk of a ray that is not done.
-    pub fn chunk(&self, place: Place) -> &Chunk {
+    pub(super) fn chunk(&self, place: Place) -> &Chunk {
         &self.active(place).chunk
     }
 
     /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
-    pub fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
+    pub(super) fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
         let active = self.active(place);
         let hit = place.index - back;
         let some = |child: u32| (child != NONE).then_some(child);
@@ -140,7 +140,7 @@ impl Host {
     }
 
     /// The candidate was handed out.
-    pub fn handed_out(&mut self) {
+    pub(super) fn handed_out(&mut self) {
         if self.ready.pop_front().is_none()
             && let Some(place) = self.next_primary
         {
@@ -150,7 +150,7 @@ impl Host {
     }
 
     /// The ray is done; whether it has children, which will be ready in cycle `at`.
-    pub fn done(&mut self, place: Place, at: u64) -> bool {
+    pub(super) fn done(&mut self, place: Place, at: u64) -> bool {
         let Some(active) = &mut self.chunks[place.chunk as usize] else {
             unreachable!("a chunk stays while it has rays that are not done")
         };
@@ -167,7 +167,7 @@ impl Host {
 
     /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are
     /// done at once.
-    pub fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
+    pub(super) fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
@@ -196,12 +196,12 @@ impl Host {
     }
 
     /// When the next parent's shading ends.
-    pub fn next_shaded(&self) -> Option<u64> {
+    pub(super) fn next_shaded(&self) -> Option<u64> {
         self.shading.front().map(|&(at, _)| at)
     }
 
     /// Whether no ray is known that was not handed out.
-    pub fn is_empty(&self) -> bool {
+    pub(super) fn is_empty(&self) -> bool {
         self.candidate().is_none() && self.shading.is_empty()
     }
 }

@@ -21,7 +21,7 @@ struct Coming {
 
 /// What an access met.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Found {
+pub(super) enum Found {
     /// The line.
     Hit,
     /// A register that holds it; the access gets it then.
@@ -34,7 +34,7 @@ pub enum Found {
 
 /// The cache.
 #[derive(Clone, Debug)]
-pub struct Level {
+pub(super) struct Level {
     tags: TagArray,
     no_allocate: NoAllocate,
     coming: Vec<Coming>,
@@ -50,7 +50,7 @@ pub struct Level {
 impl Level {
     /// An empty cache with `registers` miss registers for `targets` accesses each, which get a line that has come `apart` cycles after
     /// each other.
-    pub fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
+    pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
         Self {
             tags,
             no_allocate,
@@ -67,7 +67,7 @@ impl Level {
     /// `waits` for data says whether a line that gets no place must come all the same. Dirty lines that had to go by then are
     /// passed to `gone`, with the cycle.
     #[inline]
-    pub fn access(
+    pub(super) fn access(
         &mut self,
         line: LineAddr,
         class: TrafficClass,
@@ -128,7 +128,7 @@ impl Level {
 
     /// Until when an access to `line` in cycle `at` must wait for a register, if it must.
     #[inline]
-    pub fn full_until(&mut self, line: LineAddr, at: u64, gone: &mut impl FnMut(Victim, u64)) -> Option<u64> {
+    pub(super) fn full_until(&mut self, line: LineAddr, at: u64, gone: &mut impl FnMut(Victim, u64)) -> Option<u64> {
         self.arrive(at, gone);
         let free = self.coming.len() < self.registers
             || self.tags.contains(line)
@@ -137,7 +137,7 @@ impl Level {
     }
 
     /// The line that was just missed comes in cycle `at`.
-    pub fn expect(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
+    pub(super) fn expect(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
         let fate = self.fate(class, access);
         self.coming.push(Coming { line, at, class, fate, targets: 1 });
         self.next_at = self.next_at.min(at);
@@ -149,7 +149,7 @@ impl Level {
 
     /// All lines that come up to cycle `at` are put in.
     #[inline]
-    pub fn arrive(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
+    pub(super) fn arrive(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
         if self.next_at <= at {
             self.put_in(at, gone);
         }
@@ -174,23 +174,23 @@ impl Level {
     }
 
     /// When the last line comes.
-    pub fn settled_at(&self) -> u64 {
+    pub(super) fn settled_at(&self) -> u64 {
         self.coming.iter().map(|coming| coming.at).max().unwrap_or(0)
     }
 
     /// Holds from now on what `tags` do, but for lines that are on their way.
-    pub fn hold(&mut self, tags: &TagArray) {
+    pub(super) fn hold(&mut self, tags: &TagArray) {
         self.tags.clone_from(tags);
         self.coming.iter().for_each(|coming| self.tags.drop_line(coming.line));
     }
 
     /// Drops all lines from `first` on.
-    pub fn drop_from(&mut self, first: LineAddr) {
+    pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.tags.drop_from(first);
     }
 
     /// Accesses so far.
-    pub fn counts(&self) -> &PerClass<CacheCounts> {
+    pub(super) fn counts(&self) -> &PerClass<CacheCounts> {
         &self.counts
     }
 }

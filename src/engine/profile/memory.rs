@@ -33,7 +33,7 @@ struct Accessed {
 
 /// Everything below the L1s.
 #[derive(Clone, Debug)]
-pub struct Memory<W> {
+pub(super) struct Memory<W> {
     /// Is told of every access.
     pub watch: W,
     /// Banks of all cores, and how many a core has.
@@ -46,7 +46,7 @@ pub struct Memory<W> {
 
 impl<W: Watch> Memory<W> {
     /// The memory of `machine`, empty.
-    pub fn new(machine: &MachineSpec, watch: W) -> Self {
+    pub(super) fn new(machine: &MachineSpec, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let bank = |spec: &BankedSpec| Bank {
             level: Level::new(spec.bank_tags(line), spec.no_allocate, spec.mshrs.get(), spec.targets.get(), 0),
@@ -69,7 +69,7 @@ impl<W: Watch> Memory<W> {
     }
 
     /// An L1 of core `core` asks for a line in cycle `at`, for a ray that is marked or not; gives when it comes.
-    pub fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
+    pub(super) fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
         let Accessed { bank, ready, missed } = self.access(core, line, class, false, at);
         let bank = &mut self.banks[bank];
         bank.served.read(class, self.line, missed, marked);
@@ -77,7 +77,7 @@ impl<W: Watch> Memory<W> {
     }
 
     /// An L1 sends `bytes` of a line down in cycle `at`.
-    pub fn write(&mut self, core: usize, line: LineAddr, class: TrafficClass, bytes: Bytes, at: u64) {
+    pub(super) fn write(&mut self, core: usize, line: LineAddr, class: TrafficClass, bytes: Bytes, at: u64) {
         let Accessed { bank, .. } = self.access(core, line, class, true, at);
         self.banks[bank].served.write(class, bytes);
     }
@@ -113,12 +113,12 @@ impl<W: Watch> Memory<W> {
     }
 
     /// The L2s hold from now on what `banks` do.
-    pub fn hold(&mut self, banks: &[Cache]) {
+    pub(super) fn hold(&mut self, banks: &[Cache]) {
         self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.level.hold(cache.tags()));
     }
 
     /// What comes up to cycle `at` has come.
-    pub fn settle(&mut self, at: u64) {
+    pub(super) fn settle(&mut self, at: u64) {
         let Self { banks, dram, .. } = self;
         for bank in banks {
             bank.level.arrive(at, &mut |victim, at| {
@@ -128,26 +128,26 @@ impl<W: Watch> Memory<W> {
     }
 
     /// When everything under way has come to its end.
-    pub fn settled_at(&self) -> u64 {
+    pub(super) fn settled_at(&self) -> u64 {
         let banks = self.banks.iter().map(|bank| bank.level.settled_at().max(bank.accesses.end()));
         banks.max().unwrap_or(0).max(self.dram.settled_at())
     }
 
     /// A frame begins in cycle `at`: lines from `first` on go.
-    pub fn drop_from(&mut self, first: LineAddr, at: u64) {
+    pub(super) fn drop_from(&mut self, first: LineAddr, at: u64) {
         self.settle(at);
         self.watch.drop_from(first);
         self.banks.iter_mut().for_each(|bank| bank.level.drop_from(first));
     }
 
     /// What the banks counted.
-    pub fn banks(&self) -> Vec<BankTally> {
+    pub(super) fn banks(&self) -> Vec<BankTally> {
         let tally = |bank: &Bank| BankTally { cache: *bank.level.counts(), served: bank.served.clone() };
         self.banks.iter().map(tally).collect()
     }
 
     /// What the channels counted in a run of `cycles`.
-    pub fn channels(&self, cycles: u64) -> Vec<ChannelTally> {
+    pub(super) fn channels(&self, cycles: u64) -> Vec<ChannelTally> {
         self.dram.tally(cycles)
     }
 }

@@ -7,7 +7,7 @@ const WORDS: usize = 16;
 
 /// Slots of equal length.
 #[derive(Clone, Debug)]
-pub struct Slots {
+pub(super) struct Slots {
     length: u64,
     /// The number of the first slot of the first word, and a bit for each slot that is taken.
     first: u64,
@@ -17,12 +17,12 @@ pub struct Slots {
 
 impl Slots {
     /// Slots of `length` each, all free.
-    pub fn new(length: u64) -> Self {
+    pub(super) fn new(length: u64) -> Self {
         Self { length, first: 0, taken: vec![0; WORDS].into(), end: 0 }
     }
 
     /// Takes the first free slot from time `at` on; gives when it begins, or `at` if that lies in it.
-    pub fn take(&mut self, at: u64) -> u64 {
+    pub(super) fn take(&mut self, at: u64) -> u64 {
         let wanted = (at / self.length).max(self.first);
         let (mut word, mut mask) = (((wanted - self.first) / 64) as usize, !0 << ((wanted - self.first) % 64));
         loop {
@@ -46,7 +46,7 @@ impl Slots {
     }
 
     /// When all is done.
-    pub fn end(&self) -> u64 {
+    pub(super) fn end(&self) -> u64 {
         self.end
     }
 }

@@ -16,7 +16,7 @@ use crate::quantity::{Bytes, LineAddr};
 
 /// The unit.
 #[derive(Clone, Debug)]
-pub struct Unit {
+pub(super) struct Unit {
     level: Level,
     line: Bytes,
     /// Cycles that each access takes from the ports when its line has come.
@@ -43,7 +43,7 @@ pub struct Unit {
 
 impl Unit {
     /// Unit `number` of all, of a kind in core `core`, empty.
-    pub fn new(spec: &KindSpec, number: usize, core: usize, line: u64) -> Self {
+    pub(super) fn new(spec: &KindSpec, number: usize, core: usize, line: u64) -> Self {
         let CacheSpec { no_allocate, mshrs, targets, .. } = spec.cache;
         let released_in = u64::from(spec.cache.release == Release::OneByOne);
         Self {
@@ -71,7 +71,7 @@ impl Unit {
 
     /// An operation on `element` for a ray, marked or not, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
     /// register is free only then.
-    pub fn perform<W: Watch>(
+    pub(super) fn perform<W: Watch>(
         &mut self,
         element: &Element,
         marked: bool,
@@ -119,7 +119,7 @@ impl Unit {
     }
 
     /// An operation without data; gives when it ends.
-    pub fn decide(&mut self, at: u64) -> u64 {
+    pub(super) fn decide(&mut self, at: u64) -> u64 {
         let at = at.max(self.free_at);
         self.began(at, self.interval);
         at + self.latency
@@ -136,34 +136,34 @@ impl Unit {
     }
 
     /// The core that the unit is of.
-    pub fn core(&self) -> usize {
+    pub(super) fn core(&self) -> usize {
         self.core
     }
 
     /// What comes up to cycle `at` has come.
-    pub fn settle<W: Watch>(&mut self, at: u64, memory: &mut Memory<W>) {
+    pub(super) fn settle<W: Watch>(&mut self, at: u64, memory: &mut Memory<W>) {
         let (size, core) = (self.line, self.core);
         self.level.arrive(at, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
     }
 
     /// The L1 holds from now on what `cache` does.
-    pub fn hold(&mut self, cache: &Cache) {
+    pub(super) fn hold(&mut self, cache: &Cache) {
         self.level.hold(cache.tags());
     }
 
     /// When the last line under way comes.
-    pub fn settled_at(&self) -> u64 {
+    pub(super) fn settled_at(&self) -> u64 {
         self.level.settled_at().max(self.free_at)
     }
 
     /// A frame begins in cycle `at`: lines from `first` on go.
-    pub fn drop_from<W: Watch>(&mut self, first: LineAddr, at: u64, memory: &mut Memory<W>) {
+    pub(super) fn drop_from<W: Watch>(&mut self, first: LineAddr, at: u64, memory: &mut Memory<W>) {
         self.settle(at, memory);
         self.level.drop_from(first);
     }
 
     /// What was counted: no cause but `Busy` is known.
-    pub fn tally(&self) -> UnitTally {
+    pub(super) fn tally(&self) -> UnitTally {
         UnitTally {
             causes: busy((self.operations * self.interval).div_ceil(self.width)),
             cache: *self.level.counts(),

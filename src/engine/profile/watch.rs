@@ -4,7 +4,7 @@ use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
 /// Is told of accesses. Nobody is `()`.
-pub trait Watch {
+pub(crate) trait Watch {
     /// Unit `unit` of all accesses its L1.
     fn l1(&mut self, unit: usize, line: LineAddr, class: TrafficClass);
 

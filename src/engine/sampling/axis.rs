@@ -10,7 +10,7 @@ const LEAST: f64 = 0.1;
 
 /// Windows up to now.
 #[derive(Clone, Debug)]
-pub struct Axis {
+pub(crate) struct Axis {
     strata: Strata,
     /// Points with draws below it are of interest.
     most: usize,
@@ -26,13 +26,13 @@ pub struct Axis {
 
 impl Axis {
     /// No window yet; points with draws below `most` are of interest.
-    pub fn new(strata: Strata, most: usize) -> Self {
+    pub(crate) fn new(strata: Strata, most: usize) -> Self {
         Self { strata, most, points: Vec::new(), begun: 0, operations: 0.0, lines: 0.0, windows: 0, end: 0.0 }
     }
 
     /// How long the next window is, and the points that lie in it. Its length is known before any point of it is looked at, so that each point of the
     /// axis is as likely as any other.
-    pub fn next(&mut self, known: &Columns) -> (f64, Vec<Point>) {
+    pub(crate) fn next(&mut self, known: &Columns) -> (f64, Vec<Point>) {
         let (operations, lines) = (known[OPERATIONS], known[MOVED]);
         self.windows += 1;
         self.operations += operations;
@@ -50,12 +50,12 @@ impl Axis {
     }
 
     /// Where it ends.
-    pub fn end(&self) -> f64 {
+    pub(crate) fn end(&self) -> f64 {
         self.end
     }
 
     /// Windows up to now.
-    pub fn windows(&self) -> usize {
+    pub(crate) fn windows(&self) -> usize {
         self.windows
     }
 }

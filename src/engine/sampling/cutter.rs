@@ -13,7 +13,7 @@ use crate::stream::{Chunk, FrameInfo, Header, Item, RayKind};
 
 /// What a stream is cut into.
 #[derive(Debug)]
-pub enum Portion {
+pub(super) enum Portion {
     /// A frame begins.
     Frame(FrameInfo),
     /// A piece of it.
@@ -24,7 +24,7 @@ pub enum Portion {
 
 /// Rays of a chunk.
 #[derive(Clone, Debug)]
-pub struct Piece {
+pub(super) struct Piece {
     /// The chunk.
     pub chunk: Arc<Chunk>,
     /// Which of its rays.
@@ -35,7 +35,7 @@ pub struct Piece {
 
 /// A piece, and where it lies among windows.
 #[derive(Debug)]
-pub struct CutPiece {
+pub(super) struct CutPiece {
     /// The piece; of which is not known yet what the L2 does.
     pub piece: Piece,
     /// What the L1s ask the L2 for.
@@ -50,7 +50,7 @@ pub struct CutPiece {
 
 /// How many pieces come before a window's first one.
 #[derive(Clone, Copy, Debug)]
-pub struct Lead {
+pub(super) struct Lead {
     /// The window's number in the stream.
     pub window: usize,
     /// Pieces.
@@ -59,7 +59,7 @@ pub struct Lead {
 
 /// The steps of a frame's end.
 #[derive(Debug)]
-pub struct FrameEnd {
+pub(super) struct FrameEnd {
     /// The steps.
     pub steps: Arc<Vec<u32>>,
     /// What the L1s ask the L2 for.
@@ -70,7 +70,7 @@ pub struct FrameEnd {
 
 /// Cuts a stream.
 #[derive(Debug)]
-pub struct Cutter {
+pub(super) struct Cutter {
     cut: Cut,
     tags: L1Tags,
     /// Chunks that are not cut yet, and their pixels.
@@ -83,13 +83,13 @@ pub struct Cutter {
 
 impl Cutter {
     /// Nothing yet of a stream on a machine.
-    pub fn new(machine: &MachineSpec, header: &Header, cut: Cut) -> Self {
+    pub(super) fn new(machine: &MachineSpec, header: &Header, cut: Cut) -> Self {
         let tags = L1Tags::new(header, machine);
         Self { cut, tags, gathered: Vec::new(), pixels: 0, windows: 0, pieces: 0 }
     }
 
     /// The next item of the stream; what it completes.
-    pub fn add(&mut self, item: &Item) -> Vec<Portion> {
+    pub(super) fn add(&mut self, item: &Item) -> Vec<Portion> {
         match item {
             Item::Frame(info) => {
                 self.tags.begin_frame(info);

@@ -10,7 +10,7 @@ use super::strata::{Point, Strata};
 
 /// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Part {
+pub(crate) struct Part {
     /// What is known.
     pub known: Columns,
     /// What was measured.
@@ -19,7 +19,7 @@ pub struct Part {
 
 /// A window that was measured.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Window {
+pub(crate) struct Window {
     /// How long it is on the axis.
     pub size: f64,
     /// The points that lie in it.
@@ -32,7 +32,7 @@ pub struct Window {
 
 /// A population of windows: the strata of its axis and where that ends, how many there are, and what is known of all together.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Population {
+pub(crate) struct Population {
     /// Strata.
     pub strata: Strata,
     /// The end.
@@ -45,21 +45,21 @@ pub struct Population {
 
 impl Window {
     /// What a span did.
-    pub fn span(&self, span: Span) -> &Part {
+    pub(crate) fn span(&self, span: Span) -> &Part {
         &self.spans[span as usize]
     }
 }
 
 impl Population {
     /// Adds what is known of something.
-    pub fn add(&mut self, known: &Columns) {
+    pub(crate) fn add(&mut self, known: &Columns) {
         self.known.iter_mut().zip(known).for_each(|(sum, known)| *sum += known);
     }
 }
 
 /// A total and half the width of its interval.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Total {
+pub(crate) struct Total {
     /// The estimate.
     pub total: f64,
     /// The interval reaches so far to either side; none if there are too few windows to tell.
@@ -68,7 +68,7 @@ pub struct Total {
 
 impl Total {
     /// Half the interval's width over the total.
-    pub fn share(&self) -> Option<f64> {
+    pub(crate) fn share(&self) -> Option<f64> {
         let half_width = self.half_width?;
         Some(if self.total > 0.0 { half_width / self.total } else { 0.0 })
     }
@@ -76,7 +76,12 @@ impl Total {
 
 /// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with lines of so many bytes.
 /// Intervals are of 95 %.
-pub fn estimate(population: &Population, windows: &[Window], draws: usize, line: u64) -> BTreeMap<String, Total> {
+pub(crate) fn estimate(
+    population: &Population,
+    windows: &[Window],
+    draws: usize,
+    line: u64,
+) -> BTreeMap<String, Total> {
     let mut sample = Sample::new(population, windows, draws, line as f64);
     sample.names().into_iter().map(|name| (name.clone(), sample.total(&name))).collect()
 }

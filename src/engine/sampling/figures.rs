@@ -10,7 +10,7 @@ use crate::stats::MachineStats;
 const FIXED: [&str; 7] = ["unit_counts", "bounds", "oracle", "accuracy", "half_widths", "needs", "most"];
 
 /// All counters by their path in a report: `bytes.l2.node`.
-pub fn of(stats: &MachineStats) -> BTreeMap<String, f64> {
+pub(crate) fn of(stats: &MachineStats) -> BTreeMap<String, f64> {
     let mut figures = BTreeMap::new();
     let value = serde_json::to_value(stats).expect("statistics are plain data, which JSON can hold");
     collect("", &value, &mut figures);
@@ -34,7 +34,7 @@ fn collect(path: &str, value: &Value, figures: &mut BTreeMap<String, f64>) {
 }
 
 /// `stats` with other counters.
-pub fn with<'a>(stats: &MachineStats, figures: impl Iterator<Item = (&'a String, &'a f64)>) -> MachineStats {
+pub(crate) fn with<'a>(stats: &MachineStats, figures: impl Iterator<Item = (&'a String, &'a f64)>) -> MachineStats {
     let mut value = serde_json::to_value(stats).expect("statistics are plain data, which JSON can hold");
     for (path, figure) in figures {
         let mut place = &mut value;
@@ -47,6 +47,6 @@ pub fn with<'a>(stats: &MachineStats, figures: impl Iterator<Item = (&'a String,
 }
 
 /// What came between `before` and `after`.
-pub fn difference(after: &BTreeMap<String, f64>, before: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
+pub(crate) fn difference(after: &BTreeMap<String, f64>, before: &BTreeMap<String, f64>) -> BTreeMap<String, f64> {
     after.iter().map(|(name, value)| (name.clone(), value - before.get(name).copied().unwrap_or(0.0))).collect()
 }

@@ -20,14 +20,14 @@ use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, Step, Totals};
 
 /// Figures by name.
-pub type Figures = BTreeMap<String, f64>;
+pub(super) type Figures = BTreeMap<String, f64>;
 
 /// Latencies by kind of rays, as [`MachineStats`] has them.
-pub type Latencies = BTreeMap<String, LatencyCounts>;
+pub(super) type Latencies = BTreeMap<String, LatencyCounts>;
 
 /// What a job found.
 #[derive(Clone, Debug)]
-pub enum Found {
+pub(crate) enum Found {
     /// What a window costs, and the latencies of rays that were in flight with it.
     Window(Box<Window>, Latencies),
     /// What a frame's end costs.
@@ -35,7 +35,7 @@ pub enum Found {
 }
 
 /// Replays `job` with `engine`, which is new.
-pub fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
+pub(super) fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
     let Job { info, warm, work, .. } = job;
     let mut feed = JobFeed::new(machine, warm);
     feed.items.push_back(Item::Frame(*info));

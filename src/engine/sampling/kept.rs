@@ -12,7 +12,7 @@ const MOST_BYTES: usize = 1 << 30;
 
 /// A job whose rays are packed.
 #[derive(Clone, Debug)]
-pub struct KeptJob {
+pub(crate) struct KeptJob {
     job: Job,
     rays: Vec<PackedChunk>,
 }
@@ -25,7 +25,7 @@ impl KeptJob {
     }
 
     /// The job.
-    pub fn unpack(self) -> Job {
+    pub(crate) fn unpack(self) -> Job {
         let Self { mut job, rays } = self;
         job.rays_mut().into_iter().zip(&rays).for_each(|(place, rays)| *place = Arc::new(rays.unpack()));
         job
@@ -38,7 +38,7 @@ impl KeptJob {
 
 /// The jobs of some draws of all strata.
 #[derive(Clone, Debug, Default)]
-pub struct Kept {
+pub(crate) struct Kept {
     draws: Range<usize>,
     jobs: Vec<KeptJob>,
     bytes: usize,
@@ -46,12 +46,12 @@ pub struct Kept {
 
 impl Kept {
     /// Nothing yet of these draws.
-    pub fn new(draws: Range<usize>) -> Self {
+    pub(crate) fn new(draws: Range<usize>) -> Self {
         Self { draws, ..Self::default() }
     }
 
     /// Keeps `job`. Where memory does not allow for all draws, the last ones go.
-    pub fn add(&mut self, job: Job) {
+    pub(crate) fn add(&mut self, job: Job) {
         if self.draws.contains(&job.draw) {
             let job = KeptJob::new(job);
             self.bytes += job.bytes();
@@ -64,7 +64,7 @@ impl Kept {
     }
 
     /// The jobs of `draws`, if all of them were kept.
-    pub fn take(&mut self, draws: &Range<usize>) -> Option<Vec<KeptJob>> {
+    pub(crate) fn take(&mut self, draws: &Range<usize>) -> Option<Vec<KeptJob>> {
         if draws.start != self.draws.start || draws.end > self.draws.end {
             return None;
         }

@@ -10,12 +10,12 @@ const KINDS: usize = Kind::ALL.len();
 const CLASSES: usize = TrafficClass::ALL.len();
 
 /// Columns of [`Known::columns`].
-pub const COLUMNS: usize = KINDS + 3 + 2 * CLASSES + KINDS + 2;
+pub(crate) const COLUMNS: usize = KINDS + 3 + 2 * CLASSES + KINDS + 2;
 
 /// The column of all operations; those of each kind of units but the first follow.
-pub const OPERATIONS: usize = 0;
+pub(crate) const OPERATIONS: usize = 0;
 /// The column of all lines between L1s and L2.
-pub const MOVED: usize = KINDS;
+pub(crate) const MOVED: usize = KINDS;
 /// The column of all lines between L2 and DRAM.
 const DRAM: usize = MOVED + 1;
 /// The column of the cycles that the busiest kind of units, the busiest home, or the DRAM's bus, needs at least.
@@ -30,13 +30,13 @@ const HOME: usize = MISSED + KINDS;
 const BANK: usize = HOME + 1;
 
 /// Sums that no field of the statistics holds: bytes between the L1s and all caches of the L2, and of the DRAM.
-pub const L2_BYTES: &str = "=bytes.l2";
+pub(crate) const L2_BYTES: &str = "=bytes.l2";
 /// See [`L2_BYTES`].
-pub const DRAM_BYTES: &str = "=bytes.dram";
+pub(crate) const DRAM_BYTES: &str = "=bytes.dram";
 
 /// What is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Known {
+pub(crate) struct Known {
     /// Operations of each kind of units.
     pub operations: [u64; KINDS],
     /// Lines of each class that tags alone would move between the L1s and the L2.
@@ -64,11 +64,11 @@ impl AddAssign for Known {
 }
 
 /// What is known as columns of a regression.
-pub type Columns = [f64; COLUMNS];
+pub(crate) type Columns = [f64; COLUMNS];
 
 /// What a machine can do in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capacity {
+pub(crate) struct Capacity {
     /// Units of each kind.
     units: [f64; KINDS],
     /// Lines that come from the DRAM or go there; none if as many as there may be.
@@ -87,7 +87,7 @@ const PATH: [(Kind, TrafficClass); 3] = [
 
 impl Capacity {
     /// That of `machine`.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
         let bytes = machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get());
         let lines = bytes.map(|bytes| bytes / machine.line_bytes.get() as f64);
         let caches = machine.l2.caches();
@@ -106,7 +106,7 @@ impl Capacity {
 
     /// Rays that are in traversal units at once, if what is `known` takes as long as the busiest needs: as many as are needed for each to stay as long as
     /// its operations and the lines that its L1s miss take (Little 1961). `None` if nothing is done.
-    pub fn in_flight(&self, known: &Known) -> Option<f64> {
+    pub(crate) fn in_flight(&self, known: &Known) -> Option<f64> {
         let waits = PATH.iter().zip(self.stays.iter().zip(&self.fetches)).map(|((kind, _), (stay, fetch))| {
             let kind = *kind as usize;
             known.operations[kind] as f64 * stay + known.missed[kind] as f64 * fetch
@@ -121,7 +121,7 @@ impl Capacity {
     }
 
     /// The same columns with other operations.
-    pub fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
+    pub(crate) fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
         columns[OPERATIONS] = operations.iter().sum::<u64>() as f64;
         columns[OPERATIONS + 1..KINDS].iter_mut().zip(&operations[1..]).for_each(|(column, &it)| *column = it as f64);
         columns[BUSIEST] = self.busiest(operations, columns[HOME], columns[DRAM]);
@@ -131,7 +131,7 @@ impl Capacity {
 
 impl Known {
     /// As columns.
-    pub fn columns(&self, capacity: &Capacity) -> Columns {
+    pub(crate) fn columns(&self, capacity: &Capacity) -> Columns {
         let mut columns = [0.0; COLUMNS];
         columns[MOVED] = self.moved.iter().sum::<u64>() as f64;
         columns[DRAM] = self.dram.iter().sum::<u64>() as f64;
@@ -146,7 +146,7 @@ impl Known {
 
 /// Whose doing stands for a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Span {
+pub(crate) enum Span {
     /// What happens between the window's marks, others' rays among it: for what hangs on how much is in flight.
     Inside,
     /// What the window's own rays ask for, whenever that is.
@@ -159,12 +159,12 @@ pub enum Span {
 
 impl Span {
     /// All.
-    pub const ALL: [Self; 3] = [Self::Inside, Self::Own, Self::Group];
+    pub(crate) const ALL: [Self; 3] = [Self::Inside, Self::Own, Self::Group];
 }
 
 /// How a figure is explained.
 #[derive(Clone, Debug)]
-pub struct Explanation {
+pub(crate) struct Explanation {
     /// The columns that explain it, the best first: few windows allow for few.
     pub columns: Vec<usize>,
     /// The column of the lines that it is bytes of: only what differs from that is estimated.
@@ -174,7 +174,7 @@ pub struct Explanation {
 }
 
 /// How the figure of a name is explained.
-pub fn explanation(name: &str) -> Explanation {
+pub(crate) fn explanation(name: &str) -> Explanation {
     let is_of = |class: &TrafficClass| name.split('.').any(|part| part == class.name());
     let class = TrafficClass::ALL.iter().position(is_of);
     let operations = || OPERATIONS..KINDS;

@@ -22,11 +22,11 @@ use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
 
 /// The L1s of each kind of units, core by core.
-pub type L1s = [Vec<Cache>; Kind::ALL.len()];
+pub(super) type L1s = [Vec<Cache>; Kind::ALL.len()];
 
 /// The tags of all L1s, and what they count.
 #[derive(Debug)]
-pub struct L1Tags {
+pub(super) struct L1Tags {
     layout: Layout,
     place: Place,
     l1s: L1s,
@@ -53,7 +53,7 @@ pub struct L1Tags {
 
 /// What rays did.
 #[derive(Debug)]
-pub struct Passed {
+pub(super) struct Passed {
     /// What is known of it, but for what the L2 does.
     pub known: Known,
     /// What the L1s ask the L2 for, in order.
@@ -89,7 +89,7 @@ struct Asked {
 
 impl L1Tags {
     /// Empty caches.
-    pub fn new(header: &Header, machine: &MachineSpec) -> Self {
+    pub(super) fn new(header: &Header, machine: &MachineSpec) -> Self {
         let line = machine.line_bytes.get();
         let l1s = |kind: Kind| {
             let spec = kind.spec(machine);
@@ -118,12 +118,12 @@ impl L1Tags {
     }
 
     /// What the L1s hold now.
-    pub fn snapshot(&self) -> Arc<L1s> {
+    pub(super) fn snapshot(&self) -> Arc<L1s> {
         Arc::new(self.l1s.clone())
     }
 
     /// A frame begins.
-    pub fn begin_frame(&mut self, info: &FrameInfo) {
+    pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         let first = self.layout.dynamic_part();
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
@@ -132,7 +132,7 @@ impl L1Tags {
     /// A piece's rays make their accesses, primary rays first, then those that follow from them. So many rays are in
     /// flight and make steps in turn as the piece before says, at most as many as traversal units have slots; they are all done when the next piece begins,
     /// so that what is first asked for by whom is clear.
-    pub fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Passed {
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Passed {
         let of = |primary: bool| {
             let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
             rays.clone().filter(is_of)
@@ -179,7 +179,7 @@ impl L1Tags {
     }
 
     /// Steps of a frame's end.
-    pub fn frame_end(&mut self, steps: &[u32]) -> Passed {
+    pub(super) fn frame_end(&mut self, steps: &[u32]) -> Passed {
         steps.iter().for_each(|&word| self.step(word, Holder::ShadowCache, RayKind::Primary));
         self.passed()
     }

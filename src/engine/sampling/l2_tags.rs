@@ -13,7 +13,7 @@ use crate::stream::Header;
 
 /// What an L1 asks the L2 for.
 #[derive(Clone, Copy, Debug)]
-pub struct Request {
+pub(super) struct Request {
     /// The line.
     pub line: LineAddr,
     /// The core.
@@ -26,7 +26,7 @@ pub struct Request {
 
 /// The tags of all L2s.
 #[derive(Debug)]
-pub struct L2Tags {
+pub(super) struct L2Tags {
     /// Banks, core by core.
     banks: Vec<Cache>,
     of_core: usize,
@@ -36,7 +36,7 @@ pub struct L2Tags {
 
 /// What requests did.
 #[derive(Clone, Copy, Debug)]
-pub struct Moved {
+pub(super) struct Moved {
     /// Lines of each class that moved between L2 and DRAM.
     pub dram: PerClass<u64>,
     /// Those that the bank was asked for that was asked for the most.
@@ -45,7 +45,7 @@ pub struct Moved {
 
 impl L2Tags {
     /// Empty caches.
-    pub fn new(header: &Header, machine: &MachineSpec) -> Self {
+    pub(super) fn new(header: &Header, machine: &MachineSpec) -> Self {
         let line = machine.line_bytes.get();
         let caches = || machine.l2.caches().into_iter();
         let of_core = || caches().flat_map(|(_, it)| vec![it.bank_cache(line); it.banks.size()]);
@@ -55,17 +55,17 @@ impl L2Tags {
     }
 
     /// What the banks hold now.
-    pub fn snapshot(&self) -> Arc<Vec<Cache>> {
+    pub(super) fn snapshot(&self) -> Arc<Vec<Cache>> {
         Arc::new(self.banks.clone())
     }
 
     /// A frame begins.
-    pub fn begin_frame(&mut self) {
+    pub(super) fn begin_frame(&mut self) {
         self.banks.iter_mut().for_each(|bank| bank.drop_from(self.dynamic_part));
     }
 
     /// What is asked for is accessed.
-    pub fn pass(&mut self, requests: &[Request]) -> Moved {
+    pub(super) fn pass(&mut self, requests: &[Request]) -> Moved {
         let (mut dram, mut asked) = (PerClass::<u64>::default(), vec![0; self.banks.len()]);
         for &Request { line, core, class, write } in requests {
             let bank = usize::from(core) * self.of_core + self.homes[class as usize].bank(line);

@@ -1,19 +1,19 @@
 //! Sampling: of each stratum of consecutive windows (runs of pixels of about the same number of rays) some are replayed and measured,
 //! each by itself, between parts of others and behind warm caches; the accesses of all others go through the caches' tags alone.
 
-pub mod axis;
+pub(crate) mod axis;
 mod cutter;
-pub mod estimate;
-pub mod figures;
+pub(crate) mod estimate;
+pub(crate) mod figures;
 mod job;
 mod kept;
-pub mod known;
+pub(crate) mod known;
 mod l1_tags;
 mod l2_tags;
 mod pass;
 mod plan;
 mod regression;
-pub mod strata;
+pub(crate) mod strata;
 mod warm;
 mod windows;
 
@@ -21,20 +21,19 @@ use std::collections::BTreeMap;
 
 use self::estimate::{Population, Total, Window};
 use self::job::{Figures, Found, Latencies};
-pub use self::kept::Kept;
 use self::known::{DRAM_BYTES, L2_BYTES};
-pub use self::pass::{Pass, Sampler};
-pub use self::plan::{Cut, Plan};
-pub use self::warm::WarmCaches;
+pub(crate) use self::pass::{Pass, Sampler};
+pub(crate) use self::plan::{Cut, Plan};
+pub(crate) use self::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, LatencyCounts, MachineStats};
 
 /// Windows from which on the width of an interval tells something: with fewer, too many intervals are too narrow by chance.
-pub const TELLING: usize = 48;
+pub(crate) const TELLING: usize = 48;
 
 /// What a sample found.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Findings {
+pub(crate) struct Findings {
     /// All windows, frames' ends left out.
     pub population: Population,
     /// Those that were measured.
@@ -49,7 +48,7 @@ pub struct Findings {
 
 impl Findings {
     /// Nothing was measured yet of the stream that `pass` went over, but for what it found.
-    pub fn of(sampler: &Sampler<'_>, pass: Pass) -> Self {
+    pub(crate) fn of(sampler: &Sampler<'_>, pass: Pass) -> Self {
         let Pass { population, rays, found, .. } = pass;
         let mut findings = Self { population, rays, nothing: sampler.nothing(), ..Self::default() };
         findings.add(found);
@@ -57,7 +56,7 @@ impl Findings {
     }
 
     /// Adds what was measured.
-    pub fn add(&mut self, found: Vec<Found>) {
+    pub(crate) fn add(&mut self, found: Vec<Found>) {
         for found in found {
             match found {
                 Found::Window(window, latency) => {
@@ -79,12 +78,12 @@ impl Findings {
     }
 
     /// Whether there are enough windows for intervals that tell something.
-    pub fn tells(&self) -> bool {
+    pub(crate) fn tells(&self) -> bool {
         self.measured.len() >= TELLING
     }
 
     /// The stream's statistics, as the first `draws` points of each stratum let them be estimated.
-    pub fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
+    pub(crate) fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
         let mut totals = estimate::estimate(&self.population, &self.measured, draws, machine.line_bytes.get());
         for (name, end) in &self.ends {
             totals.entry(name.clone()).or_default().total += end;

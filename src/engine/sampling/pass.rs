@@ -26,7 +26,7 @@ const KEPT: usize = 4;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]
-pub struct Sampler<'a> {
+pub(crate) struct Sampler<'a> {
     /// What replays windows.
     pub engine: Sampled,
     /// The machine.
@@ -38,7 +38,7 @@ pub struct Sampler<'a> {
 }
 
 /// What a pass gave.
-pub struct Pass {
+pub(crate) struct Pass {
     /// All windows.
     pub population: Population,
     /// Rays of the stream, skipped ones not counted.
@@ -51,13 +51,13 @@ pub struct Pass {
 
 impl<'a> Sampler<'a> {
     /// Samples with as many threads as rayon has, which `--threads` says.
-    pub fn new(engine: Sampled, machine: &'a MachineSpec, header: &'a Header) -> Self {
+    pub(crate) fn new(engine: Sampled, machine: &'a MachineSpec, header: &'a Header) -> Self {
         Self { engine, machine, header, threads: rayon::current_num_threads() }
     }
 
     /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same for all passes whose findings are added:
     /// a window that is measured for its first point must know the later ones.
-    pub fn pass<E>(
+    pub(crate) fn pass<E>(
         &self,
         plan: &Plan,
         keep: usize,
@@ -120,7 +120,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// Replays `jobs` that were kept.
-    pub fn replay<E>(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError<E>> {
+    pub(crate) fn replay<E>(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError<E>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -148,7 +148,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The statistics of a run in which nothing happens.
-    pub fn nothing(&self) -> MachineStats {
+    pub(crate) fn nothing(&self) -> MachineStats {
         let Self { engine, machine, header, .. } = *self;
         let tally = match engine {
             Sampled::Profile => profile::Profile::new(machine, header).tally(1),

@@ -15,7 +15,7 @@ const LINES_A_PIECE: usize = 64;
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Cut {
+pub(crate) struct Cut {
     /// Pixels of a piece, about.
     pub pixels: usize,
     /// Pieces before the window: they fill what is in flight.
@@ -33,7 +33,7 @@ impl Cut {
     /// pieces of 1024, 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has. Long FIFOs take longer to fill: on `tni_engine`,
     /// two pieces of 1920 before windows of four made for 0.2 to 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 % fewer. So what
     /// comes before is the longer the more rays there is room for.
-    pub fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
         let pixels = machine.pool() as usize;
         let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
         let own = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(pixels)).max(2);
@@ -44,12 +44,12 @@ impl Cut {
     }
 
     /// Pixels that are replayed for one of a window.
-    pub fn effort(&self) -> f64 {
+    pub(crate) fn effort(&self) -> f64 {
         (self.before + self.own + self.behind) as f64 / self.own as f64
     }
 
     /// Pixels of a window.
-    pub fn window(&self) -> usize {
+    pub(crate) fn window(&self) -> usize {
         self.own * self.pixels
     }
 }
@@ -58,7 +58,7 @@ impl Cut {
 /// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so
 /// that a later pass can measure the next ones.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Plan {
+pub(crate) struct Plan {
     /// The strata of the axis, on which windows are of length 1 on average.
     pub strata: Strata,
     /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its halves get.
@@ -69,14 +69,14 @@ pub struct Plan {
 
 impl Plan {
     /// The plan that measures about `rate` of the windows of a stream on `machine`, two a stratum.
-    pub fn new(rate: f64, machine: &MachineSpec, seed: u64) -> Self {
+    pub(crate) fn new(rate: f64, machine: &MachineSpec, seed: u64) -> Self {
         Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut: Cut::new(machine) }
     }
 
     /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when those so far gave `share`, if they tell that; `None` where that
     /// would take more than `most`. Intervals shrink with the root of the number of points, and a quarter more is taken, since the width of an
     /// interval is itself known from a sample only. For the same reason no more than twice as many are: a first width may be far too large.
-    pub fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
+    pub(crate) fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
         let enough = share.map_or(twice, |share| needed(share).max(now + 1));
@@ -85,7 +85,7 @@ impl Plan {
 }
 
 /// SplitMix64's output function (Steele, Lea and Flood 2014).
-pub fn mix(seed: u64) -> u64 {
+pub(super) fn mix(seed: u64) -> u64 {
     let x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);

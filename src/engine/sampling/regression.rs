@@ -3,12 +3,12 @@
 use super::known::{COLUMNS, Columns};
 
 /// The sum of products.
-pub fn dot(a: &Columns, b: &Columns) -> f64 {
+pub(super) fn dot(a: &Columns, b: &Columns) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Weighted least squares, of the columns that are not a combination of those before.
-pub struct Regression {
+pub(super) struct Regression {
     /// Rows of the normal equations' inverse; zero for a column that is left out.
     inverse: [Columns; COLUMNS],
     used: [bool; COLUMNS],
@@ -16,7 +16,7 @@ pub struct Regression {
 
 impl Regression {
     /// Of rows with weights; columns in the order in which they are wanted.
-    pub fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
+    pub(super) fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
         let mut normal = [[0.0; COLUMNS]; COLUMNS];
         for (known, weight) in rows.iter().zip(weights) {
             for (row, x) in normal.iter_mut().zip(known) {
@@ -50,12 +50,12 @@ impl Regression {
     }
 
     /// Columns that are used.
-    pub fn rank(&self) -> usize {
+    pub(super) fn rank(&self) -> usize {
         self.used.iter().filter(|&&used| used).count()
     }
 
     /// How much of its own value the regression takes over for each window; kept below 1.
-    pub fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
+    pub(super) fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
         let of = |(known, weight): (&Columns, &f64)| {
             let used = |at: &usize| self.used[*at];
             let rows = (0..COLUMNS).filter(used).map(|row| {
@@ -68,7 +68,7 @@ impl Regression {
     }
 
     /// How much each window counts beside its weight, so that the sums of the columns that are used are those of `all`.
-    pub fn calibration(&self, rows: &[Columns], weights: &[f64], all: &Columns) -> Vec<f64> {
+    pub(super) fn calibration(&self, rows: &[Columns], weights: &[f64], all: &Columns) -> Vec<f64> {
         let mut missing = *all;
         for (known, weight) in rows.iter().zip(weights) {
             missing.iter_mut().zip(known).for_each(|(sum, x)| *sum -= weight * x);
@@ -80,7 +80,7 @@ impl Regression {
     }
 
     /// What explains `values` best.
-    pub fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
+    pub(super) fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
         let mut right = [0.0; COLUMNS];
         for ((known, weight), value) in rows.iter().zip(weights).zip(values) {
             right.iter_mut().zip(known).for_each(|(cell, x)| *cell += weight * x * value);
@@ -93,7 +93,7 @@ impl Regression {
 }
 
 /// The 97.5 % point of Student's t (Hill 1970, algorithm 396's expansion; within 0.1 % from 6 degrees of freedom on; a table below).
-pub fn student(freedom: f64) -> f64 {
+pub(super) fn student(freedom: f64) -> f64 {
     const SMALL: [f64; 5] = [12.706, 4.303, 3.182, 2.776, 2.571];
     const Z: f64 = 1.959_964;
     if freedom < 6.0 {

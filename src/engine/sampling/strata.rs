@@ -6,7 +6,7 @@ use super::plan::mix;
 
 /// The axis in strata of equal length, and how they are halved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Strata {
+pub(crate) struct Strata {
     /// How long they are as long as none is halved.
     pub length: f64,
     /// Points and the order of halving come from a hash of this, a stratum's level and its number.
@@ -15,7 +15,7 @@ pub struct Strata {
 
 /// A point of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub(crate) struct Point {
     /// Where on the axis.
     pub place: f64,
     /// It is measured if more points than so many are, for each stratum that is not halved.
@@ -34,7 +34,7 @@ const HALVING: u64 = 2;
 
 impl Strata {
     /// Points of stratum `number` with draws below `most`.
-    pub fn points(&self, number: usize, most: usize) -> Vec<Point> {
+    pub(crate) fn points(&self, number: usize, most: usize) -> Vec<Point> {
         let part = Part { level: 0, number };
         let own = [0, 1].map(|draw| Point { place: self.own(part, draw), draw: draw as usize });
         let mut points = Vec::from(own);
@@ -44,7 +44,7 @@ impl Strata {
     }
 
     /// Where strata end, of which each has two points with draws below `draws`, on an axis of so much.
-    pub fn ends(&self, draws: usize, axis: f64) -> Vec<f64> {
+    pub(crate) fn ends(&self, draws: usize, axis: f64) -> Vec<f64> {
         let mut ends = Vec::new();
         for number in (0..).take_while(|&number| number as f64 * self.length < axis) {
             self.end(Part { level: 0, number }, draws, &mut ends);

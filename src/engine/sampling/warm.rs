@@ -8,29 +8,29 @@ use crate::memory::cache::Cache;
 
 /// What the caches of a machine hold.
 #[derive(Clone, Debug)]
-pub struct WarmCaches {
+pub(crate) struct WarmCaches {
     l1s: Arc<L1s>,
     banks: Arc<Vec<Cache>>,
 }
 
 impl WarmCaches {
     /// Those with what these L1s, and these banks of the L2s, hold.
-    pub fn new(l1s: Arc<L1s>, banks: Arc<Vec<Cache>>) -> Self {
+    pub(crate) fn new(l1s: Arc<L1s>, banks: Arc<Vec<Cache>>) -> Self {
         Self { l1s, banks }
     }
 
     /// The L1s of a kind of units, core by core.
-    pub fn l1s(&self, kind: Kind) -> &[Cache] {
+    pub(crate) fn l1s(&self, kind: Kind) -> &[Cache] {
         &self.l1s[kind as usize]
     }
 
     /// The banks of the L2s, core by core.
-    pub fn banks(&self) -> &[Cache] {
+    pub(crate) fn banks(&self) -> &[Cache] {
         &self.banks
     }
 
     /// What they take in memory, about.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         self.l1s.iter().flatten().chain(self.banks.iter()).map(Cache::bytes).sum()
     }
 }

@@ -16,7 +16,7 @@ use crate::stream::{Chunk, Decision, FrameInfo, Header};
 
 /// Rays that follow one another, and what is known of them.
 #[derive(Clone, Debug, Default)]
-pub struct Part {
+pub(crate) struct Part {
     /// The rays.
     pub rays: Arc<Chunk>,
     /// What is known.
@@ -25,7 +25,7 @@ pub struct Part {
 
 /// What is to be replayed: by itself, behind warm caches.
 #[derive(Clone, Debug)]
-pub struct Job {
+pub(crate) struct Job {
     /// Its place among all jobs.
     pub number: usize,
     /// The first of the points that lie in it.
@@ -40,7 +40,7 @@ pub struct Job {
 
 /// What a job measures.
 #[derive(Clone, Debug)]
-pub enum JobWork {
+pub(crate) enum JobWork {
     /// A window.
     Window(Box<WindowWork>),
     /// The steps of a frame's end.
@@ -49,7 +49,7 @@ pub enum JobWork {
 
 /// A window and what is replayed beside it.
 #[derive(Clone, Debug)]
-pub struct WindowWork {
+pub(crate) struct WindowWork {
     /// How long it is on the axis.
     pub size: f64,
     /// The points that lie in it.
@@ -64,7 +64,7 @@ pub struct WindowWork {
 
 impl Job {
     /// The rays of a window and of what is beside it.
-    pub fn rays_mut(&mut self) -> Vec<&mut Arc<Chunk>> {
+    pub(crate) fn rays_mut(&mut self) -> Vec<&mut Arc<Chunk>> {
         match &mut self.work {
             JobWork::Window(window) => {
                 let WindowWork { before, own, behind, .. } = window.as_mut();
@@ -75,7 +75,7 @@ impl Job {
     }
 
     /// What it takes in memory, about.
-    pub fn bytes(&self) -> usize {
+    pub(crate) fn bytes(&self) -> usize {
         let work = match &self.work {
             JobWork::Window(window) => {
                 [&window.before, &window.own, &window.behind].iter().map(|part| part.rays.bytes()).sum()
@@ -123,7 +123,7 @@ impl Open {
 }
 
 /// Puts windows together.
-pub struct Windows {
+pub(super) struct Windows {
     plan: Plan,
     capacity: Capacity,
     tags: L2Tags,
@@ -148,7 +148,7 @@ pub struct Windows {
 
 impl Windows {
     /// Nothing yet of a stream on a machine. Points below `keep` are known; windows with those of `plan`, and of later draws below `unwanted`, become jobs.
-    pub fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
+    pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
         Self {
             capacity: Capacity::new(machine),
             tags: L2Tags::new(header, machine),
@@ -168,7 +168,7 @@ impl Windows {
     }
 
     /// The next portion of the stream; the jobs that are complete.
-    pub fn add(&mut self, portion: Portion) -> Vec<Job> {
+    pub(super) fn add(&mut self, portion: Portion) -> Vec<Job> {
         match portion {
             Portion::Frame(info) => {
                 self.tags.begin_frame();

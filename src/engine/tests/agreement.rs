@@ -27,7 +27,11 @@ fn counted(
 }
 
 /// What both engines counted, or where they differ.
-pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<(Tally, Vec<ChannelLog>), String> {
+pub(super) fn agree(
+    machine: &MachineSpec,
+    header: &Header,
+    stream: &[Item],
+) -> Result<(Tally, Vec<ChannelLog>), String> {
     let event = counted(&mut event::Event::new(machine, header), machine, stream)?;
     let cycle = counted(&mut cycle::Cycle::new(machine, header), machine, stream)?;
     for (channel, (event, cycle)) in event.1.iter().zip(&cycle.1).enumerate() {
@@ -54,7 +58,7 @@ pub fn agree(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<
 
 /// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as many,
 /// always others. The message of a failure is short.
-pub fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
+pub(super) fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
     let long = std::env::var_os("UMBRASIM_LONG").is_some();
     let cases = if long { 20 * cases } else { cases };
     let config = Config { cases, failure_persistence: None, ..Config::default() };

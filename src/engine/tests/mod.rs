@@ -4,7 +4,7 @@ mod frames;
 mod ideal;
 mod ladder;
 mod random;
-pub mod synthetic;
+pub(super) mod synthetic;
 mod word_traffic;
 mod words;
 

@@ -9,12 +9,12 @@ use crate::stream::{
 };
 
 /// Static nodes, slots and primitives of [`header`].
-pub const STATIC: u32 = 4096;
+pub(crate) const STATIC: u32 = 4096;
 /// Static primitives of [`header`].
 const STATIC_PRIMITIVES: u32 = 48;
 
 /// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them static.
-pub fn header() -> Header {
+pub(crate) fn header() -> Header {
     Header {
         scene: "synthetic".into(),
         frames: vec![0],
@@ -41,7 +41,7 @@ pub fn header() -> Header {
 }
 
 /// The same with more lights, whose modes take more words.
-pub fn header_of(lights: u32) -> Header {
+pub(crate) fn header_of(lights: u32) -> Header {
     let header = header();
     let words_per_primitive = 1 + lights.saturating_sub(15).div_ceil(16);
     let stores = StoreEntries { word_owners: STATIC / words_per_primitive, words_per_primitive, ..header.stores };
@@ -50,7 +50,7 @@ pub fn header_of(lights: u32) -> Header {
 
 /// A ray that is not in a stream yet.
 #[derive(Clone, Debug)]
-pub struct SyntheticRay {
+pub(crate) struct SyntheticRay {
     pub kind: RayKind,
     pub decision: Decision,
     pub parent: u32,
@@ -60,15 +60,15 @@ pub struct SyntheticRay {
 }
 
 impl SyntheticRay {
-    pub fn primary(path: Vec<Step>) -> Self {
+    pub(crate) fn primary(path: Vec<Step>) -> Self {
         Self { kind: RayKind::Primary, decision: Decision::Trace, parent: 0, path, policy: Vec::new() }
     }
 
-    pub fn shadow(parent: u32, decision: Decision, path: Vec<Step>) -> Self {
+    pub(crate) fn shadow(parent: u32, decision: Decision, path: Vec<Step>) -> Self {
         Self { kind: RayKind::Shadow, decision, parent, path, policy: Vec::new() }
     }
 
-    pub fn with_policy(self, policy: Vec<Step>) -> Self {
+    pub(crate) fn with_policy(self, policy: Vec<Step>) -> Self {
         Self { policy: pack(&policy), ..self }
     }
 }
@@ -78,7 +78,7 @@ fn pack(steps: &[Step]) -> Vec<u32> {
 }
 
 /// A frame of rays, in chunks of whole pixel groups with at least `chunk` rays each.
-pub fn frame(info: FrameInfo, rays: &[SyntheticRay], end: &[Step], chunk: usize) -> Vec<Item> {
+pub(crate) fn frame(info: FrameInfo, rays: &[SyntheticRay], end: &[Step], chunk: usize) -> Vec<Item> {
     let mut items = vec![Item::Frame(info)];
     let mut totals = Totals::default();
     let mut open = Chunk::default();
@@ -108,21 +108,21 @@ pub fn frame(info: FrameInfo, rays: &[SyntheticRay], end: &[Step], chunk: usize)
 }
 
 /// Visits of nodes.
-pub fn nodes(ids: impl IntoIterator<Item = u32>) -> Vec<Step> {
+pub(crate) fn nodes(ids: impl IntoIterator<Item = u32>) -> Vec<Step> {
     ids.into_iter().map(|id| Step::Node(NodeId(id))).collect()
 }
 
 /// A triangle test.
-pub fn triangle(slot: u32, stop: Stop) -> Step {
+pub(crate) fn triangle(slot: u32, stop: Stop) -> Step {
     Step::Triangle { slot: TriangleSlot(slot), stop }
 }
 
 /// A small generator of numbers for streams (xorshift64, Marsaglia 2003).
-pub struct Numbers(pub u64);
+pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
     /// A number below `end`.
-    pub fn below(&mut self, end: u32) -> u32 {
+    pub(crate) fn below(&mut self, end: u32) -> u32 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -132,7 +132,7 @@ impl Numbers {
 
 /// A path that goes down a tree of `depth` levels, `descents` times, from the root or a node near it, with a triangle
 /// test at each leaf: the upper levels are shared by all rays, the lower ones by rays of the same `region`.
-pub fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) -> Vec<Step> {
+pub(crate) fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) -> Vec<Step> {
     let mut path = Vec::new();
     for descent in 0..descents {
         let mut node = if descent == 0 { 1 } else { 2 + numbers.below(2) };
@@ -151,7 +151,7 @@ pub fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) ->
 
 /// A frame like a BVH's: `pixels` primary rays, each with a policy's read of a word, a shadow ray, and an update of a
 /// counter; neighbouring pixels go to the same region. The tree has `depth` levels.
-pub fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<SyntheticRay> {
+pub(crate) fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<SyntheticRay> {
     let mut numbers = Numbers(seed);
     let mut rays = Vec::new();
     let mut region = 0;

@@ -54,7 +54,7 @@ struct Transfer {
 
 /// One channel. Times are clocks of the DRAM where nothing else is said.
 #[derive(Clone, Debug)]
-pub struct Channel {
+pub(super) struct Channel {
     part: PartId,
     dram: DramPart,
     page: Page,
@@ -104,7 +104,7 @@ struct Planned {
 
 impl Channel {
     /// An idle channel with the number `part` in the machine.
-    pub fn new(spec: &DramSpec, clocks: Clocks, line: u64, part: PartId) -> Self {
+    pub(super) fn new(spec: &DramSpec, clocks: Clocks, line: u64, part: PartId) -> Self {
         let dram = spec.part.clone();
         Self {
             part,
@@ -130,7 +130,7 @@ impl Channel {
     }
 
     /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
-    pub fn put(&mut self, request: Request, place: Place, now: u64, wake: &mut impl Wake) -> bool {
+    pub(super) fn put(&mut self, request: Request, place: Place, now: u64, wake: &mut impl Wake) -> bool {
         if !self.queue.has_room(now) {
             self.queue.wait_for_room(request.from, now, wake);
             return false;
@@ -144,7 +144,7 @@ impl Channel {
     }
 
     /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
-    pub fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+    pub(super) fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
         while let Some(&Transfer { request, .. }) = self.transfers.front().filter(|transfer| transfer.at <= now) {
             self.transfers.pop_front();
             if !request.write {
@@ -328,37 +328,37 @@ impl Channel {
     }
 
     /// Whether nothing is under way.
-    pub fn is_idle(&self) -> bool {
+    pub(super) fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.transfers.is_empty()
     }
 
     /// The clock in which the next refresh is due.
-    pub fn refresh_due(&self) -> u64 {
+    pub(super) fn refresh_due(&self) -> u64 {
         self.refresh_due
     }
 
     /// What was done.
-    pub fn counts(&self) -> &DramCounts {
+    pub(super) fn counts(&self) -> &DramCounts {
         &self.counts
     }
 
     /// Bytes moved, by class.
-    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+    pub(super) fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
         &self.moved
     }
 
     /// Requests and commands, if they are kept.
-    pub fn log(&mut self) -> &mut ChannelLog {
+    pub(super) fn log(&mut self) -> &mut ChannelLog {
         &mut self.log
     }
 
     /// How full the queue was.
-    pub fn load(&self) -> Load {
+    pub(super) fn load(&self) -> Load {
         self.queue.load()
     }
 
     /// The state of the queue, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(super) fn queues(&self) -> String {
         let Self { queue, transfers, .. } = self;
         format!("queue {}/{}, transfers {}", queue.len(), queue.capacity(), transfers.len())
     }

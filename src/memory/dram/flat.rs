@@ -9,7 +9,7 @@ use crate::stats::{DramCounts, TrafficClass};
 
 /// One channel.
 #[derive(Clone, Debug)]
-pub struct Channel {
+pub(super) struct Channel {
     part: PartId,
     latency: u64,
     /// Bytes that the bus moves a cycle; without it, transfers take no time.
@@ -26,7 +26,7 @@ pub struct Channel {
 
 impl Channel {
     /// An idle channel with the number `part` in the machine, for lines of `line` bytes.
-    pub fn new(queue: usize, latency: u64, rate: Option<u64>, line: u64, part: PartId) -> Self {
+    pub(super) fn new(queue: usize, latency: u64, rate: Option<u64>, line: u64, part: PartId) -> Self {
         Self {
             part,
             latency,
@@ -41,7 +41,7 @@ impl Channel {
     }
 
     /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
-    pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
+    pub(super) fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         if !self.queue.has_room(now) {
             self.queue.wait_for_room(request.from, now, wake);
             return false;
@@ -52,7 +52,7 @@ impl Channel {
     }
 
     /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
-    pub fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
+    pub(super) fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
         while let Some(&(_, request)) = self.transfers.front().filter(|&&(at, _)| at <= now) {
             self.transfers.pop_front();
             if !request.write {
@@ -82,27 +82,27 @@ impl Channel {
     }
 
     /// Whether nothing is under way.
-    pub fn is_idle(&self) -> bool {
+    pub(super) fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.transfers.is_empty()
     }
 
     /// What was done.
-    pub fn counts(&self) -> &DramCounts {
+    pub(super) fn counts(&self) -> &DramCounts {
         &self.counts
     }
 
     /// Bytes moved, by class.
-    pub fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+    pub(super) fn moved(&self) -> &[Bytes; TrafficClass::ALL.len()] {
         &self.moved
     }
 
     /// How full the queue was.
-    pub fn load(&self) -> Load {
+    pub(super) fn load(&self) -> Load {
         self.queue.load()
     }
 
     /// The state of the queue, for the report of a deadlock.
-    pub fn queues(&self) -> String {
+    pub(super) fn queues(&self) -> String {
         format!("queue {}/{}, transfers {}", self.queue.len(), self.queue.capacity(), self.transfers.len())
     }
 }

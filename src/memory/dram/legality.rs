@@ -98,7 +98,7 @@ struct Event {
 
 /// Follows the commands of a channel.
 #[derive(Clone, Debug)]
-pub struct TimingChecker {
+pub(crate) struct TimingChecker {
     part: DramPart,
     page: Page,
     bursts: u64,
@@ -118,7 +118,7 @@ pub struct TimingChecker {
 
 impl TimingChecker {
     /// For a channel with lines of `line` bytes that was given no command yet.
-    pub fn new(spec: &DramSpec, line: u64) -> Self {
+    pub(crate) fn new(spec: &DramSpec, line: u64) -> Self {
         Self {
             page: spec.page,
             bursts: line / spec.part.burst_bytes.get(),
@@ -136,13 +136,13 @@ impl TimingChecker {
     }
 
     /// The next command; the first thing in it that is not allowed is an error.
-    pub fn check(&mut self, command: LoggedCommand) -> Result<(), Violation> {
+    pub(crate) fn check(&mut self, command: LoggedCommand) -> Result<(), Violation> {
         self.command(command);
         self.found.first().map_or(Ok(()), |&violation| Err(violation))
     }
 
     /// The run is over after clock `clock`: an error if a refresh is missing then.
-    pub fn finish(mut self, clock: u64) -> Result<(), Violation> {
+    pub(crate) fn finish(mut self, clock: u64) -> Result<(), Violation> {
         self.end(clock);
         self.found.first().map_or(Ok(()), |&violation| Err(violation))
     }
@@ -289,7 +289,7 @@ impl TimingChecker {
 
 /// All violations in the log of a channel over a run up to clock `end`, with lines of `line` bytes.
 #[cfg(test)]
-pub fn violations(spec: &DramSpec, line: u64, commands: &[LoggedCommand], end: u64) -> Vec<Violation> {
+pub(crate) fn violations(spec: &DramSpec, line: u64, commands: &[LoggedCommand], end: u64) -> Vec<Violation> {
     let mut checker = TimingChecker::new(spec, line);
     commands.iter().for_each(|&command| checker.command(command));
     checker.end(end);

@@ -1,10 +1,10 @@
 //! DRAM: channels with bank groups, banks, open rows and refresh, or flat ones.
 
 mod channel;
-pub mod command;
+pub(crate) mod command;
 pub mod currents;
 mod flat;
-pub mod legality;
+pub(crate) mod legality;
 pub mod mapping;
 pub mod part;
 pub mod power;

@@ -12,11 +12,11 @@ use crate::scene::material::MaterialId;
 use crate::scene::transform::Transform;
 
 /// The root of the tree of transforms: it never moves.
-pub const ROOT: usize = 0;
+pub(super) const ROOT: usize = 0;
 
 /// An animated transform.
 #[derive(Clone, Debug)]
-pub struct Node {
+pub(super) struct Node {
     /// The node that it is under; always an earlier one.
     pub parent: usize,
     /// Static transforms from just under the node to the parent.
@@ -27,7 +27,7 @@ pub struct Node {
 
 /// Corners and normals of a triangle.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(super) struct Pose {
     /// The corners.
     pub v: [DVec3; 3],
     /// The normals, of any length.
@@ -36,7 +36,7 @@ pub struct Pose {
 
 impl Pose {
     /// The pose after a transform; normals by the inverse transpose, up to a positive factor.
-    pub fn transformed(&self, by: &Transform) -> Self {
+    pub(super) fn transformed(&self, by: &Transform) -> Self {
         Self {
             v: self.v.map(|point| by.point(point)),
             normals: self.normals.map(|normals| normals.map(|normal| by.scaled_normal(normal))),
@@ -44,7 +44,7 @@ impl Pose {
     }
 
     /// Rounded for the tracer. Normals come to unit length; where one has none, the triangle shades flat.
-    pub fn rounded(&self) -> (Triangle, Option<[Vec3; 3]>) {
+    pub(super) fn rounded(&self) -> (Triangle, Option<[Vec3; 3]>) {
         let unit = self.normals.map(|normals| normals.map(DVec3::normalize_or_zero));
         let normals = unit.filter(|normals| !normals.contains(&DVec3::ZERO));
         (Triangle { v: self.v.map(|point| point.as_vec3()) }, normals.map(|normals| normals.map(|n| n.as_vec3())))
@@ -58,7 +58,7 @@ impl Pose {
 
 /// How a triangle moves within its node.
 #[derive(Clone, Debug)]
-pub enum Shape {
+pub(super) enum Shape {
     /// Not at all.
     Rigid(Pose),
     /// From pose to pose (`tpa`): times in seconds, at least one.
@@ -67,7 +67,7 @@ pub enum Shape {
 
 impl Shape {
     /// The poses that it takes or runs between.
-    pub fn poses(&self) -> impl Iterator<Item = &Pose> {
+    pub(super) fn poses(&self) -> impl Iterator<Item = &Pose> {
         let (rigid, morph) = match self {
             Self::Rigid(pose) => (Some(pose), &[][..]),
             Self::Morph(keys) => (None, &keys[..]),
@@ -92,7 +92,7 @@ impl Shape {
 
 /// A triangle that can move.
 #[derive(Clone, Debug)]
-pub struct Moving {
+pub(super) struct Moving {
     /// The node that it is under.
     pub node: usize,
     /// Its pose in the node.
@@ -105,7 +105,7 @@ pub struct Moving {
 
 /// A point light that may move.
 #[derive(Clone, Debug)]
-pub struct Lamp {
+pub(super) struct Lamp {
     /// Where it is before its motion.
     pub position: DVec3,
     /// Its colour.
@@ -116,7 +116,7 @@ pub struct Lamp {
 
 /// When the frames are.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Times {
+pub(super) struct Times {
     /// The first frame's time in seconds.
     pub start: f64,
     /// The last frame's.
@@ -127,7 +127,7 @@ pub struct Times {
 
 impl Times {
     /// The time of a frame in seconds.
-    pub fn of(self, frame: u32) -> f64 {
+    pub(super) fn of(self, frame: u32) -> f64 {
         let last = self.frames.saturating_sub(1).max(1);
         self.start + f64::from(frame) * (self.end - self.start) / f64::from(last)
     }
@@ -135,7 +135,7 @@ impl Times {
 
 /// Where `v` puts the camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct View {
+pub(super) struct View {
     /// The eye.
     pub eye: DVec3,
     /// Where it looks.
@@ -149,7 +149,7 @@ pub struct View {
 /// The [`Animation`] of an AFF scene. Names are resolved to motions; what has no keyframes has a motion that stands
 /// still.
 #[derive(Debug)]
-pub struct AffAnimation {
+pub(super) struct AffAnimation {
     /// The tree, [`ROOT`] first, and each node's motion.
     pub nodes: Vec<(Node, Motion)>,
     /// The triangles, in the order of the file.
@@ -184,7 +184,7 @@ impl AffAnimation {
     }
 
     /// The largest distance from the origin that anything may ever have; a bound that is not tight.
-    pub fn reach(&self) -> f64 {
+    pub(super) fn reach(&self) -> f64 {
         let mut radius = vec![0.0_f64; self.nodes.len()];
         for moving in &self.moving {
             let corners = moving.shape.poses().flat_map(|pose| pose.v);

@@ -19,7 +19,7 @@ use crate::scene::transform::Transform;
 
 /// Where shapes go: a node, and static transforms under it.
 #[derive(Clone, Copy, Debug)]
-pub struct Space {
+pub(super) struct Space {
     /// The animated transform.
     pub node: usize,
     /// The static transforms.
@@ -28,7 +28,7 @@ pub struct Space {
 
 /// A triangle as a file gives it.
 #[derive(Clone, Debug)]
-pub struct Face {
+pub(super) struct Face {
     /// Its pose, or its poses.
     pub shape: Shape,
     /// Its texture coordinates.
@@ -36,7 +36,7 @@ pub struct Face {
 }
 
 /// The scene so far.
-pub struct Builder {
+pub(super) struct Builder {
     /// The files, materials and textures.
     pub loader: Loader,
     folder: PathBuf,
@@ -62,7 +62,7 @@ pub struct Builder {
 
 impl Builder {
     /// An empty scene, whose files are in `folder`.
-    pub fn new(folder: PathBuf) -> Self {
+    pub(super) fn new(folder: PathBuf) -> Self {
         Self {
             loader: Loader::default(),
             folder,
@@ -81,18 +81,18 @@ impl Builder {
     }
 
     /// The folder that file names start from.
-    pub fn folder(&self) -> &Path {
+    pub(super) fn folder(&self) -> &Path {
         &self.folder
     }
 
     /// Opens an animated transform in `space`.
-    pub fn animate(&mut self, space: Space, name: String) -> Space {
+    pub(super) fn animate(&mut self, space: Space, name: String) -> Space {
         self.nodes.push(Node { parent: space.node, place: space.place, name });
         Space { node: self.nodes.len() - 1, place: DAffine3::IDENTITY }
     }
 
     /// The number of `material`, the same for equal ones.
-    pub fn material(&mut self, material: Material) -> MaterialId {
+    pub(super) fn material(&mut self, material: Material) -> MaterialId {
         let Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture } = material;
         let [[a, b, c], [d, e, f], [g, h, i]] = [ambient, diffuse, specular].map(|color| color.to_array());
         let numbers = [a, b, c, d, e, f, g, h, i, shininess, transmittance, index_of_refraction].map(f32::to_bits);
@@ -107,7 +107,7 @@ impl Builder {
     /// (upside down in the file, v = 0 at the bottom of the sign) agree on that; of the toy car, only the licence plate
     /// comes out upside down. [`Texture`] has v = 1 at its first
     /// row, so rows change places here.
-    pub fn texture(&mut self, name: &str) -> Result<TextureId, String> {
+    pub(super) fn texture(&mut self, name: &str) -> Result<TextureId, String> {
         if let Some(&id) = self.texture_ids.get(name) {
             return Ok(id);
         }
@@ -125,7 +125,7 @@ impl Builder {
     }
 
     /// Adds triangles to `space`. The error says which limit they break.
-    pub fn add(&mut self, space: Space, material: MaterialId, faces: Vec<Face>) -> Result<(), String> {
+    pub(super) fn add(&mut self, space: Space, material: MaterialId, faces: Vec<Face>) -> Result<(), String> {
         check_count(self.statics.len() + self.moving.len() + faces.len())?;
         let place = Transform::new(space.place);
         for Face { shape, uv } in faces {
@@ -152,7 +152,7 @@ impl Builder {
     }
 
     /// The scene. The error says what is missing, or what goes too far.
-    pub fn finish(self, name: String) -> Result<Scene, String> {
+    pub(super) fn finish(self, name: String) -> Result<Scene, String> {
         let view = self.view.ok_or("no camera: the command `v` is needed")?;
         let motion = |name: &str| self.motions.get(name).cloned().unwrap_or_default();
         let still = |lamp: &Lamp| lamp.name.as_deref().map(motion).unwrap_or_default();

@@ -11,7 +11,7 @@ use crate::scene::limits::{COORDINATE, Range};
 /// `%` begins a comment that ends with its line; lines end in LF, CR LF or a lone CR. Bytes are not decoded: some BART
 /// files have Latin-1 comments.
 #[derive(Clone, Debug)]
-pub struct Lexer<'a> {
+pub(super) struct Lexer<'a> {
     path: &'a Path,
     bytes: &'a [u8],
     /// The line of the next byte.
@@ -22,28 +22,28 @@ pub struct Lexer<'a> {
 
 impl<'a> Lexer<'a> {
     /// A lexer at the start of `bytes`, after a byte order mark of UTF-8; `path` is for error messages only.
-    pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
+    pub(super) fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         Self { path, bytes, line: 1, word_line: 1 }
     }
 
     /// The file.
-    pub fn path(&self) -> &'a Path {
+    pub(super) fn path(&self) -> &'a Path {
         self.path
     }
 
     /// The line of the word that was read last.
-    pub fn word_line(&self) -> usize {
+    pub(super) fn word_line(&self) -> usize {
         self.word_line
     }
 
     /// An error at the word that was read last.
-    pub fn error(&self, what: impl Into<String>) -> SceneError {
+    pub(super) fn error(&self, what: impl Into<String>) -> SceneError {
         SceneError::Syntax { path: self.path.into(), line: self.word_line, what: what.into() }
     }
 
     /// The next word, or `None` at the end.
-    pub fn next_word(&mut self) -> Option<&'a [u8]> {
+    pub(super) fn next_word(&mut self) -> Option<&'a [u8]> {
         self.skip();
         self.word_line = self.line;
         let length = match self.bytes {
@@ -75,13 +75,13 @@ impl<'a> Lexer<'a> {
     }
 
     /// Whether the next word begins like a number.
-    pub fn number_follows(&mut self) -> bool {
+    pub(super) fn number_follows(&mut self) -> bool {
         self.skip();
         matches!(self.bytes.first(), Some(b'0'..=b'9' | b'+' | b'-' | b'.'))
     }
 
     /// The next word; `what` says what it should be.
-    pub fn word(&mut self, what: &str) -> Result<&'a [u8], SceneError> {
+    pub(super) fn word(&mut self, what: &str) -> Result<&'a [u8], SceneError> {
         match self.next_word() {
             Some(word) => Ok(word),
             None => Err(self.error(format!("the file ends where {what} should be"))),
@@ -89,7 +89,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A name: any word but a brace.
-    pub fn name(&mut self, what: &str) -> Result<String, SceneError> {
+    pub(super) fn name(&mut self, what: &str) -> Result<String, SceneError> {
         match self.word(what)? {
             word @ (b"{" | b"}") => Err(self.found(word, what)),
             word => Ok(String::from_utf8_lossy(word).into_owned()),
@@ -97,7 +97,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// Passes the word `expected`.
-    pub fn expect(&mut self, expected: &str) -> Result<(), SceneError> {
+    pub(super) fn expect(&mut self, expected: &str) -> Result<(), SceneError> {
         let what = format!("`{expected}`");
         match self.word(&what)? {
             word if word == expected.as_bytes() => Ok(()),
@@ -106,7 +106,7 @@ impl<'a> Lexer<'a> {
     }
 
     /// A number within [`COORDINATE`].
-    pub fn number(&mut self, what: &str) -> Result<f64, SceneError> {
+    pub(super) fn number(&mut self, what: &str) -> Result<f64, SceneError> {
         let word = self.word(what)?;
         match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
             Some(number) if COORDINATE.check("", number).is_ok() => Ok(number),
@@ -115,19 +115,19 @@ impl<'a> Lexer<'a> {
     }
 
     /// A number within `range`.
-    pub fn number_within(&mut self, what: &str, range: Range) -> Result<f64, SceneError> {
+    pub(super) fn number_within(&mut self, what: &str, range: Range) -> Result<f64, SceneError> {
         let number = self.number(what)?;
         range.check(what, number).map_err(|what| self.error(what))
     }
 
     /// Three numbers within `range`.
-    pub fn vector_within(&mut self, what: &str, range: Range) -> Result<DVec3, SceneError> {
+    pub(super) fn vector_within(&mut self, what: &str, range: Range) -> Result<DVec3, SceneError> {
         let vector = self.vector(what)?;
         range.check_vector(what, vector).map_err(|what| self.error(what))
     }
 
     /// A whole number from `least` to `most`.
-    pub fn whole(&mut self, what: &str, least: i64, most: i64) -> Result<i64, SceneError> {
+    pub(super) fn whole(&mut self, what: &str, least: i64, most: i64) -> Result<i64, SceneError> {
         let word = self.word(what)?;
         match std::str::from_utf8(word).ok().and_then(|text| text.parse().ok()) {
             Some(number) if (least..=most).contains(&number) => Ok(number),
@@ -137,22 +137,22 @@ impl<'a> Lexer<'a> {
     }
 
     /// How many of `what` follow. Nothing is allocated by it: a file can announce more than it has.
-    pub fn count(&mut self, what: &str, least: i64) -> Result<usize, SceneError> {
+    pub(super) fn count(&mut self, what: &str, least: i64) -> Result<usize, SceneError> {
         self.whole(&format!("the number of {what}"), least, i64::from(u32::MAX)).map(|count| count as usize)
     }
 
     /// Two numbers.
-    pub fn pair(&mut self, what: &str) -> Result<DVec2, SceneError> {
+    pub(super) fn pair(&mut self, what: &str) -> Result<DVec2, SceneError> {
         Ok(DVec2::new(self.number(what)?, self.number(what)?))
     }
 
     /// Three numbers.
-    pub fn vector(&mut self, what: &str) -> Result<DVec3, SceneError> {
+    pub(super) fn vector(&mut self, what: &str) -> Result<DVec3, SceneError> {
         Ok(DVec3::new(self.number(what)?, self.number(what)?, self.number(what)?))
     }
 
     /// An error about the word that was read last.
-    pub fn found(&self, word: &[u8], allowed: &str) -> SceneError {
+    pub(super) fn found(&self, word: &[u8], allowed: &str) -> SceneError {
         // A file that is no text may be one long word.
         let shown = String::from_utf8_lossy(&word[..word.len().min(40)]);
         self.error(format!("found `{}`: {allowed} should be here", shown.escape_debug()))

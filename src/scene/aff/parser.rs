@@ -15,15 +15,15 @@ use crate::scene::limits::{REFRACTION, Range, SHARE, SHININESS, STRENGTH};
 use crate::scene::material::Material;
 
 /// How deep files may include one another; the BART scenes go 4 deep.
-pub const MAX_INCLUDE_DEPTH: usize = 32;
+pub(super) const MAX_INCLUDE_DEPTH: usize = 32;
 /// How many includes a scene may have in all; the BART robot has 835.
-pub const MAX_INCLUDES: usize = 1 << 16;
+pub(super) const MAX_INCLUDES: usize = 1 << 16;
 /// What the start of a command may be.
 const COMMANDS: &str =
     "one of the commands v b l la am f fm s c p pp tt ttp tpa m i d xs x k a, or `}` after an open block,";
 
 /// Reads files into a [`Builder`].
-pub struct Parser {
+pub(super) struct Parser {
     /// What was read so far.
     pub builder: Builder,
     /// The material of the shapes to come. Neither blocks nor includes bound it.
@@ -37,13 +37,13 @@ pub struct Parser {
 
 impl Parser {
     /// A parser of a scene whose files are in `folder`.
-    pub fn new(folder: PathBuf) -> Self {
+    pub(super) fn new(folder: PathBuf) -> Self {
         let builder = Builder::new(folder);
         Self { builder, material: Material::default(), detail: 0, open: Vec::new(), includes: 0 }
     }
 
     /// Reads the bytes of the file at `path`, whose shapes go to `space`.
-    pub fn parse(&mut self, path: &Path, bytes: &[u8], space: Space) -> Result<(), SceneError> {
+    pub(super) fn parse(&mut self, path: &Path, bytes: &[u8], space: Space) -> Result<(), SceneError> {
         self.open.push(path.into());
         let mut lexer = Lexer::new(path, bytes);
         // The spaces around the open blocks.
@@ -168,7 +168,7 @@ impl Parser {
 }
 
 /// The space of a scene's first file: the world.
-pub const WORLD: Space = Space { node: ROOT, place: DAffine3::IDENTITY };
+pub(super) const WORLD: Space = Space { node: ROOT, place: DAffine3::IDENTITY };
 
 fn strength(lexer: &mut Lexer<'_>, of: &str) -> Result<Vec3, SceneError> {
     lexer.vector_within(&format!("the colour of {of}"), STRENGTH).map(|color| color.as_vec3())

@@ -14,7 +14,7 @@ use crate::scene::tessellate::{self, SmoothTriangle};
 
 /// Triangles with one look.
 #[derive(Debug)]
-pub struct Shapes {
+pub(super) struct Shapes {
     /// The triangles.
     pub faces: Vec<Face>,
     /// The name of their texture's file.
@@ -52,7 +52,7 @@ fn three<T>(mut read: impl FnMut() -> Result<T, SceneError>) -> Result<[T; 3], S
 }
 
 /// `s`: centre and radius; a negative radius shows the inside.
-pub fn sphere(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
+pub(super) fn sphere(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let center = lexer.vector("the centre of a sphere")?;
     let radius = lexer.number("the radius of a sphere")?;
     LENGTH.check("the radius of a sphere, without its sign,", radius.abs()).map_err(|what| lexer.error(what))?;
@@ -60,7 +60,7 @@ pub fn sphere(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
 }
 
 /// `c`: centre and radius at both ends; negative radii show the inside.
-pub fn cone(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
+pub(super) fn cone(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let base = lexer.vector("the base of a cone")?;
     let base_radius = lexer.number("the radius of a cone's base")?;
     let apex = lexer.vector("the apex of a cone")?;
@@ -80,7 +80,7 @@ pub fn cone(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
 }
 
 /// `p` and, with normals, `pp`: a polygon, counter-clockwise as seen from its front.
-pub fn polygon(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, SceneError> {
+pub(super) fn polygon(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, SceneError> {
     let count = lexer.whole("the number of corners", 3, MAX_CORNERS as i64)? as usize;
     let corners = many(lexer, count, |lexer| {
         let corner = lexer.vector("a corner of a polygon")?;
@@ -99,7 +99,7 @@ pub fn polygon(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, Scen
 }
 
 /// `tt` and, with normals, `ttp`: a triangle with a texture.
-pub fn textured_triangle(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, SceneError> {
+pub(super) fn textured_triangle(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, SceneError> {
     let texture = lexer.name("the file of a texture")?;
     let corners = three(|| {
         let corner = lexer.vector("a corner of a triangle")?;
@@ -115,7 +115,7 @@ pub fn textured_triangle(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Sh
 }
 
 /// `tpa`: a triangle that runs from pose to pose.
-pub fn animated_triangle(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
+pub(super) fn animated_triangle(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let count = lexer.count("poses", 1)?;
     let keys = many(lexer, count, |lexer| {
         let time = lexer.number("the time of a pose")?;
@@ -126,7 +126,7 @@ pub fn animated_triangle(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
 }
 
 /// `m`: a mesh. Corners, normals and texture coordinates are numbered from 0, each on its own.
-pub fn mesh(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
+pub(super) fn mesh(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     lexer.expect("vertices")?;
     let count = lexer.count("vertices", 1)?;
     let vertices = many(lexer, count, |lexer| lexer.vector("a vertex"))?;

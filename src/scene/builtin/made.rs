@@ -10,7 +10,7 @@ use crate::scene::lamps::Lamps;
 use crate::scene::parts::Parts;
 
 /// A number of frames.
-pub type Frames = Within<1, 1_000_000>;
+pub(super) type Frames = Within<1, 1_000_000>;
 
 /// What a scene's code makes.
 pub(super) struct Made {

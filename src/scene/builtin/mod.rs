@@ -1,7 +1,7 @@
 //! Scenes made in code: nothing to download, the same on every run.
 
 pub mod cases;
-pub mod shapes;
+pub(crate) mod shapes;
 
 mod made;
 mod paint;

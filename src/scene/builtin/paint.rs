@@ -8,36 +8,36 @@ use crate::scene::material::{Material, MaterialId, Texture, TextureId};
 
 /// The materials and textures of a scene.
 #[derive(Default)]
-pub struct Palette {
+pub(super) struct Palette {
     pub materials: Vec<Material>,
     pub textures: Vec<Texture>,
 }
 
 impl Palette {
-    pub fn add(&mut self, material: Material) -> MaterialId {
+    pub(super) fn add(&mut self, material: Material) -> MaterialId {
         self.materials.push(material);
         MaterialId((self.materials.len() - 1) as u32)
     }
 
     /// A matt surface.
-    pub fn matt(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
+    pub(super) fn matt(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
         self.add(matt(Vec3::new(r, g, b)))
     }
 
     /// A surface with a highlight and a faint reflection.
-    pub fn glossy(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
+    pub(super) fn glossy(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
         let base = matt(Vec3::new(r, g, b));
         self.add(Material { specular: Vec3::splat(0.15), shininess: 40.0, ..base })
     }
 
     /// A mirror of slightly tinted glass.
-    pub fn mirror(&mut self) -> MaterialId {
+    pub(super) fn mirror(&mut self) -> MaterialId {
         let base = matt(Vec3::splat(0.05));
         self.add(Material { specular: Vec3::new(0.85, 0.88, 0.88), shininess: 200.0, ..base })
     }
 
     /// Clear glass.
-    pub fn glass(&mut self) -> MaterialId {
+    pub(super) fn glass(&mut self) -> MaterialId {
         let base = matt(Vec3::new(0.04, 0.06, 0.06));
         self.add(Material {
             specular: Vec3::splat(0.12),
@@ -49,12 +49,12 @@ impl Palette {
     }
 
     /// Something that glows: it sends back far more ambient light than falls on it.
-    pub fn glow(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
+    pub(super) fn glow(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
         self.add(Material { ambient: 5.0 * Vec3::new(r, g, b), ..matt(Vec3::new(r, g, b)) })
     }
 
     /// A texture of `cells` x `cells` fields in two colours, each varied a little by a fixed pattern.
-    pub fn checker(&mut self, cells: u32, colors: [[u8; 3]; 2], specular: f32) -> MaterialId {
+    pub(super) fn checker(&mut self, cells: u32, colors: [[u8; 3]; 2], specular: f32) -> MaterialId {
         const FIELD: u32 = 16;
         let width = cells * FIELD;
         let pixel = |i: u32| {
@@ -74,7 +74,7 @@ fn matt(color: Vec3) -> Material {
 }
 
 /// The first `count` lights, that share `strength`: a picture is about as bright with few as with many.
-pub fn share(lights: &[(Vec3, Vec3)], count: usize, strength: f32) -> Vec<Light> {
+pub(super) fn share(lights: &[(Vec3, Vec3)], count: usize, strength: f32) -> Vec<Light> {
     let lights = lights[..count].iter();
     lights.map(|(position, color)| Light { position: *position, color: *color * strength / count as f32 }).collect()
 }

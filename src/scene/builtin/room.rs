@@ -33,7 +33,7 @@ const LAMPS: [(Vec3, Vec3); 6] = [
 ];
 
 /// The room; lengths of tiles fall and segments of round things rise with `detail`.
-pub fn build(lights: usize, detail: usize) -> Made {
+pub(super) fn build(lights: usize, detail: usize) -> Made {
     let mut palette = Palette::default();
     let mut room = Maker { shapes: Shapes::default(), tile: 0.8 / detail as f64, round: 6 * detail };
     room.shell(&mut palette);

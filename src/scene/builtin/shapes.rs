@@ -9,7 +9,7 @@ use crate::scene::material::MaterialId;
 
 /// Adds shapes to a geometry, each at the place and of the material set before.
 #[derive(Debug, Default)]
-pub struct Shapes {
+pub(crate) struct Shapes {
     /// What has been made.
     pub geometry: Geometry,
     /// From the shape's space to that of the geometry.
@@ -23,19 +23,19 @@ type Corner = (DVec3, Option<DVec3>, DVec2);
 
 impl Shapes {
     /// Sets the place: a shift, after a turn about the vertical by `degrees`.
-    pub fn place(&mut self, shift: DVec3, degrees: f64) -> &mut Self {
+    pub(crate) fn place(&mut self, shift: DVec3, degrees: f64) -> &mut Self {
         self.at = DAffine3::from_rotation_translation(DQuat::from_rotation_y(degrees.to_radians()), shift);
         self
     }
 
     /// Sets the material.
-    pub fn paint(&mut self, material: MaterialId) -> &mut Self {
+    pub(crate) fn paint(&mut self, material: MaterialId) -> &mut Self {
         self.material = material;
         self
     }
 
     /// A flat triangle.
-    pub fn triangle(&mut self, corners: [DVec3; 3]) {
+    pub(crate) fn triangle(&mut self, corners: [DVec3; 3]) {
         self.push(corners.map(|corner| (corner, None, DVec2::ZERO)));
     }
 
@@ -59,7 +59,7 @@ impl Shapes {
 
     /// A parallelogram at `corner` with the edges `u` and `v`, in tiles of two triangles with edges of at most `tile`.
     /// Its front is the side of `u` x `v`. A texture lies on it once in every world unit.
-    pub fn plane(&mut self, corner: DVec3, u: DVec3, v: DVec3, tile: f64) {
+    pub(crate) fn plane(&mut self, corner: DVec3, u: DVec3, v: DVec3, tile: f64) {
         let count = |edge: DVec3| (edge.length() / tile - 1e-9).ceil().max(1.0) as u32;
         let (across, along) = (count(u), count(v));
         let (width, height) = (u.length(), v.length());
@@ -75,7 +75,7 @@ impl Shapes {
     }
 
     /// The box from `low` to `high`, seen from outside, in tiles of at most `tile`.
-    pub fn cuboid(&mut self, low: DVec3, high: DVec3, tile: f64) {
+    pub(crate) fn cuboid(&mut self, low: DVec3, high: DVec3, tile: f64) {
         let size = high - low;
         let (x, y, z) = (DVec3::X * size.x, DVec3::Y * size.y, DVec3::Z * size.z);
         for (corner, u, v) in [(low, y, x), (low, z, y), (low, x, z), (high, -x, -y), (high, -y, -z), (high, -z, -x)] {
@@ -85,7 +85,7 @@ impl Shapes {
 
     /// The body of revolution about the vertical whose outline runs through `outline` (radius and height), upwards on
     /// its outside. Smooth along and around, with an edge where a point comes twice; flat rings of radius 0 close it.
-    pub fn lathe(&mut self, outline: &[DVec2], segments: usize) {
+    pub(crate) fn lathe(&mut self, outline: &[DVec2], segments: usize) {
         let ring = |k: usize| DVec2::from_angle(-TAU * (k % segments) as f64 / segments as f64);
         let last = outline.len() - 1;
         let facing = |i: usize| (outline[i + 1] - outline[i]).perp().normalize_or_zero() * -1.0;
@@ -116,7 +116,7 @@ impl Shapes {
     }
 
     /// A sphere with `segments` around its equator and half as many from pole to pole.
-    pub fn sphere(&mut self, centre: DVec3, radius: f64, segments: usize) {
+    pub(crate) fn sphere(&mut self, centre: DVec3, radius: f64, segments: usize) {
         let rings = (segments / 2).max(2);
         let outline: Vec<DVec2> = (0..=rings)
             .map(|i| {
@@ -129,13 +129,13 @@ impl Shapes {
     }
 
     /// A closed upright cylinder that stands on `base`, narrowing from radius `bottom` to radius `top`.
-    pub fn column(&mut self, base: DVec3, [bottom, top]: [f64; 2], height: f64, segments: usize) {
+    pub(crate) fn column(&mut self, base: DVec3, [bottom, top]: [f64; 2], height: f64, segments: usize) {
         let outline = [(0.0, 0.0), (bottom, 0.0), (bottom, 0.0), (top, height), (top, height), (0.0, height)];
         self.shifted(base, |shapes| shapes.lathe(&outline.map(DVec2::from), segments));
     }
 
     /// A ring of radius `major` in the horizontal plane around `centre`, as thick as `minor`.
-    pub fn torus(&mut self, centre: DVec3, major: f64, minor: f64, segments: [usize; 2]) {
+    pub(crate) fn torus(&mut self, centre: DVec3, major: f64, minor: f64, segments: [usize; 2]) {
         let outline: Vec<DVec2> = (0..=segments[1])
             .map(|i| {
                 DVec2::new(major, 0.0) + DVec2::from_angle(TAU * (i % segments[1]) as f64 / segments[1] as f64) * minor
@@ -145,7 +145,7 @@ impl Shapes {
     }
 
     /// Makes something around another origin.
-    pub fn shifted(&mut self, origin: DVec3, make: impl FnOnce(&mut Self)) {
+    pub(crate) fn shifted(&mut self, origin: DVec3, make: impl FnOnce(&mut Self)) {
         let before = self.at;
         self.at = before * DAffine3::from_translation(origin);
         make(self);
@@ -155,7 +155,7 @@ impl Shapes {
 
 /// A number from 0 to 1 that is always the same for the same seed: the finaliser of SplitMix64 (Steele, Lea and Flood
 /// 2014).
-pub fn hash(seed: u64) -> f64 {
+pub(crate) fn hash(seed: u64) -> f64 {
     let mut bits = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);

@@ -23,7 +23,7 @@ const DRIVE: f64 = 0.1;
 const TILE: f64 = 0.75;
 
 /// The street; its length follows from the number of houses.
-pub fn build(lights: usize, houses: usize, walkers: usize) -> Made {
+pub(super) fn build(lights: usize, houses: usize, walkers: usize) -> Made {
     let mut palette = Palette::default();
     let length = houses as f64 * PLOT;
     let mut shapes = Shapes::default();

@@ -24,7 +24,7 @@ const LAMPS: [(Vec3, Vec3); 6] = [
 ];
 
 /// The thicket: `triangles` are shared by grass, and by plants of broad leaves.
-pub fn build(lights: usize, triangles: usize) -> Made {
+pub(super) fn build(lights: usize, triangles: usize) -> Made {
     let mut palette = Palette::default();
     let mut shapes = Shapes::default();
     ground(&mut shapes, &mut palette);

@@ -9,7 +9,7 @@ use super::buffers::Buffers;
 
 /// The elements of an accessor, each of `N` numbers.
 #[derive(Debug)]
-pub struct Elements<'a, const N: usize> {
+pub(super) struct Elements<'a, const N: usize> {
     /// The elements in a buffer; all zero if there are none.
     stored: Option<Stored<'a>>,
     substitutes: Option<Substitutes<'a>>,
@@ -38,7 +38,7 @@ impl<'a, const N: usize> Elements<'a, N> {
     ///
     /// # Errors
     /// An accessor that is not there, of other elements than `N` numbers, or outside its buffer.
-    pub fn new(root: &Root, buffers: &'a Buffers, index: usize, what: &str) -> Result<Self, String> {
+    pub(super) fn new(root: &Root, buffers: &'a Buffers, index: usize, what: &str) -> Result<Self, String> {
         Self::read(root, buffers, index).map_err(|error| format!("{what}, accessor {index}: {error}"))
     }
 
@@ -103,17 +103,17 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 
     /// How many elements there are.
-    pub fn len(&self) -> usize {
+    pub(super) fn len(&self) -> usize {
         self.count
     }
 
     /// The type of the numbers, and whether they stand for 0 to 1 or -1 to 1.
-    pub fn component(&self) -> (ComponentType, bool) {
+    pub(super) fn component(&self) -> (ComponentType, bool) {
         (self.component, self.normalized)
     }
 
     /// The element of that number, if there is one.
-    pub fn get(&self, index: usize) -> Option<[f64; N]> {
+    pub(super) fn get(&self, index: usize) -> Option<[f64; N]> {
         if index >= self.count {
             return None;
         }
@@ -129,7 +129,7 @@ impl<'a, const N: usize> Elements<'a, N> {
     }
 
     /// All elements.
-    pub fn iter(&self) -> impl Iterator<Item = [f64; N]> + '_ {
+    pub(super) fn iter(&self) -> impl Iterator<Item = [f64; N]> + '_ {
         (0..self.count).filter_map(|index| self.get(index))
     }
 

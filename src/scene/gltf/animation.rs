@@ -13,7 +13,7 @@ use crate::scene::limits::COORDINATE;
 
 /// What moves a node; what is `None` stands still.
 #[derive(Debug, Default)]
-pub struct Motion {
+pub(super) struct Motion {
     /// Where it is.
     pub translation: Option<Vectors>,
     /// How it is turned.
@@ -24,12 +24,12 @@ pub struct Motion {
 
 impl Motion {
     /// Whether there is a track.
-    pub fn is_there(&self) -> bool {
+    pub(super) fn is_there(&self) -> bool {
         self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
     }
 
     /// Whether a track changes anything: one that has the same value at every key holds the node in one pose.
-    pub fn moves(&self) -> bool {
+    pub(super) fn moves(&self) -> bool {
         let vectors = [&self.translation, &self.scale].into_iter().flatten().any(|track| track.0.moves());
         vectors || self.rotation.as_ref().is_some_and(|track| track.0.moves())
     }
@@ -100,11 +100,11 @@ impl<V: Copy + PartialEq + Default> Track<V> {
 
 /// A track of positions or scales.
 #[derive(Debug)]
-pub struct Vectors(Track<DVec3>);
+pub(super) struct Vectors(Track<DVec3>);
 
 impl Vectors {
     /// The value at a time in seconds.
-    pub fn at(&self, time: f64) -> DVec3 {
+    pub(super) fn at(&self, time: f64) -> DVec3 {
         match self.0.place(time) {
             Place::On(value) => value,
             Place::Between(from, to, share) => from + (to - from) * share,
@@ -115,11 +115,11 @@ impl Vectors {
 
 /// A track of rotations.
 #[derive(Debug)]
-pub struct Rotations(Track<DVec4>);
+pub(super) struct Rotations(Track<DVec4>);
 
 impl Rotations {
     /// The value at a time in seconds.
-    pub fn at(&self, time: f64) -> DQuat {
+    pub(super) fn at(&self, time: f64) -> DQuat {
         match self.0.place(time) {
             Place::On(value) => DQuat::from_vec4(value).normalize(),
             // The shorter way, as the specification asks.
@@ -140,7 +140,7 @@ impl Rotations {
 /// # Errors
 /// No animation of that name, several and no name, weights of morph targets, two channels of one node and property,
 /// keys that do not rise or are out of range.
-pub fn read(root: &Root, buffers: &Buffers, wanted: Option<&str>) -> Result<Vec<Motion>, String> {
+pub(super) fn read(root: &Root, buffers: &Buffers, wanted: Option<&str>) -> Result<Vec<Motion>, String> {
     let mut motions: Vec<Motion> = root.nodes.iter().map(|_| Motion::default()).collect();
     let names =
         || root.animations.iter().map(|animation| format!("{:?}", animation.name.as_deref().unwrap_or_default()));
@@ -228,7 +228,7 @@ fn track<V>(times: Vec<f64>, interpolation: Interpolation, values: Vec<V>) -> Re
 }
 
 /// A rotation of four numbers. The file's are rounded, so that their length is about 1.
-pub fn unit(numbers: [f64; 4]) -> Result<DQuat, String> {
+pub(super) fn unit(numbers: [f64; 4]) -> Result<DQuat, String> {
     let rotation = DQuat::from_array(numbers);
     if (rotation.length() - 1.0).abs() < 0.01 {
         Ok(rotation.normalize())

@@ -11,13 +11,13 @@ use crate::scene::loader::Loader;
 use crate::scene::text::shortened;
 
 /// The bytes of all buffers of a file.
-pub struct Buffers {
+pub(super) struct Buffers {
     buffers: Vec<Rc<[u8]>>,
 }
 
 impl Buffers {
     /// Reads them: from files, from data URIs, and the first one of a GLB container from its binary chunk.
-    pub fn read(root: &Root, chunk: Option<&[u8]>, path: &Path, loader: &mut Loader) -> Result<Self, String> {
+    pub(super) fn read(root: &Root, chunk: Option<&[u8]>, path: &Path, loader: &mut Loader) -> Result<Self, String> {
         let mut buffers = Vec::new();
         for (index, buffer) in root.buffers.iter().enumerate() {
             let bytes: Rc<[u8]> = match (&buffer.uri, chunk) {
@@ -44,12 +44,12 @@ impl Buffers {
     }
 
     /// All bytes together.
-    pub fn size(&self) -> usize {
+    pub(super) fn size(&self) -> usize {
         self.buffers.iter().map(|buffer| buffer.len()).sum()
     }
 
     /// The bytes of a buffer view.
-    pub fn view(&self, root: &Root, index: usize) -> Result<&[u8], String> {
+    pub(super) fn view(&self, root: &Root, index: usize) -> Result<&[u8], String> {
         let outside = || format!("buffer view {index} is not within its buffer");
         let view = root.buffer_views.get(index).ok_or_else(outside)?;
         let buffer = self.buffers.get(view.buffer.value()).ok_or_else(outside)?;
@@ -60,7 +60,7 @@ impl Buffers {
 }
 
 /// The bytes of a data URI (RFC 2397, base64 as glTF asks), `None` for another URI.
-pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
+pub(super) fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     let rest = uri.strip_prefix("data:")?;
     let Some((_, text)) = rest.split_once(";base64,") else {
         return Some(Err(format!("the data URI {:?} is not base64", shortened(uri))));
@@ -69,7 +69,7 @@ pub fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
 }
 
 /// The path of a file beside `path` that a relative URI names; `%20` and the like stand for bytes.
-pub fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
+pub(super) fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     // A single letter before a colon is a drive, not a scheme; it is no relative URI either.
     if uri.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':')) {
         return Err(format!("the URI {:?} is not relative to the file", shortened(uri)));

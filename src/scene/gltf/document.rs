@@ -23,7 +23,7 @@ const WITHOUT_FALLBACK: &[&str] = &["EXT_mesh_gpu_instancing", "KHR_node_visibil
 const READ: &[&str] = &["KHR_lights_punctual"];
 
 /// The JSON and the binary chunk of the file with these bytes.
-pub fn read<'a>(bytes: &'a [u8], path: &Path, loader: &mut Loader) -> Result<(Root, Option<&'a [u8]>), String> {
+pub(super) fn read<'a>(bytes: &'a [u8], path: &Path, loader: &mut Loader) -> Result<(Root, Option<&'a [u8]>), String> {
     let (json, chunk) = if bytes.starts_with(b"glTF") { chunks(bytes)? } else { (bytes, None) };
     let json = json.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(json);
     let mut root = Root::from_slice(json).map_err(|error| format!("not a glTF 2.0 document: {error}"))?;
@@ -84,7 +84,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
 }
 
 /// A node's number and name, for messages.
-pub fn name(root: &Root, index: usize) -> String {
+pub(super) fn name(root: &Root, index: usize) -> String {
     match root.nodes.get(index).and_then(|node| node.name.as_deref()) {
         Some(name) => format!("{index} ({name:?})"),
         None => index.to_string(),

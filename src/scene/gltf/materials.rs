@@ -19,7 +19,7 @@ use crate::scene::texture;
 
 /// A material of a file.
 #[derive(Clone, Copy, Debug)]
-pub struct Material {
+pub(super) struct Material {
     /// Its number in the scene.
     pub id: MaterialId,
     /// Which texture coordinates its picture takes.
@@ -29,7 +29,7 @@ pub struct Material {
 }
 
 /// The materials of a file, each read when it is first used.
-pub struct Materials<'a> {
+pub(super) struct Materials<'a> {
     root: &'a Root,
     buffers: &'a Buffers,
     path: &'a Path,
@@ -41,13 +41,13 @@ pub struct Materials<'a> {
 
 impl<'a> Materials<'a> {
     /// The materials of the file at `path`; a primitive without one gets `plain`.
-    pub fn new(root: &'a Root, buffers: &'a Buffers, path: &'a Path, plain: MaterialId) -> Self {
+    pub(super) fn new(root: &'a Root, buffers: &'a Buffers, path: &'a Path, plain: MaterialId) -> Self {
         let (read, textures) = (vec![None; root.materials.len()], vec![None; root.images.len()]);
         Self { root, buffers, path, plain, read, textures }
     }
 
     /// The material of that number.
-    pub fn get(&mut self, index: Option<usize>, loader: &mut Loader) -> Result<Material, String> {
+    pub(super) fn get(&mut self, index: Option<usize>, loader: &mut Loader) -> Result<Material, String> {
         let Some(index) = index else { return Ok(Material { id: self.plain, uv_set: 0, textured: false }) };
         if let Some(Some(known)) = self.read.get(index) {
             return Ok(*known);

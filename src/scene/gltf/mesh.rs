@@ -17,7 +17,7 @@ use crate::scene::loader::Loader;
 use crate::scene::material::MaterialId;
 
 /// The meshes of a file, each read when it is first placed.
-pub struct Meshes<'a> {
+pub(super) struct Meshes<'a> {
     root: &'a Root,
     buffers: &'a Buffers,
     path: &'a Path,
@@ -27,13 +27,13 @@ pub struct Meshes<'a> {
 
 impl<'a> Meshes<'a> {
     /// The meshes of the file at `path`.
-    pub fn new(root: &'a Root, buffers: &'a Buffers, path: &'a Path, plain: MaterialId) -> Self {
+    pub(super) fn new(root: &'a Root, buffers: &'a Buffers, path: &'a Path, plain: MaterialId) -> Self {
         let read = root.meshes.iter().map(|_| None).collect();
         Self { root, buffers, path, materials: Materials::new(root, buffers, path, plain), read }
     }
 
     /// The triangles of a mesh in its own space.
-    pub fn get(&mut self, index: usize, loader: &mut Loader) -> Result<&Geometry, String> {
+    pub(super) fn get(&mut self, index: usize, loader: &mut Loader) -> Result<&Geometry, String> {
         if self.read.get(index).is_none_or(Option::is_none) {
             let mesh = self.root.meshes.get(index).ok_or_else(|| format!("mesh {index} is not there"))?;
             let mut geometry = Geometry::default();

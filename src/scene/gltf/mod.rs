@@ -44,7 +44,7 @@ use super::model::{FileCamera, FileLight, Model, append};
 /// # Errors
 /// A file that cannot be read or breaks the specification, an extension, skin or morph target that is not read, a
 /// picture that cannot be had, numbers out of range, a light that is no point, an animation that is not there.
-pub fn read(
+pub(super) fn read(
     path: &Path,
     animation: Option<&str>,
     plain: MaterialId,

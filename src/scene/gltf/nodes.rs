@@ -12,7 +12,7 @@ use crate::scene::model::PoseAt;
 
 /// The nodes of the file's scene.
 #[derive(Debug)]
-pub struct Tree {
+pub(super) struct Tree {
     /// By number in the file; `None` if the scene does not reach it.
     nodes: Vec<Option<Node>>,
     /// Numbers of the reached nodes, parents first.
@@ -42,7 +42,7 @@ impl Tree {
     ///
     /// # Errors
     /// No scene, a node that is not there, has two parents or is its own ancestor, a transform out of range.
-    pub fn new(root: &Root, mut motions: Vec<Motion>, place: DAffine3) -> Result<Self, String> {
+    pub(super) fn new(root: &Root, mut motions: Vec<Motion>, place: DAffine3) -> Result<Self, String> {
         let scene = root.scene.map_or(0, |scene| scene.value());
         let scene = root.scenes.get(scene).ok_or("it has no scene")?;
         let mut tree = Self { nodes: root.nodes.iter().map(|_| None).collect(), order: Vec::new(), place };
@@ -67,17 +67,17 @@ impl Tree {
     }
 
     /// Numbers of the scene's nodes, parents first.
-    pub fn order(&self) -> &[usize] {
+    pub(super) fn order(&self) -> &[usize] {
         &self.order
     }
 
     /// Whether a node or one above it moves.
-    pub fn moves(&self, index: usize) -> bool {
+    pub(super) fn moves(&self, index: usize) -> bool {
         self.nodes[index].as_ref().is_some_and(|node| node.moves)
     }
 
     /// How many of the scene's nodes an animation holds in one pose.
-    pub fn held(&self) -> usize {
+    pub(super) fn held(&self) -> usize {
         let motions = self.nodes.iter().flatten().map(|node| &node.motion);
         motions.filter(|motion| motion.is_there() && !motion.moves()).count()
     }
@@ -94,7 +94,7 @@ impl Tree {
     }
 
     /// Where a node is.
-    pub fn pose(self: &Arc<Self>, index: usize) -> PoseAt {
+    pub(super) fn pose(self: &Arc<Self>, index: usize) -> PoseAt {
         let tree = self.clone();
         if self.moves(index) {
             Arc::new(move |time| tree.world(index, time))

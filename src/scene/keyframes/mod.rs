@@ -15,7 +15,7 @@ mod stretch;
 mod tests;
 mod vector;
 
-pub use self::motion::{Motion, VisibilityTrack};
-pub use self::rotation::RotationTrack;
-pub use self::stretch::{Key, Tcb, TrackError};
-pub use self::vector::VectorTrack;
+pub(crate) use self::motion::{Motion, VisibilityTrack};
+pub(crate) use self::rotation::RotationTrack;
+pub(crate) use self::stretch::{Key, Tcb, TrackError};
+pub(crate) use self::vector::VectorTrack;

@@ -7,14 +7,14 @@ use super::vector::VectorTrack;
 
 /// A switch that is on before its first key.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct VisibilityTrack {
+pub(crate) struct VisibilityTrack {
     /// Times and what holds from then on.
     pub keys: Vec<(f64, bool)>,
 }
 
 impl VisibilityTrack {
     /// Whether the switch is on at `time` seconds.
-    pub fn at(&self, time: f64) -> bool {
+    pub(crate) fn at(&self, time: f64) -> bool {
         let next = self.keys.iter().position(|&(start, _)| time < start).unwrap_or(self.keys.len());
         next.checked_sub(1).is_none_or(|index| self.keys[index].1)
     }
@@ -22,7 +22,7 @@ impl VisibilityTrack {
 
 /// The motion of an object: scale first, then rotation, then translation; what is `None` stands still.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Motion {
+pub(crate) struct Motion {
     /// Where it is.
     pub translation: Option<VectorTrack>,
     /// How it is turned.
@@ -35,7 +35,7 @@ pub struct Motion {
 
 impl Motion {
     /// The transform at `time` seconds.
-    pub fn transform(&self, time: f64) -> DAffine3 {
+    pub(crate) fn transform(&self, time: f64) -> DAffine3 {
         let rotation = self.rotation.as_ref().map_or(DMat3::IDENTITY, |track| track.at(time));
         let scale = self.scale.as_ref().map_or(DVec3::ONE, |track| track.at(time));
         let translation = self.translation.as_ref().map_or(DVec3::ZERO, |track| track.at(time));
@@ -43,12 +43,12 @@ impl Motion {
     }
 
     /// Whether the object is there at `time` seconds.
-    pub fn visible(&self, time: f64) -> bool {
+    pub(crate) fn visible(&self, time: f64) -> bool {
         self.visibility.as_ref().is_none_or(|track| track.at(time))
     }
 
     /// A bound, over all times, on the distance from the origin of points that are within `radius` before the motion.
-    pub fn reach(&self, radius: f64) -> f64 {
+    pub(crate) fn reach(&self, radius: f64) -> f64 {
         let scale = self.scale.as_ref().map_or(1.0, |track| track.bound().max_element());
         let translation = self.translation.as_ref().map_or(0.0, |track| track.bound().length());
         radius * scale + translation

@@ -6,7 +6,7 @@ use super::stretch::{Key, Place, Stretches, TrackError};
 
 /// A spline of rotations.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RotationTrack {
+pub(crate) struct RotationTrack {
     first: DQuat,
     last: DQuat,
     curves: Stretches<Squad>,
@@ -26,7 +26,7 @@ const SMALL_SINE: f64 = 1e-6;
 impl RotationTrack {
     /// The spline through `keys`, at least 4. Their quaternions should be of unit length; small deviations (the BART
     /// robot has axes of length 0.97 to 1.08) bend the spline a little, and every value stays a rotation.
-    pub fn new(keys: &[Key<DQuat>]) -> Result<Self, TrackError> {
+    pub(crate) fn new(keys: &[Key<DQuat>]) -> Result<Self, TrackError> {
         let mut turned: Vec<DQuat> = keys.iter().map(|key| key.value).collect();
         let curves = Stretches::new(keys, |index, weights| {
             if turned[index + 1].dot(turned[index + 2]) < 0.0 {
@@ -54,7 +54,7 @@ impl RotationTrack {
     }
 
     /// The rotation matrix at `time` seconds.
-    pub fn at(&self, time: f64) -> DMat3 {
+    pub(crate) fn at(&self, time: f64) -> DMat3 {
         let q = match self.curves.at(time) {
             Place::Before => self.first,
             Place::After => self.last,

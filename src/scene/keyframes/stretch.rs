@@ -2,7 +2,7 @@
 
 /// How the spline passes a key; all zero is a Catmull-Rom spline.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Tcb {
+pub(crate) struct Tcb {
     /// 1 stops at the key.
     pub tension: f64,
     /// Other than 0 makes a corner.
@@ -13,7 +13,7 @@ pub struct Tcb {
 
 /// A value at a time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Key<V> {
+pub(crate) struct Key<V> {
     /// The time in seconds.
     pub time: f64,
     /// The value.
@@ -24,7 +24,7 @@ pub struct Key<V> {
 
 /// Why keys make no track.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TrackError {
+pub(crate) enum TrackError {
     /// The first and the last key only give tangents.
     #[error("{0} keys: at least 4 are needed")]
     TooFew(usize),

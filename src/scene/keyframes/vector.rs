@@ -6,7 +6,7 @@ use super::stretch::{Key, Place, Stretches, TrackError};
 
 /// A spline of positions or of scales.
 #[derive(Clone, Debug, PartialEq)]
-pub struct VectorTrack {
+pub(crate) struct VectorTrack {
     first: DVec3,
     last: DVec3,
     /// Coefficients of 1, u, u^2, u^3.
@@ -15,7 +15,7 @@ pub struct VectorTrack {
 
 impl VectorTrack {
     /// The spline through `keys`, at least 4.
-    pub fn new(keys: &[Key<DVec3>]) -> Result<Self, TrackError> {
+    pub(crate) fn new(keys: &[Key<DVec3>]) -> Result<Self, TrackError> {
         let cubics = Stretches::new(keys, |index, weights| {
             let [p0, p1, p2, p3] = [0, 1, 2, 3].map(|offset| keys[index + offset].value);
             let along = p2 - p1;
@@ -33,7 +33,7 @@ impl VectorTrack {
     }
 
     /// The value at `time` seconds.
-    pub fn at(&self, time: f64) -> DVec3 {
+    pub(crate) fn at(&self, time: f64) -> DVec3 {
         match self.cubics.at(time) {
             Place::Before => self.first,
             Place::After => self.last,
@@ -42,7 +42,7 @@ impl VectorTrack {
     }
 
     /// Bounds on the value's components, without their sign, over all times. They hold, but are not tight.
-    pub fn bound(&self) -> DVec3 {
+    pub(crate) fn bound(&self) -> DVec3 {
         let ends = self.first.abs().max(self.last.abs());
         let sums = self.cubics.list.iter().map(|stretch| stretch.curve.iter().map(|c| c.abs()).sum());
         sums.fold(ends, DVec3::max)

@@ -4,13 +4,13 @@ use crate::scene::text::{shortened, words};
 
 /// How many vertices, texture coordinates and normals there are.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Counts(pub [usize; 3]);
+pub(super) struct Counts(pub [usize; 3]);
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// A corner, by places in the lists of vertices, texture coordinates and normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Corner {
+pub(super) struct Corner {
     /// The vertex.
     pub vertex: usize,
     /// The texture coordinates.
@@ -24,7 +24,7 @@ pub struct Corner {
 ///
 /// # Errors
 /// Fewer than three corners, a word that is no corner, corners of different kinds, an index without its vertex.
-pub fn read(text: &str, seen: Counts, all: Counts, corners: &mut Vec<Corner>) -> Result<(), String> {
+pub(super) fn read(text: &str, seen: Counts, all: Counts, corners: &mut Vec<Corner>) -> Result<(), String> {
     corners.clear();
     for word in words(text) {
         let mut places = [None; 3];

@@ -12,10 +12,10 @@ use crate::scene::text::{Line, shortened, without_comment};
 
 /// The libraries of a scene, each read once however often it is named.
 #[derive(Debug, Default)]
-pub struct Libraries(BTreeMap<PathBuf, Rc<Materials>>);
+pub(crate) struct Libraries(BTreeMap<PathBuf, Rc<Materials>>);
 
 /// Why a statement `mtllib` fails.
-pub enum Failure {
+pub(crate) enum Failure {
     /// The statement itself is wrong.
     Line(String),
     /// A library is.
@@ -25,7 +25,7 @@ pub enum Failure {
 impl Libraries {
     /// The libraries that the statement `mtllib` of the file at `obj` names: one whose name may have spaces, or several
     /// names without.
-    pub fn named_by(
+    pub(crate) fn named_by(
         &mut self,
         line: &Line<'_>,
         obj: &Path,

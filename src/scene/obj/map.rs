@@ -9,7 +9,7 @@ use crate::scene::text::{number, shortened};
 
 /// From a face's texture coordinates to those of the picture: `-s` scales, then `-o` moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct UvMap {
+pub(crate) struct UvMap {
     scale: Vec2,
     offset: Vec2,
 }
@@ -22,7 +22,7 @@ impl Default for UvMap {
 
 impl UvMap {
     /// The picture's coordinates.
-    pub fn apply(self, uv: Vec2) -> Vec2 {
+    pub(crate) fn apply(self, uv: Vec2) -> Vec2 {
         if self == Self::default() { uv } else { self.scale * uv + self.offset }
     }
 }
@@ -32,7 +32,7 @@ impl UvMap {
 /// # Errors
 /// An option that is not known, one that would change the picture in a way that is not read, and options without a
 /// name.
-pub fn options(text: &str) -> Result<(UvMap, &str), String> {
+pub(super) fn options(text: &str) -> Result<(UvMap, &str), String> {
     let (mut map, mut rest) = (UvMap::default(), text);
     while rest.starts_with('-') {
         let (option, after) = first_word(rest);

@@ -30,7 +30,7 @@ use super::material::MaterialId;
 use super::polygon::{Cut, MAX_CORNERS};
 use super::text::{Line, each_line, number, shortened, without_comment, words};
 
-pub use self::libraries::Libraries;
+pub(super) use self::libraries::Libraries;
 
 /// The triangles of the OBJ file at `path`. Faces without a material get `plain`.
 ///
@@ -38,7 +38,7 @@ pub use self::libraries::Libraries;
 /// A file that cannot be read, a statement that is not known or not read, a number that is not finite or out of range,
 /// an index without its vertex, a material that no library of the file defines, no face at all; and what a library
 /// refuses.
-pub fn read(
+pub(super) fn read(
     path: &Path,
     plain: MaterialId,
     loader: &mut Loader,

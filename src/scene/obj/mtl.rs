@@ -68,7 +68,7 @@ const WITHOUT_EFFECT: &[&str] = &[
 /// # Errors
 /// A statement that is not known, one before the first `newmtl`, a name that is missing or defined twice, numbers that
 /// are malformed or out of range, a picture that cannot be had; each with its line.
-pub fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Materials, SceneError> {
+pub(super) fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Materials, SceneError> {
     let mut library = Library { materials: Materials::default(), open: None };
     each_line(bytes, |line| library.read(line, path, loader)).map_err(|(line, what)| SceneError::Syntax {
         path: path.to_owned(),

@@ -4,7 +4,7 @@
 //! sections are named beside the statements.
 
 /// Statements that are known and have no effect on what a ray meets or on its colour here.
-pub const WITHOUT_EFFECT: &[&str] = &[
+pub(super) const WITHOUT_EFFECT: &[&str] = &[
     // Vertex data: points in the parameter space of curves.
     "vp", // Free-form curve/surface attributes. A surface needs `surf`, which is refused.
     "cstype", "deg", "bmat", "step", // Elements without area: points, lines, curves.
@@ -31,7 +31,7 @@ const REFUSED: &[(&str, &str)] = &[
 ];
 
 /// Why a statement that is neither read nor without effect is refused.
-pub fn refusal(word: &str) -> String {
+pub(super) fn refusal(word: &str) -> String {
     match REFUSED.iter().find(|(refused, _)| *refused == word) {
         Some((_, why)) => format!("`{word}` is not allowed: {why}"),
         None => format!(

@@ -4,11 +4,11 @@ use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use smallvec::SmallVec;
 
 /// Properties of a face that are read, one of them in a file.
-pub const PROPERTIES: &[&str] = &["vertex_indices", "vertex_index"];
+pub(super) const PROPERTIES: &[&str] = &["vertex_indices", "vertex_index"];
 
 /// A face.
 #[derive(Clone, Debug, Default)]
-pub struct Face {
+pub(super) struct Face {
     /// The places of its corners in the list of vertices.
     pub indices: SmallVec<[i64; 4]>,
 }

@@ -27,7 +27,7 @@ use super::polygon::{Cut, MAX_CORNERS};
 /// # Errors
 /// A file that cannot be read or is malformed, counts beyond the file's size, numbers that are not finite or out of
 /// range, an index without its vertex, no face at all.
-pub fn read(path: &Path, plain: MaterialId, loader: &mut Loader) -> Result<Geometry, SceneError> {
+pub(super) fn read(path: &Path, plain: MaterialId, loader: &mut Loader) -> Result<Geometry, SceneError> {
     let bytes = loader.files.read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     parse(path, &bytes, plain, loader)
 }

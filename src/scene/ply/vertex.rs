@@ -3,11 +3,11 @@
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 
 /// Properties of a vertex that are read.
-pub const PROPERTIES: &[&str] = &["x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t", "texture_u", "texture_v"];
+pub(super) const PROPERTIES: &[&str] = &["x", "y", "z", "nx", "ny", "nz", "u", "v", "s", "t", "texture_u", "texture_v"];
 
 /// A vertex.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Vertex {
+pub(super) struct Vertex {
     /// Where it is.
     pub position: [f64; 3],
     /// Its normal, of any length; zero if there is none.
@@ -60,7 +60,7 @@ fn number(property: &Property) -> Option<f64> {
 
 /// An element that is passed over.
 #[derive(Clone, Copy, Debug)]
-pub struct Ignored;
+pub(super) struct Ignored;
 
 impl PropertyAccess for Ignored {
     fn new() -> Self {

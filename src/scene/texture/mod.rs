@@ -10,7 +10,7 @@ use super::material::Texture;
 /// # Errors
 /// Bytes of another format, sides above 32,768, a picture that ends too early. The error says what is wrong and what is
 /// allowed.
-pub fn decode(bytes: &[u8]) -> Result<Texture, String> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Texture, String> {
     match bytes {
         [b'P', b'6', ..] => ppm::decode(bytes),
         [0x89, b'P', b'N', b'G', ..] => png::decode(bytes),

@@ -9,7 +9,7 @@ use crate::scene::material::Texture;
 const MAX_PIXELS: usize = 1 << 26;
 
 /// The picture in the bytes of a PNG file. The error says what is wrong and what is allowed.
-pub fn decode(bytes: &[u8]) -> Result<Texture, String> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Texture, String> {
     let wrong = |error: png::DecodingError| format!("not a PNG picture: {error}");
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     let header = decoder.read_header_info().map_err(wrong)?;

@@ -4,7 +4,7 @@ use crate::scene::limits::MAX_SIDE;
 use crate::scene::material::Texture;
 
 /// The texture in the bytes of a PPM file. The error says what is wrong and what is allowed.
-pub fn decode(bytes: &[u8]) -> Result<Texture, String> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Texture, String> {
     let mut header = Header { bytes };
     if header.word() != b"P6" {
         return Err("not a binary PPM picture: it must begin with `P6`".into());
