@@ -1,7 +1,7 @@
 //! Laws of energy.
 
 use super::*;
-use crate::memory::dram::power::DramEnergy;
+use crate::memory::dram::currents::DramEnergy;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::DramCounts;
 

@@ -83,7 +83,11 @@ mod tests {
         assert_eq!(of(4, &cache).check(), Ok(()));
         let large = CacheSpec { bytes: Within::literal(0x1000_0000), ..cache };
         let told = of(1024, &large).check().unwrap_err();
-        assert!(told.contains("34359") && told.contains("for `list`: up to 268435456 are allowed"), "{told}");
+        // 2^35 bytes of tags, and 1,536 of a cache's registers and places, 1024 times.
+        assert!(
+            told.contains("34361311232 of them") && told.contains("for `list`: up to 268435456 are allowed"),
+            "{told}"
+        );
         let registers = CacheSpec { mshrs: Within::literal(1024), targets: Within::literal(1024), ..cache };
         assert!(of(64, &registers).check().is_err() && of(4, &registers).check().is_ok());
         // Smaller lines are more tags, and an ideal cache has none.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::TrafficClass;
+use super::traffic::TrafficClass;
 
 /// Energy of what was measured.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

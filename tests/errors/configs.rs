@@ -111,7 +111,7 @@ fn a_level_that_is_gone() {
 #[test]
 fn a_typo() {
     insta::assert_snapshot!(experiment("resolution", "resolutoin"), @r"
-    error: tiny.ron:5:5: Unexpected field named `resolutoin` in `ExperimentSpec`, expected one of `name`, `scene`, `frames`, `resolution`, `tracer`, `policies`, `machines`, `fidelity`, `split`, `replay`, or `validate` instead
+    error: tiny.ron:5:5: Unexpected field named `resolutoin` in `ExperimentSpec`, expected one of `name`, `scene`, `frames`, `resolution`, `tracer`, `policies`, `machines`, `fidelity`, `split`, `replay`, `warmup`, or `validate` instead
        |
      5 |     resolutoin: (width: 16, height: 16),
        |     ^
@@ -225,7 +225,7 @@ fn an_output_that_is_no_report() {
     desk.put("notes/todo.txt", "water the plants");
     insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes"]), @"error: notes is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
     insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes/todo.txt"]), @"error: notes/todo.txt is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
-    insta::assert_snapshot!(desk.refused(&["plot", "notes"]), @"error: cannot read notes/summary.json: No such file or directory (os error 2)");
+    insta::assert_snapshot!(desk.refused(&["plot", "notes"]), @"error: notes is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
     insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "notes"]), @"error: notes is there and is no regular file: a ray stream cannot be written to it");
     insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "nowhere/x.rays"]), @"error: cannot create nowhere/x.rays: there is no folder nowhere");
 }

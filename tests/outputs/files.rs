@@ -41,6 +41,7 @@ fn an_output_is_no_input_whatever_names_it() {
 #[test]
 fn two_outputs_are_two_files() {
     let desk = desk();
+    desk.put("a", "");
     std::os::unix::fs::symlink("a", desk.path("b")).unwrap();
     let replay = ["replay", "x.rays", "--machine", "small.ron", "--json", "a", "--line-trace"];
     for other in ["a", "./a", "b"] {

@@ -2,6 +2,7 @@
 
 mod channel;
 pub(crate) mod command;
+pub mod currents;
 mod flat;
 pub(crate) mod legality;
 pub mod mapping;

@@ -3,7 +3,7 @@
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::power::{Currents, DramEnergy};
+use super::currents::{Currents, DramEnergy};
 use crate::ranged::{PowerOfTwo, Within};
 use crate::spread::Spread;
 

@@ -1,0 +1,46 @@
+//! What a DRAM part's file says of its energy: the currents of its data sheet, or a published figure a bit.
+
+use serde::{Deserialize, Serialize};
+
+use crate::spread::Spread;
+
+/// How the energy of a part is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DramEnergy {
+    /// By currents: energy a command and background power.
+    Currents(Currents),
+    /// By a figure for all that a bit costs between the cells and the pins of the other side, background included.
+    PerBit {
+        /// Picojoules a bit.
+        pj: Spread,
+    },
+}
+
+/// The currents of one device, in mA, and what else makes energy of them. Idle power-down is not modelled.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Currents {
+    /// Supply voltage in V.
+    pub volt: f64,
+    /// Devices that make up a channel.
+    pub devices: u32,
+    /// Activate and precharge of one bank, again and again.
+    pub idd0: f64,
+    /// All banks precharged.
+    pub idd2n: f64,
+    /// A bank open.
+    pub idd3n: f64,
+    /// Reads one after another.
+    pub idd4r: f64,
+    /// Writes one after another.
+    pub idd4w: f64,
+    /// Refreshes one after another.
+    pub idd5: f64,
+    /// Factors on all currents: data sheets give maxima, and those of vendors differ.
+    pub factor: Spread,
+    /// Picojoules a bit for drivers and termination, which these currents leave out.
+    pub io_pj_per_bit: Spread,
+}
+
+/// A file holds finite values.
+impl Eq for Currents {}
