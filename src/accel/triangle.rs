@@ -95,7 +95,7 @@ impl Record {
     /// and a traversal is certain to find a blocker. A hit within the error bound of an edge or an end says nothing,
     /// because the slab test may round the other way.
     ///
-    /// The bounds are those of [`shaft`](super::shaft), with 1-norms, which are no shorter than lengths.
+    /// The bounds are those of `shaft`, with 1-norms, which are no shorter than lengths.
     pub fn surely_blocks(&self, ray: &Ray) -> (Stop, bool) {
         const U: f32 = f32::EPSILON;
         let size = |v: Vec3| v.abs().element_sum();

@@ -1,4 +1,4 @@
-//! The command line. A command is a struct of arguments with `run`, in a file of its own; [`command`] lists them in the
+//! The command line. A command is a struct of arguments with `run`, in a file of its own; `command` lists them in the
 //! groups that `--help` shows.
 
 mod arguments;

@@ -3,7 +3,7 @@
 //! The tracer follows the same rules in `f32`:
 //!
 //! - **Primary rays** come from [`Camera::ray`](crate::scene::Camera::ray). A ray hits the triangle with the least t > 0,
-//!   from either side; at equal t the lowest [`PrimitiveId`] wins. A triangle without area cannot be hit. Dynamic
+//!   from either side; at equal t the lowest `PrimitiveId` wins. A triangle without area cannot be hit. Dynamic
 //!   triangles count while they are visible.
 //! - **Start points.** The geometric normal is turned to the viewer. Shadow and reflected rays start at the hit point
 //!   plus `offset` times that normal, refracted ones at the hit point minus it.

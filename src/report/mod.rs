@@ -2,7 +2,7 @@
 //! shows all.
 //!
 //! This side sees statistics and pictures as data, never what made them. A report is a folder of files: `data` holds
-//! its numbers, each plot has a file, and `write` lists its files ([`writer::Report`]), which [`writer`] alone writes.
+//! its numbers, each plot has a file, and `write` lists its files (`writer::Report`), which `writer` alone writes.
 
 #![warn(unreachable_pub)]
 

@@ -30,7 +30,7 @@ pub enum Item {
     Rays(Arc<Chunk>),
     /// The frame ends.
     End {
-        /// What the policy does at the frame's end (its sweep), as encoded [`Step`]s.
+        /// What the policy does at the frame's end (its sweep), as encoded `Step`s.
         policy: Arc<Vec<u32>>,
         /// What the tracer counted in the frame.
         totals: Totals,

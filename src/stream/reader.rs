@@ -20,7 +20,7 @@ use crate::quantity::Bytes;
 ///
 /// Opening reads and checks the header and the index. Every block is checked against its checksum, every item against
 /// the rules of streams, every frame against its totals and its entry of the index. Memory is bounded by
-/// [`format::RAW_LIMIT`] and by the file's length, whatever the file says.
+/// `format::RAW_LIMIT` and by the file's length, whatever the file says.
 pub struct StreamReader<R = BufReader<File>> {
     blocks: Blocks<R>,
     checker: Checker,

@@ -20,7 +20,7 @@ use lz4_flex::block::{compress_into, get_maximum_output_size};
 /// Writes a stream item by item, each checked against the rules of streams first. It holds one block in memory at a
 /// time.
 ///
-/// [`StreamWriter::create`] writes a [`OutputFile`], which is there after [`StreamWriter::finish`] only: a writer that is
+/// `StreamWriter::create` writes an `OutputFile`, which is there after `StreamWriter::finish` only: a writer that is
 /// dropped, or that fails, leaves nothing behind.
 pub struct StreamWriter<W = OutputFile> {
     output: W,

@@ -9,7 +9,7 @@
 //! - `hither` is read and has no effect: rays have no near plane. Nor has `resolution`, which an experiment sets.
 //! - Lights are in world space wherever they stand in a file. Keyframes of an `la` add their translation.
 //! - Shapes before the first `f` or `fm` have [`Material::default`](super::Material).
-//! - Spheres and cones become triangles as [`tessellate`](super::tessellate) says.
+//! - Spheres and cones become triangles as `tessellate` says.
 
 mod animation;
 mod builder;
