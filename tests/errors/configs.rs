@@ -226,6 +226,6 @@ fn an_output_that_is_no_report() {
     insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes"]), @"error: notes is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
     insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes/todo.txt"]), @"error: notes/todo.txt is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
     insta::assert_snapshot!(desk.refused(&["plot", "notes"]), @"error: notes is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
-    insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "notes"]), @"error: notes is there and is no regular file: a ray stream cannot be written to it");
+    insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "notes"]), @"error: cannot create notes: it is a folder");
     insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "nowhere/x.rays"]), @"error: cannot create nowhere/x.rays: there is no folder nowhere");
 }
