@@ -15,6 +15,7 @@ use std::path::Path;
 const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
+    ("random", &[]),
     ("ranged", &[]),
     ("named", &[]),
     ("new_file", &[]),
@@ -23,15 +24,17 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("stats", &["quantity"]),
     ("stream", &["quantity", "new_file", "input"]),
     // The functional wing.
-    ("scene", &["quantity", "ranged", "input"]),
+    ("scene", &["quantity", "random", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
     ("accel", &["quantity", "ranged", "stream", "scene"]),
-    ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
+    ("culling", &["quantity", "random", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
-    ("memory", &["quantity", "ranged", "named", "ron_file", "stats"]),
+    ("memory", &["quantity", "random", "ranged", "named", "ron_file", "stats"]),
     ("machine", &["quantity", "ranged", "ron_file", "stats", "stream", "memory"]),
     ("engine", &["quantity", "ranged", "stats", "stream", "memory", "machine"]),
+    ("sampling", &["quantity", "random", "ranged", "stats", "stream", "memory", "machine", "engine"]),
+    ("replay", &["ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
     ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
@@ -53,16 +56,16 @@ const ROOMS: &[(&str, &[&str])] = &[
             "tracer",
             "memory",
             "machine",
-            "engine",
+            "replay",
             "validate",
             "report",
         ],
     ),
-    ("cli", &["quantity", "new_file", "stream", "machine", "engine", "report", "experiment"]),
+    ("cli", &["quantity", "new_file", "stream", "machine", "replay", "report", "experiment"]),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
-const TIMING: [&str; 3] = ["memory", "machine", "engine"];
+const TIMING: [&str; 5] = ["memory", "machine", "engine", "sampling", "replay"];
 
 /// A file of the library: its path in `src`, with `/`, and its text.
 struct Source {

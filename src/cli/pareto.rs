@@ -9,8 +9,8 @@ use super::arguments::report_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use super::stop::stop_on_interrupt;
-use crate::engine::Fidelity;
 use crate::experiment::pareto;
+use crate::replay::Fidelity;
 use crate::report;
 
 /// Chart the error of each fidelity level against its speed

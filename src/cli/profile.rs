@@ -8,8 +8,8 @@ use clap::Args;
 use super::arguments::StreamAndMachine;
 use super::outcome::Outcome;
 use super::print::print;
-use crate::engine::{ReuseOf, Share};
 use crate::experiment::reuse::reuse;
+use crate::replay::{ReuseOf, Share};
 use crate::report;
 
 /// Measure how a recorded ray stream misses in caches of all sizes

@@ -10,10 +10,10 @@ use super::split::Role;
 use super::validation::{self, Validated, Words};
 use super::{Experiment, progress};
 use crate::culling::Policy;
-use crate::engine::RunError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::reference::Reference;
+use crate::replay::RunError;
 use crate::report::Report;
 use crate::report::pictures::{Image, PictureInfo};
 use crate::report::split::Split;
@@ -21,7 +21,7 @@ use crate::report::summary::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
 };
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item, Step, StreamError, Totals};
+use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
@@ -35,7 +35,7 @@ pub enum RunFailure {
         /// The policy's name.
         policy: String,
         /// What happened.
-        source: Box<RunError<StreamError>>,
+        source: Box<RunError>,
     },
     /// A stream's records don't give the tracer's counts: an error in the simulator.
     #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]

@@ -17,11 +17,11 @@ use xxhash_rust::xxh3::xxh3_64;
 use super::frames::FrameRange;
 use super::split::{with_free_words, without_unit};
 use super::{Experiment, ExperimentError, Overrides, beside, progress};
-use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::new_file::write_new;
 use crate::quantity::Resolution;
+use crate::replay::{self, Fidelity, Items, RunError, Source, StreamFile};
 use crate::report::sweep::{Change, SweepPoint, SweepSummary};
 use crate::ron_file::{self, ConfigError};
 use crate::stats::MachineStats;
@@ -77,7 +77,7 @@ pub enum SweepError {
         /// The policy.
         policy: String,
         /// What happened.
-        source: Box<RunError<StreamError>>,
+        source: Box<RunError>,
     },
     /// A file of the sweep cannot be read or written.
     #[error("cannot read or write {}", path.display())]
@@ -343,27 +343,50 @@ fn run_all(
     let bar = progress::bar(replays.len(), "replays").with_message("replaying");
     replays.into_par_iter().try_for_each(|Replay { policy, spec, file }| {
         if read_point(&file).is_err() {
-            let stream = &streams[policy];
-            let failed = |source| SweepError::Machine {
-                machine: spec.name.clone(),
-                policy: stream.header.policy.clone(),
-                source: Box::new(source),
-            };
-            let reader = StreamReader::open(&stream.path)?;
-            // A replay that is stopped ends as a stream that is cut off does, and is not kept.
-            let items = reader.take_while(|_| !stop.load(Ordering::Relaxed));
-            let stats = engine::run(&spec, fidelity, &stream.header, items);
-            if stop.load(Ordering::Relaxed) {
-                return Err(SweepError::Stopped);
-            }
-            let text = serde_json::to_vec_pretty(&stats.map_err(failed)?).expect("plain data, which JSON can hold");
+            let stats = replay(&spec, fidelity, &streams[policy], stop)?;
+            let text = serde_json::to_vec_pretty(&stats).expect("plain data, which JSON can hold");
             write_new(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
         }
         bar.inc(1);
-        Ok(())
+        Ok::<_, SweepError>(())
     })?;
     bar.finish_and_clear();
     Ok(())
+}
+
+/// A recorded stream that ends as one that is cut off does when it is stopped: the replay is thrown away.
+struct Stoppable<'a> {
+    file: StreamFile<'a>,
+    stop: &'a AtomicBool,
+}
+
+impl Source for Stoppable<'_> {
+    fn open(&self, frame: usize) -> Result<Items<'_>, StreamError> {
+        Ok(Box::new(self.file.open(frame)?.take_while(|_| !self.stop.load(Ordering::Relaxed))))
+    }
+}
+
+/// Replays a recorded stream on a machine.
+///
+/// # Errors
+/// The replay is stopped or fails.
+pub(super) fn replay(
+    machine: &MachineSpec,
+    fidelity: Fidelity,
+    stream: &Recorded,
+    stop: &AtomicBool,
+) -> Result<MachineStats, SweepError> {
+    let source = Stoppable { file: StreamFile(&stream.path), stop };
+    let replay = replay::Replay::new(machine, &stream.header).map_err(RunError::from);
+    let stats = replay.and_then(|replay| replay.fidelity(fidelity).run(&source));
+    if stop.load(Ordering::Relaxed) {
+        return Err(SweepError::Stopped);
+    }
+    stats.map_err(|source| SweepError::Machine {
+        machine: machine.name.clone(),
+        policy: stream.header.policy.clone(),
+        source: Box::new(source),
+    })
 }
 
 #[cfg(test)]

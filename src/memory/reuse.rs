@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::replacement::mix;
+use crate::random::mix;
 
 /// Touches of a word of bits, and of a block of words.
 const WORD: usize = 64;

@@ -11,9 +11,6 @@ use crate::{Source, sources};
 const OPEN: &[(&str, usize)] = &[
     ("accel/", 7),
     ("accel/kdtree/", 4),
-    ("engine/", 13),
-    ("engine/cycle/", 3),
-    ("engine/sampling/", 5),
     ("report/", 10),
     ("report/plots/", 9),
     ("scene/", 3),
