@@ -17,13 +17,13 @@ fn replay(
     machine: &MachineSpec,
     fidelity: Fidelity,
     header: &Header,
-    items: &Vec<Item>,
+    items: &[Item],
     times: u32,
 ) -> (MachineStats, f64) {
     let run = |_| {
         let start = Instant::now();
         let replay = Replay::new(machine, header).map_err(RunError::from);
-        let stats = replay.and_then(|replay| replay.fidelity(fidelity).run(items));
+        let stats = replay.and_then(|replay| replay.fidelity(fidelity).run(&items));
         (stats.unwrap_or_else(|error| panic!("{error}")), start.elapsed().as_secs_f64())
     };
     (0..times).map(run).min_by(|a, b| a.1.total_cmp(&b.1)).expect("at least one run")

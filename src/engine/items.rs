@@ -15,7 +15,7 @@ pub trait Source {
 }
 
 /// A stream in memory.
-impl Source for [Item] {
+impl Source for &[Item] {
     fn open(&self, frame: usize) -> Result<Items<'_>, StreamError> {
         let mut frames = self.iter().enumerate().filter(|(_, item)| matches!(item, Item::Frame(_)));
         let first = frames.nth(frame).map_or(self.len(), |(at, _)| at);

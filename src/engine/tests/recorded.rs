@@ -11,7 +11,7 @@ use crate::stream::{Header, Item, StreamReader};
 pub(crate) fn on(machine: &MachineSpec, header: &Header, fidelity: &str, stream: &[Item]) -> MachineStats {
     let fidelity: Fidelity = fidelity.parse().unwrap();
     let replay = Replay::new(machine, header).unwrap().fidelity(fidelity);
-    replay.run(&stream.to_vec()).unwrap_or_else(|error| panic!("{fidelity}: {error}"))
+    replay.run(&stream).unwrap_or_else(|error| panic!("{fidelity}: {error}"))
 }
 
 pub(crate) fn quickstart() -> (Header, Vec<Item>) {
