@@ -17,15 +17,19 @@ pub trait Source {
 /// A stream in memory.
 impl Source for &[Item] {
     fn open(&self, frame: usize) -> Result<Items<'_>, StreamError> {
-        let mut frames = self.iter().enumerate().filter(|(_, item)| matches!(item, Item::Frame(_)));
-        let first = frames.nth(frame).map_or(self.len(), |(at, _)| at);
-        Ok(Box::new(self[first..].iter().cloned().map(Ok)))
+        Ok(from_frame(self, frame))
     }
 }
 
 /// A stream in memory.
 impl Source for Vec<Item> {
     fn open(&self, frame: usize) -> Result<Items<'_>, StreamError> {
-        self.as_slice().open(frame)
+        Ok(from_frame(self, frame))
     }
+}
+
+fn from_frame(items: &[Item], frame: usize) -> Items<'_> {
+    let mut frames = items.iter().enumerate().filter(|(_, item)| matches!(item, Item::Frame(_)));
+    let first = frames.nth(frame).map_or(items.len(), |(at, _)| at);
+    Box::new(items[first..].iter().cloned().map(Ok))
 }
