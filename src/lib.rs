@@ -1,5 +1,63 @@
-//! umbrasim: a simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per
-//! primitive.
+//! umbrasim simulates a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per
+//! primitive, and measures what culling saves, what it costs, and what it gets wrong.
+//!
+//! # Flow
+//!
+//! ```text
+//!  scene, animation ──> tracer ──> ray stream ──> replay ──> statistics ──> report
+//!                         ^  │      (a file)        ^
+//!        culling policies ┘  └> pictures      machine's spec
+//!                                  │
+//!              reference renderer ─┴> wrong pixels and decisions ──> report
+//! ```
+//!
+//! The *functional wing* turns frames into rays: every ray is traced once without culling, and each policy's ray stream
+//! holds what that policy leaves of it. The *timing wing* replays a stream on a machine. The two meet in the stream only,
+//! so that machines can be compared on the same rays, and policies on the same machine.
+//!
+//! # Layers
+//!
+//! Each layer uses those above it in this table, never the other way round; `tests/layering.rs` checks it.
+//!
+//! | layer | rooms |
+//! |---|---|
+//! | common ground | [`quantity`], [`ranged`], [`named`], [`ron_file`], [`stats`], [`stream`] |
+//! | functional wing | [`scene`], [`reference`](mod@reference), [`accel`], [`culling`], [`tracer`] |
+//! | timing wing | [`memory`], [`machine`], engines, sampling, [`replay`](mod@replay) |
+//! | above both | [`validate`], reports, [`experiment`], the command line ([`cli`]) |
+//!
+//! # Reading order
+//!
+//! 1. [`stream`]: what a ray is once it is traced, and what a file of rays holds.
+//! 2. [`culling`]: what a policy keeps and decides, then one policy, such as [`culling::last_occluder`].
+//! 3. [`tracer`]: how one tracing of a frame serves all policies.
+//! 4. [`machine`]: what a machine is made of; MODEL.md has the rules that engines follow.
+//! 5. [`replay`](mod@replay): how a stream is replayed, and at which fidelity levels.
+//! 6. [`experiment`]: scene, policies and machines together.
+//!
+//! `examples/` has a program for each of: replaying a stream, a culling policy of one's own, a machine built in code.
+//!
+//! # Example
+//!
+//! Replays a recorded stream on a shipped machine, and prints the DRAM bytes of each class of traffic:
+//!
+//! ```
+//! use umbrasim::experiment::read_machine;
+//! use umbrasim::replay::{Fidelity, Replay, StreamFile};
+//! use umbrasim::stream::StreamReader;
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let machine = read_machine("configs/machines/small.ron".as_ref())?;
+//! let stream = "traces/quickstart.rays".as_ref();
+//! let header = StreamReader::open(stream)?.header().clone();
+//! let stats = Replay::new(&machine, &header)?.fidelity(Fidelity::Event).run(&StreamFile(stream))?;
+//! for (class, bytes) in &stats.bytes["dram"] {
+//!     println!("{:>13}  {bytes}", class.name());
+//! }
+//! # assert!(stats.bytes["dram"].len() > 2 && stats.moved("dram").0 > 0);
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod accel;
 pub mod cli;
@@ -10,7 +68,7 @@ pub(crate) mod input;
 pub mod machine;
 pub mod memory;
 pub mod named;
-pub mod new_file;
+pub mod output;
 pub mod quantity;
 pub(crate) mod random;
 pub mod ranged;

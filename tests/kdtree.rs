@@ -5,8 +5,7 @@ mod common;
 use std::convert::Infallible;
 
 use common::shared;
-use umbrasim::accel::kdtree::Layout;
-use umbrasim::accel::{Accel, AccelSpec, Quality};
+use umbrasim::accel::{Accel, AccelSpec, KdLayout, Quality};
 use umbrasim::culling::{PolicySpec, SceneFacts};
 use umbrasim::memory::replacement::Policy;
 use umbrasim::memory::tags::TagArray;
@@ -41,7 +40,7 @@ fn trees_of_the_kitchen_have_the_nodes_that_are_written_down() {
 }
 
 /// Misses in a million of a node cache of 8 KB, 4 ways, 64-byte lines, LRU, of rays one after another.
-fn misses(scene: &Scene, kd_layout: Layout, kd_depth: Option<Within<1, 64>>) -> u64 {
+fn misses(scene: &Scene, kd_layout: KdLayout, kd_depth: Option<Within<1, 64>>) -> u64 {
     const NODES_A_LINE: u32 = 64 / 8;
     let resolution = Resolution { width: 512, height: 512 };
     let spec = TracerSpec {
@@ -81,8 +80,12 @@ fn node_caches_miss_what_is_written_down() {
         return;
     }
     let Some(scene) = kitchen() else { return };
-    let settings =
-        [(Layout::DepthFirst, None), (Layout::Ordered, None), (Layout::DepthFirst, DEEP), (Layout::Ordered, DEEP)];
+    let settings = [
+        (KdLayout::DepthFirst, None),
+        (KdLayout::Ordered, None),
+        (KdLayout::DepthFirst, DEEP),
+        (KdLayout::Ordered, DEEP),
+    ];
     let found = settings.map(|(layout, depth)| misses(&scene, layout, depth));
     assert_eq!(found, [58_074, 52_258, 61_977, 48_419]);
 }

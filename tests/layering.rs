@@ -18,11 +18,11 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("random", &[]),
     ("ranged", &[]),
     ("named", &[]),
-    ("new_file", &[]),
+    ("output", &[]),
     ("input", &[]),
     ("ron_file", &["ranged", "input"]),
     ("stats", &["quantity"]),
-    ("stream", &["quantity", "new_file", "input"]),
+    ("stream", &["quantity", "output", "input"]),
     // The functional wing.
     ("scene", &["quantity", "random", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
@@ -37,14 +37,14 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("replay", &["ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "new_file", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[
             "quantity",
             "ranged",
             "named",
-            "new_file",
+            "output",
             "input",
             "ron_file",
             "stats",
@@ -61,7 +61,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "new_file", "stream", "machine", "replay", "report", "experiment"]),
+    ("cli", &["quantity", "output", "stream", "machine", "replay", "report", "experiment"]),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

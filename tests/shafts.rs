@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec2, Vec3};
 use proptest::prelude::*;
-use umbrasim::accel::triangle::Record;
+use umbrasim::accel::Record;
 use umbrasim::accel::{Ray, Relation, Shaft};
 use umbrasim::culling::cells::{Cell, Inside, Receiver};
 use umbrasim::quantity::PrimitiveId;

@@ -36,9 +36,8 @@ use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
 
 use super::trail::Observer;
-use super::tree::{Child, Forest, Node};
 use super::triangle::Record;
-use crate::quantity::{NodeId, TriangleSlot};
+use crate::quantity::TriangleSlot;
 use crate::stream::Stop;
 
 /// Half a unit in the last place of 1 in `f32`.
@@ -274,40 +273,4 @@ fn corner_points(points: &[DVec3]) -> impl Iterator<Item = &DVec3> {
     let mut corners = vec![0, side - 1, points.len().saturating_sub(side), points.len().saturating_sub(1)];
     corners.dedup();
     corners.into_iter().filter_map(|at| points.get(at))
-}
-
-impl<const N: usize> Forest<'_, N> {
-    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
-    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
-        if self.statics.records.is_empty() {
-            return Sight::Clear;
-        }
-        let mut stack = vec![Child { index: u32::from(self.joined), count: 0 }];
-        while let Some(child) = stack.pop() {
-            if child.count == 0 {
-                watch.node(NodeId(child.index));
-                self.statics.nodes[child.index as usize].meet(shaft, &mut stack);
-                continue;
-            }
-            for slot in child.index..child.index + child.count {
-                if let Some(sight) = shaft.test(TriangleSlot(slot), self.record(slot), watch).sight() {
-                    return sight;
-                }
-            }
-        }
-        Sight::Clear
-    }
-}
-
-impl<const N: usize> Node<N> {
-    /// Pushes the children that a ray of the shaft may visit.
-    fn meet(&self, shaft: &Shaft, stack: &mut Vec<Child>) {
-        for (at, &child) in self.children.iter().enumerate() {
-            let low = Vec3::from_array(self.low.map(|planes| planes[at])).as_dvec3();
-            let high = Vec3::from_array(self.high.map(|planes| planes[at])).as_dvec3();
-            if !child.is_none() && !shaft.misses_box(low, high) {
-                stack.push(child);
-            }
-        }
-    }
 }

@@ -5,12 +5,11 @@ use std::path::Path as FilePath;
 use glam::{DVec3, Vec3};
 use proptest::prelude::*;
 
-use super::triangle::Record;
 use super::*;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
-use crate::quantity::{ListId, NodeId, Resolution};
-use crate::scene::{self, Animation, Attributes, Camera, Geometry, Light, Triangle};
-use crate::stream::{self, Step, Totals};
+use crate::quantity::{ListId, NodeId, PrimitiveId, Resolution};
+use crate::scene::{self, Animation, Attributes, Camera, Frame, Geometry, Light, Scene, Triangle};
+use crate::stream::{self, Step, Structure, Totals};
 use crate::tracer::{Tracer, TracerSpec};
 
 struct Still(Frame);
@@ -29,7 +28,7 @@ fn specs() -> Vec<AccelSpec> {
         AccelSpec { statics: Quality::Fast, dynamic: Quality::Best, ..bvh },
         AccelSpec { structure: Structure::CwBvh, ..bvh },
         kd,
-        AccelSpec { statics: Quality::Medium, dynamic: Quality::Best, kd_layout: kdtree::Layout::DepthFirst, ..kd },
+        AccelSpec { statics: Quality::Medium, dynamic: Quality::Best, kd_layout: KdLayout::DepthFirst, ..kd },
         AccelSpec { statics: Quality::Fast, dynamic: Quality::Medium, ..kd },
     ]
 }

@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::Ray;
+use super::ray::Ray;
 use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
 use crate::stream::Stop;

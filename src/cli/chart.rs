@@ -8,7 +8,8 @@ use clap::Args;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::report;
-use crate::report::chart::{ChartSummary, write_chart};
+use crate::report::chart::ChartSummary;
+use crate::report::run::read_summary;
 
 /// Chart what policies save against what they get wrong, over runs
 ///
@@ -26,12 +27,12 @@ pub(super) struct Chart {
 impl Chart {
     pub(super) fn run(self) -> Result<Outcome> {
         report::check_target(&self.out)?;
-        let read = |report: PathBuf| report::read_summary(&report.join(report::SUMMARY_FILE));
+        let read = |report: PathBuf| read_summary(&report.join(report::SUMMARY_FILE));
         let runs = self.reports.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let chart = ChartSummary::new(&runs);
-        write_chart(&self.out, &chart)?;
+        let page = report::write(&self.out, &chart)?;
         print(report::drawn(&chart.grid()))?;
-        print(self.out.join(report::PAGE_FILE).display())?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -9,8 +9,8 @@ use clap::Args;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::identities;
+use crate::output::signals;
 use crate::report;
 
 /// Replay rays of one kind on the T&I engine, beside its table
@@ -30,7 +30,7 @@ pub(super) struct Identities {
 
 impl Identities {
     pub(super) fn run(self) -> Result<Outcome> {
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let json = JsonFile::begin(self.json)?;
         let (rows, published) = identities::identities(&self.config, &stop)?;
         print(report::drawn(&identities::grid(&rows, &published)))?;

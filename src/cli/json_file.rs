@@ -6,16 +6,16 @@ use std::path::PathBuf;
 use anyhow::{Context, Result};
 use serde::Serialize;
 
-use crate::new_file::NewFile;
+use crate::output::OutputFile;
 
 /// A file for measurements, if the user wants one. Begun before the work, which would be lost if the file could not be
 /// written.
-pub(super) struct JsonFile(Option<(PathBuf, NewFile)>);
+pub(super) struct JsonFile(Option<(PathBuf, OutputFile)>);
 
 impl JsonFile {
     pub(super) fn begin(path: Option<PathBuf>) -> Result<Self> {
         let begin = |path: PathBuf| {
-            let file = NewFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
+            let file = OutputFile::create(&path).with_context(|| format!("cannot write {}", path.display()))?;
             anyhow::Ok((path, file))
         };
         Ok(Self(path.map(begin).transpose()?))

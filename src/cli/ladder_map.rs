@@ -26,8 +26,7 @@ impl LadderMap {
         report::check_target(&self.out)?;
         let map = ladder_map::run();
         print(report::drawn(&report::ladder_map::grid(&map)))?;
-        report::ladder_map::write_map(&self.out, &map)?;
-        print(self.out.join(report::PLOTS_FOLDER).join(report::ladder_map::PLOT_FILE).display())?;
+        print(report::write(&self.out, &map)?.display())?;
         Ok(Outcome::Done)
     }
 }

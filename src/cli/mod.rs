@@ -19,7 +19,6 @@ mod profile;
 mod replay;
 mod replay_exports;
 mod run;
-mod stop;
 mod stress;
 mod sweep;
 mod trace;
@@ -32,6 +31,8 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 
 use command::Command;
 use outcome::Outcome;
+
+use crate::output::signals;
 
 /// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
 #[derive(Parser)]
@@ -56,7 +57,8 @@ pub fn main() -> ExitCode {
     outlive_size_limits();
     let matches = help::grouped(Cli::command()).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match execute(cli) {
+    let done = signals::watch().context("cannot watch for signals");
+    match done.and_then(|()| execute(cli)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
             eprintln!("error: {error:#}");

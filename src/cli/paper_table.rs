@@ -9,8 +9,8 @@ use clap::Args;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::paper;
+use crate::output::signals;
 use crate::report;
 
 /// Print the published figures of GI09 beside ours
@@ -29,7 +29,7 @@ pub(super) struct PaperTable {
 impl PaperTable {
     pub(super) fn run(self) -> Result<Outcome> {
         let json = JsonFile::begin(self.json)?;
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let readings = paper::paper_table(&self.config, &stop)?;
         print(report::drawn(&paper::grid(&readings)))?;
         print("\ndistance: root mean square of the differences of the four shares, in points")?;

@@ -8,10 +8,11 @@ use clap::Args;
 use super::arguments::report_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::pareto;
+use crate::output::signals;
 use crate::replay::Fidelity;
 use crate::report;
+use crate::report::pareto::ParetoReport;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -35,11 +36,10 @@ impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = report_folder(self.out, &self.config)?;
         report::check_target(&out)?;
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
         print(report::drawn(&summary.grid(&timings)))?;
-        report::pareto::write_pareto(&out, &summary, &timings)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -7,7 +7,7 @@ use clap::Args;
 
 use super::outcome::Outcome;
 use super::print::print;
-use crate::report;
+use crate::report::run::redraw;
 
 /// Draw a report's plots and page again, from its numbers on disk
 #[derive(Args)]
@@ -18,8 +18,7 @@ pub(super) struct Plot {
 
 impl Plot {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::redraw(&self.report)?;
-        print(self.report.join(report::PAGE_FILE).display())?;
+        print(redraw(&self.report)?.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -39,8 +39,7 @@ impl Profile {
         let of = self.sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot: self.hot });
         let summary = reuse(&machine, of, &self.input.stream)?;
         print(report::drawn(&report::reuse::grid(&summary)))?;
-        report::reuse::write_reuse(&self.out, &summary)?;
-        print(self.out.join(report::PLOTS_FOLDER).join(report::reuse::PLOT_FILE).display())?;
+        print(report::write(&self.out, &summary)?.display())?;
         Ok(Outcome::Done)
     }
 }

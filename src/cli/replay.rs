@@ -14,7 +14,7 @@ use crate::experiment::dram_export::DramExport;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
 use crate::replay::{Fidelity, Share};
-use crate::report;
+use crate::report::run::replayed;
 use crate::stream::StreamReader;
 
 /// Replay a recorded ray stream on a machine and print the figures
@@ -50,7 +50,7 @@ impl Replay {
         let json = JsonFile::begin(self.json)?;
         let (mut dram, mut lines) = (self.dram.begin(&machine)?, self.lines.begin(&machine, &header)?);
         let stats = replay_file(&machine, fidelity, stream, dram.as_mut(), lines.as_mut())?;
-        print(report::replayed(&machine.name, &header.policy, &stats))?;
+        print(replayed(&machine.name, &header.policy, &stats))?;
         dram.map_or(Ok(()), DramExport::finish)?;
         lines.map_or(Ok(()), LineExport::finish)?;
         json.finish(&stats)?;

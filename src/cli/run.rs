@@ -9,8 +9,8 @@ use clap::Args;
 use super::arguments::ExperimentArgs;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::{Experiment, run};
+use crate::output::signals;
 use crate::report;
 
 /// Run an experiment: trace, replay, validate, and write a report
@@ -41,12 +41,11 @@ pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Optio
     if let Some(out) = out {
         report::check_target(out)?;
     }
-    let stop = stop_on_interrupt()?;
+    let stop = signals::stop_flag();
     let result = run::run(experiment, machines, &stop)?;
-    print(report::terminal(&result.summary))?;
+    print(report::run::terminal(&result.summary))?;
     if let Some(out) = out {
-        report::write_report(out, &result)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::write(out, &result)?.display())?;
     }
     Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
 }

@@ -25,10 +25,10 @@ impl Stress {
     pub(super) fn run(self) -> Result<Outcome> {
         report::check_target(&self.out)?;
         let summary = stress::run();
-        report::stress::write_stress(&self.out, &summary)?;
+        let page = report::write(&self.out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
-        print(self.out.join(report::PAGE_FILE).display())?;
+        print(page.display())?;
         Ok(Outcome::failed_if(!broken.is_empty()))
     }
 }

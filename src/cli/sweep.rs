@@ -8,8 +8,8 @@ use clap::Args;
 use super::arguments::report_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::sweep;
+use crate::output::signals;
 use crate::report;
 
 /// Replay the same rays on machines that differ in named fields
@@ -29,11 +29,10 @@ pub(super) struct Sweep {
 impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = report_folder(self.out, &self.config)?;
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         let summary = sweep::sweep(&self.config, &out, &stop)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
-        report::sweep::write_sweep(&out, &summary)?;
-        print(out.join(report::PAGE_FILE).display())?;
+        print(report::update(&out, &summary)?.display())?;
         Ok(Outcome::Done)
     }
 }

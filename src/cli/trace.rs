@@ -8,8 +8,8 @@ use clap::Args;
 use super::arguments::ExperimentArgs;
 use super::outcome::Outcome;
 use super::print::print;
-use super::stop::stop_on_interrupt;
 use crate::experiment::trace::trace;
+use crate::output::signals;
 
 /// Trace frames for one policy and record the ray stream in a file
 ///
@@ -28,7 +28,7 @@ pub(super) struct Trace {
 
 impl Trace {
     pub(super) fn run(self) -> Result<Outcome> {
-        let stop = stop_on_interrupt()?;
+        let stop = signals::stop_flag();
         trace(&self.experiment.load()?, self.policy.as_deref(), &self.output, &stop)?;
         print(self.output.display())?;
         Ok(Outcome::Done)

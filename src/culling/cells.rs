@@ -3,8 +3,7 @@
 
 use glam::{Vec2, Vec3};
 
-use crate::accel::Shaft;
-use crate::accel::triangle::Record;
+use crate::accel::{Record, Shaft};
 use crate::quantity::PrimitiveId;
 
 /// The strip along the edges of a primitive that belongs to no cell, as a share of its height. A ray from the very edge

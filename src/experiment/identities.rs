@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::{ExperimentError, beside, progress, read_machine};
+use super::files::{beside, read_machine};
+use super::load::ExperimentError;
+use super::progress;
 use crate::accel::AccelSpec;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
@@ -15,7 +17,7 @@ use crate::report::Grid;
 use crate::report::format::percent;
 use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
-use crate::stats::{CacheCounts, MachineStats};
+use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
 use crate::tracer::{Alone, Tracer, TracerSpec};
 
@@ -200,17 +202,16 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         utilization.intersection - per_cycle(intersection, ist.count.get(), ist.interval.get()),
         utilization.division - per_cycle(division, div.count.get(), div.interval.get()),
     ];
-    let levels = [("l1_traversal", "node"), ("l1_list", "list"), ("l1_intersection", "triangle")];
+    let levels = [
+        ("l1_traversal", TrafficClass::Node),
+        ("l1_list", TrafficClass::List),
+        ("l1_intersection", TrafficClass::Triangle),
+    ];
     let line = machine.line_bytes.get() as f64;
     let (mut l1_rates, mut l2_rates, mut by_identity, mut fetched) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
     for (index, (l1, class)) in levels.into_iter().enumerate() {
-        let of_class = |cache: &str| {
-            let classes = stats.caches.get(cache).into_iter().flatten();
-            classes.filter(|(it, _)| it.name() == class).fold(CacheCounts::default(), |_, (_, counts)| *counts)
-        };
-        let l1 = of_class(l1);
-        let l2 = stats.caches.keys().filter(|name| name.starts_with("l2")).map(|name| of_class(name));
-        let l2 = l2.fold(CacheCounts::default(), |one, other| if other.accesses > 0 { other } else { one });
+        let l1 = counts(stats, l1, class);
+        let l2 = counts_in_l2(stats, class);
         (l1_rates[index], l2_rates[index]) = (l1.hit_rate().unwrap_or(0.0), l2.hit_rate().unwrap_or(0.0));
         by_identity += l1.accesses as f64 * (1.0 - l1_rates[index]) * (1.0 - l2_rates[index]) * line;
         fetched += l2.misses as f64 * line;
@@ -238,6 +239,17 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         bytes_by_identity: by_identity / rays,
         bytes_merged: (by_identity - fetched) / rays,
     }
+}
+
+/// What a cache counted of a class; nothing if it has no such traffic.
+fn counts(stats: &MachineStats, cache: &str, class: TrafficClass) -> CacheCounts {
+    stats.caches.get(cache).and_then(|classes| classes.get(&class)).copied().unwrap_or_default()
+}
+
+/// What the L2 that is asked for a class counted of it: a class has one home.
+fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
+    let levels = stats.caches.keys().filter(|name| name.starts_with("l2"));
+    levels.map(|name| counts(stats, name, class)).find(|counts| counts.accesses > 0).unwrap_or_default()
 }
 
 /// Our rows, then the published ones.

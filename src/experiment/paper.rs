@@ -5,15 +5,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::ExperimentError;
+use super::load::check_boxes;
+use super::progress;
 use super::run::frame_result;
-use super::{ExperimentError, beside, check_boxes, progress};
 use crate::culling::{PolicySpec, SceneFacts};
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
-use crate::report::summary::{FrameResult, PolicySummary};
+use crate::report::run::{FrameResult, PolicySummary};
 use crate::ron_file::{self, ConfigError};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};

@@ -6,9 +6,11 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
+use super::files::{beside, read_machine};
 use super::frames::FrameRange;
+use super::load::{Experiment, Overrides};
+use super::progress;
 use super::sweep::{SweepError, record, replay};
-use super::{Experiment, Overrides, beside, progress, read_machine};
 use crate::culling::PolicySpec;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
@@ -165,7 +167,7 @@ fn refusal(error: SweepError) -> Result<String, SweepError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::rung::Rung;
+    use crate::report::pareto::Rung;
 
     /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
     #[test]

@@ -5,21 +5,22 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use super::load::Experiment;
+use super::progress;
 use super::replay::{Finished, Replays};
 use super::split::Role;
 use super::validation::{self, Validated, Words};
-use super::{Experiment, progress};
 use crate::culling::Policy;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::reference::Reference;
 use crate::replay::RunError;
-use crate::report::Report;
-use crate::report::pictures::{Image, PictureInfo};
-use crate::report::split::Split;
-use crate::report::summary::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, SCHEMA, SceneSummary, Summary,
+use crate::report::ReportError;
+use crate::report::run::pictures::{Image, PictureInfo};
+use crate::report::run::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, RunFiles, SCHEMA, SceneSummary, Summary,
 };
+use crate::report::split::Split;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
@@ -49,6 +50,9 @@ pub enum RunFailure {
         /// The tracer's own.
         counted: Box<Totals>,
     },
+    /// A picture of the report cannot be made: an error in the simulator.
+    #[error(transparent)]
+    Picture(#[from] ReportError),
     /// Stopped before the first frame was done.
     #[error("stopped before the first frame was done")]
     Stopped,
@@ -65,7 +69,7 @@ struct Clock {
 
 /// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
 /// in work, and the report is of the frames done.
-pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<Report, RunFailure> {
+pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;
     let first = scene.animation.frame(experiment.frames[0]);
@@ -128,7 +132,7 @@ pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result
         let waiting = Instant::now();
         let finished = replays.finish();
         clock.machines += waiting.elapsed();
-        Ok(finished)
+        Ok::<_, RunFailure>(finished)
     })?;
     bar.finish_and_clear();
     if gathered.frames.is_empty() && finished.iter().all(|run| run.result.is_ok()) {
@@ -282,7 +286,7 @@ impl Gathered {
         finished: Vec<Finished>,
         clock: Clock,
         begin: Instant,
-    ) -> Result<Report, RunFailure> {
+    ) -> Result<RunFiles, RunFailure> {
         let names: Vec<&str> = experiment.policy_names().collect();
         let mut wall_seconds = Named::default();
         let mut speeds = Named::default();
@@ -365,7 +369,7 @@ impl Gathered {
             wall_seconds,
             simulated_rays_per_wall_second: speeds,
         };
-        let pictures = self.first.into_iter().chain(self.worst).collect();
-        Ok(Report { summary, config: experiment.as_run(), pictures })
+        let pictures: Vec<_> = self.first.into_iter().chain(self.worst).collect();
+        Ok(RunFiles::new(summary, experiment.as_run(), &pictures)?)
     }
 }

@@ -14,12 +14,14 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_64;
 
+use super::files::beside;
 use super::frames::FrameRange;
+use super::load::{Experiment, ExperimentError, Overrides};
+use super::progress;
 use super::split::{with_free_words, without_unit};
-use super::{Experiment, ExperimentError, Overrides, beside, progress};
 use crate::machine::MachineSpec;
 use crate::named::Named;
-use crate::new_file::write_new;
+use crate::output::write_whole;
 use crate::quantity::Resolution;
 use crate::replay::{self, Fidelity, Items, RunError, Source, StreamFile};
 use crate::report::sweep::{Change, SweepPoint, SweepSummary};
@@ -345,7 +347,7 @@ fn run_all(
         if read_point(&file).is_err() {
             let stats = replay(&spec, fidelity, &streams[policy], stop)?;
             let text = serde_json::to_vec_pretty(&stats).expect("plain data, which JSON can hold");
-            write_new(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
+            write_whole(&file, &text).map_err(|source| SweepError::File { path: file.clone(), source })?;
         }
         bar.inc(1);
         Ok::<_, SweepError>(())

@@ -4,18 +4,18 @@ use std::fmt;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use crate::new_file::NewFile;
+use crate::output::OutputFile;
 
 /// The file. All errors name it.
 pub struct TextFile {
     path: PathBuf,
-    file: BufWriter<NewFile>,
+    file: BufWriter<OutputFile>,
 }
 
 impl TextFile {
     /// Begins the file that is to become `path`.
     pub fn create(path: &Path) -> io::Result<Self> {
-        let file = NewFile::create(path).map_err(|error| cannot_write(path, &error))?;
+        let file = OutputFile::create(path).map_err(|error| cannot_write(path, &error))?;
         Ok(Self { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
@@ -27,7 +27,7 @@ impl TextFile {
     /// Puts the file into its place.
     pub fn finish(self) -> io::Result<()> {
         let file = self.file.into_inner().map_err(io::IntoInnerError::into_error);
-        file.and_then(NewFile::finish).map_err(|error| cannot_write(&self.path, &error))
+        file.and_then(OutputFile::finish).map_err(|error| cannot_write(&self.path, &error))
     }
 }
 

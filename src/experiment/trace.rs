@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use super::{Experiment, progress};
+use super::load::Experiment;
+use super::progress;
 use crate::stream::{StreamError, StreamWriter};
 use crate::tracer::Tracer;
 

@@ -1,11 +1,11 @@
 //! Compares the tracer's pictures of a frame with the reference renderer's, and makes the report's pictures of it.
 
-use super::Experiment;
+use super::load::Experiment;
 use crate::culling::Policy;
 use crate::quantity::PrimitiveId;
 use crate::reference::Reference;
-use crate::report::pictures::{self, Image, PictureInfo, PictureKind};
-use crate::report::summary::Psnr;
+use crate::report::run::Psnr;
+use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::scene::{Frame, Picture};
 use crate::tracer::LaneFrame;
 use crate::validate::{self, Comparison, PixelVerdict, VerdictPicture};

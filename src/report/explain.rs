@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::table::{Grid, drawn};
+use super::grid::{Grid, drawn};
 
 /// A number of `summary.json`, or a column of `frames.csv`.
 #[derive(Clone, Copy, Debug)]
@@ -394,7 +394,6 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::FRAMES_FILE;
 
     #[test]
     fn every_number_of_a_report_is_declared_once_and_every_declaration_is_of_one() {
@@ -405,12 +404,12 @@ mod tests {
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
         // The written sample is of an exact rung; what estimates add is in the one made for tests.
-        let estimated = serde_json::to_value(crate::report::sample::sample(&[0]).summary).unwrap();
+        let estimated = serde_json::to_value(crate::report::run::tests::sample::sample(&[0]).summary).unwrap();
         numbers(&estimated, &mut Vec::new(), &mut found);
-        let sweep = serde_json::to_value(crate::report::sample::sweep()).unwrap();
+        let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
         numbers(&sweep, &mut Vec::new(), &mut found);
-        let csv = std::fs::read_to_string(format!("{sample}/{FRAMES_FILE}")).unwrap();
+        let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
         for column in &columns {

@@ -67,6 +67,11 @@ pub fn percent(share: f64) -> String {
     format!("{percent:.digits$} %").replace('-', "\u{2212}")
 }
 
+/// A share on an axis.
+pub fn percent_tick(share: f64) -> String {
+    percent(share).replace(".0 ", " ")
+}
+
 /// The change from `before` to `after` as percent, with its sign; `None` from nothing.
 pub fn change(before: f64, after: f64) -> Option<String> {
     (before != 0.0).then(|| {

@@ -2,7 +2,8 @@
 
 use minijinja::{Environment, HtmlEscape, Value, context};
 
-use super::table::Grid;
+use super::draw::Drawing;
+use super::grid::Grid;
 
 /// What templates may extend, import or include.
 const SHARED: [(&str, &str); 4] = [
@@ -28,6 +29,12 @@ fn code(text: &str) -> Value {
     let escaped = HtmlEscape(text).to_string();
     let part = |(at, part): (usize, &str)| if at % 2 == 0 { part.into() } else { format!("<code>{part}</code>") };
     Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
+}
+
+/// The drawings that stand in `section`.
+pub fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
+    let there = drawings.iter().filter(|drawing| drawing.section == *section);
+    there.map(|drawing| drawing.svg.as_str().into()).collect()
 }
 
 /// A table, as the macro `grid` takes it.

@@ -146,18 +146,31 @@ impl Checker {
     }
 
     fn rays(&mut self, chunk: &Chunk) -> Result<(), Violation> {
+        let extent = chunk.extent();
+        let fits = !extent.strays() && extent.unknown().is_none() && self.policy.hold(extent);
         let mut group = 0;
         for (index, ray) in chunk.rays().enumerate() {
             if ray.head.kind == RayKind::Primary {
                 group = index;
             }
-            self.ray(chunk, group, index, &ray).map_err(|fault| Violation::Ray { ray: index, fault })?;
-            self.counted.count(&ray);
+            let mut checked = self.ray(chunk, group, index, &ray);
+            if !fits {
+                // Some step is wrong: which is looked for now.
+                checked = checked.and_then(|()| self.steps(&ray));
+            }
+            checked.map_err(|fault| Violation::Ray { ray: index, fault })?;
         }
+        self.counted.count_chunk(chunk);
         Ok(())
     }
 
-    /// Checks ray `index`, whose pixel group begins at ray `group`.
+    /// Checks the steps of a ray.
+    fn steps(&self, ray: &Ray<'_>) -> Result<(), RayFault> {
+        self.path.check(ray.packed_path()).map_err(RayFault::Path)?;
+        self.policy.check(ray.packed_policy()).map_err(RayFault::Policy)
+    }
+
+    /// Checks ray `index`, whose pixel group begins at ray `group`, its steps apart.
     fn ray(&self, chunk: &Chunk, group: usize, index: usize, ray: &Ray<'_>) -> Result<(), RayFault> {
         let header = &self.header;
         let head = ray.head;
@@ -203,8 +216,7 @@ impl Checker {
         if head.decision == Decision::Skip && !ray.packed_path().is_empty() {
             return Err(RayFault::SkippedPath(ray.packed_path().len()));
         }
-        self.path.check(ray.packed_path()).map_err(RayFault::Path)?;
-        self.policy.check(ray.packed_policy()).map_err(RayFault::Policy)
+        Ok(())
     }
 
     fn end(&mut self, policy: &[u32], totals: &Totals) -> Result<(), Violation> {

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::extent::Extent;
 use super::step::Step;
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
@@ -93,6 +94,7 @@ struct Entry {
 pub struct Chunk {
     entries: Vec<Entry>,
     steps: Vec<u32>,
+    extent: Extent,
     marked: bool,
 }
 
@@ -135,6 +137,8 @@ impl Chunk {
     pub fn push(&mut self, head: RayHead, path: &[u32], policy: &[u32]) {
         debug_assert!(path.iter().all(|&word| Step::unpack(word).is_some_and(Step::is_traversal)));
         debug_assert!(policy.iter().all(|&word| Step::unpack(word).is_some()));
+        self.extent.add_path(path);
+        self.extent.add_policy(policy);
         self.steps.extend_from_slice(path);
         let path_end = self.steps.len() as u32;
         self.steps.extend_from_slice(policy);
@@ -146,26 +150,47 @@ impl Chunk {
         let (first, begin) = (other.begin(rays.start) as u32, self.steps.len() as u32);
         self.steps.extend_from_slice(other.packed_steps_of(rays.clone()));
         let moved = |at: u32| at - first + begin;
-        let entries = other.entries[rays].iter();
+        let entries = other.entries[rays.clone()].iter();
         self.entries.extend(entries.map(|entry| Entry {
             head: entry.head,
             path_end: moved(entry.path_end),
             end: moved(entry.end),
         }));
+        if rays.len() == other.len() {
+            self.extent.join(&other.extent);
+        } else {
+            let policies = rays.clone().map(|ray| other.ray(ray).policy);
+            self.extent.add_rays(other.packed_steps_of(rays), policies);
+        }
     }
 
-    /// A chunk of the rays `heads`, each with the numbers of its path's and its policy's steps, which `steps` holds one
-    /// ray after another; `None` if they are not that many in all. The steps themselves are not looked at: until a
-    /// `Checker` has done so, they must not be unpacked.
-    pub(super) fn from_columns(heads: &[(RayHead, [u32; 2])], steps: Vec<u32>) -> Option<Self> {
+    /// A chunk of `rays`, each with the numbers of its path's and its policy's steps, which `steps` holds one ray after
+    /// another; `None` if they are not that many in all. Until a `Checker` has seen the chunk, no step must be unpacked.
+    pub(super) fn from_columns<E>(
+        rays: impl ExactSizeIterator<Item = Result<(RayHead, [u32; 2]), E>>,
+        steps: Vec<u32>,
+    ) -> Result<Option<Self>, E> {
         let mut end = 0u32;
-        let mut entries = Vec::with_capacity(heads.len());
-        for &(head, [path, policy]) in heads {
-            let path_end = end.checked_add(path)?;
-            end = path_end.checked_add(policy)?;
+        let mut entries = Vec::with_capacity(rays.len());
+        for ray in rays {
+            let (head, [path, policy]) = ray?;
+            let Some(path_end) = end.checked_add(path) else { return Ok(None) };
+            let Some(policy_end) = path_end.checked_add(policy) else { return Ok(None) };
+            end = policy_end;
             entries.push(Entry { head, path_end, end });
         }
-        (end as usize == steps.len()).then_some(Self { entries, steps, marked: false })
+        if end as usize != steps.len() {
+            return Ok(None);
+        }
+        let policies = entries.iter().map(|entry| &steps[entry.path_end as usize..entry.end as usize]);
+        let mut extent = Extent::default();
+        extent.add_rays(&steps, policies.filter(|words| !words.is_empty()));
+        Ok(Some(Self { entries, steps, extent, marked: false }))
+    }
+
+    /// How far the ids of all steps reach. A chunk whose extent fits a machine needs no check of its steps.
+    pub fn extent(&self) -> &Extent {
+        &self.extent
     }
 
     /// What its rays ask for is counted apart from now on. No file holds that.
@@ -262,6 +287,7 @@ mod tests {
         joined.extend(&chunk(3..10), 3..3);
         joined.extend(&chunk(3..10), 3..7);
         assert_eq!(joined, chunk(0..10));
+        assert_eq!(joined.extent(), chunk(0..10).extent());
         assert_eq!(joined.packed_steps_of(0..10), joined.packed_steps());
         let ray = joined.ray(7);
         assert_eq!(joined.packed_steps_of(7..8), [ray.packed_path(), ray.packed_policy()].concat());
@@ -272,7 +298,7 @@ mod tests {
         let triangle = |stop| Step::Triangle { slot: TriangleSlot(7), stop };
         let (node, list) = (Step::Node(NodeId(Step::MAX_INDEX)), Step::List(ListId(Step::MAX_INDEX)));
         let steps = [node, node, list, triangle(Stop::Plane), triangle(Stop::Edges), triangle(Stop::Hit)];
-        assert_eq!(Step::count_path(&steps.map(Step::pack)), [2, 1, 3]);
-        assert_eq!(Step::count_path(&[]), [0; 3]);
+        assert_eq!(Step::count(&steps.map(Step::pack)), [2, 1, 3]);
+        assert_eq!(Step::count(&[]), [0; 3]);
     }
 }

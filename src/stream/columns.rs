@@ -85,19 +85,23 @@ pub fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
     let (columns, packed) = payload[COUNTS_BYTES..].split_at(RAY_BYTES * rays);
     let (classes, columns) = columns.split_at(rays);
     let (lights, columns) = columns.split_at(rays);
-    let number = |column: usize, ray: usize| {
-        let byte = |plane: usize| columns[(4 * column + plane) * rays + ray];
-        u32::from_le_bytes([byte(0), byte(1), byte(2), byte(3)])
-    };
-    let mut heads = Vec::with_capacity(rays);
-    for (ray, (&class, &light)) in classes.iter().zip(lights).enumerate() {
-        let primitive = number(0, ray);
+    let [primitives, pixels, parents, paths, policies] =
+        [0, 1, 2, 3, 4].map(|column| from_planes(columns, column, rays));
+    let rays = (0..rays).map(|ray| {
+        let (class, primitive) = (classes[ray], primitives[ray]);
         let (kind, decision, outcome) = unclass(class, primitive).ok_or(Fault::Class { ray, class, primitive })?;
-        let (pixel, parent) = (PixelId(number(1, ray)), number(2, ray));
-        let head = RayHead { kind, light: LightId(light), decision, outcome, pixel, parent };
-        heads.push((head, [number(3, ray), number(4, ray)]));
-    }
-    Chunk::from_columns(&heads, words(packed)).ok_or(Fault::Steps { steps })
+        let (light, pixel, parent) = (LightId(lights[ray]), PixelId(pixels[ray]), parents[ray]);
+        let head = RayHead { kind, light, decision, outcome, pixel, parent };
+        Ok((head, [paths[ray], policies[ray]]))
+    });
+    Chunk::from_columns(rays, words(packed))?.ok_or(Fault::Steps { steps })
+}
+
+/// The numbers of a column of 4-byte numbers, which stands in four planes.
+fn from_planes(columns: &[u8], column: usize, rays: usize) -> Vec<u32> {
+    let plane = |at: usize| &columns[(4 * column + at) * rays..][..rays];
+    let bytes = plane(0).iter().zip(plane(1)).zip(plane(2)).zip(plane(3));
+    bytes.map(|(((&a, &b), &c), &d)| u32::from_le_bytes([a, b, c, d])).collect()
 }
 
 fn unclass(class: u8, primitive: u32) -> Option<(RayKind, Decision, Outcome)> {

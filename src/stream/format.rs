@@ -171,14 +171,14 @@ pub fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
 pub fn put_words(words: &[u32], out: &mut Vec<u8>) {
     let start = out.len();
     out.resize(start + 4 * words.len(), 0);
-    for (bytes, word) in out[start..].chunks_exact_mut(4).zip(words) {
-        bytes.copy_from_slice(&word.to_le_bytes());
+    for (bytes, word) in out[start..].as_chunks_mut().0.iter_mut().zip(words) {
+        *bytes = word.to_le_bytes();
     }
 }
 
 /// The words that `bytes` holds, 4 bytes each.
 pub fn words(bytes: &[u8]) -> Vec<u32> {
-    bytes.chunks_exact(4).map(|word| u32::from_le_bytes(field(word, 0))).collect()
+    bytes.as_chunks().0.iter().map(|&word| u32::from_le_bytes(word)).collect()
 }
 
 /// Appends a FRAM payload.

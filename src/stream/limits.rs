@@ -1,5 +1,6 @@
 //! Which steps are possible: the ids of each kind of step.
 
+use super::extent::Extent;
 use super::step::Step;
 use super::violation::StepFault;
 
@@ -26,6 +27,11 @@ impl Limits {
 
     fn of(&self, word: u32) -> u32 {
         self.0[(word >> INDEX_BITS) as usize]
+    }
+
+    /// Whether all steps of an extent are possible.
+    pub fn hold(&self, extent: &Extent) -> bool {
+        extent.outermost().all(|step| step.pack() & Step::MAX_INDEX < self.of(step.pack()))
     }
 
     /// Checks packed steps.

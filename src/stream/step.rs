@@ -71,6 +71,17 @@ impl Step {
     /// The largest id that fits a packed step.
     pub const MAX_INDEX: u32 = (1 << INDEX_BITS) - 1;
 
+    /// Tags of the steps of a path: a node, a list entry, then triangles up to the last.
+    pub(super) const NODE: i32 = 0;
+    pub(super) const LIST: i32 = 1;
+    pub(super) const LAST_TRAVERSAL: i32 = 4;
+
+    /// The tag of a packed step.
+    #[inline]
+    pub(super) fn tag(word: u32) -> u32 {
+        word >> INDEX_BITS
+    }
+
     /// The step in 32 bits: a tag of 4 bits, then the id.
     pub fn pack(self) -> u32 {
         let (tag, index) = match self {
@@ -102,13 +113,11 @@ impl Step {
         })
     }
 
-    /// How many packed steps of a path visit nodes, read lists and test triangles.
-    pub fn count_path(words: &[u32]) -> [u64; 3] {
-        // Whole paths, tag by tag: most steps of a stream are counted when it is read, and this is done for several at once.
-        debug_assert!(words.iter().all(|&word| Self::unpack(word).is_some_and(Self::is_traversal)));
-        let like = |step: Self| step.pack() >> INDEX_BITS;
-        let of_tag = |tag: u32| words.iter().filter(|&&word| word >> INDEX_BITS == tag).count() as u64;
-        let (nodes, lists) = (of_tag(like(Self::Node(NodeId(0)))), of_tag(like(Self::List(ListId(0)))));
+    /// How many packed steps visit nodes, read lists, and do neither.
+    pub(super) fn count(words: &[u32]) -> [u64; 3] {
+        // Tag by tag: a loop without a branch looks at several words at once.
+        let of_tag = |tag: i32| words.iter().filter(|&&word| Self::tag(word) as i32 == tag).count() as u64;
+        let (nodes, lists) = (of_tag(Self::NODE), of_tag(Self::LIST));
         [nodes, lists, words.len() as u64 - nodes - lists]
     }
 

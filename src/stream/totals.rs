@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::chunk::{Decision, Ray, RayKind};
+use super::chunk::{Chunk, Decision, Ray, RayHead, RayKind};
 use super::step::Step;
 
 /// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from the
@@ -56,28 +56,59 @@ impl Totals {
 
     /// Counts a ray.
     pub fn count(&mut self, ray: &Ray<'_>) {
-        let [nodes, lists, triangles] = Step::count_path(ray.packed_path());
-        self.list_reads += lists;
-        match ray.head.kind {
+        self.count_head(&ray.head);
+        self.count_path(&ray.head, Step::count(ray.packed_path()));
+        self.count_policy(ray.policy());
+    }
+
+    /// Counts the rays of a chunk, each as [`Totals::count`] does.
+    pub fn count_chunk(&mut self, chunk: &Chunk) {
+        let is_shadow = |ray: usize| chunk.head(ray).kind == RayKind::Shadow;
+        let mut next = 0;
+        while next < chunk.len() {
+            // The steps of rays of the same kind lie together, and are counted together.
+            let first = next;
+            let [mut nodes, mut lists, mut others] = [0; 3];
+            while next < chunk.len() && is_shadow(next) == is_shadow(first) {
+                let ray = chunk.ray(next);
+                self.count_head(&ray.head);
+                if !ray.packed_policy().is_empty() {
+                    let policy = Step::count(ray.packed_policy());
+                    [nodes, lists, others] = [nodes + policy[0], lists + policy[1], others + policy[2]];
+                    self.count_policy(ray.policy());
+                }
+                next += 1;
+            }
+            let all = Step::count(chunk.packed_steps_of(first..next));
+            self.count_path(&chunk.head(first), [all[0] - nodes, all[1] - lists, all[2] - others]);
+        }
+    }
+
+    fn count_head(&mut self, head: &RayHead) {
+        match head.kind {
             RayKind::Primary => self.primary_rays += 1,
             RayKind::Reflection | RayKind::Refraction => self.secondary_rays += 1,
             RayKind::Shadow => {
                 self.shadow_rays += 1;
-                match ray.head.decision {
+                match head.decision {
                     Decision::Trace => {}
                     Decision::DynamicOnly => self.shadow_rays_dynamic_only += 1,
                     Decision::Skip => self.shadow_rays_skipped += 1,
                 }
             }
         }
-        if ray.head.kind == RayKind::Shadow {
+    }
+
+    /// Counts steps of paths of rays such as `head`.
+    fn count_path(&mut self, head: &RayHead, [nodes, lists, triangles]: [u64; 3]) {
+        self.list_reads += lists;
+        if head.kind == RayKind::Shadow {
             self.shadow_node_visits += nodes;
             self.shadow_triangle_tests += triangles;
         } else {
             self.node_visits += nodes;
             self.triangle_tests += triangles;
         }
-        self.count_policy(ray.policy());
     }
 }
 

@@ -13,16 +13,16 @@ use super::format::{
 use super::header::Header;
 use super::item::{FrameInfo, Item};
 use super::violation::Violation;
-use crate::new_file::NewFile;
+use crate::output::OutputFile;
 use crate::quantity::Bytes;
 use lz4_flex::block::{compress_into, get_maximum_output_size};
 
 /// Writes a stream item by item, each checked against the rules of streams first. It holds one block in memory at a
 /// time.
 ///
-/// [`StreamWriter::create`] writes a [`NewFile`], which is there after [`StreamWriter::finish`] only: a writer that is
+/// [`StreamWriter::create`] writes a [`OutputFile`], which is there after [`StreamWriter::finish`] only: a writer that is
 /// dropped, or that fails, leaves nothing behind.
-pub struct StreamWriter<W = NewFile> {
+pub struct StreamWriter<W = OutputFile> {
     output: W,
     /// The target, for errors.
     path: PathBuf,
@@ -46,7 +46,7 @@ impl StreamWriter {
         if path.metadata().is_ok_and(|there| !there.is_file()) {
             return Err(StreamError::NotAFile { path: path.to_owned() });
         }
-        let output = NewFile::create(path);
+        let output = OutputFile::create(path);
         let output = output.map_err(|source| StreamError::Io { path: path.to_owned(), doing: "create", source })?;
         Self::new(output, path, header)
     }

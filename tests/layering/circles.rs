@@ -11,8 +11,6 @@ use crate::{Source, sources};
 const OPEN: &[(&str, usize)] = &[
     ("accel/", 7),
     ("accel/kdtree/", 4),
-    ("report/", 10),
-    ("report/plots/", 9),
     ("scene/", 3),
     ("scene/builtin/", 4),
     ("scene/builtin/cases/", 2),

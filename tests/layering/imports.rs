@@ -51,7 +51,7 @@ impl Finder<'_> {
                 return Some([&base, &path[supers..]].concat());
             }
             _ => {
-                let child = [&self.here[..], &[first.clone()]].concat();
+                let child = [&self.here[..], std::slice::from_ref(first)].concat();
                 if self.modules.contains(&child) { child } else { self.aliases.get(first)?.clone() }
             }
         };

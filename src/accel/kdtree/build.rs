@@ -1,11 +1,12 @@
 //! Builds kd-trees, top down, by the surface area heuristic.
 
 use super::bounds::Bounds;
+use super::built::Built;
 use super::layout::lay_out;
+use super::node::Tree;
 use super::split::{BINS, Plane, bins, leaf_cost, sweep};
-use super::{Layout, Node, Tree};
-use crate::accel::Quality;
-use crate::accel::build::{Base, Item};
+use crate::accel::spec::{KdLayout, Quality};
+use crate::accel::structure::{Base, Item};
 
 /// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
 /// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
@@ -20,20 +21,9 @@ pub struct BuildSpec {
     /// How much work goes into it.
     pub quality: Quality,
     /// The order of its nodes.
-    pub layout: Layout,
+    pub layout: KdLayout,
     /// The level at which no cell is split any more; `None` for 8 + 1.3 log2 n.
     pub max_depth: Option<u32>,
-}
-
-/// A cell that is built, before the layout; the left child of a split follows it.
-pub(super) enum Built {
-    Split {
-        axis: usize,
-        at: f32,
-        right: usize,
-    },
-    /// Indices of items.
-    Leaf(Vec<u32>),
 }
 
 /// An item's part in a cell.
@@ -68,16 +58,6 @@ pub fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     let mut builder = Builder { items, quality, max_depth, cells: Vec::new() };
     builder.cell(bounds, parts, 0);
     lay_out(&builder.cells, bounds, items, layout, base)
-}
-
-/// Builds the static tree; with dynamic triangles to join, its root is node 1, and node 0 is the joining one.
-pub fn build_static(items: &[Item<'_>], spec: BuildSpec, joined: bool) -> Tree {
-    let base = Base { node: u32::from(joined), ..Base::default() };
-    let mut tree = build(items, spec, base);
-    if joined || items.is_empty() {
-        tree.nodes.insert(0, Node::leaf(0..0));
-    }
-    tree
 }
 
 impl Builder<'_> {

@@ -1,9 +1,10 @@
 //! Lays a built tree out in memory: nodes depth-first, lists in the order of the leaves, records as the lists name them.
 
 use super::bounds::Bounds;
-use super::build::Built;
-use super::{Layout, Node, Tree};
-use crate::accel::build::{Base, Item};
+use super::built::Built;
+use super::node::{Node, Tree};
+use crate::accel::spec::KdLayout;
+use crate::accel::structure::{Base, Item};
 use crate::accel::triangle::Record;
 
 const UNPLACED: u32 = u32::MAX;
@@ -11,7 +12,7 @@ const UNPLACED: u32 = u32::MAX;
 struct Placer<'a> {
     cells: &'a [Built],
     items: &'a [Item<'a>],
-    layout: Layout,
+    layout: KdLayout,
     base: Base,
     /// The slot of each item.
     slots: Vec<u32>,
@@ -19,7 +20,7 @@ struct Placer<'a> {
 }
 
 /// Lays out `cells`, of which the first is the root, with the box `bounds`.
-pub(super) fn lay_out(cells: &[Built], bounds: Bounds, items: &[Item<'_>], layout: Layout, base: Base) -> Tree {
+pub(super) fn lay_out(cells: &[Built], bounds: Bounds, items: &[Item<'_>], layout: KdLayout, base: Base) -> Tree {
     let tree = Tree {
         bounds,
         nodes: Vec::with_capacity(cells.len()),
@@ -50,7 +51,7 @@ impl Placer<'_> {
             }
             &Built::Split { axis, at, right } => {
                 let [below, above] = bounds.split(axis, at);
-                let reordered = self.layout == Layout::Ordered && above.area() > below.area();
+                let reordered = self.layout == KdLayout::Ordered && above.area() > below.area();
                 let [first, second] =
                     if reordered { [(right, above), (index + 1, below)] } else { [(index + 1, below), (right, above)] };
                 self.node(first.0, first.1);

@@ -1,15 +1,16 @@
 //! How a shaft walks the static kd-tree: down to every cell that a ray of it may come to.
 
-use super::View;
+use super::node::View;
 use super::traverse::Forest;
-use crate::accel::Observer;
 use crate::accel::shaft::{Shaft, Sight};
+use crate::accel::structure::JoinedTree;
+use crate::accel::trail::Observer;
 use crate::quantity::{ListId, NodeId};
 
 impl Forest<'_> {
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss. A triangle that several
     /// leaves list is tested in each.
-    pub fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
+    pub fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         let mut stack = vec![(u32::from(self.joined), self.statics.bounds)];
         while let Some((id, cell)) = stack.pop() {
             if shaft.misses_box(cell.low.as_dvec3(), cell.high.as_dvec3()) {

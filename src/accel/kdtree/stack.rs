@@ -5,7 +5,7 @@
 //! All entries are kept here, dropped ones too, with the path to the present node: so a restart is the nodes of that path once more, and
 //! what a ray hits cannot depend on the stack's size.
 
-use crate::accel::Observer;
+use crate::accel::trail::Observer;
 use crate::quantity::NodeId;
 
 /// A cell that the ray crosses between the distances `enter` and `exit`.
@@ -95,7 +95,7 @@ impl Stack {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::Trail;
+    use crate::accel::trail::Trail;
 
     /// Nodes visited again by a ray that goes down five levels, leaves a cell for later on each, and then comes to all of them.
     fn visited_again(places: Option<usize>) -> Vec<u32> {

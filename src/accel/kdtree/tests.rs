@@ -3,9 +3,13 @@
 use glam::Vec3;
 use proptest::prelude::*;
 
-use super::*;
-use crate::accel::Quality;
-use crate::accel::build::{Base, Item};
+use std::ops::Range;
+
+use super::bounds::Bounds;
+use super::build::{BuildSpec, build};
+use super::node::{Node, Tree, View};
+use crate::accel::spec::{KdLayout as Layout, Quality};
+use crate::accel::structure::{Base, Item};
 use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
 

@@ -11,14 +11,13 @@
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use super::bounds::Bounds;
+use super::node::{Node, Tree, View};
 use super::stack::{Span, Stack};
-use super::{Node, Tree, View};
-use crate::accel::ray::SLAB;
-use crate::accel::triangle::Record;
-use crate::accel::{Hit, Observer, Ray, Scope};
+use crate::accel::query::{Hit, Scope};
+use crate::accel::ray::{Ray, SLAB};
+use crate::accel::structure::JoinedTree;
+use crate::accel::trail::Observer;
 use crate::quantity::{ListId, NodeId, PrimitiveId, TriangleSlot};
 
 /// The static tree and the dynamic one under one root.
@@ -67,12 +66,6 @@ impl Forest<'_> {
         TriangleSlot(entry.unwrap_or_else(|| self.dynamic.lists[id - self.statics.lists.len()]))
     }
 
-    /// The record in a slot.
-    pub fn record(&self, slot: TriangleSlot) -> &Record {
-        let slot = slot.0 as usize;
-        self.statics.records.get(slot).unwrap_or_else(|| &self.dynamic.records[slot - self.statics.records.len()])
-    }
-
     /// The static and the dynamic tree, where the ray meets their boxes. Visits node 0, unless the static tree's walk
     /// is going to.
     fn start(&self, ray: &Ray, watch: &mut impl Observer) -> [Option<Span>; 2] {
@@ -117,7 +110,7 @@ impl Forest<'_> {
     }
 
     /// The nearest hit; at equal distance the one on the lowest primitive.
-    pub fn closest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
+    pub fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         let mut trees: Vec<_> = self.start(&ray, watch).into_iter().flatten().collect();
         // The tree that is entered first on top; the static one if they are entered together.
@@ -145,7 +138,7 @@ impl Forest<'_> {
 
     /// A triangle that blocks the ray within `scope`, the first found; static triangles are all tried before the first
     /// dynamic one, so that a dynamic blocker proves that no static one blocks.
-    pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
+    pub fn blocker(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
         if scope == Scope::Dynamic && !self.joined {
             return None;
         }
@@ -165,10 +158,5 @@ impl Forest<'_> {
             }
         }
         None
-    }
-
-    /// The box around the static tree.
-    pub fn static_bounds(&self) -> (Vec3, Vec3) {
-        (self.statics.bounds.low, self.statics.bounds.high)
     }
 }

@@ -158,7 +158,7 @@ fn steps_of_files_are_checked_before_they_are_unpacked() {
         (0xf000_0000, [0, 1], RayFault::Policy(StepFault::Unknown { at: 0, word: 0xf000_0000 })),
         (write.pack(), [1, 0], RayFault::Path(StepFault::Id { at: 0, step: write, limit: 0 })),
     ] {
-        let chunk = Chunk::from_columns(&[(primary, lengths)], vec![word]).unwrap();
+        let chunk = Chunk::from_columns([Ok::<_, Fault>((primary, lengths))].into_iter(), vec![word]).unwrap().unwrap();
         let mut payload = Vec::new();
         columns::put_chunk(&chunk, &mut payload);
         let bytes = forged(&[frame_block(), block(Tag::Rays, 1, &payload)], |_| ());

@@ -1,0 +1,126 @@
+//! How a ray walks the trees of boxes: one loop for both widths.
+//!
+//! Children are visited nearest first, unless a shadow ray asks for another order; ties go by the node's own order. A
+//! child that lies behind the nearest hit by the time it is taken from the stack is dropped without a visit.
+
+use super::forest::Forest;
+use super::tree::{Child, Node};
+use crate::accel::query::{Hit, Order, Scope};
+use crate::accel::ray::{Ray, SLAB};
+use crate::accel::structure::JoinedTree;
+use crate::accel::trail::Observer;
+use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
+
+/// Children that wait, each with what it is sorted by among its siblings. One allocation a ray is faster here than a stack
+/// that may spill.
+type Stack = Vec<(f32, Child)>;
+
+impl<const N: usize> Forest<'_, N> {
+    /// Visits a node: pushes the children that the ray meets, the first in `order` last.
+    fn visit(&self, node: &Node<N>, ray: &Ray, order: Order, stack: &mut Stack) {
+        let entries = node.entries(ray);
+        let first = stack.len();
+        for (number, (entry, &child)) in entries.into_iter().zip(&node.children).enumerate() {
+            if entry < f32::INFINITY {
+                let key = match order {
+                    Order::NearestFirst => entry,
+                    Order::LargestFirst => -node.half_area(number),
+                };
+                // Insertion, the last in order first; an equal key goes below, so that the node's own order decides a
+                // tie.
+                let mut at = stack.len();
+                while at > first && stack[at - 1].0 <= key {
+                    at -= 1;
+                }
+                stack.insert(at, (key, child));
+            }
+        }
+    }
+
+    /// The nearest hit; at equal distance the one on the lowest primitive.
+    pub fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
+        let mut stack = Stack::with_capacity(64);
+        let mut nearest: Option<Hit> = None;
+        watch.node(NodeId(0));
+        self.visit(&self.root, &ray, Order::NearestFirst, &mut stack);
+        while let Some((entry, child)) = stack.pop() {
+            if entry > ray.reach * SLAB {
+                continue;
+            }
+            if child.count == 0 {
+                watch.node(NodeId(child.index));
+                self.visit(self.node(child.index), &ray, Order::NearestFirst, &mut stack);
+                continue;
+            }
+            for slot in child.index..child.index + child.count {
+                let record = self.record(TriangleSlot(slot));
+                let (stop, hit) = record.test(&ray);
+                watch.triangle(TriangleSlot(slot), stop);
+                let Some(hit) = hit else { continue };
+                let nearer = nearest.is_none_or(|old| (hit.t, record.primitive) < (old.t, old.primitive));
+                if nearer && hit.t <= ray.reach {
+                    ray.reach = hit.t;
+                    nearest = Some(Hit { primitive: record.primitive, t: hit.t, barycentric: hit.barycentric });
+                }
+            }
+        }
+        nearest
+    }
+
+    /// A triangle that blocks the ray within `scope`, the first found in `order`; static triangles are all tried before
+    /// the first dynamic one, so that a dynamic blocker proves that no static one blocks.
+    pub fn blocker(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        if scope == Scope::Dynamic && !self.joined {
+            return None;
+        }
+        let mut stack = Stack::with_capacity(64);
+        watch.node(NodeId(0));
+        if self.joined {
+            let entries = self.root.entries(ray);
+            let trees = match scope {
+                Scope::All => 0..2,
+                Scope::Static => 0..1,
+                Scope::Dynamic => 1..2,
+            };
+            for tree in trees.rev() {
+                if entries[tree] < f32::INFINITY {
+                    stack.push((entries[tree], self.root.children[tree]));
+                }
+            }
+        } else {
+            self.visit(&self.root, ray, order, &mut stack);
+        }
+        self.first_blocker(ray, order, stack, watch)
+    }
+
+    /// A triangle that blocks the ray, among those below a node, the nearest children first.
+    pub fn blocker_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
+        let stack = vec![(0.0, Child { index: node.0, count: 0 })];
+        self.first_blocker(ray, Order::NearestFirst, stack, watch)
+    }
+
+    fn first_blocker(
+        &self,
+        ray: &Ray,
+        order: Order,
+        mut stack: Stack,
+        watch: &mut impl Observer,
+    ) -> Option<PrimitiveId> {
+        while let Some((_, child)) = stack.pop() {
+            if child.count == 0 {
+                watch.node(NodeId(child.index));
+                self.visit(self.node(child.index), ray, order, &mut stack);
+                continue;
+            }
+            for slot in child.index..child.index + child.count {
+                let record = self.record(TriangleSlot(slot));
+                let (stop, blocked) = record.blocks(ray);
+                watch.triangle(TriangleSlot(slot), stop);
+                if blocked {
+                    return Some(record.primitive);
+                }
+            }
+        }
+        None
+    }
+}

@@ -1,0 +1,110 @@
+//! What a kind of tree must offer: a static tree that is built once, and the same joined with a frame's dynamic tree.
+
+use glam::Vec3;
+
+use super::query::{Hit, Order, Scope};
+use super::ray::Ray;
+use super::shaft::{Shaft, Sight};
+use super::spec::AccelSpec;
+use super::trail::Observer;
+use super::triangle::Record;
+use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
+use crate::scene::Triangle;
+
+/// A triangle to build a tree over, and whose it is.
+#[derive(Clone, Copy, Debug)]
+pub struct Item<'a> {
+    /// Whose triangle it is.
+    pub primitive: PrimitiveId,
+    /// Where it is.
+    pub triangle: &'a Triangle,
+}
+
+/// Ids from which a tree's nodes, slots and list entries count.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Base {
+    /// The id of the tree's root.
+    pub node: u32,
+    /// The tree's first triangle slot.
+    pub slot: u32,
+    /// The tree's first entry of primitive lists.
+    pub list: u32,
+}
+
+/// Sizes of a tree.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sizes {
+    /// Nodes.
+    pub nodes: u32,
+    /// Entries of primitive lists.
+    pub list_entries: u32,
+}
+
+/// A tree over static triangles.
+pub trait StaticTree: Sized {
+    /// The tree and a frame's dynamic one under one root.
+    type Joined<'a>: JoinedTree
+    where
+        Self: 'a;
+
+    /// Builds the tree. Node 0 is its root; if it will be `joined` with dynamic trees, node 0 is kept free for the root
+    /// that joins them.
+    fn build(items: &[Item<'_>], spec: &AccelSpec, joined: bool) -> Self;
+
+    /// Builds the dynamic tree of a frame, and joins it if the static tree was built for that.
+    fn join<'a>(&'a self, items: &[Item<'_>], spec: &AccelSpec) -> Self::Joined<'a>;
+
+    /// Sizes, node 0 counted.
+    fn sizes(&self) -> Sizes;
+
+    /// Triangle records by slot.
+    fn records(&self) -> &[Record];
+
+    /// Ids after those of the tree.
+    fn end(&self) -> Base {
+        let Sizes { nodes, list_entries } = self.sizes();
+        Base { node: nodes, slot: self.records().len() as u32, list: list_entries }
+    }
+}
+
+/// Why some methods are never called on a kd-tree.
+const BOXES_ONLY: &str = "a policy that needs a tree of boxes is refused with a kd-tree before it is built";
+
+/// What rays can meet in a frame. Ids are global: static ones first, then dynamic ones.
+pub trait JoinedTree {
+    /// Sizes of the dynamic tree.
+    fn dynamic_sizes(&self) -> Sizes;
+
+    /// Triangle records of the dynamic tree.
+    fn dynamic_records(&self) -> &[Record];
+
+    /// The record in a slot.
+    fn record(&self, slot: TriangleSlot) -> &Record;
+
+    /// The box around all static triangles; empty without any.
+    fn static_bounds(&self) -> (Vec3, Vec3);
+
+    /// The nearest hit; at equal distance the one on the lowest primitive.
+    fn closest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit>;
+
+    /// A triangle that blocks the ray within `scope`, the first found with children visited in `order`. Static triangles
+    /// are all tried before the first dynamic one, so that a dynamic blocker proves that no static one blocks.
+    fn occluded(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId>;
+
+    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
+    fn sight(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight;
+
+    /// Whether the triangle in `slot` blocks the ray. If it does, [`JoinedTree::occluded`] finds a blocker too.
+    fn blocks(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool;
+
+    /// A static triangle below a static node that blocks the ray. Only a tree of boxes has that.
+    fn occluded_below(&self, _ray: &Ray, _node: NodeId, _watch: &mut impl Observer) -> Option<PrimitiveId> {
+        unreachable!("{BOXES_ONLY}")
+    }
+
+    /// The node `levels` levels above the leaf of a static slot, or the static root if that is lower. Level 1 is the
+    /// node that holds the leaf. Only a tree of boxes has that.
+    fn ancestor(&self, _slot: TriangleSlot, _levels: u32) -> NodeId {
+        unreachable!("{BOXES_ONLY}")
+    }
+}

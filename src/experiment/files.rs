@@ -1,0 +1,18 @@
+//! Files that configs name.
+
+use std::path::{Path, PathBuf};
+
+use crate::machine::MachineSpec;
+use crate::ron_file::{self, ConfigError};
+
+/// Reads a machine's file.
+pub fn read_machine(path: &Path) -> Result<MachineSpec, ConfigError> {
+    let machine: MachineSpec = ron_file::read(path)?;
+    machine.check().map_err(|error| ConfigError::Content { path: path.into(), what: error.to_string() })?;
+    Ok(machine)
+}
+
+/// `named`, seen from the folder of the file that names it.
+pub fn beside(file: &Path, named: &Path) -> PathBuf {
+    file.parent().unwrap_or(Path::new("")).join(named)
+}

@@ -1,0 +1,145 @@
+//! An experiment with everything that its files name.
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::files::{beside, read_machine};
+use super::frames::FrameRange;
+use super::spec::ExperimentSpec;
+use crate::culling::{Policy, PolicySpec, SceneFacts};
+use crate::machine::MachineSpec;
+use crate::named::Named;
+use crate::quantity::Resolution;
+use crate::ron_file::{self, ConfigError};
+use crate::scene::render::MAX_LIGHTS;
+use crate::scene::spec::SceneSpec;
+use crate::scene::{Scene, SceneError};
+use crate::stream::{Step, Structure};
+
+/// What the command line sets in place of the file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Overrides {
+    /// Other frames.
+    pub frames: Option<FrameRange>,
+    /// Another size of the pictures.
+    pub resolution: Option<Resolution>,
+}
+
+/// Why an experiment cannot be run.
+#[derive(Debug, thiserror::Error)]
+pub enum ExperimentError {
+    /// A config is wrong.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// The scene cannot be had.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+}
+
+/// An experiment with everything that its files name.
+pub struct Experiment {
+    /// The experiment as it is run: the file's, with what the command line set.
+    pub spec: ExperimentSpec,
+    /// Where the scene comes from.
+    pub scene_spec: SceneSpec,
+    /// The scene.
+    pub scene: Scene,
+    /// The machines by name.
+    pub machines: Named<MachineSpec>,
+    /// Numbers of the frames, in order.
+    pub frames: Vec<u32>,
+}
+
+/// All that a run depends on, to be written beside its results.
+#[derive(Serialize)]
+struct AsRun<'a> {
+    experiment: &'a ExperimentSpec,
+    scene: &'a SceneSpec,
+    machines: &'a Named<MachineSpec>,
+}
+
+impl Experiment {
+    /// Reads an experiment and all files that it names.
+    pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
+        let mut spec = ExperimentSpec::read(path)?;
+        spec.frames = overrides.frames.unwrap_or(spec.frames);
+        spec.resolution = overrides.resolution.unwrap_or(spec.resolution);
+        let wrong = |what: String| ConfigError::Content { path: path.into(), what };
+
+        let mut machines = Named::default();
+        for file in &spec.machines {
+            let file = beside(path, file);
+            let machine = read_machine(&file)?;
+            if machines.get(&machine.name).is_some() {
+                return Err(wrong(format!("`machines` names two machines called `{}`", machine.name)).into());
+            }
+            machines.insert(machine.name.clone(), machine);
+        }
+        let scene_path = beside(path, &spec.scene);
+        let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+        if spec.frames.end() > scene.frame_count {
+            let what = format!(
+                "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",
+                spec.frames,
+                scene.name,
+                scene.frame_count - 1,
+                scene.frame_count
+            );
+            return Err(wrong(what).into());
+        }
+        if scene.light_count > MAX_LIGHTS || scene.primitive_count() as u32 > Step::MAX_INDEX / 4 {
+            let what = format!(
+                "`{}` has {} lights and {} triangles: up to {MAX_LIGHTS} and {} are allowed",
+                scene.name,
+                scene.light_count,
+                scene.primitive_count(),
+                Step::MAX_INDEX / 4
+            );
+            return Err(wrong(what).into());
+        }
+        check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
+        let frames = spec.frames.numbers();
+        Ok(Self { spec, scene_spec, scene, machines, frames })
+    }
+
+    /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
+    pub fn as_run(&self) -> String {
+        let as_run = AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
+        let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
+        ron::ser::to_string_pretty(&as_run, style).expect("specs are plain data, which RON can hold")
+    }
+
+    /// The policies before the first frame, in the order of the file.
+    pub fn policies(&self) -> Vec<Box<dyn Policy>> {
+        self.spec.policies.iter().map(|(_, policy)| policy.build(SceneFacts::of(&self.scene))).collect()
+    }
+
+    /// Names of the policies, in the order of the file.
+    pub fn policy_names(&self) -> impl ExactSizeIterator<Item = &str> {
+        self.spec.policies.iter().map(|(name, _)| name)
+    }
+
+    /// Which policy is the one that the others are measured against.
+    pub fn off(&self) -> usize {
+        self.spec
+            .policies
+            .iter()
+            .position(|(_, policy)| *policy == PolicySpec::Off)
+            .expect("a spec without `Off` is refused when it is read")
+    }
+}
+
+/// Refuses policies that need a tree of boxes with a structure that is none.
+pub fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
+    match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
+        Some((name, _)) => {
+            let what = format!(
+                "the policy `{name}` needs a tree of boxes: with it, `Bvh2` or `CwBvh` is allowed as structure"
+            );
+            Err(ConfigError::Content { path: path.into(), what })
+        }
+        None => Ok(()),
+    }
+}

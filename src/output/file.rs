@@ -1,0 +1,164 @@
+//! Files of the user's choice.
+
+use std::fs::File;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use super::links::{folder_of, follow};
+use super::temporary::TemporaryFile;
+
+/// The path that stands for standard output.
+const STANDARD: &str = "-";
+
+/// A file on its way. A regular file comes into its place whole: bytes go to a temporary file beside it, which takes its name
+/// in [`OutputFile::finish`] only. One that is dropped leaves nothing behind, and what was there before stays. A device, a
+/// pipe and standard output (`-`) are written to at once.
+#[derive(Debug)]
+pub struct OutputFile(Inner);
+
+#[derive(Debug)]
+enum Inner {
+    Placed { file: TemporaryFile, path: PathBuf },
+    Open(File),
+    Standard(io::Stdout),
+}
+
+impl OutputFile {
+    /// Begins the file `path`. Symbolic links are followed.
+    ///
+    /// # Errors
+    /// The folder is not there, does not take new files, or `path` is a folder.
+    pub fn create(path: &Path) -> io::Result<Self> {
+        if is_standard(path) {
+            return Ok(Self(Inner::Standard(io::stdout())));
+        }
+        let refuse = |kind, what: String| Err(io::Error::new(kind, what));
+        match path.metadata() {
+            Ok(there) if there.is_dir() => return refuse(io::ErrorKind::IsADirectory, "it is a folder".into()),
+            Ok(there) if !there.is_file() || is_of_system(path) => {
+                return Ok(Self(Inner::Open(File::options().write(true).open(path)?)));
+            }
+            _ => {}
+        }
+        let path = follow(path)?;
+        let folder = folder_of(&path);
+        if !folder.is_dir() {
+            return refuse(io::ErrorKind::NotFound, format!("there is no folder {}", folder.display()));
+        }
+        Ok(Self(Inner::Placed { file: TemporaryFile::create_in(folder)?, path }))
+    }
+
+    /// Puts the file into its place, in that of an earlier one if there is one. Its bytes are on the disk then.
+    ///
+    /// # Errors
+    /// The disk is full, which may be noticed only now, or the earlier file cannot be replaced.
+    pub fn finish(self) -> io::Result<()> {
+        match self.0 {
+            Inner::Placed { file, path } => {
+                if let Ok(earlier) = path.metadata() {
+                    file.file().set_permissions(earlier.permissions())?;
+                }
+                file.file().sync_all()?;
+                file.place(&path)
+            }
+            Inner::Open(mut file) => file.flush(),
+            Inner::Standard(mut output) => output.flush(),
+        }
+    }
+}
+
+/// Whether `path` is standard output: by its name `-`, or because it leads to the same file.
+pub(super) fn is_standard(path: &Path) -> bool {
+    let leads_there = || {
+        let output = same_file::Handle::stdout().ok()?;
+        Some(path.metadata().ok()?.is_file() && same_file::Handle::from_path(path).ok()? == output)
+    };
+    path == Path::new(STANDARD) || leads_there().unwrap_or(false)
+}
+
+/// Whether a path names an open file by the system's folder of them: such a file is written to, not replaced.
+fn is_of_system(path: &Path) -> bool {
+    path.starts_with("/dev") || path.starts_with("/proc")
+}
+
+/// Writes a file whole.
+///
+/// # Errors
+/// As [`OutputFile::create`] and [`OutputFile::finish`].
+pub fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = OutputFile::create(path)?;
+    file.write_all(bytes)?;
+    file.finish()
+}
+
+impl Write for OutputFile {
+    // By way of the file itself: the temporary file's own errors name its passing name.
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        match &mut self.0 {
+            Inner::Placed { file, .. } => file.file().write(bytes),
+            Inner::Open(file) => file.write(bytes),
+            Inner::Standard(output) => output.write(bytes),
+        }
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match &mut self.0 {
+            Inner::Placed { file, .. } => file.file().flush(),
+            Inner::Open(file) => file.flush(),
+            Inner::Standard(output) => output.flush(),
+        }
+    }
+}
+
+#[cfg(all(test, unix))]
+mod tests {
+    use std::fs;
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    use super::*;
+
+    #[test]
+    fn a_file_comes_whole_or_not_at_all() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a");
+        write_whole(&path, b"one").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o600)).unwrap();
+        let mut file = OutputFile::create(&path).unwrap();
+        file.write_all(b"tw").unwrap();
+        drop(file);
+        assert_eq!(
+            (fs::read(&path).unwrap().as_slice(), fs::read_dir(folder.path()).unwrap().count()),
+            (&b"one"[..], 1)
+        );
+        write_whole(&path, b"two").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"two");
+        assert_eq!(path.metadata().unwrap().permissions().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn links_are_followed_and_pipes_written_to() {
+        let folder = tempfile::tempdir().unwrap();
+        let at = |name: &str| folder.path().join(name);
+        symlink("real", at("link")).unwrap();
+        write_whole(&at("link"), b"one").unwrap();
+        assert!(at("link").is_symlink() && fs::read(at("real")).unwrap() == b"one");
+        rustix::fs::mknodat(
+            rustix::fs::CWD,
+            at("pipe"),
+            rustix::fs::FileType::Fifo,
+            rustix::fs::Mode::RUSR | rustix::fs::Mode::WUSR,
+            0,
+        )
+        .unwrap();
+        let reader = std::thread::spawn({
+            let pipe = at("pipe");
+            move || fs::read(pipe).unwrap()
+        });
+        write_whole(&at("pipe"), b"through").unwrap();
+        assert_eq!(reader.join().unwrap(), b"through");
+        assert!(!at("pipe").is_file());
+        assert!(write_whole(&at(""), b"").unwrap_err().to_string().contains("it is a folder"));
+        assert!(write_whole(&at("no/a"), b"").unwrap_err().to_string().starts_with("there is no folder"));
+        write_whole(Path::new("/dev/null"), b"nothing").unwrap();
+    }
+}

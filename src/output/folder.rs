@@ -1,0 +1,181 @@
+//! Folders of results.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::carry::{self, Own};
+use super::error::FolderError;
+use super::exchange;
+use super::leftovers;
+use super::links::{folder_of, follow};
+use super::lock::{Lock, LockError};
+use super::names::NEW;
+use super::temporary::TemporaryFolder;
+
+/// The file by which a folder without a list of own files is known as a report.
+const SUMMARY: &str = "summary.json";
+
+/// A folder of results that only this process writes, from before the work to its end.
+#[derive(Debug)]
+pub struct ResultsFolder {
+    /// As the user named it.
+    path: PathBuf,
+    /// Where that leads.
+    target: PathBuf,
+    _lock: Lock,
+    /// Dropped last, when the lock's file is gone.
+    _parents: Parents,
+}
+
+impl ResultsFolder {
+    /// Claims the folder `path` before the work begins. Nothing may be there, or an empty folder, or a folder of results.
+    ///
+    /// # Errors
+    /// Something else is there, another process writes there, or nothing can be written there.
+    pub fn claim(path: &Path) -> Result<Self, FolderError> {
+        let write = |source| FolderError::Write { path: path.into(), source };
+        let target = follow(path).map_err(write)?;
+        // `.` and `..` have no name of their own.
+        let target = if target.file_name().is_none() { target.canonicalize().map_err(write)? } else { target };
+        check(path, &target)?;
+        let parent = folder_of(&target);
+        let parents = Parents::make(parent).map_err(write)?;
+        leftovers::sweep(parent);
+        let lock = Lock::acquire(&target).map_err(|error| match error {
+            LockError::Held(holder) => FolderError::Busy { path: path.into(), holder },
+            LockError::File(source) => write(source),
+        })?;
+        // Again: another process may have been there meanwhile.
+        check(path, &target)?;
+        Ok(Self { path: path.into(), target, _lock: lock, _parents: parents })
+    }
+
+    /// The folder, as the user named it.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Makes the folder, if it is not there yet, for results that are kept one by one.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    pub fn make(&self) -> Result<(), FolderError> {
+        let write = |source| FolderError::Write { path: self.path.clone(), source };
+        if carry::read_list(&self.target).map_err(write)?.is_none() {
+            fs::create_dir_all(&self.target).map_err(write)?;
+            carry::write_list(&self.target).map_err(write)?;
+        }
+        Ok(())
+    }
+
+    /// Puts what `fill` makes in a new folder into the place of the earlier own files, complete or not at all. All other
+    /// files stay.
+    ///
+    /// # Errors
+    /// Those of `fill`; the new files cannot take their place: they are kept beside it then.
+    pub fn replace<E: From<FolderError>>(&self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+        let target = self.target.as_path();
+        let write = |source| FolderError::Write { path: self.path.clone(), source };
+        let work = TemporaryFolder::create_in(folder_of(target)).map_err(write)?;
+        let new = work.path().join(NEW);
+        let there = target.is_dir();
+        let made = if there { carry::make_like(target, &new) } else { fs::create_dir(&new) };
+        made.map_err(write)?;
+        fill(&new)?;
+        let added = carry::write_list(&new).map_err(write)?;
+        self.place(&work, &added).map_err(|error| self.elsewhere(&new, error).into())
+    }
+
+    fn place(&self, work: &TemporaryFolder, added: &Own) -> Result<(), FolderError> {
+        let target = self.target.as_path();
+        let there = target.is_dir();
+        let read = |source| FolderError::Read { path: self.path.clone(), source };
+        // A report without a list is an early one: of its files those are replaced that the new one has.
+        let own = carry::read_list(target).map_err(read)?.unwrap_or_else(|| added.clone());
+        if there {
+            carry::carry(target, &work.path().join(NEW), &own)?;
+        }
+        let write = |source| FolderError::Write { path: self.path.clone(), source };
+        exchange::exchange(work.path(), target).map_err(write)?;
+        if there {
+            carry::carry_late(&exchange::replaced(work.path(), target), target, &own)?;
+        }
+        Ok(())
+    }
+
+    /// Keeps complete results that cannot take their place.
+    fn elsewhere(&self, new: &Path, error: FolderError) -> FolderError {
+        let name = self.target.file_name().unwrap_or_default();
+        let beside = (1..1000).map(|number| {
+            let mut name = name.to_owned();
+            name.push(format!("-{number}"));
+            self.target.with_file_name(name)
+        });
+        for path in beside {
+            if path.symlink_metadata().is_err() && fs::rename(new, &path).is_ok() {
+                return FolderError::Elsewhere { path, source: Box::new(error) };
+            }
+        }
+        error
+    }
+}
+
+/// Whether results can be put at `target`.
+fn check(path: &Path, target: &Path) -> Result<(), FolderError> {
+    let foreign = || Err(FolderError::Foreign { path: path.into() });
+    let read = |source| FolderError::Read { path: path.into(), source };
+    let mut entries = match fs::read_dir(target) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotADirectory => return foreign(),
+        Err(source) => return Err(read(source)),
+        Ok(entries) => entries,
+    };
+    let real = target.canonicalize().map_err(read)?;
+    if std::env::current_dir().is_ok_and(|current| current.starts_with(&real)) {
+        return Err(FolderError::Current { path: path.into() });
+    }
+    if is_mounted(&real).map_err(read)? {
+        return Err(FolderError::Mounted { path: path.into() });
+    }
+    let is_ours = || Ok(carry::read_list(target)?.is_some() || has_summary(target));
+    if entries.next().is_none() || is_ours().map_err(read)? { Ok(()) } else { foreign() }
+}
+
+/// Whether there is the summary of a report that has no list of its files. Any version of a summary will do.
+fn has_summary(target: &Path) -> bool {
+    let summary = fs::read(target.join(SUMMARY)).ok().and_then(|text| serde_json::from_slice(&text).ok());
+    summary.is_some_and(|summary: serde_json::Value| summary.get("schema").and(summary.get("policies")).is_some())
+}
+
+/// Whether a folder is of another file system than its parent.
+fn is_mounted(folder: &Path) -> io::Result<bool> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let parent = folder.parent().map(Path::metadata).transpose()?;
+        Ok(parent.is_none_or(|parent| folder.metadata().is_ok_and(|folder| folder.dev() != parent.dev())))
+    }
+    #[cfg(not(unix))]
+    Ok(folder.parent().is_none())
+}
+
+/// Folders that were made to hold a folder of results, removed when they are still empty.
+#[derive(Debug, Default)]
+struct Parents(Vec<PathBuf>);
+
+impl Parents {
+    fn make(parent: &Path) -> io::Result<Self> {
+        let missing = parent.ancestors().take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists());
+        let made = Self(missing.map(Path::to_owned).collect());
+        fs::create_dir_all(parent)?;
+        Ok(made)
+    }
+}
+
+impl Drop for Parents {
+    fn drop(&mut self) {
+        // From the innermost outwards; a folder that is in use stays.
+        self.0.iter().all(|folder| fs::remove_dir(folder).is_ok());
+    }
+}

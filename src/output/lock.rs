@@ -1,0 +1,108 @@
+//! The lock on a folder of results: an advisory lock on a file beside it, which dies with its holder.
+
+use std::ffi::OsString;
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use super::links::folder_of;
+use super::names::{LOCK_SUFFIX, PREFIX};
+use super::registry::{absolute, is_at, live};
+
+/// Why a lock is not had.
+#[derive(Debug)]
+pub(super) enum LockError {
+    /// Another process has it: which one, where, and since when.
+    Held(String),
+    /// The lock file cannot be made or locked.
+    File(io::Error),
+}
+
+/// A lock that is held until this is dropped.
+#[derive(Debug)]
+pub(super) struct Lock {
+    path: PathBuf,
+    _file: File,
+}
+
+impl Lock {
+    /// Locks the folder `target`, which needs not be there; its parent must be.
+    pub(super) fn acquire(target: &Path) -> Result<Self, LockError> {
+        let mut name = OsString::from(PREFIX);
+        name.push(target.file_name().unwrap_or_default());
+        name.push(LOCK_SUFFIX);
+        let path = folder_of(target).join(name);
+        loop {
+            let mut live = live();
+            let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
+            let mut file = open.map_err(LockError::File)?;
+            match file.try_lock() {
+                Ok(()) => {}
+                Err(TryLockError::WouldBlock) => {
+                    let mut holder = String::new();
+                    let _ = file.take(4096).read_to_string(&mut holder);
+                    let unknown = "another process".to_owned();
+                    return Err(LockError::Held(if holder.is_empty() { unknown } else { holder }));
+                }
+                Err(TryLockError::Error(error)) => return Err(LockError::File(error)),
+            }
+            // The holder removes the file when it is done: then this is a file without a name, and the lock is nobody's.
+            if !is_at(&file, &path).map_err(LockError::File)? {
+                continue;
+            }
+            let told = file.set_len(0).and_then(|()| file.write_all(holder().as_bytes()));
+            if let Err(error) = told {
+                let _ = fs::remove_file(&path);
+                return Err(LockError::File(error));
+            }
+            live.insert(absolute(&path));
+            return Ok(Self { path, _file: file });
+        }
+    }
+}
+
+impl Drop for Lock {
+    fn drop(&mut self) {
+        let mut live = live();
+        let _ = fs::remove_file(&self.path);
+        live.remove(&absolute(&self.path));
+    }
+}
+
+/// This process, in words.
+fn holder() -> String {
+    #[cfg(unix)]
+    let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
+    #[cfg(not(unix))]
+    let host = "this machine".to_owned();
+    let since = humantime::format_rfc3339_seconds(SystemTime::now());
+    format!("process {} on {host}, since {since}", std::process::id())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_second_holder_is_told_of_the_first() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("rep");
+        let first = Lock::acquire(&target).unwrap();
+        let Err(LockError::Held(holder)) = Lock::acquire(&target) else { panic!("it was locked twice") };
+        assert!(holder.starts_with(&format!("process {} on ", std::process::id())), "{holder}");
+        assert!(holder.contains(", since 20"), "{holder}");
+        let _other = Lock::acquire(&folder.path().join("rep2")).unwrap();
+        drop(first);
+        assert!(!folder.path().join(".umbrasim-rep.lock").exists());
+        Lock::acquire(&target).unwrap();
+    }
+
+    #[test]
+    fn a_dead_holders_file_is_taken_over() {
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join(".umbrasim-rep.lock"), "process 1 on nowhere").unwrap();
+        drop(Lock::acquire(&folder.path().join("rep")).unwrap());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+    }
+}

@@ -1,0 +1,28 @@
+//! Outputs: files and folders of results that come into their places whole or not at all, and destroy nothing.
+//!
+//! - [`OutputFile`] is a file of the user's choice: a regular file is replaced whole; a device, a pipe and `-` are written to.
+//! - [`ResultsFolder`] is a folder of results that one process at a time writes, in which foreign files stay.
+//! - [`Claims`] refuses a command whose outputs are its inputs, or each other.
+//! - [`signals`] ends the program without leaving temporary files behind.
+
+mod carry;
+mod claims;
+mod error;
+mod exchange;
+mod file;
+mod folder;
+mod leftovers;
+mod links;
+mod lock;
+mod names;
+mod registry;
+pub mod signals;
+mod temporary;
+#[cfg(test)]
+mod tests;
+
+pub use claims::{ClaimError, Claims};
+pub use error::FolderError;
+pub use file::{OutputFile, write_whole};
+pub use folder::ResultsFolder;
+pub use temporary::TemporaryFolder;

@@ -1,0 +1,51 @@
+//! The register of all temporary files and folders of this process: whatever ends the process can remove them.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Paths of all temporary files and folders that this process has, absolute.
+static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// The register of temporary paths. Whoever creates, places or removes one holds it meanwhile.
+pub(super) fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    LIVE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all temporary files and folders, and lets no thread create or place another one: the process is to end.
+pub(super) fn remove_all_and_exit(status: i32) -> ! {
+    let live = live();
+    for path in live.iter() {
+        remove(path);
+    }
+    std::process::exit(status)
+}
+
+/// Removes a file or a folder with all that is in it.
+pub(super) fn remove(path: &Path) {
+    // Another thread may still write into a folder: a few attempts take what it has written since.
+    for _ in 0..4 {
+        let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        match removed {
+            Err(error) if error.kind() == io::ErrorKind::DirectoryNotEmpty => {}
+            _ => return,
+        }
+    }
+}
+
+/// The path without the current folder: that one may change.
+pub(super) fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Whether the open `file` is what stands at `path`.
+pub(super) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
+    let open = same_file::Handle::from_file(file.try_clone()?)?;
+    match same_file::Handle::from_path(path) {
+        Ok(there) => Ok(there == open),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,7 @@
+//! The chart of saving against error over several runs.
+
+mod data;
+mod plot;
+mod write;
+
+pub use data::ChartSummary;

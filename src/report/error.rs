@@ -1,0 +1,89 @@
+//! Why a report cannot be written, read or drawn.
+
+use std::io;
+use std::path::PathBuf;
+
+use super::draw::DrawError;
+
+/// Why a report cannot be written, read or drawn.
+#[derive(Debug, thiserror::Error)]
+pub enum ReportError {
+    /// A file or folder cannot be written.
+    #[error("cannot write {}", path.display())]
+    Write {
+        /// The file or folder.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A file cannot be read.
+    #[error("cannot read {}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// Something that is no report is in the way.
+    #[error("{} is not an umbrasim report (it has no summary.json of one) and will not be overwritten", path.display())]
+    Foreign {
+        /// What is in the way.
+        path: PathBuf,
+    },
+    /// The file is no summary.
+    #[error("{} is not a summary of a run", path.display())]
+    Broken {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: serde_json::Error,
+    },
+    /// The summary is of another version.
+    #[error("{} has schema {found}; this version reads schema {schema}: run the experiment again", path.display())]
+    Schema {
+        /// The file.
+        path: PathBuf,
+        /// Its version, as it stands there.
+        found: String,
+        /// The version that can be read.
+        schema: u32,
+    },
+    /// The summary names a picture outside the report.
+    #[error("{}: the picture `{file}` is not inside the report", path.display())]
+    Outside {
+        /// The summary.
+        path: PathBuf,
+        /// The picture's path.
+        file: String,
+    },
+    /// A picture cannot be made.
+    #[error("cannot make the picture {file}")]
+    Picture {
+        /// Its file.
+        file: String,
+        /// What is wrong with it.
+        source: png::EncodingError,
+    },
+    /// Numbers cannot be put in words.
+    #[error("cannot make {file}")]
+    Numbers {
+        /// The file that was to hold them.
+        file: &'static str,
+        /// Why not.
+        source: serde_json::Error,
+    },
+    /// A table cannot be made.
+    #[error("cannot make {file}")]
+    Table {
+        /// Its file.
+        file: &'static str,
+        /// Why not.
+        source: csv::Error,
+    },
+    /// A plot cannot be made.
+    #[error("cannot make the plots")]
+    Plot(#[from] DrawError),
+    /// The page cannot be made.
+    #[error("cannot make index.html")]
+    Page(#[from] minijinja::Error),
+}

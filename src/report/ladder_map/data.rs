@@ -1,0 +1,147 @@
+//! The failure map of the ladder: how far each rung is from `Event` where streams and machines are made to hurt it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::Cycle;
+use crate::report::format::percent;
+use crate::report::grid::Grid;
+use crate::stats::MachineStats;
+
+/// The map; `summary.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LadderMap {
+    /// The rows' names.
+    pub rows: Vec<String>,
+    /// What was swept.
+    pub axes: Vec<Axis>,
+}
+
+/// Something that was swept while all else stayed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Axis {
+    /// Its name, with a unit.
+    pub name: String,
+    /// The points.
+    pub points: Vec<Point>,
+}
+
+/// A stream on a machine.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Point {
+    /// What the axis is at.
+    pub value: String,
+    /// Cycles that `Event` takes.
+    pub cycles: Cycle,
+    /// What each of [`LadderMap::rows`] makes of it.
+    pub rows: Vec<Row>,
+}
+
+/// How often samples of other rays each had the truth in their interval of cycles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Covered {
+    /// How many had.
+    pub held: u32,
+    /// How many had an interval.
+    pub told: u32,
+}
+
+/// What a rung makes of a point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Share by which each of [`Figure::ALL`] is off; absent where the rung doesn't say, or `Event` has none. The worst
+    /// of several samples.
+    pub errors: [Option<f64>; Figure::ALL.len()],
+    /// What a sample's intervals are worth.
+    pub covered: Option<Covered>,
+}
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Figure {
+    /// Cycles of the run.
+    Cycles,
+    /// Bytes between L1s and L2.
+    L2Bytes,
+    /// Bytes between L2 and DRAM.
+    DramBytes,
+    /// Misses of the traversal units' L1s.
+    L1Misses,
+}
+
+impl Figure {
+    /// All figures.
+    pub const ALL: [Self; 4] = [Self::Cycles, Self::L2Bytes, Self::DramBytes, Self::L1Misses];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Cycles => "cycles",
+            Self::L2Bytes => "L2 bytes",
+            Self::DramBytes => "DRAM bytes",
+            Self::L1Misses => "misses of the traversal L1s",
+        }
+    }
+
+    fn of(self, stats: &MachineStats) -> Option<f64> {
+        let some = |value: u64| Some(value as f64);
+        match self {
+            Self::Cycles => some(stats.cycles.0),
+            Self::L2Bytes => some(stats.moved("l2").0),
+            Self::DramBytes => some(stats.moved("dram").0),
+            Self::L1Misses => {
+                let classes = stats.caches.get("l1_traversal")?;
+                some(classes.values().map(|counts| counts.misses).sum())
+            }
+        }
+    }
+
+    /// The share by which `found` is off `truth`.
+    pub fn error(self, found: &MachineStats, truth: &MachineStats) -> Option<f64> {
+        off(self.of(found)?, self.of(truth)?)
+    }
+
+    /// The share by which a ratio of misses is off, if this is about that.
+    pub fn error_of_ratio(self, ratio: f64, truth: &MachineStats) -> Option<f64> {
+        if self != Self::L1Misses {
+            return None;
+        }
+        let accesses: u64 = truth.caches.get("l1_traversal")?.values().map(|counts| counts.accesses).sum();
+        off(ratio * accesses as f64, self.of(truth)?)
+    }
+}
+
+fn off(found: f64, truth: f64) -> Option<f64> {
+    (truth > 0.0).then(|| found / truth - 1.0)
+}
+
+/// The worst of each row and figure, and where that is.
+pub fn grid(map: &LadderMap) -> Grid {
+    let head = ["rung", "figure", "mean", "worst", "where"].map(String::from).to_vec();
+    let mut rows = Vec::new();
+    for (index, name) in map.rows.iter().enumerate() {
+        for figure in Figure::ALL {
+            let all = map.axes.iter().flat_map(|axis| axis.points.iter().map(move |point| (axis, point)));
+            let errors: Vec<_> = all
+                .filter_map(|(axis, point)| Some((point.rows[index].errors[figure as usize]?, axis, point)))
+                .collect();
+            let Some((worst, axis, point)) = errors.iter().max_by(|a, b| a.0.abs().total_cmp(&b.0.abs())) else {
+                continue;
+            };
+            let mean = errors.iter().map(|(error, ..)| error.abs()).sum::<f64>() / errors.len() as f64;
+            let place = format!("{} {}", axis.name, point.value);
+            rows.push(vec![name.clone(), figure.name().into(), percent(mean), signed(*worst), place]);
+        }
+        let samples = map.axes.iter().flat_map(|axis| &axis.points);
+        let covered: Vec<_> = samples.filter_map(|point| point.rows[index].covered).collect();
+        if !covered.is_empty() {
+            let (held, told) = covered.iter().fold((0, 0), |(held, told), it| (held + it.held, told + it.told));
+            let text = format!("{held} of {told}");
+            rows.push(vec![name.clone(), "intervals of cycles that hold".into(), text, String::new(), String::new()]);
+        }
+    }
+    Grid { head, names: 2, rows }
+}
+
+fn signed(share: f64) -> String {
+    format!("{:+.1} %", share * 100.0)
+}

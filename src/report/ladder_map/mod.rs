@@ -1,0 +1,7 @@
+//! The failure map of the fidelity levels.
+
+mod data;
+mod plot;
+mod write;
+
+pub use data::{Axis, Covered, Figure, LadderMap, Point, Row, grid};

@@ -1,0 +1,21 @@
+//! The numbers of a report, as they are read back.
+
+use std::fs;
+use std::path::Path;
+
+use super::error::ReportError;
+use super::run::read_summary;
+use super::sweep::SweepSummary;
+
+/// Reads what the summary of a run or of a sweep holds.
+///
+/// # Errors
+/// The file cannot be read, or holds no summary of this version.
+pub fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
+    let broken = |source| ReportError::Broken { path: path.into(), source };
+    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    match serde_json::from_slice::<SweepSummary>(&text) {
+        Ok(sweep) => serde_json::to_value(sweep).map_err(broken),
+        Err(_) => serde_json::to_value(read_summary(path)?).map_err(broken),
+    }
+}

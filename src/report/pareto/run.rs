@@ -1,0 +1,92 @@
+//! What fidelity levels found in a run, beside the truth.
+
+use serde::{Deserialize, Serialize};
+
+use crate::stats::{Accuracy, MachineStats};
+
+/// A machine on the stream of a policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Run {
+    /// The scene.
+    pub scene: String,
+    /// The machine.
+    pub machine: String,
+    /// The machine's clock.
+    pub clock_mhz: u64,
+    /// The policy.
+    pub policy: String,
+    /// Whether savings are measured against it.
+    pub is_baseline: bool,
+    /// The truth.
+    pub truth: Figures,
+    /// What each rung found.
+    pub rungs: Vec<Found>,
+}
+
+/// What became of a run by a rung.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Found {
+    /// It was replayed.
+    Measured(Measured),
+    /// The rung refused it.
+    Refused {
+        /// Why.
+        refused: String,
+    },
+}
+
+impl Run {
+    /// What a rung found, if it did not refuse the run.
+    pub(super) fn found(&self, rung: usize) -> Option<&Measured> {
+        match &self.rungs[rung] {
+            Found::Measured(measured) => Some(measured),
+            Found::Refused { .. } => None,
+        }
+    }
+}
+
+/// What is compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Figures {
+    /// Cycles.
+    pub cycles: u64,
+    /// Bytes between L1s and L2.
+    pub l2_bytes: u64,
+    /// Bytes of the DRAM.
+    pub dram_bytes: u64,
+}
+
+impl Figures {
+    /// From a run's statistics.
+    pub fn of(stats: &MachineStats) -> Self {
+        let l2 = stats.bytes.keys().filter(|level| level.starts_with("l2"));
+        Self {
+            cycles: stats.cycles.0,
+            l2_bytes: l2.map(|level| stats.moved(level).0).sum(),
+            dram_bytes: stats.moved("dram").0,
+        }
+    }
+
+    /// All, in this order.
+    pub(super) fn all(self) -> [f64; 3] {
+        [self.cycles, self.l2_bytes, self.dram_bytes].map(|figure| figure as f64)
+    }
+}
+
+/// What a rung found.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// The figures.
+    #[serde(flatten)]
+    pub figures: Figures,
+    /// What it says of their error.
+    pub accuracy: Accuracy,
+}
+
+impl Measured {
+    /// Half the widths of its intervals over the figures.
+    pub(super) fn claimed(&self) -> Option<[f64; 3]> {
+        self.accuracy.shares().filter(|_| self.accuracy != Accuracy::Exact)
+    }
+}

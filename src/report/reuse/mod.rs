@@ -1,0 +1,7 @@
+//! The report on reuse: misses of caches of all sizes.
+
+mod data;
+mod plot;
+mod write;
+
+pub use data::{ReuseSummary, grid};

@@ -1,0 +1,47 @@
+//! The files of a report on reuse.
+
+use serde::Serialize;
+
+use super::data::ReuseSummary;
+use super::plot;
+use crate::report::csv_table::CsvTable;
+use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::writer::Report;
+use crate::stats::ReuseCurve;
+
+const PLOTS: &[Plot<ReuseSummary>] = &[plot::PLOT];
+
+impl Report for ReuseSummary {
+    type Section = ();
+
+    fn numbers(&self) -> &impl Serialize {
+        self
+    }
+
+    fn tables(&self) -> Vec<CsvTable> {
+        let mut rows = Vec::new();
+        for level in &self.levels {
+            for (class, curve) in &level.classes {
+                for (size, misses) in ReuseCurve::sizes().zip(&curve.misses) {
+                    rows.push(vec![
+                        level.name.clone(),
+                        class.name().into(),
+                        size.to_string(),
+                        curve.accesses.to_string(),
+                        misses.to_string(),
+                        (misses / curve.sampled.max(1.0)).to_string(),
+                    ]);
+                }
+            }
+        }
+        vec![CsvTable::new("reuse.csv", ["cache", "class", "bytes", "accesses", "misses", "miss_ratio"], rows)]
+    }
+
+    fn plots(&self) -> Result<Vec<Drawing>, DrawError> {
+        draw_all(self, PLOTS)
+    }
+
+    fn page(&self, _: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
+        Ok(None)
+    }
+}

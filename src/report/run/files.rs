@@ -1,0 +1,79 @@
+//! The files of a run's report, before they are written and after.
+
+use std::fs;
+use std::path::{Component, Path};
+
+use super::pictures::{Image, PictureInfo, png};
+use super::summary::{SCHEMA, Summary};
+use crate::report::error::ReportError;
+use crate::report::writer::SUMMARY_FILE;
+
+/// The experiment as run.
+pub const CONFIG_FILE: &str = "config.ron";
+
+/// A picture and its PNG file.
+pub type PngPicture = (PictureInfo, Vec<u8>);
+
+/// What a run found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunFiles {
+    /// The numbers.
+    pub summary: Summary,
+    /// The experiment as run, in RON.
+    pub config: String,
+    /// The pictures, in the page's order.
+    pub pictures: Vec<PngPicture>,
+}
+
+impl RunFiles {
+    /// The files of a run that found `summary` and made `pictures`, which the summary then names.
+    ///
+    /// # Errors
+    /// A picture cannot be made.
+    pub fn new(mut summary: Summary, config: String, pictures: &[(PictureInfo, Image)]) -> Result<Self, ReportError> {
+        summary.pictures = pictures.iter().map(|(info, _)| info.clone()).collect();
+        let encode = |(info, image): &(PictureInfo, Image)| -> Result<PngPicture, ReportError> {
+            let bytes = png(image).map_err(|source| ReportError::Picture { file: info.file.clone(), source })?;
+            Ok((info.clone(), bytes))
+        };
+        Ok(Self { summary, config, pictures: pictures.iter().map(encode).collect::<Result<_, _>>()? })
+    }
+
+    /// Reads the files of the report in `folder`.
+    ///
+    /// # Errors
+    /// A file cannot be read, the summary is none of this version, or names a picture outside the report.
+    pub fn read(folder: &Path) -> Result<Self, ReportError> {
+        let path = folder.join(SUMMARY_FILE);
+        let summary = read_summary(&path)?;
+        let config = folder.join(CONFIG_FILE);
+        let config = fs::read_to_string(&config).map_err(|source| ReportError::Read { path: config, source })?;
+        let mut pictures = Vec::new();
+        for info in &summary.pictures {
+            let inside = Path::new(&info.file).components().all(|part| matches!(part, Component::Normal(_)));
+            if !inside {
+                return Err(ReportError::Outside { path, file: info.file.clone() });
+            }
+            let picture = folder.join(&info.file);
+            let png = fs::read(&picture).map_err(|source| ReportError::Read { path: picture, source })?;
+            pictures.push((info.clone(), png));
+        }
+        Ok(Self { summary, config, pictures })
+    }
+}
+
+/// Reads a run's summary of this version.
+///
+/// # Errors
+/// The file cannot be read, or holds no summary of this version.
+pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
+    let broken = |source| ReportError::Broken { path: path.into(), source };
+    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;
+    match value.get("schema") {
+        Some(found) if *found != SCHEMA => {
+            Err(ReportError::Schema { path: path.into(), found: found.to_string(), schema: SCHEMA })
+        }
+        _ => serde_json::from_slice(&text).map_err(broken),
+    }
+}

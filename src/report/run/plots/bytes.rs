@@ -1,0 +1,65 @@
+//! Bytes moved a level and class, with and without culling.
+
+use super::machine::{Machine, MachinePlot};
+use crate::quantity::Bytes;
+use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
+use crate::report::draw::canvas::{DrawError, class_color};
+use crate::report::format::{bytes, change, percent_tick, words};
+use crate::report::run::summary::MachineRun;
+use crate::stats::TrafficClass;
+
+pub const PLOT: MachinePlot = MachinePlot { name: "bytes", draw };
+
+fn total(run: &MachineRun, level: &str) -> Option<Bytes> {
+    run.stats.bytes.get(level).map(|classes| classes.values().copied().sum())
+}
+
+fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
+    let mut levels = machine.keys(|run| &run.stats.bytes);
+    // From the units outwards: L1s, L2, and what is neither, DRAM.
+    levels.sort_by_key(|level| if level.starts_with('l') { (0, *level) } else { (1, *level) });
+
+    let mut max: f64 = 1.0;
+    let mut seen = Vec::new();
+    let mut groups = Vec::new();
+    for level in levels {
+        let off = machine.baseline_run().and_then(|run| total(run, level));
+        let largest = machine.runs().filter_map(|(_, run)| total(run, level)).max();
+        let Some(whole) = off.or(largest).filter(|whole| whole.0 > 0) else { continue };
+        let bar = |(policy, run): (&str, &MachineRun)| {
+            let moved = total(run, level)?;
+            let segments = TrafficClass::ALL.into_iter().filter_map(|class| {
+                let part = run.stats.bytes.get(level)?.get(&class)?.0;
+                if part > 0 && !seen.contains(&class) {
+                    seen.push(class);
+                }
+                Some(Segment { length: part as f64 / whole.0 as f64, color: class_color(class) })
+            });
+            let segments = segments.collect();
+            max = max.max(moved.0 as f64 / whole.0 as f64);
+            let changed = off.filter(|_| machine.baseline != Some(policy));
+            let changed = changed.and_then(|off| change(off.0 as f64, moved.0 as f64));
+            let changed = changed.map(|change| format!(" ({change})")).unwrap_or_default();
+            Some(Bar { name: policy.into(), segments, note: format!("{}{changed}", bytes(moved)) })
+        };
+        groups.push(Group { name: words(level), bars: machine.runs().filter_map(bar).collect() });
+    }
+    if groups.is_empty() {
+        return Ok(None);
+    }
+    seen.sort();
+    let (lengths, axis) = match machine.baseline_run() {
+        Some(_) => ("the run without culling", "bytes, share of those without culling"),
+        None => ("the longest of the level", "bytes, share of the most at the level"),
+    };
+    let chart = BarChart {
+        title: format!("Bytes moved at each level, by what they are for: {}", machine.name),
+        subtitle: format!("between the level and the one above it; lengths relative to {lengths}"),
+        legend: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
+        axis,
+        max,
+        tick: percent_tick,
+        groups,
+    };
+    chart.draw().map(Some)
+}

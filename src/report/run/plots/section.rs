@@ -1,0 +1,12 @@
+//! Where a plot of a run stands.
+
+/// The part of the page that a plot belongs to.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Section {
+    /// What culling saved.
+    Saving,
+    /// What it got wrong.
+    Correctness,
+    /// What the machine of that name measured.
+    Machine(String),
+}

@@ -1,0 +1,393 @@
+//! What a run found, as data: the types of `summary.json`.
+//!
+//! Other tools read these names: they change only together with [`SCHEMA`]. A number that was not measured is `null` or
+//! left out, never zero. [`Summary::wall_seconds`] and [`Summary::simulated_rays_per_wall_second`] alone differ between
+//! two runs of the same experiment.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::pictures::PictureInfo;
+use crate::named::Named;
+use crate::quantity::Resolution;
+use crate::report::split::Split;
+use crate::stats::{MachineStats, TrafficClass};
+use crate::stream::Totals;
+
+/// The version of the names and their meanings.
+pub const SCHEMA: u32 = 1;
+
+/// A whole run.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Always [`SCHEMA`].
+    pub schema: u32,
+    /// The experiment's name.
+    pub experiment: String,
+    /// The scene.
+    pub scene: SceneSummary,
+    /// Numbers of the frames, in order.
+    pub frames: Vec<u32>,
+    /// Size of the pictures.
+    pub resolution: Resolution,
+    /// Name of the policy that culls nothing, against which savings are measured.
+    pub baseline: Option<String>,
+    /// What each culling policy did.
+    pub policies: Named<PolicySummary>,
+    /// What each machine measured.
+    pub machines: Named<MachineSummary>,
+    /// The pictures that lie beside this file.
+    pub pictures: Vec<PictureInfo>,
+    /// What the run was made of: versions, seeds, hashes of inputs, by name.
+    pub provenance: Named<String>,
+    /// Wall time a stage, in seconds.
+    pub wall_seconds: Named<f64>,
+    /// The simulator's own speed a stage: rays simulated a second of wall time.
+    pub simulated_rays_per_wall_second: Named<f64>,
+}
+
+/// The scene.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SceneSummary {
+    /// Its name.
+    pub name: String,
+    /// Triangles that stay.
+    pub triangles_static: u64,
+    /// Triangles that can move.
+    pub triangles_dynamic: u64,
+    /// Lights.
+    pub lights: u64,
+}
+
+/// What a policy did in all frames together, and in each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PolicySummary {
+    /// Sums over all frames.
+    #[serde(flatten)]
+    pub counts: Counts,
+    /// Node visits of shadow rays saved; what the policy visits itself is counted in.
+    pub traversal_saved: Saved,
+    /// Triangle tests of shadow rays saved; triangles that the policy tests itself are counted in, but for occlusion
+    /// tests, which stand apart in [`Counts::occlusion_tests`].
+    pub intersection_saved: Saved,
+    /// Wrong decisions a light, where they were looked for.
+    pub lights: Vec<LightWrong>,
+    /// The frames.
+    pub frames: Vec<FrameSummary>,
+}
+
+/// A share of work saved against the baseline; all `None` where the baseline has no such work, or there is none.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Saved {
+    /// Mean of the frames' shares.
+    pub mean: Option<f64>,
+    /// The largest share of a frame.
+    pub max: Option<f64>,
+    /// The first frame that has it.
+    pub max_frame: Option<u32>,
+    /// Share over the rays of all frames together.
+    pub total: Option<f64>,
+}
+
+/// What a policy did in a frame.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameSummary {
+    /// The frame's number.
+    pub frame: u32,
+    /// The counts.
+    #[serde(flatten)]
+    pub counts: Counts,
+    /// Share of node visits saved.
+    pub traversal_saved: Option<f64>,
+    /// Share of triangle tests saved.
+    pub intersection_saved: Option<f64>,
+    /// How close the picture is to the reference renderer's.
+    pub psnr: Option<Psnr>,
+}
+
+/// Peak signal-to-noise ratio of a picture against the reference renderer's.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Psnr {
+    /// No pixel differs.
+    Identical,
+    /// The ratio in dB.
+    Decibel(f64),
+}
+
+/// Wrong shadow decisions towards one light, in all frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LightWrong {
+    /// The light's number.
+    pub light: u32,
+    /// Decided dark where the ray, traced, finds the light.
+    pub false_dark: u64,
+    /// Decided lit where the ray, traced, is stopped.
+    pub false_lit: u64,
+}
+
+/// Counts of a policy, of a frame or of many. See [`Totals`] for those of the same name.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[allow(missing_docs, reason = "the documented fields of `Totals`, under the same names")]
+pub struct Counts {
+    pub primary_rays: u64,
+    pub secondary_rays: u64,
+    pub shadow_rays: u64,
+    pub shadow_rays_skipped: u64,
+    pub shadow_rays_dynamic_only: u64,
+    /// Primary rays tested against a neighbour pixel's primitive.
+    pub occlusion_tests: u64,
+    /// The same over the number of primary rays.
+    pub occlusion_tests_per_pixel: Option<f64>,
+    pub node_visits: u64,
+    pub triangle_tests: u64,
+    pub shadow_node_visits: u64,
+    pub shadow_triangle_tests: u64,
+    pub list_reads: u64,
+    pub policy_node_visits: u64,
+    /// Occlusion tests included.
+    pub policy_triangle_tests: u64,
+    pub policy_reads: u64,
+    pub policy_writes: u64,
+    /// Shadow rays decided dark that find their light when traced; `None` where nobody looked.
+    pub false_dark: Option<u64>,
+    /// Shadow rays decided lit that are stopped when traced; `None` where nobody looked.
+    pub false_lit: Option<u64>,
+    /// Shadow rays of primary hits that were compared with the reference renderer's.
+    pub compared_rays: Option<u64>,
+    /// Those of them on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
+    pub numeric_differences: Option<u64>,
+}
+
+fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
+    a.zip(b).map(|(a, b)| a + b).or(a).or(b)
+}
+
+impl Counts {
+    /// False dark and false lit together.
+    pub fn wrong(&self) -> Option<u64> {
+        Some(self.false_dark? + self.false_lit?)
+    }
+
+    /// Node visits on account of shadows.
+    fn traversal(&self) -> u64 {
+        self.shadow_node_visits + self.policy_node_visits
+    }
+
+    /// Triangle tests on account of shadows, occlusion tests apart.
+    fn intersections(&self) -> u64 {
+        self.shadow_triangle_tests + self.policy_triangle_tests - self.occlusion_tests
+    }
+
+    /// All that is fetched on account of shadows: nodes, triangles, list entries, and what the policy does itself, its stores and
+    /// occlusion tests included. (Lists are counted for all rays together, so on a kd-tree those of other rays are in it.)
+    fn accesses(&self) -> u64 {
+        let policy = self.policy_node_visits + self.policy_triangle_tests + self.policy_reads + self.policy_writes;
+        self.shadow_node_visits + self.shadow_triangle_tests + self.list_reads + policy
+    }
+
+    fn sum<'a>(frames: impl Iterator<Item = &'a Self>) -> Self {
+        let absent = Some(0);
+        let mut sum = Self { false_dark: absent, false_lit: absent, ..Self::default() };
+        for frame in frames {
+            sum.primary_rays += frame.primary_rays;
+            sum.secondary_rays += frame.secondary_rays;
+            sum.shadow_rays += frame.shadow_rays;
+            sum.shadow_rays_skipped += frame.shadow_rays_skipped;
+            sum.shadow_rays_dynamic_only += frame.shadow_rays_dynamic_only;
+            sum.occlusion_tests += frame.occlusion_tests;
+            sum.node_visits += frame.node_visits;
+            sum.triangle_tests += frame.triangle_tests;
+            sum.shadow_node_visits += frame.shadow_node_visits;
+            sum.shadow_triangle_tests += frame.shadow_triangle_tests;
+            sum.list_reads += frame.list_reads;
+            sum.policy_node_visits += frame.policy_node_visits;
+            sum.policy_triangle_tests += frame.policy_triangle_tests;
+            sum.policy_reads += frame.policy_reads;
+            sum.policy_writes += frame.policy_writes;
+            // One frame in which nobody looked, and there is no sum.
+            sum.false_dark = sum.false_dark.zip(frame.false_dark).map(|(a, b)| a + b);
+            sum.false_lit = sum.false_lit.zip(frame.false_lit).map(|(a, b)| a + b);
+            // The reference renderer may have been asked about some frames only: `compared_rays` says how many rays.
+            sum.compared_rays = known_sum(sum.compared_rays, frame.compared_rays);
+            sum.numeric_differences = known_sum(sum.numeric_differences, frame.numeric_differences);
+        }
+        sum.occlusion_tests_per_pixel = share(sum.occlusion_tests, sum.primary_rays);
+        sum
+    }
+}
+
+/// What a policy did in a frame, as it was counted.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrameResult {
+    /// The frame's number.
+    pub frame: u32,
+    /// The tracer's counts.
+    pub totals: Totals,
+    /// How many of `totals.policy_triangle_tests` are occlusion tests; never more than those.
+    pub occlusion_tests: u64,
+    /// See [`Counts::false_dark`].
+    pub false_dark: Option<u64>,
+    /// See [`Counts::false_lit`].
+    pub false_lit: Option<u64>,
+    /// See [`Counts::compared_rays`].
+    pub compared_rays: Option<u64>,
+    /// See [`Counts::numeric_differences`].
+    pub numeric_differences: Option<u64>,
+    /// See [`FrameSummary::psnr`].
+    pub psnr: Option<Psnr>,
+}
+
+impl FrameResult {
+    fn counts(&self) -> Counts {
+        let totals = self.totals;
+        assert!(
+            self.occlusion_tests <= totals.policy_triangle_tests,
+            "occlusion tests are triangle tests of the policy"
+        );
+        Counts {
+            primary_rays: totals.primary_rays,
+            secondary_rays: totals.secondary_rays,
+            shadow_rays: totals.shadow_rays,
+            shadow_rays_skipped: totals.shadow_rays_skipped,
+            shadow_rays_dynamic_only: totals.shadow_rays_dynamic_only,
+            occlusion_tests: self.occlusion_tests,
+            occlusion_tests_per_pixel: share(self.occlusion_tests, totals.primary_rays),
+            node_visits: totals.node_visits,
+            triangle_tests: totals.triangle_tests,
+            shadow_node_visits: totals.shadow_node_visits,
+            shadow_triangle_tests: totals.shadow_triangle_tests,
+            list_reads: totals.list_reads,
+            policy_node_visits: totals.policy_node_visits,
+            policy_triangle_tests: totals.policy_triangle_tests,
+            policy_reads: totals.policy_reads,
+            policy_writes: totals.policy_writes,
+            false_dark: self.false_dark,
+            false_lit: self.false_lit,
+            compared_rays: self.compared_rays,
+            numeric_differences: self.numeric_differences,
+        }
+    }
+}
+
+impl PolicySummary {
+    /// Sums a policy's frames up, against what the baseline (`None` if there is none) did in the same frames.
+    pub fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
+        let against: BTreeMap<u32, Counts> =
+            baseline.unwrap_or_default().iter().map(|result| (result.frame, result.counts())).collect();
+        let summarised: Vec<FrameSummary> = frames
+            .iter()
+            .map(|result| {
+                let counts = result.counts();
+                let off = against.get(&result.frame);
+                FrameSummary {
+                    frame: result.frame,
+                    counts,
+                    traversal_saved: off.and_then(|off| saved(counts.traversal(), off.shadow_node_visits)),
+                    intersection_saved: off.and_then(|off| saved(counts.intersections(), off.shadow_triangle_tests)),
+                    psnr: result.psnr,
+                }
+            })
+            .collect();
+        let counts = Counts::sum(summarised.iter().map(|frame| &frame.counts));
+        let all = summarised.iter().all(|frame| against.contains_key(&frame.frame));
+        let off = Counts::sum(summarised.iter().filter_map(|frame| against.get(&frame.frame)));
+        let total = |with, without| if all { saved(with, without) } else { None };
+        Self {
+            traversal_saved: Saved::new(
+                summarised.iter().map(|frame| (frame.frame, frame.traversal_saved)),
+                total(counts.traversal(), off.shadow_node_visits),
+            ),
+            intersection_saved: Saved::new(
+                summarised.iter().map(|frame| (frame.frame, frame.intersection_saved)),
+                total(counts.intersections(), off.shadow_triangle_tests),
+            ),
+            counts,
+            lights,
+            frames: summarised,
+        }
+    }
+}
+
+impl PolicySummary {
+    /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that the policy
+    /// does itself counted in; `None` if that did not run the same frames.
+    pub fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
+        let pairs = self.frames.iter().zip(&baseline.frames);
+        let same =
+            self.frames.len() == baseline.frames.len() && pairs.clone().all(|(with, off)| with.frame == off.frame);
+        let shares = pairs.map(|(with, off)| (with.frame, saved(with.counts.accesses(), off.counts.accesses())));
+        if same { Saved::new(shares, None).mean } else { None }
+    }
+}
+
+impl Saved {
+    fn new(frames: impl Iterator<Item = (u32, Option<f64>)>, total: Option<f64>) -> Self {
+        let known: Vec<(u32, f64)> = frames.filter_map(|(frame, share)| Some((frame, share?))).collect();
+        let most = known.iter().copied().reduce(|best, next| if next.1 > best.1 { next } else { best });
+        Self {
+            mean: (!known.is_empty()).then(|| known.iter().map(|(_, share)| share).sum::<f64>() / known.len() as f64),
+            max: most.map(|(_, share)| share),
+            max_frame: most.map(|(frame, _)| frame),
+            total,
+        }
+    }
+}
+
+fn share(part: u64, whole: u64) -> Option<f64> {
+    (whole > 0).then(|| part as f64 / whole as f64)
+}
+
+fn saved(with: u64, without: u64) -> Option<f64> {
+    share(with, without).map(|share| 1.0 - share)
+}
+
+/// What a machine measured.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MachineSummary {
+    /// The timing model that measured it.
+    pub fidelity: String,
+    /// Numbers of the frames that it replayed, in order.
+    pub frames: Vec<u32>,
+    /// A run for each policy's stream.
+    pub policies: Named<MachineRun>,
+    /// What each policy that culls saved and paid, where the replays for it were made.
+    #[serde(default, skip_serializing_if = "Named::is_empty")]
+    pub split: Named<Split>,
+}
+
+/// What a machine measured on the stream of one policy.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MachineRun {
+    /// The measurements.
+    #[serde(flatten)]
+    pub stats: MachineStats,
+    /// Rays a second of simulated time.
+    pub rays_per_second: Option<f64>,
+    /// Hits over accesses, a cache and class of traffic.
+    pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
+    /// Share of its cycles in which a unit kind began an operation.
+    pub utilization: BTreeMap<String, f64>,
+    /// Share of the DRAM's column commands that found their row open.
+    pub dram_row_hit_rate: Option<f64>,
+    /// Bytes moved over those that the DRAM could have moved at its peak.
+    pub dram_utilization: Option<f64>,
+}
+
+impl From<MachineStats> for MachineRun {
+    fn from(stats: MachineStats) -> Self {
+        let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
+        let dram = stats.dram;
+        let peak = stats.dram_peak_bytes_per_cycle.map(|peak| peak * stats.cycles.0 as f64).filter(|&peak| peak > 0.0);
+        let moved = stats.bytes.get("dram").map(|classes| classes.values().map(|bytes| bytes.0).sum::<u64>());
+        Self {
+            rays_per_second: (stats.cycles.0 > 0).then(|| stats.rays_per_second()),
+            hit_rate: stats.hit_rates(),
+            utilization: used.collect(),
+            dram_row_hit_rate: share(dram.row_hits, dram.row_hits + dram.row_misses + dram.row_conflicts),
+            dram_utilization: moved.zip(peak).map(|(moved, peak)| moved as f64 / peak),
+            stats,
+        }
+    }
+}

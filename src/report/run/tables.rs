@@ -1,0 +1,247 @@
+//! The few figures that sum a run up, for the terminal and the page.
+
+use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
+use crate::quantity::Bytes;
+use crate::report::format::{bytes, change, exact, or_absent, percent, short};
+use crate::report::grid::{Grid, drawn};
+use crate::report::split::Split;
+use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats, ModelCheck, Needs, PartNeed};
+
+/// The policies' key figures.
+pub fn policies(summary: &Summary) -> Grid {
+    const HEAD: [&str; 9] = [
+        "policy",
+        "skipped",
+        "dyn. only",
+        "nodes saved",
+        "triangles saved",
+        "tests/pixel",
+        "false dark",
+        "false lit",
+        "numeric",
+    ];
+    let row = |(name, policy): (&str, &PolicySummary)| {
+        let counts = &policy.counts;
+        let of_shadow_rays = |rays: u64| {
+            if counts.shadow_rays == 0 { None } else { Some(rays as f64 / counts.shadow_rays as f64) }
+        };
+        vec![
+            name.to_owned(),
+            or_absent(of_shadow_rays(counts.shadow_rays_skipped), percent),
+            or_absent(of_shadow_rays(counts.shadow_rays_dynamic_only), percent),
+            or_absent(policy.traversal_saved.mean, percent),
+            or_absent(policy.intersection_saved.mean, percent),
+            or_absent(counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}")),
+            or_absent(counts.false_dark, exact),
+            or_absent(counts.false_lit, exact),
+            or_absent(counts.numeric_differences, exact),
+        ]
+    };
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: summary.policies.iter().map(row).collect() }
+}
+
+/// All bytes that moved between DRAM and the level above.
+pub fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
+    run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
+}
+
+/// How `figure`, whose place among an accuracy's shares is `share`, changes from one run to another, with an interval if samples tell it.
+fn change_of(
+    figure: fn(&MachineRun) -> Option<f64>,
+    share: usize,
+    before: &MachineRun,
+    after: &MachineRun,
+) -> Option<String> {
+    let (old, new) = (figure(before)?, figure(after)?);
+    let text = change(old, new)?;
+    Some(match after.stats.accuracy.of_ratio(&before.stats.accuracy, share, new / old) {
+        Some(wide) => format!("{} \u{b1} {}", text.trim_end_matches(" %"), percent(wide)),
+        None => text,
+    })
+}
+
+/// How far a run's cycles and DRAM bytes may be from the truth, in a word.
+fn error(accuracy: &Accuracy) -> String {
+    match *accuracy {
+        Accuracy::Exact => "none".into(),
+        Accuracy::Estimated { cycles, dram_bytes, .. } => {
+            format!("\u{b1} {}, {}", percent(cycles).trim_end_matches(" %"), percent(dram_bytes))
+        }
+        Accuracy::Few { windows, .. } => format!("unknown: {windows} windows"),
+        Accuracy::Bounded => "within bounds".into(),
+        Accuracy::Unknown => "unknown".into(),
+    }
+}
+
+/// The machines' key figures, with the change against the run without culling.
+pub fn machines(summary: &Summary) -> Grid {
+    const HEAD: [&str; 7] =
+        ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error (cycles, DRAM)"];
+    let mut rows = Vec::new();
+    for (name, machine) in summary.machines.iter() {
+        let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
+        for (policy, run) in machine.policies.iter() {
+            let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
+            let changed = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+                let change = off.and_then(|off| change_of(figure, share, off, run));
+                change.map_or(text.clone(), |change| format!("{text} ({change})"))
+            };
+            rows.push(vec![
+                name.to_owned(),
+                policy.to_owned(),
+                changed(short(run.stats.cycles.0 as f64), |run| Some(run.stats.cycles.0 as f64), 0),
+                or_absent(run.rays_per_second, short),
+                changed(or_absent(dram_bytes(run), bytes), |run| Some(dram_bytes(run)?.0 as f64), 2),
+                or_absent(run.dram_utilization, percent),
+                error(&run.stats.accuracy),
+            ]);
+        }
+    }
+    Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
+}
+
+/// What each policy saved and paid on a machine.
+pub fn split(machine: &MachineSummary) -> Grid {
+    let row = |(policy, split): (&str, &Split)| {
+        std::iter::once(policy.to_owned()).chain(Split::COLUMNS.map(|(_, text)| text(split))).collect()
+    };
+    Grid {
+        head: std::iter::once("policy").chain(Split::COLUMNS.map(|(name, _)| name)).map(Into::into).collect(),
+        names: 1,
+        rows: machine.split.iter().map(row).collect(),
+    }
+}
+
+/// The run in a dozen lines for the terminal, without a line's end at the end.
+pub fn terminal(summary: &Summary) -> String {
+    let grids = [policies(summary), machines(summary)];
+    let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
+    shown.collect::<Vec<_>>().join("\n\n")
+}
+
+/// What one machine measured on one stream, for the terminal, without a line's end at the end.
+pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
+    let run = MachineRun::from(stats.clone());
+    let head = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
+    let sum = Grid {
+        head: head(&["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"]),
+        names: 2,
+        rows: vec![vec![
+            machine.to_owned(),
+            policy.to_owned(),
+            exact(stats.rays),
+            exact(stats.cycles.0),
+            or_absent(run.rays_per_second, short),
+            or_absent(dram_bytes(&run), bytes),
+            or_absent(run.dram_utilization, percent),
+            or_absent(run.dram_row_hit_rate, percent),
+        ]],
+    };
+    let mut caches = Vec::new();
+    for (cache, classes) in &stats.caches {
+        for (class, counts) in classes {
+            let CacheCounts { accesses, half_misses, misses, write_backs, bank_conflicts, .. } = *counts;
+            let [accesses, half_misses, misses, write_backs, bank_conflicts] =
+                [accesses, half_misses, misses, write_backs, bank_conflicts].map(exact);
+            let hit_rate = or_absent(counts.hit_rate(), percent);
+            caches.push(vec![
+                cache.clone(),
+                class.name().to_owned(),
+                accesses,
+                hit_rate,
+                half_misses,
+                misses,
+                write_backs,
+                bank_conflicts,
+            ]);
+        }
+    }
+    let caches = Grid {
+        head: head(&["cache", "class", "accesses", "hits", "half misses", "misses", "write-backs", "bank conflicts"]),
+        names: 2,
+        rows: caches,
+    };
+    let units = stats.units.iter().map(|(unit, causes)| {
+        // A rung that does not tell all causes leaves them out.
+        let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
+        let shares = Cause::ALL.iter().map(|cause| {
+            let cycles = causes.get(cause).filter(|_| all > 0);
+            or_absent(cycles, |&cycles| percent(cycles as f64 / all as f64))
+        });
+        let count = or_absent(stats.unit_counts.get(unit).copied(), exact);
+        [unit.clone(), count].into_iter().chain(shares).collect()
+    });
+    let causes = Cause::ALL.iter().map(|cause| cause.name());
+    let units = Grid {
+        head: ["unit", "count"].into_iter().chain(causes).map(Into::into).collect(),
+        names: 1,
+        rows: units.collect(),
+    };
+    let dram = format!("DRAM: {}", stats.dram_organization);
+    let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
+    let rest = [dram, drawn(&caches), drawn(&units)];
+    [drawn(&sum), trust(stats)].into_iter().chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
+}
+
+/// How far from the truth the numbers may be, and what no machine can leave.
+fn trust(stats: &MachineStats) -> String {
+    let error = match stats.accuracy {
+        Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
+        Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
+            let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);
+            format!(
+                "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured"
+            )
+        }
+        Accuracy::Few { windows, telling } => {
+            format!("unknown: the sample has {windows} windows, too few to tell ({telling} would)")
+        }
+        Accuracy::Bounded => "not known, but within the bounds".to_owned(),
+        Accuracy::Unknown => "unknown".to_owned(),
+    };
+    let mut lines = vec![format!("Error: {error}")];
+    if let Some(Bounds { cycles, dram_bytes, .. }) = stats.bounds {
+        lines.push(format!(
+            "Bounds: {} to {} cycles, {} to {} of DRAM traffic",
+            exact(cycles.least.0),
+            short(cycles.most.0 as f64),
+            bytes(dram_bytes.least),
+            bytes(dram_bytes.most)
+        ));
+    }
+    if let Some(Limit { cycles, dram_bytes }) = stats.oracle {
+        lines.push(format!(
+            "If all shadow rays' answers were known: {} cycles, {} of DRAM traffic at least",
+            exact(cycles.0),
+            bytes(dram_bytes)
+        ));
+    }
+    lines.join("\n")
+}
+
+/// What each part of the machine is worth on a stream.
+pub fn parts(needs: &Needs) -> Grid {
+    let signed = |share: Option<f64>| or_absent(share.and_then(|it| change(1.0, 1.0 + it)), |it| it);
+    let row = |it: &PartNeed| {
+        let [cycles, l2, dram] = [it.cycles, it.l2_bytes, it.dram_bytes].map(signed);
+        vec![it.part.clone(), if it.matters { "matters" } else { "does not matter" }.into(), cycles, l2, dram]
+    };
+    Grid {
+        head: ["without", "", "cycles", "L2 bytes", "DRAM bytes"].map(Into::into).to_vec(),
+        names: 2,
+        rows: needs.parts.iter().map(row).collect(),
+    }
+}
+
+/// Which models were tried on a stream; the last was taken.
+pub fn models(needs: &Needs) -> Grid {
+    let row = |it: &ModelCheck| {
+        let verdict = if it.passes { "close enough" } else { "not close enough" };
+        vec![it.model.clone(), verdict.into(), or_absent(it.error, percent), or_absent(it.held_back, percent)]
+    };
+    Grid {
+        head: ["model", "", "error", "on what was held back"].map(Into::into).to_vec(),
+        names: 2,
+        rows: needs.models.iter().map(row).collect(),
+    }
+}

@@ -1,0 +1,250 @@
+//! Reports for tests, with numbers made up.
+
+use std::collections::BTreeMap;
+
+use glam::Vec3;
+
+use crate::named::Named;
+use crate::quantity::{Bytes, Cycle, Resolution};
+use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
+use crate::report::run::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
+};
+use crate::report::split::Split;
+use crate::report::sweep::{Change, SweepPoint, SweepSummary};
+use crate::stats::{
+    Accuracy, Bounds, CacheCounts, Cause, DramCounts, LatencyCounts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
+    QueueCounts, TrafficClass,
+};
+use crate::stream::Totals;
+use crate::validate::PixelVerdict;
+
+const SIZE: Resolution = Resolution { width: 96, height: 72 };
+
+/// What a policy does that saves `share` in a frame.
+pub fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
+    let left = |work: f64| (work * (1.0 - share)) as u64;
+    let tests = if share == 0.0 { 0 } else { 53_000 };
+    FrameResult {
+        frame: number,
+        totals: Totals {
+            primary_rays: 262_144,
+            shadow_rays: 1_260_000,
+            shadow_rays_skipped: if share == 0.0 { 0 } else { 21_000 },
+            shadow_rays_dynamic_only: (1_260_000.0 * share) as u64,
+            node_visits: 9_000_000,
+            triangle_tests: 2_000_000,
+            shadow_node_visits: left(30_000_000.0),
+            shadow_triangle_tests: left(3_000_000.0),
+            policy_triangle_tests: tests,
+            policy_reads: tests * 5,
+            policy_writes: tests * 2,
+            ..Totals::default()
+        },
+        occlusion_tests: tests,
+        false_dark: Some(wrong / 3),
+        false_lit: Some(wrong - wrong / 3),
+        compared_rays: Some(9_000),
+        numeric_differences: Some(7),
+        psnr: Some(if wrong == 0 { Psnr::Identical } else { Psnr::Decibel(48.0 - wrong as f64 / 100.0) }),
+    }
+}
+
+fn machine(share: f64, words: u64) -> MachineRun {
+    let scaled = |number: f64| (number * (1.0 - share)) as u64;
+    let classes = |node: f64, triangle: f64, words: u64| {
+        let all = [
+            (TrafficClass::Node, scaled(node)),
+            (TrafficClass::Triangle, scaled(triangle)),
+            (TrafficClass::ModeWord, words),
+            (TrafficClass::PixelCounter, words / 2),
+        ];
+        all.map(|(class, bytes)| (class, Bytes(bytes))).into_iter().collect::<BTreeMap<_, _>>()
+    };
+    let cache = |hits: u64| CacheCounts {
+        accesses: 1_000_000,
+        hits,
+        half_misses: 20_000,
+        misses: 980_000 - hits,
+        passed_writes: 0,
+        bank_conflicts: 0,
+        write_backs: 0,
+    };
+    let cycles = scaled(812_000_000.0);
+    let unit = |count: u64, busy: f64| {
+        let whole = cycles * count;
+        let of = |part: f64| (whole as f64 * part) as u64;
+        let (busy, pipeline, memory, blocked) = (of(busy), of(0.1), of(0.25), of(0.05));
+        BTreeMap::from([
+            (Cause::Busy, busy),
+            (Cause::Pipeline, pipeline),
+            (Cause::Memory, memory),
+            (Cause::Blocked, blocked),
+            (Cause::Starved, whole - busy - pipeline - memory - blocked),
+        ])
+    };
+    MachineRun::from(MachineStats {
+        cycles: Cycle(cycles),
+        clock_mhz: 500.0,
+        rays: 75_000_000,
+        bytes: BTreeMap::from([
+            ("l1_traversal".into(), classes(120e9, 0.0, 0)),
+            ("l1_intersection".into(), classes(0.0, 14e9, words * 40)),
+            ("l2".into(), classes(9e9, 3e9, words * 4)),
+            ("dram".into(), classes(0.9e9, 0.4e9, words)),
+        ]),
+        caches: BTreeMap::from([
+            ("l1_traversal".into(), BTreeMap::from([(TrafficClass::Node, cache(953_000))])),
+            (
+                "l1_intersection".into(),
+                BTreeMap::from([(TrafficClass::Triangle, cache(830_000)), (TrafficClass::ModeWord, cache(912_000))]),
+            ),
+            (
+                "l2".into(),
+                BTreeMap::from([(TrafficClass::Node, cache(901_000)), (TrafficClass::Triangle, cache(702_000))]),
+            ),
+        ]),
+        units: BTreeMap::from([
+            ("traversal".into(), unit(4, 0.52)),
+            ("intersection".into(), unit(1, 0.31)),
+            ("shadow_cache".into(), unit(1, 0.04)),
+        ]),
+        unit_counts: BTreeMap::from([("traversal".into(), 4), ("intersection".into(), 1), ("shadow_cache".into(), 1)]),
+        queues: BTreeMap::from([("l2".into(), QueueCounts { entries: scaled(1e8), waited: scaled(4e8) })]),
+        latency: BTreeMap::from([(
+            "shadow".into(),
+            LatencyCounts { rays: 50_000_000, cycles: scaled(2e10), unloaded: scaled(1e10), most: 9_000 },
+        )]),
+        dram: DramCounts {
+            reads: 20_000_000,
+            writes: 300_000,
+            row_hits: scaled(14e6),
+            row_misses: scaled(1e6),
+            row_conflicts: scaled(5e6),
+            refreshes: 1_000,
+        },
+        dram_organization:
+            "1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row".into(),
+        dram_peak_bytes_per_cycle: Some(12.8),
+        accuracy: Accuracy::Estimated { cycles: 0.01, l2_bytes: 0.015, dram_bytes: 0.02, rate: 0.05 },
+        half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
+        needs: Some(Needs {
+            target: 0.02,
+            pilot_share: 0.002,
+            parts: vec![PartNeed {
+                part: "L2".into(),
+                cycles: Some(-0.2),
+                l2_bytes: Some(0.001),
+                dram_bytes: Some(-1.0),
+                matters: true,
+            }],
+            models: vec![ModelCheck {
+                model: "Profile".into(),
+                error: Some(0.007),
+                held_back: Some(0.009),
+                passes: true,
+            }],
+        }),
+        bounds: Some(Bounds::default()),
+        oracle: Some(Limit::default()),
+    })
+}
+
+/// A report such as a run makes, with frame numbers `frames`.
+pub fn sample(frames: &[u32]) -> RunFiles {
+    let (summary, config, images) = parts(frames);
+    RunFiles::new(summary, config, &images).unwrap()
+}
+
+/// What a run hands to its report: numbers, the experiment as run, and pictures.
+pub fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
+    let wave = |number: u32| 0.19 + 0.3 * (f64::from(number) / 90.0).sin() * (f64::from(number) / 700.0);
+    let results = |of: &dyn Fn(u32) -> FrameResult| frames.iter().map(|&number| of(number)).collect::<Vec<_>>();
+    let off = results(&|number| frame(number, 0.0, 0));
+    let published = results(&|number| frame(number, wave(number), u64::from(number % 23) * 40));
+    let exact = results(&|number| frame(number, wave(number) * 0.6 + 0.02, 0));
+    let lights = (0..3).map(|light| LightWrong { light, false_dark: 120, false_lit: 250 }).collect();
+    let policies = [
+        ("off", PolicySummary::new(&off, Vec::new(), Some(&off))),
+        ("published", PolicySummary::new(&published, lights, Some(&off))),
+        ("last_occluder", PolicySummary::new(&exact, Vec::new(), Some(&off))),
+    ];
+    let runs = |gain: f64| -> Named<MachineRun> {
+        [
+            ("off", machine(0.0, 0)),
+            ("published", machine(gain, 12_000_000)),
+            ("last_occluder", machine(gain * 0.6, 18_000_000)),
+        ]
+        .into_iter()
+        .collect()
+    };
+    let summary = |gain: f64| {
+        let policies = runs(gain);
+        let measured = |policy: &str| policies.get(policy).map(|run| &run.stats);
+        let split = ["published", "last_occluder"].into_iter().filter_map(|policy| {
+            let free = machine(gain * 1.1, 0).stats;
+            Some((policy, Split::new([measured("off")?, &free, measured(policy)?], &published[0].totals)))
+        });
+        MachineSummary {
+            fidelity: "event".into(),
+            frames: frames.to_vec(),
+            split: split.collect(),
+            policies: policies.clone(),
+        }
+    };
+    let machines = [("small", summary(0.11)), ("desktop", summary(0.04))];
+    let colors: Vec<Vec3> = (0..SIZE.pixels()).map(|pixel| Vec3::splat(pixel as f32 / SIZE.pixels() as f32)).collect();
+    let render = pictures::render(SIZE, &colors);
+    let classes: Vec<PixelVerdict> = (0..SIZE.pixels())
+        .map(|pixel| match pixel % 1800 {
+            777 => PixelVerdict::FalseDark,
+            1111 => PixelVerdict::FalseLit,
+            1500 => PixelVerdict::FalseDark,
+            300 => PixelVerdict::Numeric,
+            _ => PixelVerdict::Same,
+        })
+        .collect();
+    let words: Vec<Option<u32>> = (0..SIZE.pixels() as u32).map(|pixel| (pixel > 500).then_some(pixel / 400)).collect();
+    let shown = frames[0];
+    let difference = pictures::difference(&render, &classes);
+    let summary = Summary {
+        schema: SCHEMA,
+        experiment: "kitchen <sample>".into(),
+        scene: SceneSummary { name: "kitchen".into(), triangles_static: 101_001, triangles_dynamic: 9_400, lights: 6 },
+        frames: frames.to_vec(),
+        resolution: SIZE,
+        baseline: Some("off".into()),
+        policies: policies.into_iter().collect(),
+        machines: machines.into_iter().collect(),
+        pictures: Vec::new(),
+        provenance: [("umbrasim", "0.1.0"), ("input hash", "0123456789abcdef")]
+            .map(|(name, value)| (name, value.to_owned()))
+            .into_iter()
+            .collect(),
+        wall_seconds: [("trace", 12.5), ("replay small", 3.25)].into_iter().collect(),
+        simulated_rays_per_wall_second: [("trace", 5.1e6), ("replay small", 20e6)].into_iter().collect(),
+    };
+    let config = "Experiment(\n    scene: Aff(\"kitchen.aff\"), // <a comment>\n)\n".into();
+    let images = vec![
+        (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
+        (PictureInfo::new(PictureKind::Reference, None, shown), render),
+        (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
+        (PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown), pictures::words(SIZE, &words, 0)),
+    ];
+    (summary, config, images)
+}
+
+/// A sweep of two points.
+pub fn sweep() -> SweepSummary {
+    let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
+    let totals = frame(0, 0.2, 0).totals;
+    let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
+    let point = |changes| SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals);
+    SweepSummary {
+        experiment: "kitchen <sample>".into(),
+        scene: "kitchen".into(),
+        frames: vec![0, 16],
+        resolution: SIZE,
+        points: vec![point(Vec::new()), point(vec![change])],
+    }
+}

@@ -1,0 +1,49 @@
+//! What a run's report is written from, and how it is drawn again.
+
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::files::{CONFIG_FILE, RunFiles};
+use super::frames_csv::frames_csv;
+use super::page::page;
+use super::plots::{self, Section};
+use crate::report::csv_table::CsvTable;
+use crate::report::draw::{DrawError, Drawing};
+use crate::report::error::ReportError;
+use crate::report::writer::{Report, ReportFile, draw_again};
+
+impl Report for RunFiles {
+    type Section = Section;
+
+    fn numbers(&self) -> &impl Serialize {
+        &self.summary
+    }
+
+    fn tables(&self) -> Vec<CsvTable> {
+        vec![frames_csv(&self.summary)]
+    }
+
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        let config = (CONFIG_FILE.into(), self.config.clone().into_bytes());
+        let pictures = self.pictures.iter().map(|(info, png)| (PathBuf::from(&info.file), png.clone()));
+        Ok(std::iter::once(config).chain(pictures).collect())
+    }
+
+    fn plots(&self) -> Result<Vec<Drawing<Section>>, DrawError> {
+        plots::draw(&self.summary)
+    }
+
+    fn page(&self, plots: &[Drawing<Section>]) -> Result<Option<String>, minijinja::Error> {
+        page(&self.summary, &self.config, plots, &self.pictures).map(Some)
+    }
+}
+
+/// Draws the plots and the page of the report in `folder` again from the files that lie there. The same files give the
+/// same bytes. Returns the page's path.
+///
+/// # Errors
+/// A file cannot be read, made or written.
+pub fn redraw(folder: &Path) -> Result<PathBuf, ReportError> {
+    draw_again(folder, &RunFiles::read(folder)?)
+}

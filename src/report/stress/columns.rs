@@ -1,0 +1,48 @@
+//! Columns of policies, which both plots have.
+
+use crate::report::draw::DrawError;
+use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDTH, palette};
+
+/// Where columns begin, right of the cases' names.
+pub const COLUMNS: i32 = 140;
+/// Height of the columns' names: three short lines.
+pub const HEAD: i32 = 3 * 15 + 8;
+/// Height of a case's row.
+pub const ROW: i32 = 24;
+
+/// The columns' names, in lines that end above `bottom`; gives the columns' width.
+pub fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
+    let width = ((WIDTH - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
+    for (column, name) in (0..).zip(names) {
+        let lines = lines(name);
+        for (line, text) in (0..).zip(&lines) {
+            let y = bottom - 12 - 15 * (lines.len() as i32 - 1 - line);
+            canvas.text(text, (COLUMNS + column * width, y), Text::NOTE.colored(palette::INK))?;
+        }
+    }
+    Ok(width)
+}
+
+/// A name such as `OccluderGrid` or `all repairs` in lines of a word each.
+fn lines(name: &str) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for letter in name.chars() {
+        match lines.last_mut() {
+            Some(line) if letter != ' ' && !letter.is_uppercase() => line.push(letter),
+            _ => lines.push(letter.to_string()),
+        }
+    }
+    lines.into_iter().map(|line| line.trim().to_owned()).filter(|line| !line.is_empty()).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_break_at_words() {
+        assert_eq!(lines("OccluderGrid"), ["Occluder", "Grid"]);
+        assert_eq!(lines("all repairs"), ["all", "repairs"]);
+        assert_eq!(lines("Off"), ["Off"]);
+    }
+}

@@ -1,0 +1,249 @@
+//! What policies and timing models did under stress.
+
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::Cycle;
+use crate::report::format::percent;
+
+/// The version of the names in `summary.json`.
+const SCHEMA: u32 = 2;
+
+/// What all policies did in all cases; `summary.json` holds it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StressSummary {
+    /// The version of these names.
+    pub schema: u32,
+    /// The policies, in the order of the columns.
+    pub policies: Vec<StressPolicy>,
+    /// The timing models that replayed the cases, the one first that the others are held to.
+    pub models: Vec<StressModel>,
+    /// The cases.
+    pub cases: Vec<CaseSummary>,
+    /// What each answer to an open question changes.
+    pub effects: Vec<Effect>,
+    /// Random scenes that the effects are of.
+    pub effect_scenes: u32,
+}
+
+/// A policy under stress.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StressPolicy {
+    /// Its name.
+    pub name: String,
+    /// Whether it must never be wrong.
+    pub exact: bool,
+}
+
+/// A timing model under stress.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StressModel {
+    /// Its name.
+    pub name: String,
+    /// Whether it must give the same numbers as the first.
+    pub exact: bool,
+}
+
+/// What a timing model made of a case, all streams together.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum ModelVerdict {
+    /// Every number is the first model's.
+    Agrees,
+    /// Some number differs; the cycles by this share at most.
+    Differs(f64),
+    /// It could not replay a stream, and why.
+    Failed(String),
+}
+
+impl ModelVerdict {
+    /// A stream that takes `truth` cycles took `found` in the model.
+    pub fn off_by(&mut self, truth: Cycle, found: Cycle) {
+        let share = (found.0 as f64 - truth.0 as f64).abs() / truth.0.max(1) as f64;
+        let before = if let Self::Differs(share) = self { *share } else { 0.0 };
+        *self = Self::Differs(share.max(before));
+    }
+}
+
+/// What happened in a case.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CaseSummary {
+    /// Its name.
+    pub name: String,
+    /// What it is about.
+    pub title: String,
+    /// Of each policy, frame by frame.
+    pub policies: Vec<Vec<FrameWrong>>,
+    /// Of each timing model.
+    pub models: Vec<ModelVerdict>,
+}
+
+/// Wrong decisions in a frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FrameWrong {
+    /// Shadow rays decided on.
+    pub shadow_rays: u64,
+    /// Decided dark, though the light is seen.
+    pub false_dark: u64,
+    /// Decided lit, though it is not.
+    pub false_lit: u64,
+}
+
+impl FrameWrong {
+    /// Wrong decisions of both kinds.
+    pub fn wrong(&self) -> u64 {
+        self.false_dark + self.false_lit
+    }
+}
+
+/// How a case ended for a policy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// No decision was wrong.
+    Right,
+    /// Some were, none in the last frame.
+    Healed {
+        /// Frames with wrong decisions.
+        frames: usize,
+        /// The most in a frame.
+        worst: u64,
+    },
+    /// Some are wrong in the last frame.
+    Wrong {
+        /// Frames with wrong decisions.
+        frames: usize,
+        /// The most in a frame.
+        worst: u64,
+    },
+}
+
+impl Outcome {
+    /// The outcome of some frames.
+    pub fn of(all: &[FrameWrong]) -> Self {
+        let frames = all.iter().filter(|frame| frame.wrong() > 0).count();
+        let worst = all.iter().map(FrameWrong::wrong).max().unwrap_or(0);
+        match all.last() {
+            _ if frames == 0 => Self::Right,
+            Some(last) if last.wrong() > 0 => Self::Wrong { frames, worst },
+            _ => Self::Healed { frames, worst },
+        }
+    }
+}
+
+/// What one other answer to what the text leaves open changes, against the default answers on the same scenes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Effect {
+    /// The answer, as a config has it.
+    pub option: String,
+    /// Change of the share of shadow traversal saved.
+    pub saving: Shift,
+    /// Change of wrong decisions in a million shadow rays.
+    pub wrong_per_million: Shift,
+}
+
+/// A mean change over scenes.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shift {
+    /// The mean.
+    pub mean: f64,
+    /// Half the width of its 95 % confidence interval.
+    pub error: f64,
+}
+
+impl Shift {
+    /// Of the changes seen in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
+    pub fn of(changes: &[f64]) -> Self {
+        const T: f64 = 2.201;
+        let count = changes.len() as f64;
+        let mean = changes.iter().sum::<f64>() / count;
+        let variance = changes.iter().map(|change| (change - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        Self { mean, error: T * (variance / count).sqrt() }
+    }
+
+    /// Whether the change is more than its own error bar.
+    pub fn matters(&self) -> bool {
+        self.mean.abs() > self.error
+    }
+}
+
+impl StressSummary {
+    /// A summary of this version.
+    pub fn new(
+        policies: Vec<StressPolicy>,
+        models: Vec<StressModel>,
+        cases: Vec<CaseSummary>,
+        effects: Vec<Effect>,
+        effect_scenes: u32,
+    ) -> Self {
+        Self { schema: SCHEMA, policies, models, cases, effects, effect_scenes }
+    }
+
+    /// Wrong decisions of policies that must not make any, and timing models that failed or differ where they must not.
+    pub fn broken(&self) -> Vec<String> {
+        let of_case = |case: &CaseSummary| -> Vec<String> {
+            let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
+            let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
+            let wrong = wrong.map(|(policy, _)| format!("{} in {}", policy.name, case.name));
+            let models = self.models.iter().zip(&case.models).filter_map(|(model, verdict)| match verdict {
+                ModelVerdict::Agrees => None,
+                ModelVerdict::Differs(share) => model
+                    .exact
+                    .then(|| format!("{} in {}: cycles differ by {}", model.name, case.name, percent(*share))),
+                ModelVerdict::Failed(why) => Some(format!("{} in {}: {why}", model.name, case.name)),
+            });
+            wrong.chain(models).collect()
+        };
+        self.cases.iter().flat_map(of_case).collect()
+    }
+}
+
+#[cfg(test)]
+pub mod tests {
+    use super::*;
+
+    fn frames(wrong: &[u64]) -> Vec<FrameWrong> {
+        wrong.iter().map(|&wrong| FrameWrong { shadow_rays: 9, false_dark: wrong, false_lit: 0 }).collect()
+    }
+
+    #[test]
+    fn outcomes_by_hand() {
+        assert_eq!(Outcome::of(&frames(&[0, 0])), Outcome::Right);
+        assert_eq!(Outcome::of(&[]), Outcome::Right);
+        assert_eq!(Outcome::of(&frames(&[0, 3, 5, 0])), Outcome::Healed { frames: 2, worst: 5 });
+        assert_eq!(Outcome::of(&frames(&[0, 3, 5])), Outcome::Wrong { frames: 2, worst: 5 });
+    }
+
+    #[test]
+    fn a_shift_by_hand() {
+        // Variance 4 over 12 scenes: the standard error is 2 / sqrt(12).
+        let changes = [1.0, 5.0, 3.0, 1.0, 5.0, 3.0, 1.0, 5.0, 3.0, 1.0, 5.0, 3.0].map(|x: f64| x);
+        let shift = Shift::of(&changes);
+        let variance: f64 = 8.0 * 4.0 / 11.0;
+        assert_eq!(shift.mean, 3.0);
+        assert!((shift.error - 2.201 * (variance / 12.0).sqrt()).abs() < 1e-12);
+        assert!(shift.matters());
+        assert!(!Shift::of(&[0.0; 12]).matters());
+    }
+
+    pub fn summary() -> StressSummary {
+        let policy = |name: &str, exact| StressPolicy { name: name.into(), exact };
+        let case = CaseSummary {
+            name: "C8".into(),
+            title: "a dynamic blocker leaves".into(),
+            policies: vec![frames(&[0, 0, 0]), frames(&[0, 78, 78])],
+            models: vec![ModelVerdict::Agrees, ModelVerdict::Differs(0.5)],
+        };
+        let model = |name: &str, exact| StressModel { name: name.into(), exact };
+        let models = vec![model("Cycle", true), model("Bound", false)];
+        let shift = Shift { mean: 0.25, error: 0.125 };
+        let effect = Effect { option: "partial: Sticky".into(), saving: shift, wrong_per_million: shift };
+        StressSummary::new(vec![policy("Off", true), policy("Published", false)], models, vec![case], vec![effect], 12)
+    }
+
+    #[test]
+    fn an_exact_policy_that_is_wrong_is_named() {
+        let mut summary = summary();
+        assert_eq!(summary.broken(), Vec::<String>::new());
+        summary.policies[1].exact = true;
+        summary.models[1].exact = true;
+        assert_eq!(summary.broken(), ["Published in C8", "Bound in C8: cycles differ by 50.0 %"]);
+    }
+}

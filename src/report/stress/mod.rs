@@ -1,0 +1,12 @@
+//! The stress report: where each policy is wrong, for how long, and how far the published text's open ends move it.
+
+mod columns;
+mod data;
+mod failure_map;
+mod over_frames;
+mod section;
+mod write;
+
+pub use data::{
+    CaseSummary, Effect, FrameWrong, ModelVerdict, Outcome, Shift, StressModel, StressPolicy, StressSummary,
+};

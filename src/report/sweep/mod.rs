@@ -1,0 +1,7 @@
+//! The report of a sweep: what culling saves and costs on machines that differ in named fields.
+
+mod data;
+mod plot;
+mod write;
+
+pub use data::{Change, SweepPoint, SweepSummary, grid};
