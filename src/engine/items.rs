@@ -5,6 +5,9 @@ use crate::stream::{Item, StreamError};
 /// The items of a stream, in order.
 pub type Items<'a> = Box<dyn Iterator<Item = Result<Item, StreamError>> + 'a>;
 
+/// The items of a stream that is read once.
+pub type ItemStream<'a> = dyn Iterator<Item = Result<Item, StreamError>> + 'a;
+
 /// A stream that can be read more than once.
 pub trait Source {
     /// Begins the stream at one of its frames, counted from 0.

@@ -30,6 +30,7 @@ pub(crate) mod whole;
 pub(crate) mod work;
 
 pub use self::error::RunError;
+pub(crate) use self::items::ItemStream;
 pub use self::items::{Items, Source};
 pub(crate) use self::level::engine;
 pub use self::level::{Exact, Level, Sampled};

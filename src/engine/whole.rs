@@ -5,6 +5,7 @@ use super::check;
 use super::contract::Engine;
 use super::error::RunError;
 use super::feed::Feed;
+use super::items::ItemStream;
 use super::level::{Level, engine};
 use super::observe::{self, DramObserver};
 use super::source::{FrameCounts, StoreWork};
@@ -12,10 +13,7 @@ use super::tally::Tally;
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::stats::{Accuracy, MachineStats};
-use crate::stream::{Header, Item, StreamError};
-
-/// The items of a stream that is read once.
-pub type ItemStream<'a> = dyn Iterator<Item = Result<Item, StreamError>> + 'a;
+use crate::stream::{Header, Item};
 
 /// Replays `items`, a stream with the given header, by `level`. Memory is bounded: a chunk is dropped when all its rays are done.
 /// The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every cycle of every unit,

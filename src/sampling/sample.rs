@@ -3,8 +3,8 @@
 use super::findings::Findings;
 use super::pass::Sampler;
 use super::plan::Plan;
-use crate::engine::whole::{ItemStream, whole};
-use crate::engine::{RunError, Sampled, Source};
+use crate::engine::whole::whole;
+use crate::engine::{ItemStream, RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats};

@@ -1,0 +1,8 @@
+//! Bounds that no machine of a spec can beat on a stream, in closed form: what must be done at least, over what can be done a
+//! cycle at most. And an upper bound: everything missed, one thing after another.
+
+mod lines;
+mod phases;
+mod steps;
+
+pub(super) use self::phases::{Bound, run};
