@@ -10,11 +10,13 @@ impl PartSet {
         Self(vec![0; parts.div_ceil(64)])
     }
 
-    /// Has what `words` have, which have nothing then.
+    /// Replaces this set by the one in `words` and clears `words`.
+    #[inline]
     pub fn take_from(&mut self, words: &mut [u64]) {
-        self.0.clear();
-        self.0.extend_from_slice(words);
-        words.fill(0);
+        self.0.resize(words.len(), 0);
+        for (own, word) in self.0.iter_mut().zip(words) {
+            *own = std::mem::take(word);
+        }
     }
 
     /// Adds a part.
@@ -28,6 +30,7 @@ impl PartSet {
     }
 
     /// The first part from `from` to before `end`.
+    #[inline]
     pub fn next(&self, from: u32, end: u32) -> Option<u32> {
         let mut word = from as usize / 64;
         let mut bits = *self.0.get(word)? & !0 << (from % 64);

@@ -34,6 +34,11 @@ impl Unloaded {
         }
     }
 
+    /// The steps of the path of a ray of a kind, by their tags.
+    pub fn by_tag(&self, ray: RayKind) -> [u64; Step::TAGS] {
+        std::array::from_fn(|tag| Step::of_tag(tag).map_or(0, |step| self.step(step, ray)))
+    }
+
     /// From being handed over to the traversal unit.
     pub fn dispatch(&self) -> u64 {
         self.dispatch

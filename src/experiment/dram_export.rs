@@ -13,7 +13,7 @@ use crate::replay::DramObserver;
 
 /// Who is to read a trace of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum TraceFormat {
+pub(crate) enum TraceFormat {
     /// `0xADDRESS READ|WRITE CLOCK`, which DRAMsim3 takes with `-t`.
     Dramsim3,
     /// `LD|ST 0xADDRESS`, which Ramulator 2's `LoadStoreTrace` takes: without clocks, in order.
@@ -21,7 +21,7 @@ pub enum TraceFormat {
 }
 
 /// Writes the requests of a run, its DRAM's commands, or both, as they come.
-pub struct DramExport {
+pub(crate) struct DramExport {
     trace: Option<(TraceFormat, TextFile)>,
     commands: Option<TextFile>,
     part: DramPart,
@@ -33,7 +33,7 @@ impl DramExport {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn create(
+    pub(crate) fn create(
         machine: &MachineSpec,
         trace: Option<(TraceFormat, &Path)>,
         commands: Option<&Path>,
@@ -47,7 +47,7 @@ impl DramExport {
     }
 
     /// Puts the files into their places.
-    pub fn finish(self) -> io::Result<()> {
+    pub(crate) fn finish(self) -> io::Result<()> {
         self.trace.map_or(Ok(()), |(_, file)| file.finish())?;
         self.commands.map_or(Ok(()), TextFile::finish)
     }

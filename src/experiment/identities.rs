@@ -1,5 +1,5 @@
-//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to throughput and
-//! hit rates to traffic.
+//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to
+//! throughput and hit rates to traffic.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -89,10 +89,11 @@ pub struct Row {
 pub struct Measured {
     /// The row.
     pub row: Row,
-    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the peak rate.
+    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the
+    /// peak rate.
     pub utilization_gap: f64,
-    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units. Accesses to a
-    /// line that is on its way are no hits: the identity has them fetch it again.
+    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units.
+    /// Accesses to a line that is on its way are no hits: the identity has them fetch it again.
     pub bytes_by_identity: f64,
     /// Bytes a ray that merging with a line on its way spares.
     pub bytes_merged: f64,
@@ -109,12 +110,12 @@ pub enum IdentitiesError {
     Run(#[from] RunError),
 }
 
-/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation occupies its unit for
-/// its interval exactly. (TI's own table meets the identity within 17 points.)
+/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation
+/// occupies its unit for its interval exactly. (TI's own table meets the identity within 17 points.)
 pub const MOST_GAP: f64 = 1e-9;
 
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
-pub fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
+pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
     let machine = read_machine(&beside(path, &spec.machine)).map_err(ExperimentError::from)?;
     let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
@@ -253,7 +254,7 @@ fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
 }
 
 /// Our rows, then the published ones.
-pub fn grid(measured: &[Measured], published: &[Row]) -> Grid {
+pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
     const HEAD: [&str; 9] = [
         "rays",
         "utilization T/L/I/D",

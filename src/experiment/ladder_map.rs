@@ -1,4 +1,5 @@
-//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from `Event`.
+//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from
+//! `Event`.
 
 use std::sync::Arc;
 
@@ -195,7 +196,7 @@ fn axes() -> Vec<(&'static str, Vec<Made>)> {
 }
 
 /// Runs everything.
-pub fn run() -> LadderMap {
+pub(crate) fn run() -> LadderMap {
     let axes = axes();
     let bar = progress::bar(axes.iter().map(|(_, points)| points.len()).sum(), "points").with_message("ladder");
     let axis = |(name, points): &(&str, Vec<Made>)| Axis {

@@ -9,7 +9,7 @@ use crate::replay::LineStream;
 use crate::stream::{Header, Item};
 
 /// Writes the line stream of an L1 in Dinero's form: `0 ADDRESS` for a read, `1 ADDRESS` for a write, in hexadecimal.
-pub struct LineExport {
+pub(crate) struct LineExport {
     lines: LineStream,
     line_bytes: u64,
     file: TextFile,
@@ -18,7 +18,7 @@ pub struct LineExport {
 
 /// Why lines cannot be exported.
 #[derive(Debug, thiserror::Error)]
-pub enum LineExportError {
+pub(crate) enum LineExportError {
     /// There are none.
     #[error(transparent)]
     Spec(#[from] SpecError),
@@ -32,14 +32,19 @@ impl LineExport {
     ///
     /// # Errors
     /// There is no such cache, or the file cannot be written.
-    pub fn create(machine: &MachineSpec, header: &Header, cache: &str, path: &Path) -> Result<Self, LineExportError> {
+    pub(crate) fn create(
+        machine: &MachineSpec,
+        header: &Header,
+        cache: &str,
+        path: &Path,
+    ) -> Result<Self, LineExportError> {
         let lines = LineStream::new(machine, header, cache)?;
         let file = TextFile::create(path)?;
         Ok(Self { lines, line_bytes: machine.line_bytes.get(), file, failed: None })
     }
 
     /// The next item of the stream. What goes wrong is told by [`LineExport::finish`].
-    pub fn item(&mut self, item: &Item) {
+    pub(crate) fn item(&mut self, item: &Item) {
         let Self { lines, line_bytes, file, failed } = self;
         lines.item(item, |line, write| {
             if failed.is_none() {
@@ -49,7 +54,7 @@ impl LineExport {
     }
 
     /// Puts the file into its place.
-    pub fn finish(self) -> io::Result<()> {
+    pub(crate) fn finish(self) -> io::Result<()> {
         self.failed.map_or(Ok(()), Err)?;
         self.file.finish()
     }

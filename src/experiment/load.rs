@@ -61,6 +61,9 @@ struct AsRun<'a> {
 
 impl Experiment {
     /// Reads an experiment and all files that it names.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, or the experiment asks for more than its scene has.
     pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
         let mut spec = ExperimentSpec::read(path)?;
         spec.frames = overrides.frames.unwrap_or(spec.frames);
@@ -132,7 +135,7 @@ impl Experiment {
 }
 
 /// Refuses policies that need a tree of boxes with a structure that is none.
-pub fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
+pub(super) fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
     match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
         Some((name, _)) => {
             let what = format!(

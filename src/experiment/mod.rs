@@ -1,26 +1,28 @@
 //! Experiments: scene x policies x machines, as a RON file says.
 
-pub mod dram_export;
+#![warn(unreachable_pub)]
+
+pub(crate) mod dram_export;
 mod files;
-pub mod frames;
+pub(crate) mod frames;
 pub mod identities;
-pub mod ladder_map;
-pub mod line_export;
+pub(crate) mod ladder_map;
+pub(crate) mod line_export;
 mod load;
 pub mod paper;
 pub mod pareto;
 mod progress;
-pub mod replay;
-pub mod reuse;
-pub mod run;
-pub mod spec;
+pub(crate) mod replay;
+pub(crate) mod reuse;
+pub(crate) mod run;
+pub(crate) mod spec;
 mod split;
-pub mod stress;
+pub(crate) mod stress;
 mod stress_models;
 pub mod sweep;
 mod text_file;
-pub mod trace;
-pub mod validation;
+pub(crate) mod trace;
+pub(crate) mod validation;
 
 pub use files::read_machine;
 pub use load::{Experiment, ExperimentError, Overrides};

@@ -116,7 +116,7 @@ pub struct Reading {
 }
 
 /// Tries all readings; those done when `stop` became true.
-pub fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
+pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
     let spec: PaperSpec = ron_file::read(path)?;
     for &structure in &spec.structures {
         check_boxes(path, &spec.policies, structure)?;
@@ -214,7 +214,7 @@ fn read(
 }
 
 /// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
-pub fn grid(readings: &[Reading]) -> Grid {
+pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",
         "reading",

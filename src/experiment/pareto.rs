@@ -59,6 +59,9 @@ pub struct Comparison {
 
 impl Comparison {
     /// Reads the comparison of the file `path`, with another truth if there is one.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, the truth is not exact, or a list is empty.
     pub fn load(path: &Path, truth: Option<Fidelity>) -> Result<Self, SweepError> {
         let spec: ParetoSpec = ron_file::read(path)?;
         let truth = truth.unwrap_or(spec.truth);
@@ -81,7 +84,7 @@ impl Comparison {
 }
 
 /// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
-pub fn pareto(
+pub(crate) fn pareto(
     path: &Path,
     truth: Option<Fidelity>,
     stop: &AtomicBool,
@@ -154,7 +157,8 @@ impl Source {
     }
 }
 
-/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's stores are.
+/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's
+/// stores are.
 fn refusal(error: SweepError) -> Result<String, SweepError> {
     match error {
         SweepError::Machine { source, .. } if matches!(*source, RunError::Sample { .. } | RunError::Spec(_)) => {
@@ -169,7 +173,8 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others find is told all the same.
+    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others
+    /// find is told all the same.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
         let folder = tempfile::tempdir().unwrap();

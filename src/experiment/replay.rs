@@ -19,14 +19,14 @@ use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
 /// A machine that was told nothing more will come, or that has failed.
 #[derive(Debug)]
-pub struct Stopped;
+pub(crate) struct Stopped;
 
 /// Items that may wait for a machine. A few bands: more would only take memory.
 const WAITING: usize = 8;
 
 /// Machines that replay the streams of several policies.
 #[derive(Default)]
-pub struct Replays<'scope> {
+pub(crate) struct Replays<'scope> {
     runs: Vec<Running<'scope>>,
 }
 
@@ -39,7 +39,7 @@ struct Running<'scope> {
 }
 
 /// What a machine measured, and how long that took.
-pub struct Replayed {
+pub(crate) struct Replayed {
     /// The measurements.
     pub stats: MachineStats,
     /// Wall time of the simulation, waiting for the tracer included.
@@ -47,7 +47,7 @@ pub struct Replayed {
 }
 
 /// A finished replay.
-pub struct Finished {
+pub(crate) struct Finished {
     /// The policy whose stream it was.
     pub policy: usize,
     /// The machine's name.
@@ -60,7 +60,7 @@ pub struct Finished {
 
 impl<'scope> Replays<'scope> {
     /// Starts a machine, in a role, on the stream of a policy.
-    pub fn start(
+    pub(crate) fn start(
         &mut self,
         scope: &'scope Scope<'scope, '_>,
         (machine, role): (&MachineSpec, Role),
@@ -88,7 +88,7 @@ impl<'scope> Replays<'scope> {
     }
 
     /// Hands the next item of a policy's stream to all machines that replay it; waits while they are busy.
-    pub fn send(&self, policy: usize, item: &Item) -> Result<(), Stopped> {
+    pub(crate) fn send(&self, policy: usize, item: &Item) -> Result<(), Stopped> {
         for run in self.runs.iter().filter(|run| run.policy == policy) {
             // A machine that has gone away has failed: its error comes out in `finish`.
             run.items.send(item.clone()).map_err(|_| Stopped)?;
@@ -97,7 +97,7 @@ impl<'scope> Replays<'scope> {
     }
 
     /// Ends all streams and waits for the results.
-    pub fn finish(self) -> Vec<Finished> {
+    pub(crate) fn finish(self) -> Vec<Finished> {
         let (threads, streams): (Vec<_>, Vec<_>) =
             self.runs.into_iter().map(|run| ((run.policy, run.machine, run.role, run.thread), run.items)).unzip();
         drop(streams);
@@ -122,7 +122,7 @@ fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<(), Str
 
 /// Replays the recorded stream `path` on a machine, while what its DRAM and a cache are asked for goes to files if they
 /// are wanted.
-pub fn replay_file(
+pub(crate) fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
     path: &Path,

@@ -8,7 +8,7 @@ use crate::report::reuse::ReuseSummary;
 use crate::stream::StreamReader;
 
 /// Measures the stream at `stream` in the caches of `machine`.
-pub fn reuse(machine: &MachineSpec, of: ReuseOf, stream: &Path) -> Result<ReuseSummary, RunError> {
+pub(crate) fn reuse(machine: &MachineSpec, of: ReuseOf, stream: &Path) -> Result<ReuseSummary, RunError> {
     let header = StreamReader::open(stream)?.header().clone();
     let (stats, levels) = Replay::new(machine, &header)?.reuse(of, &StreamFile(stream))?;
     let of = match of {

@@ -1,5 +1,5 @@
-//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures with
-//! the reference renderer, and sums everything up for a report.
+//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures
+//! with the reference renderer, and sums everything up for a report.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -27,7 +27,7 @@ use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
 #[derive(Debug, thiserror::Error)]
-pub enum RunFailure {
+pub(crate) enum RunFailure {
     /// A machine failed.
     #[error("machine `{machine}` on the stream of `{policy}`")]
     Machine {
@@ -67,9 +67,9 @@ struct Clock {
     machines: Duration,
 }
 
-/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the frame
-/// in work, and the report is of the frames done.
-pub fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
+/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the
+/// frame in work, and the report is of the frames done.
+pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;
     let first = scene.animation.frame(experiment.frames[0]);

@@ -13,8 +13,8 @@ use crate::replay::Fidelity;
 use crate::ron_file::{self, ConfigError};
 use crate::tracer::TracerSpec;
 
-/// An experiment: a scene, traced for several policies, replayed on several machines. Paths are relative to the folder of
-/// the file that names them.
+/// An experiment: a scene, traced for several policies, replayed on several machines. Paths are relative to the folder
+/// of the file that names them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentSpec {
@@ -39,8 +39,8 @@ pub struct ExperimentSpec {
     /// How the machines are replayed.
     #[serde(default)]
     pub fidelity: Fidelity,
-    /// Whether each machine also replays with words that cost nothing, and without culling and its unit, to tell what was saved from
-    /// what was paid. Rungs that do not know such machines leave it out.
+    /// Whether each machine also replays with words that cost nothing, and without culling and its unit, to tell what
+    /// was saved from what was paid. Rungs that do not know such machines leave it out.
     #[serde(default = "yes")]
     pub split: bool,
     /// Which of the traced frames the machines replay.
@@ -71,6 +71,9 @@ fn name<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
 
 impl ExperimentSpec {
     /// Reads an experiment's file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no experiment's.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         ron_file::read(path)
     }

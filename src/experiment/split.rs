@@ -4,12 +4,12 @@ use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 
 /// The machine as a stream without culling sees it: nothing reaches its shadow-cache units.
-pub fn without_unit(spec: &MachineSpec) -> MachineSpec {
+pub(super) fn without_unit(spec: &MachineSpec) -> MachineSpec {
     MachineSpec { shadow_cache: ShadowCacheSpec::default(), ..spec.clone() }
 }
 
 /// The machine with words that cost nothing. Units and contexts stay: occlusion tests and decisions still need them.
-pub fn with_free_words(spec: &MachineSpec) -> MachineSpec {
+pub(super) fn with_free_words(spec: &MachineSpec) -> MachineSpec {
     let ShadowCacheSpec { count, latency, contexts, cache, .. } = spec.shadow_cache;
     let unit = ShadowCacheSpec { count, latency, contexts, cache, place: Place::Free, ..ShadowCacheSpec::default() };
     MachineSpec { shadow_cache: unit, ..spec.clone() }
@@ -17,7 +17,7 @@ pub fn with_free_words(spec: &MachineSpec) -> MachineSpec {
 
 /// What a machine is replayed for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub(crate) enum Role {
     /// It is measured as it is.
     AsItIs,
     /// With words that cost nothing.
@@ -28,7 +28,7 @@ pub enum Role {
 
 impl Role {
     /// The machine in this role.
-    pub fn machine(self, spec: &MachineSpec) -> MachineSpec {
+    pub(crate) fn machine(self, spec: &MachineSpec) -> MachineSpec {
         match self {
             Self::AsItIs => spec.clone(),
             Self::FreeWords => with_free_words(spec),
@@ -37,7 +37,7 @@ impl Role {
     }
 
     /// What stands behind a policy's name, for stages of a run.
-    pub fn suffix(self) -> &'static str {
+    pub(crate) fn suffix(self) -> &'static str {
         match self {
             Self::AsItIs => "",
             Self::FreeWords => ", words free",

@@ -1,4 +1,5 @@
-//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends change.
+//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends
+//! change.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -57,7 +58,7 @@ const ANSWERS: [&str; 21] = [
 ];
 
 /// The policies of the failure map: each with its defaults, and readings of the published text.
-pub fn policies() -> Vec<(String, PolicySpec)> {
+pub(crate) fn policies() -> Vec<(String, PolicySpec)> {
     let literal = PublishedSpec { preset: Preset::Literal, ..PublishedSpec::default() };
     let repaired = PublishedSpec {
         directions: Some(Directions::BothWays),
@@ -77,7 +78,7 @@ pub fn policies() -> Vec<(String, PolicySpec)> {
 }
 
 /// Runs everything.
-pub fn run() -> StressSummary {
+pub(crate) fn run() -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
     let models = MODELS.map(|model| StressModel { name: model.to_string(), exact: model.is_exact() });

@@ -6,16 +6,16 @@ use crate::report::stress::ModelVerdict;
 use crate::stream::{Header, Item};
 
 /// The models, the first of which is what the others are held to.
-pub const MODELS: [Fidelity; 4] = [Fidelity::Cycle, Fidelity::Event, Fidelity::Profile, Fidelity::Bound];
+pub(super) const MODELS: [Fidelity; 4] = [Fidelity::Cycle, Fidelity::Event, Fidelity::Profile, Fidelity::Bound];
 
 /// The stream of a policy in a case.
-pub struct Recorded {
+pub(super) struct Recorded {
     pub header: Header,
     pub items: Vec<Item>,
 }
 
 /// What each of [`MODELS`] makes of a case's streams on the default machine.
-pub fn verdicts(streams: &[Recorded]) -> Vec<ModelVerdict> {
+pub(super) fn verdicts(streams: &[Recorded]) -> Vec<ModelVerdict> {
     let machine = MachineSpec::default();
     let replay = |model: Fidelity, Recorded { header, items }: &Recorded| {
         Replay::new(&machine, header).map_err(RunError::from)?.fidelity(model).run(items)

@@ -1,7 +1,7 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a sweep that
-//! was stopped goes on where it was, and ends with the same bytes.
+//! Frames are traced once; every point is a replay, kept in a file named by a hash of all that it depends on. So a
+//! sweep that was stopped goes on where it was, and ends with the same bytes.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -123,13 +123,13 @@ pub(super) struct Recorded {
 
 impl Recorded {
     /// Its rays, skipped ones included.
-    pub fn rays(&self) -> u64 {
+    pub(super) fn rays(&self) -> u64 {
         self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
     }
 }
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
-pub fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
+pub(crate) fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
     let (experiment, machines) = load(path)?;
     let there = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
     if folder.is_file() || there && !folder.join("points").is_dir() {
@@ -179,7 +179,10 @@ pub fn sweep(path: &Path, folder: &Path, stop: &AtomicBool) -> Result<SweepSumma
     })
 }
 
-/// Reads the sweep of the file `path` and all files that it names; how many machines it has.
+/// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.
+///
+/// # Errors
+/// A file cannot be read or is wrong, or a value does not fit its field.
 pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
     Ok(load(path)?.1.len())
 }

@@ -7,25 +7,25 @@ use std::path::{Path, PathBuf};
 use crate::output::OutputFile;
 
 /// The file. All errors name it.
-pub struct TextFile {
+pub(super) struct TextFile {
     path: PathBuf,
     file: BufWriter<OutputFile>,
 }
 
 impl TextFile {
     /// Begins the file that is to become `path`.
-    pub fn create(path: &Path) -> io::Result<Self> {
+    pub(super) fn create(path: &Path) -> io::Result<Self> {
         let file = OutputFile::create(path).map_err(|error| cannot_write(path, &error))?;
         Ok(Self { path: path.to_owned(), file: BufWriter::new(file) })
     }
 
     /// Writes a line.
-    pub fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
+    pub(super) fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
         writeln!(self.file, "{line}").map_err(|error| cannot_write(&self.path, &error))
     }
 
     /// Puts the file into its place.
-    pub fn finish(self) -> io::Result<()> {
+    pub(super) fn finish(self) -> io::Result<()> {
         let file = self.file.into_inner().map_err(io::IntoInnerError::into_error);
         file.and_then(OutputFile::finish).map_err(|error| cannot_write(&self.path, &error))
     }

@@ -10,7 +10,7 @@ use crate::tracer::Tracer;
 
 /// Why no stream was recorded.
 #[derive(Debug, thiserror::Error)]
-pub enum TraceError {
+pub(crate) enum TraceError {
     /// The file cannot be written.
     #[error(transparent)]
     Stream(#[from] StreamError),
@@ -28,7 +28,12 @@ pub enum TraceError {
 }
 
 /// Traces all frames for the policy of that name (the first one if there is no name) and writes its stream to `path`.
-pub fn trace(experiment: &Experiment, policy: Option<&str>, path: &Path, stop: &AtomicBool) -> Result<(), TraceError> {
+pub(crate) fn trace(
+    experiment: &Experiment,
+    policy: Option<&str>,
+    path: &Path,
+    stop: &AtomicBool,
+) -> Result<(), TraceError> {
     let names: Vec<&str> = experiment.policy_names().collect();
     let wanted = policy.unwrap_or(names[0]);
     let index = names.iter().position(|&name| name == wanted).ok_or_else(|| TraceError::UnknownPolicy {

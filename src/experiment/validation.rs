@@ -11,17 +11,17 @@ use crate::tracer::LaneFrame;
 use crate::validate::{self, Comparison, PixelVerdict, VerdictPicture};
 
 /// The mode words of all primitives that a policy held at a frame's start; none if it keeps none.
-pub struct Words(Option<Vec<u32>>);
+pub(crate) struct Words(Option<Vec<u32>>);
 
 impl Words {
     /// The words as they are now.
-    pub fn latch(policy: &dyn Policy, primitives: usize) -> Self {
+    pub(crate) fn latch(policy: &dyn Policy, primitives: usize) -> Self {
         Self((0..primitives as u32).map(|primitive| policy.word(PrimitiveId(primitive))).collect())
     }
 }
 
 /// A frame beside the reference renderer's.
-pub struct Validated {
+pub(crate) struct Validated {
     /// The frame's number.
     pub frame: u32,
     /// The reference renderer's picture.
@@ -31,7 +31,7 @@ pub struct Validated {
 }
 
 /// Renders the reference picture of a frame and compares all policies' with it.
-pub fn validate(
+pub(crate) fn validate(
     experiment: &Experiment,
     reference: &Reference<'_>,
     frame: &Frame,
@@ -49,14 +49,19 @@ pub fn validate(
 }
 
 /// How close a picture is to the reference renderer's.
-pub fn psnr(comparison: &Comparison) -> Psnr {
+pub(crate) fn psnr(comparison: &Comparison) -> Psnr {
     comparison.against_reference.psnr().map_or(Psnr::Identical, Psnr::Decibel)
 }
 
 impl Validated {
-    /// The report's pictures of the frame: for each policy the render, the wrong pixels (of all lights, then of each light
-    /// that has any) and the mode words towards the first light, and the reference renderer's picture.
-    pub fn pictures(&self, experiment: &Experiment, lanes: &[LaneFrame], words: &[Words]) -> Vec<(PictureInfo, Image)> {
+    /// The report's pictures of the frame: for each policy the render, the wrong pixels (of all lights, then of each
+    /// light that has any) and the mode words towards the first light, and the reference renderer's picture.
+    pub(crate) fn pictures(
+        &self,
+        experiment: &Experiment,
+        lanes: &[LaneFrame],
+        words: &[Words],
+    ) -> Vec<(PictureInfo, Image)> {
         let resolution = experiment.spec.resolution;
         let mut shown = vec![(
             PictureInfo::new(PictureKind::Reference, None, self.frame),

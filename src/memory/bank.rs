@@ -1,7 +1,5 @@
 //! A cache of the L2, shared by all L1s, by its banks.
 
-use std::collections::VecDeque;
-
 use serde::{Deserialize, Serialize};
 
 use super::allocation::NoAllocate;
@@ -10,6 +8,7 @@ use super::dram::Dram;
 use super::mshr::MshrFile;
 use super::queue::{Load, Queue};
 use super::replacement::Policy;
+use super::ring::Ring;
 use super::tags::{Contents, TagArray};
 use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
@@ -88,9 +87,8 @@ impl BankedSpec {
             part,
             cache: self.bank_cache(line),
             requests: Queue::new(self.queue.size()),
-            fills: VecDeque::new(),
-            answers: VecDeque::new(),
-            out: VecDeque::new(),
+            fills: Ring::new(),
+            out: Ring::new(),
             out_places: self.queue.size(),
             latency: self.latency.get(),
             line: Bytes(line),
@@ -142,10 +140,8 @@ pub struct Bank {
     cache: Cache,
     requests: Queue<Request>,
     /// Lines from the DRAM, with the cycle from which on they are there.
-    fills: VecDeque<(u64, LineAddr)>,
-    /// Answers on their way out: when, to whom, which line.
-    answers: VecDeque<(u64, PartId, LineAddr)>,
-    out: VecDeque<Request>,
+    fills: Ring<(u64, LineAddr)>,
+    out: Ring<Request>,
     out_places: usize,
     latency: u64,
     line: Bytes,
@@ -180,59 +176,58 @@ impl Bank {
         self.fills.push_back((at, line));
     }
 
-    /// Cycle `now`. `answer` hands a line to an L1.
-    pub fn tick(&mut self, now: u64, dram: &mut Dram, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
-        while let Some(&(_, to, line)) = self.answers.front().filter(|&&(at, ..)| at <= now) {
-            self.answers.pop_front();
-            answer(to, line);
-            wake.wake(to, now + 1);
-        }
-        let filled = self.fill(now);
-        let accessed = self.access(now, wake);
+    /// Cycle `now`. `answer` hands a line to an L1, where it is from the named cycle on.
+    pub fn tick(
+        &mut self,
+        now: u64,
+        dram: &mut Dram,
+        wake: &mut impl Wake,
+        mut answer: impl FnMut(PartId, LineAddr, u64),
+    ) {
+        let there_at = now + self.latency + 1;
+        let mut answer = |to: PartId, line, wake: &mut _| {
+            answer(to, line, there_at);
+            Wake::wake(wake, to, there_at);
+        };
+        let filled = self.fill(now, wake, &mut answer);
+        let accessed = self.access(now, wake, &mut answer);
         let sent = self.send(now, dram, wake);
-        let next = now + 1;
         // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to go: whatever
         // stalled may go on.
         let stalled_may_go_on =
             (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
         let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();
         if more || stalled_may_go_on || filled && !self.fills.is_empty() {
-            wake.wake(self.part, next);
+            return wake.wake(self.part, now + 1);
         }
-        let stamps = [
-            self.answers.front().map(|answer| answer.0),
-            self.fills.front().map(|fill| fill.0),
-            self.requests.next_at(),
-        ];
-        for at in stamps.into_iter().flatten().filter(|&at| at > now) {
+        let stamps = [self.fills.front().map(|fill| fill.0), self.requests.next_at()];
+        if let Some(at) = stamps.into_iter().flatten().filter(|&at| at > now).min() {
             wake.wake(self.part, at);
         }
     }
 
-    fn fill(&mut self, now: u64) -> bool {
+    fn fill<W: Wake>(&mut self, now: u64, wake: &mut W, answer: &mut impl FnMut(PartId, LineAddr, &mut W)) -> bool {
         let Some(&(_, line)) = self.fills.front().filter(|&&(at, _)| at <= now) else { return false };
         self.waiting.clear();
         let Fill::Done { victim } = self.cache.fill(line, self.out.len() < self.out_places, &mut self.waiting) else {
             return false;
         };
-        self.fills.pop_front();
+        self.fills.drop_front();
         if let Some(victim) = victim {
             self.push_out(victim.line, victim.class, true);
         }
-        for &reader in &self.waiting {
-            self.answers.push_back((now + self.latency, PartId(reader), line));
-        }
+        self.waiting.iter().for_each(|&reader| answer(PartId(reader), line, wake));
         true
     }
 
-    fn access(&mut self, now: u64, wake: &mut impl Wake) -> bool {
+    fn access<W: Wake>(&mut self, now: u64, wake: &mut W, answer: &mut impl FnMut(PartId, LineAddr, &mut W)) -> bool {
         let Some(request) = self.requests.first(now) else { return false };
         let Request { line, class, write, bytes, from, marked } = request;
         let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
         let lookup = self.cache.access(line, class, access, reader, self.out.len() < self.out_places);
         match lookup {
             Lookup::Stalled => return false,
-            Lookup::Hit if !write => self.answers.push_back((now + self.latency, from, line)),
+            Lookup::Hit if !write => answer(from, line, wake),
             Lookup::Hit | Lookup::Merged => {}
             Lookup::Miss => self.push_out(line, class, false),
             Lookup::Passed => self.push_out(line, class, true),
@@ -254,7 +249,7 @@ impl Bank {
         let Some(&request) = self.out.front() else { return false };
         let sent = dram.put(request, now, wake);
         if sent {
-            self.out.pop_front();
+            self.out.drop_front();
         }
         sent
     }
@@ -266,11 +261,7 @@ impl Bank {
 
     /// Whether nothing is under way.
     pub fn is_idle(&self) -> bool {
-        self.requests.is_empty()
-            && self.fills.is_empty()
-            && self.answers.is_empty()
-            && self.out.is_empty()
-            && self.cache.misses_under_way() == 0
+        self.requests.is_empty() && self.fills.is_empty() && self.out.is_empty() && self.cache.misses_under_way() == 0
     }
 
     /// Tags, registers and counts.
@@ -286,12 +277,11 @@ impl Bank {
     /// The state of the queues, for the report of a deadlock.
     pub fn queues(&self) -> String {
         format!(
-            "requests {}/{}, misses under way {}, fills {}, answers {}, out {}/{}",
+            "requests {}/{}, misses under way {}, fills {}, out {}/{}",
             self.requests.len(),
             self.requests.capacity(),
             self.cache.misses_under_way(),
             self.fills.len(),
-            self.answers.len(),
             self.out.len(),
             self.out_places
         )

@@ -158,6 +158,14 @@ pub struct Past {
     pub bytes: Bytes,
 }
 
+impl Past {
+    /// Counts one of so many bytes.
+    pub fn add(&mut self, bytes: Bytes) {
+        self.count += 1;
+        self.bytes += bytes;
+    }
+}
+
 /// What became of a line that came.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
@@ -186,6 +194,7 @@ impl Cache {
 
     /// Accesses `line`. `waiting` is woken by [`Cache::fill`] if the line is not there; `None` needs no data. `room` says
     /// whether a request could be sent.
+    #[inline]
     pub fn access(
         &mut self,
         line: LineAddr,
@@ -194,35 +203,55 @@ impl Cache {
         waiting: Option<u32>,
         room: bool,
     ) -> Lookup {
-        let dirty = access == Access::Write;
-        let fate = Fate { dirty, keep: self.no_allocate.keeps(class, access != Access::Read) };
-        let lookup = if self.tags.access(line, dirty) {
-            Lookup::Hit
-        } else if let Some(register) = self.mshrs.find(line) {
+        if self.hit(line, class, access) { Lookup::Hit } else { self.miss(line, class, access, waiting, room) }
+    }
+
+    /// Accesses `line` if it is there, and says whether it is. If not, nothing was counted or changed.
+    #[inline]
+    pub fn hit(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> bool {
+        let hit = self.tags.access(line, access == Access::Write);
+        if hit {
+            let counts = &mut self.counts[class as usize];
+            counts.accesses += 1;
+            counts.hits += 1;
+        }
+        hit
+    }
+
+    /// Accesses `line`, which is not there, as [`Cache::access`] does.
+    pub fn miss(
+        &mut self,
+        line: LineAddr,
+        class: TrafficClass,
+        access: Access,
+        waiting: Option<u32>,
+        room: bool,
+    ) -> Lookup {
+        let fate = Fate { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) };
+        let counts = &mut self.counts[class as usize];
+        if let Some(register) = self.mshrs.find(line) {
             if !self.mshrs.merge(register, fate, waiting) {
                 return Lookup::Stalled;
             }
-            Lookup::Merged
-        } else if !room {
-            return Lookup::Stalled;
-        } else if waiting.is_none() && !fate.keep {
-            Lookup::Passed
-        } else {
-            if self.mshrs.is_full() {
-                return Lookup::Stalled;
-            }
-            self.mshrs.allocate(line, class, fate, waiting);
-            Lookup::Miss
-        };
-        let counts = &mut self.counts[class as usize];
-        counts.accesses += 1;
-        match lookup {
-            Lookup::Hit => counts.hits += 1,
-            Lookup::Merged => counts.half_misses += 1,
-            Lookup::Passed => counts.passed_writes += 1,
-            Lookup::Miss | Lookup::Stalled => counts.misses += 1,
+            counts.accesses += 1;
+            counts.half_misses += 1;
+            return Lookup::Merged;
         }
-        lookup
+        if !room {
+            return Lookup::Stalled;
+        }
+        if waiting.is_none() && !fate.keep {
+            counts.accesses += 1;
+            counts.passed_writes += 1;
+            return Lookup::Passed;
+        }
+        if self.mshrs.is_full() {
+            return Lookup::Stalled;
+        }
+        self.mshrs.allocate(line, class, fate, waiting);
+        counts.accesses += 1;
+        counts.misses += 1;
+        Lookup::Miss
     }
 
     /// An access of `class` has to wait for its bank.

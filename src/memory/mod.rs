@@ -9,6 +9,7 @@ pub mod mshr;
 pub mod queue;
 pub mod replacement;
 pub mod reuse;
+pub mod ring;
 pub mod tags;
 
 use crate::quantity::{Bytes, LineAddr};

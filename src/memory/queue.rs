@@ -1,14 +1,13 @@
 //! The bounded queue between two parts: every link costs a cycle, and a freed place can be used one cycle later.
 
-use std::collections::VecDeque;
-
+use super::ring::Ring;
 use super::{PartId, Wake};
 
 /// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle it
 /// is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
 #[derive(Clone, Debug)]
 pub struct Queue<T> {
-    entries: VecDeque<(u64, T)>,
+    entries: Ring<(u64, T)>,
     capacity: usize,
     last_taken: u64,
     taken_then: usize,
@@ -33,7 +32,7 @@ impl<T: Copy> Queue<T> {
     /// An empty queue of `capacity` places.
     pub fn new(capacity: usize) -> Self {
         Self {
-            entries: VecDeque::with_capacity(capacity),
+            entries: Ring::new(),
             capacity,
             last_taken: 0,
             taken_then: 0,
@@ -44,12 +43,14 @@ impl<T: Copy> Queue<T> {
     }
 
     /// Whether a place can be used in cycle `now`.
+    #[inline]
     pub fn has_room(&self, now: u64) -> bool {
         let freed_now = if self.last_taken == now { self.taken_then } else { 0 };
         self.entries.len() + freed_now < self.capacity
     }
 
     /// Puts `entry` in the cycle before `at`, to be taken from then on. The caller has asked for room.
+    #[inline]
     pub fn put(&mut self, entry: T, at: u64) {
         debug_assert!(self.entries.len() < self.capacity);
         self.count_to(at - 1);
@@ -58,26 +59,34 @@ impl<T: Copy> Queue<T> {
     }
 
     /// The first entry, if it can be taken in cycle `now`.
+    #[inline]
     pub fn first(&self, now: u64) -> Option<T> {
         self.entries.front().filter(|(at, _)| *at <= now).map(|&(_, entry)| entry)
     }
 
     /// Takes the first entry in cycle `now`, and wakes who waits for a place.
+    #[inline]
     pub fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
-        self.first(now)?;
-        self.take_at(0, now, wake)
+        let &(at, entry) = self.entries.front()?;
+        if at > now {
+            return None;
+        }
+        self.count_to(now);
+        self.entries.drop_front();
+        self.taken(at, now, wake);
+        Some(entry)
     }
 
     /// Takes entry `index` in cycle `now`, whatever stands before it.
     pub fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
         self.count_to(now);
         let (at, entry) = self.entries.remove(index)?;
-        self.load.waited += now + 1 - at;
-        self.freed(now, wake);
+        self.taken(at, now, wake);
         Some(entry)
     }
 
     /// Counts the places that were taken at the ends of the cycles before `now`.
+    #[inline]
     fn count_to(&mut self, now: u64) {
         self.load.occupied += self.entries.len() as u64 * (now - self.counted_to);
         self.counted_to = now;
@@ -88,7 +97,10 @@ impl<T: Copy> Queue<T> {
         self.load
     }
 
-    fn freed(&mut self, now: u64, wake: &mut impl Wake) {
+    /// An entry that could be taken from cycle `at` on was taken in cycle `now`.
+    #[inline]
+    fn taken(&mut self, at: u64, now: u64, wake: &mut impl Wake) {
+        self.load.waited += now + 1 - at;
         self.taken_then = if self.last_taken == now { self.taken_then + 1 } else { 1 };
         self.last_taken = now;
         for part in self.waiting.drain(..) {
@@ -107,11 +119,13 @@ impl<T: Copy> Queue<T> {
     }
 
     /// The cycle from which on the first entry can be taken.
+    #[inline]
     pub fn next_at(&self) -> Option<u64> {
         self.entries.front().map(|&(at, _)| at)
     }
 
     /// The cycle from which on the last entry can be taken.
+    #[inline]
     pub fn last_at(&self) -> Option<u64> {
         self.entries.back().map(|&(at, _)| at)
     }

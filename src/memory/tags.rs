@@ -91,9 +91,18 @@ impl TagArray {
     /// Uses `line`, which makes it dirty if `write`; whether it was there.
     #[inline]
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
-        if self.is_ideal() {
+        let first = self.set(line) * self.ways;
+        // Most uses are of the line at the front of its set, which stays there. An ideal cache has no lines.
+        let Some(front) = self.lines.get_mut(first) else { return true };
+        if *front >> LINE_SHIFT == line.0 && self.state.is_order() {
+            *front |= if write { DIRTY } else { 0 };
             return true;
         }
+        self.access_behind(line, write)
+    }
+
+    /// As [`TagArray::access`], of any line of a set.
+    fn access_behind(&mut self, line: LineAddr, write: bool) -> bool {
         let set = self.set(line);
         let lines = &mut self.lines[set * self.ways..][..self.ways];
         let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };

@@ -3,7 +3,7 @@
 use super::error::ReportError;
 
 /// A table on its way to a CSV file.
-pub struct CsvTable {
+pub(crate) struct CsvTable {
     /// The file's name.
     pub file: &'static str,
     /// Headers.
@@ -14,7 +14,7 @@ pub struct CsvTable {
 
 impl CsvTable {
     /// A table of columns with these headers.
-    pub fn new<'a>(file: &'static str, head: impl IntoIterator<Item = &'a str>, rows: Vec<Vec<String>>) -> Self {
+    pub(crate) fn new<'a>(file: &'static str, head: impl IntoIterator<Item = &'a str>, rows: Vec<Vec<String>>) -> Self {
         Self { file, head: head.into_iter().map(Into::into).collect(), rows }
     }
 
@@ -22,7 +22,7 @@ impl CsvTable {
     ///
     /// # Errors
     /// A row is not as long as the headers.
-    pub fn bytes(&self) -> Result<Vec<u8>, ReportError> {
+    pub(crate) fn bytes(&self) -> Result<Vec<u8>, ReportError> {
         let failed = |source| ReportError::Table { file: self.file, source };
         let mut csv = csv::Writer::from_writer(Vec::new());
         std::iter::once(&self.head).chain(&self.rows).try_for_each(|row| csv.write_record(row)).map_err(failed)?;
@@ -31,6 +31,6 @@ impl CsvTable {
 }
 
 /// A cell's text: empty where there is no value.
-pub fn cell<T: ToString>(value: Option<T>) -> String {
+pub(super) fn cell<T: ToString>(value: Option<T>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
 }

@@ -7,7 +7,7 @@ use super::draw::DrawError;
 
 /// Why a report cannot be written, read or drawn.
 #[derive(Debug, thiserror::Error)]
-pub enum ReportError {
+pub(crate) enum ReportError {
     /// A file or folder cannot be written.
     #[error("cannot write {}", path.display())]
     Write {

@@ -3,10 +3,10 @@
 use crate::quantity::Bytes;
 
 /// What stands where there is no number.
-pub const ABSENT: &str = "\u{2013}";
+pub(crate) const ABSENT: &str = "\u{2013}";
 
 /// A whole number with its thousands apart: `17,012`.
-pub fn exact(value: u64) -> String {
+pub(crate) fn exact(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
     for (place, digit) in digits.chars().enumerate() {
@@ -19,12 +19,12 @@ pub fn exact(value: u64) -> String {
 }
 
 /// A number in three digits or so and a decimal prefix: `63.0 M`, `812`, `0.203`.
-pub fn short(value: f64) -> String {
+pub(crate) fn short(value: f64) -> String {
     prefixed(value, &["", " k", " M", " G", " T", " P"])
 }
 
 /// A number on an axis, as short as can be: `5 M`.
-pub fn tick(value: f64) -> String {
+pub(crate) fn tick(value: f64) -> String {
     let text = short(value);
     let (digits, prefix) = text.split_once(' ').map_or((text.as_str(), ""), |(digits, prefix)| (digits, prefix));
     let digits = if digits.contains('.') { digits.trim_end_matches('0').trim_end_matches('.') } else { digits };
@@ -32,7 +32,7 @@ pub fn tick(value: f64) -> String {
 }
 
 /// An amount of data, in decimal units: `1.24 GB`.
-pub fn bytes(value: Bytes) -> String {
+pub(crate) fn bytes(value: Bytes) -> String {
     prefixed(value.0 as f64, &[" B", " kB", " MB", " GB", " TB", " PB"])
 }
 
@@ -56,7 +56,7 @@ fn prefixed(value: f64, units: &[&str]) -> String {
 }
 
 /// A share as percent: `18.7 %`, and `0.027 %` where one decimal would say nothing.
-pub fn percent(share: f64) -> String {
+pub(crate) fn percent(share: f64) -> String {
     let percent = share * 100.0;
     // Below 0.0005 nothing is left but the sign.
     let (percent, digits) = match percent.abs() {
@@ -68,12 +68,12 @@ pub fn percent(share: f64) -> String {
 }
 
 /// A share on an axis.
-pub fn percent_tick(share: f64) -> String {
+pub(crate) fn percent_tick(share: f64) -> String {
     percent(share).replace(".0 ", " ")
 }
 
 /// The change from `before` to `after` as percent, with its sign; `None` from nothing.
-pub fn change(before: f64, after: f64) -> Option<String> {
+pub(crate) fn change(before: f64, after: f64) -> Option<String> {
     (before != 0.0).then(|| {
         let change = percent(after / before - 1.0);
         if after > before && !change.starts_with("0.0 ") { format!("+{change}") } else { change }
@@ -81,17 +81,17 @@ pub fn change(before: f64, after: f64) -> Option<String> {
 }
 
 /// A count and its noun: `1 light`, `3 lights`.
-pub fn counted(count: usize, noun: &str) -> String {
+pub(crate) fn counted(count: usize, noun: &str) -> String {
     format!("{} {noun}{}", exact(count as u64), if count == 1 { "" } else { "s" })
 }
 
 /// A number or the sign for its absence.
-pub fn or_absent<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
+pub(crate) fn or_absent<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| ABSENT.into(), show)
 }
 
 /// A key of a file in words: `l1_traversal` is `L1 traversal`.
-pub fn words(key: &str) -> String {
+pub(crate) fn words(key: &str) -> String {
     const UPPER: [&str; 9] = ["l1", "l2", "dram", "trv", "ist", "ist1", "ist2", "scu", "ra"];
     let shown = key.split('_').map(|word| if UPPER.contains(&word) { word.to_uppercase() } else { word.to_owned() });
     shown.collect::<Vec<String>>().join(" ")

@@ -4,7 +4,7 @@ use comfy_table::{CellAlignment, Table};
 
 /// A table of texts: names, then numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Grid {
+pub(crate) struct Grid {
     /// Headers.
     pub head: Vec<String>,
     /// How many of the columns are names.
@@ -17,7 +17,7 @@ pub struct Grid {
 const PLAIN: &str = "     ──            ";
 
 /// A table for the terminal, without a line's end at the end.
-pub fn drawn(grid: &Grid) -> String {
+pub(crate) fn drawn(grid: &Grid) -> String {
     let mut table = Table::new();
     table.load_preset(PLAIN).set_header(&grid.head).add_rows(&grid.rows);
     for column in table.column_iter_mut().skip(grid.names) {

@@ -4,25 +4,27 @@
 //! This side sees statistics and pictures as data, never what made them. A report is a folder of files: `data` holds
 //! its numbers, each plot has a file, and `write` lists its files ([`writer::Report`]), which [`writer`] alone writes.
 
-pub mod chart;
+#![warn(unreachable_pub)]
+
+pub(crate) mod chart;
 mod csv_table;
 mod draw;
 mod error;
 pub mod explain;
-pub mod format;
+pub(crate) mod format;
 mod grid;
-pub mod ladder_map;
+pub(crate) mod ladder_map;
 mod numbers;
-pub mod pareto;
-pub mod reuse;
-pub mod run;
-pub mod split;
-pub mod stress;
-pub mod sweep;
+pub(crate) mod pareto;
+pub(crate) mod reuse;
+pub(crate) mod run;
+pub(crate) mod split;
+pub(crate) mod stress;
+pub(crate) mod sweep;
 mod template;
 mod writer;
 
-pub use error::ReportError;
-pub use grid::{Grid, drawn};
-pub use numbers::read_numbers;
-pub use writer::{SUMMARY_FILE, check_target, update, write};
+pub(crate) use error::ReportError;
+pub(crate) use grid::{Grid, drawn};
+pub(crate) use numbers::read_numbers;
+pub(crate) use writer::{SUMMARY_FILE, check_target, update, write};

@@ -11,7 +11,7 @@ use super::sweep::SweepSummary;
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.
-pub fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
+pub(crate) fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
     let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
     match serde_json::from_slice::<SweepSummary>(&text) {

@@ -9,7 +9,7 @@ use crate::stream::Totals;
 
 /// A policy on a machine, measured three times: without culling, with words that cost nothing, and as it is.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Split {
+pub(crate) struct Split {
     /// Cycles without culling, with free words, and as it is.
     pub cycles: [u64; 3],
     /// DRAM bytes of the same three.
@@ -46,7 +46,7 @@ type Column = (&'static str, fn(&Split) -> String);
 
 impl Split {
     /// The split of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
-    pub fn new([off, free, real]: [&MachineStats; 3], totals: &Totals) -> Self {
+    pub(crate) fn new([off, free, real]: [&MachineStats; 3], totals: &Totals) -> Self {
         let all = |stats| Bytes(dram(stats, |_| true));
         let others = |stats| dram(stats, |class| !WORDS.contains(&class)) as i64;
         let other_misses = |stats: &MachineStats| -> i64 {
@@ -79,7 +79,7 @@ impl Split {
     }
 
     /// The columns of a table for people.
-    pub const COLUMNS: [Column; 9] = [
+    pub(crate) const COLUMNS: [Column; 9] = [
         ("cycles", |it| or_absent(change(it.cycles[0] as f64, it.cycles[2] as f64), |it| it)),
         ("DRAM", |it| or_absent(change(it.dram[0].0 as f64, it.dram[2].0 as f64), |it| it)),
         ("saved", |it| signed(it.saved)),
@@ -92,7 +92,7 @@ impl Split {
     ];
 
     /// The columns of a CSV.
-    pub const FIELDS: [Column; 15] = [
+    pub(crate) const FIELDS: [Column; 15] = [
         ("cycles_off", |it| it.cycles[0].to_string()),
         ("cycles_free_words", |it| it.cycles[1].to_string()),
         ("cycles", |it| it.cycles[2].to_string()),
@@ -112,7 +112,7 @@ impl Split {
 }
 
 /// An amount of data that may be below zero.
-pub fn signed(value: i64) -> String {
+pub(crate) fn signed(value: i64) -> String {
     let sign = if value < 0 { "\u{2212}" } else { "" };
     format!("{sign}{}", bytes(Bytes(value.unsigned_abs())))
 }

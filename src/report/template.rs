@@ -14,7 +14,7 @@ const SHARED: [(&str, &str); 4] = [
 ];
 
 /// The page of the template `source`, which is called `name`.
-pub fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
+pub(super) fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.add_filter("code", code);
     for (name, source) in SHARED {
@@ -32,13 +32,13 @@ fn code(text: &str) -> Value {
 }
 
 /// The drawings that stand in `section`.
-pub fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
+pub(super) fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
     let there = drawings.iter().filter(|drawing| drawing.section == *section);
     there.map(|drawing| drawing.svg.as_str().into()).collect()
 }
 
 /// A table, as the macro `grid` takes it.
-pub fn grid(grid: Grid) -> Value {
+pub(super) fn grid(grid: Grid) -> Value {
     context! { head => grid.head, names => grid.names, rows => grid.rows }
 }
 

@@ -12,17 +12,17 @@ use super::error::ReportError;
 use crate::output::write_whole;
 
 /// The file with all numbers; a directory that holds it is a report.
-pub const SUMMARY_FILE: &str = "summary.json";
+pub(crate) const SUMMARY_FILE: &str = "summary.json";
 /// The page.
 const PAGE_FILE: &str = "index.html";
 /// The folder of the plots.
 const PLOTS_FOLDER: &str = "plots";
 
 /// A file of a report: its path in the report's folder, and its bytes.
-pub type ReportFile = (PathBuf, Vec<u8>);
+pub(super) type ReportFile = (PathBuf, Vec<u8>);
 
 /// What a report is made of.
-pub trait Report {
+pub(crate) trait Report {
     /// Sections of the page that plots belong to.
     type Section;
 
@@ -85,7 +85,7 @@ fn files(report: &impl Report) -> Result<Files, ReportError> {
 ///
 /// # Errors
 /// A value has no form in JSON.
-pub fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
+pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
     let mut text = serde_json::to_vec_pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
     text.push(b'\n');
     Ok(text)
@@ -98,7 +98,7 @@ pub fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, Repor
 ///
 /// # Errors
 /// The target is no report's place, a file cannot be made, or a file or folder cannot be written.
-pub fn write(target: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
+pub(crate) fn write(target: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
     let Files { all, first } = files(report)?;
     replace(target, |dir| put_all(dir, &all))?;
     Ok(target.join(first))
@@ -108,7 +108,7 @@ pub fn write(target: &Path, report: &impl Report) -> Result<PathBuf, ReportError
 ///
 /// # Errors
 /// A file cannot be made or written.
-pub fn update(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
+pub(crate) fn update(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
     let Files { all, first } = files(report)?;
     put_all(folder, &all)?;
     Ok(folder.join(first))
@@ -119,7 +119,7 @@ pub fn update(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportErro
 ///
 /// # Errors
 /// A file cannot be made or written.
-pub fn draw_again(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
+pub(super) fn draw_again(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
     let Files { all, first } = drawings(report)?;
     put_all(folder, &all)?;
     Ok(folder.join(first))
@@ -130,7 +130,7 @@ pub fn draw_again(folder: &Path, report: &impl Report) -> Result<PathBuf, Report
 ///
 /// # Errors
 /// Something that is no report is in the way, or the folder cannot be read.
-pub fn check_target(target: &Path) -> Result<(), ReportError> {
+pub(crate) fn check_target(target: &Path) -> Result<(), ReportError> {
     let foreign = || ReportError::Foreign { path: target.into() };
     match fs::read_dir(target) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),

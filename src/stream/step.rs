@@ -76,10 +76,24 @@ impl Step {
     pub(super) const LIST: i32 = 1;
     pub(super) const LAST_TRAVERSAL: i32 = 4;
 
-    /// The tag of a packed step.
+    /// How many tags a packed step can have; not all are of a step.
+    pub const TAGS: usize = 16;
+
+    /// The tag of a packed step, below [`Step::TAGS`].
     #[inline]
-    pub(super) fn tag(word: u32) -> u32 {
+    pub fn tag(word: u32) -> u32 {
         word >> INDEX_BITS
+    }
+
+    /// The node that a packed step visits, if it does.
+    #[inline]
+    pub fn node(word: u32) -> Option<NodeId> {
+        (Self::tag(word) == 0).then_some(NodeId(word))
+    }
+
+    /// A packed step with this tag, if it is of a step.
+    pub fn of_tag(tag: usize) -> Option<Self> {
+        u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))
     }
 
     /// The step in 32 bits: a tag of 4 bits, then the id.

@@ -41,6 +41,15 @@ pub struct Totals {
 }
 
 impl Totals {
+    /// Counts a node that a ray of a kind visits.
+    #[inline]
+    pub fn count_visit(&mut self, ray: RayKind) {
+        match ray {
+            RayKind::Shadow => self.shadow_node_visits += 1,
+            RayKind::Primary | RayKind::Reflection | RayKind::Refraction => self.node_visits += 1,
+        }
+    }
+
     /// Counts a policy's steps.
     pub fn count_policy(&mut self, steps: impl Iterator<Item = Step>) {
         for step in steps {

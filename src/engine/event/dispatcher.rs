@@ -1,7 +1,5 @@
 //! The ray dispatcher: takes rays from the host, hands them over to the units, and gives their results back.
 
-use std::collections::VecDeque;
-
 use super::causes::Causes;
 use super::host::{ChunkRay, Host, Phase};
 use super::links::Links;
@@ -10,11 +8,13 @@ use crate::engine::source::{FrameCounts, StreamFault, check_step};
 use crate::engine::unloaded::{RayLatencies, Unloaded};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
+use crate::machine::layout::Layout;
 use crate::machine::parts::Parts;
 use crate::memory::Wake;
 use crate::memory::queue::{Load, Queue};
+use crate::memory::ring::Ring;
 use crate::stats::Cause;
-use crate::stream::{Decision, Item, RayKind};
+use crate::stream::{Decision, Item, Ray, RayKind, Step};
 
 /// What happened in a cycle that concerns others.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -35,7 +35,7 @@ pub struct Dispatcher {
     /// The host.
     host: Host,
     waiting: Queue<ChunkRay>,
-    free: VecDeque<RayId>,
+    free: Ring<RayId>,
     free_slots: Vec<u64>,
     cores: usize,
     /// The next unit's place in turn: the first units of all cores, then the second ones, and so on.
@@ -43,7 +43,9 @@ pub struct Dispatcher {
     /// Rays that each core got in this cycle.
     handed_over: Vec<u64>,
     rays: u64,
-    unloaded: Unloaded,
+    /// The least that the hand-over, and steps of each tag of the path of a ray of each kind, take.
+    least_dispatch: u64,
+    least_by_tag: [[u64; Step::TAGS]; RayKind::ALL.len()],
     /// How long rays took.
     pub latencies: RayLatencies,
     /// The unit's cycles.
@@ -53,7 +55,7 @@ pub struct Dispatcher {
 impl Dispatcher {
     /// The dispatcher of `machine` at the beginning of a stream.
     pub fn new(machine: &MachineSpec) -> Self {
-        let cores = machine.cores.size();
+        let (cores, unloaded) = (machine.cores.size(), Unloaded::new(machine));
         Self {
             spec: machine.dispatcher,
             pool: machine.pool() as usize,
@@ -65,7 +67,8 @@ impl Dispatcher {
             next_in_turn: 0,
             handed_over: vec![0; cores],
             rays: 0,
-            unloaded: Unloaded::new(machine),
+            least_dispatch: unloaded.dispatch(),
+            least_by_tag: RayKind::ALL.map(|kind| unloaded.by_tag(kind)),
             latencies: RayLatencies::default(),
             causes: Causes::default(),
         }
@@ -76,7 +79,7 @@ impl Dispatcher {
         &mut self,
         now: u64,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
-        links: &mut Links<impl Wake>,
+        links: &mut Links,
     ) -> Result<Events, E> {
         let mut events = Events::default();
         for unit in links.freed.drain(..) {
@@ -126,7 +129,7 @@ impl Dispatcher {
     }
 
     /// Announces the cycles in which there is something to do.
-    fn wake(&self, now: u64, busy: bool, links: &mut Links<impl Wake>) {
+    fn wake(&self, now: u64, busy: bool, links: &mut Links) {
         // What was put now can be taken next; places freed now can be used next.
         let put = self.waiting.last_at().is_some_and(|at| at > now);
         let more = busy && (!self.waiting.is_empty() || self.host.has_rays());
@@ -155,7 +158,7 @@ impl Dispatcher {
     }
 
     /// Hands over the next ray; whether there was one, and a place for it.
-    fn hand_over(&mut self, now: u64, links: &mut Links<impl Wake>) -> Result<bool, StreamFault> {
+    fn hand_over(&mut self, now: u64, links: &mut Links) -> Result<bool, StreamFault> {
         let Some(which) = self.waiting.first(now) else { return Ok(false) };
         let Some(&id) = self.free.front() else { return Ok(false) };
         let source = self.host.ray(which);
@@ -164,22 +167,18 @@ impl Dispatcher {
         if !skipped && turn.is_none() {
             return Ok(false);
         }
+        let kind = source.head.kind;
+        if !self.host.is_sound(which) {
+            check_ray(source, which.index, &links.layout)?;
+        }
+        let by_tag = &self.least_by_tag[kind as usize];
+        let least: u64 = source.packed_path().iter().map(|&word| by_tag[Step::tag(word) as usize]).sum();
         let ray = &mut links.rays[id as usize];
         ray.steps.clear();
         ray.steps.extend_from_slice(source.packed_path());
         ray.steps.extend_from_slice(source.packed_policy());
         ray.path_end = source.packed_path().len();
-        (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch());
-        for (index, &word) in ray.steps.iter().enumerate() {
-            let step = check_step(word, &links.layout)?;
-            if index >= ray.path_end {
-                continue;
-            }
-            ray.unloaded += self.unloaded.step(step, source.head.kind);
-            if !step.is_traversal() {
-                return Err(StreamFault::Ray { index: which.index as usize, fault: "has a policy step in its path" });
-            }
-        }
+        (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
         (ray.chunk, ray.index, ray.undecided, ray.marked) = (which.chunk, which.index, skipped, source.marked);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
@@ -193,7 +192,7 @@ impl Dispatcher {
                 self.next_in_turn = (turn + 1) % self.free_slots.len();
                 self.handed_over[turn % self.cores] += 1;
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
-                links.clock.wake(links.parts.traversal(unit as u32), now + self.spec.latency.get());
+                links.post(unit as u32, now + self.spec.latency.get());
             }
         }
         self.free.pop_front();
@@ -202,7 +201,7 @@ impl Dispatcher {
     }
 
     /// The host takes the results of ray `id` in cycle `now`.
-    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn take_results(&mut self, id: RayId, now: u64, links: &mut Links) {
         self.free.push_back(id);
         let ray = &links.rays[id as usize];
         self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
@@ -225,7 +224,7 @@ impl Dispatcher {
     }
 
     /// Begins the frame's end when all its rays are done.
-    fn close(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn close(&mut self, now: u64, links: &mut Links) {
         let Phase::Closing(steps, totals) = &self.host.phase else { return };
         let host_is_done = !self.host.has_rays() && self.host.shading_ends().is_none();
         if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 {
@@ -276,4 +275,14 @@ impl Dispatcher {
             self.free_slots.iter().sum::<u64>()
         )
     }
+}
+
+/// Checks the steps of ray `index` of a chunk.
+fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(), StreamFault> {
+    for &word in ray.packed_path() {
+        if !check_step(word, layout)?.is_traversal() {
+            return Err(StreamFault::Ray { index: index as usize, fault: "has a policy step in its path" });
+        }
+    }
+    ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))
 }

@@ -24,7 +24,7 @@ pub struct Division {
 
 impl Division {
     /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &DivisionSpec, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &DivisionSpec, index: u32, links: &Links) -> Self {
         let part = links.parts.division(index);
         Self {
             index: index as usize,
@@ -38,7 +38,7 @@ impl Division {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         if let Some(id) = take(&mut self.stages, now) {
             let unit = links.parts.intersection_of(self.core, id.into());
             links.freed_tests[unit as usize] += 1;
@@ -66,7 +66,7 @@ impl Division {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
+    pub fn queues(&self, links: &Links) -> String {
         let queue = &links.divisions[self.index];
         format!("in the pipeline {}, queue {}/{}", self.stages.len(), queue.len(), queue.capacity())
     }

@@ -19,11 +19,51 @@ use super::wheel::Wheel;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::parts::Parts;
+use crate::memory::Wake;
 use crate::memory::bank::Bank;
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::queue::Queue;
-use crate::memory::{PartId, Wake};
 use crate::stream::Header;
+
+/// Kinds of parts that act after the dispatcher, in the order in which they do.
+#[derive(Clone, Copy, Debug)]
+enum PartKind {
+    Traversal,
+    List,
+    Intersection,
+    Division,
+    ShadowCache,
+    Bank,
+    Channel,
+}
+
+/// All parts of a kind: which numbers they have.
+#[derive(Clone, Copy, Debug)]
+struct Group {
+    kind: PartKind,
+    first: u32,
+    end: u32,
+}
+
+/// The group of each part; the dispatcher, which is in none, stands in that of traversal units.
+fn groups(parts: &Parts) -> Vec<Group> {
+    let kinds = [
+        (PartKind::Traversal, parts.traversal),
+        (PartKind::List, parts.list),
+        (PartKind::Intersection, parts.intersection),
+        (PartKind::Division, parts.division),
+        (PartKind::ShadowCache, parts.shadow_cache),
+        (PartKind::Bank, parts.banks),
+        (PartKind::Channel, parts.channels),
+    ];
+    let mut groups = Vec::with_capacity(parts.count());
+    let mut first = 1;
+    for (kind, count) in kinds {
+        groups.resize((first + count) as usize, Group { kind, first, end: first + count });
+        first += count;
+    }
+    groups
+}
 
 /// The machine in motion.
 pub(in crate::engine) struct Event {
@@ -33,7 +73,9 @@ pub(in crate::engine) struct Event {
     pub(in crate::engine) intersection: Vec<Intersection>,
     pub(in crate::engine) division: Vec<Division>,
     pub(in crate::engine) shadow_cache: Vec<ShadowCache>,
-    pub(in crate::engine) links: Links<Wheel>,
+    pub(in crate::engine) links: Links,
+    /// By part.
+    groups: Vec<Group>,
     /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
     progress: u64,
     watch_at: u64,
@@ -60,6 +102,7 @@ impl Event {
             shadow_cache: (0..parts.shadow_cache)
                 .map(|index| ShadowCache::new(&spec.shadow_cache, line, spec.pool(), index, &links))
                 .collect(),
+            groups: groups(&parts),
             links,
             progress: 0,
             watch_at: patience(spec),
@@ -79,16 +122,44 @@ impl Event {
         ]
     }
 
-    fn tick_units(&mut self, now: u64, due: &PartSet) {
-        let Self { traversal, list, intersection, division, shadow_cache, links, .. } = self;
-        let parts = links.parts;
-        in_turn(due, parts.traversal(0), parts.traversal, now, |index| traversal[index].tick(now, links));
-        in_turn(due, parts.list(0), parts.list, now, |index| list[index].tick(now, links));
-        in_turn(due, parts.intersection(0), parts.intersection, now, |index| intersection[index].tick(now, links));
-        in_turn(due, parts.division(0), parts.division, now, |index| division[index].tick(now, links));
-        in_turn(due, parts.shadow_cache(0), parts.shadow_cache, now, |index| shadow_cache[index].tick(now, links));
-        in_turn(due, parts.bank(0), parts.banks, now, |index| links.tick_bank(index, now));
-        in_turn(due, parts.channel(0), parts.channels, now, |index| links.tick_channel(index, now));
+    /// Lets all parts that are due act, but for the dispatcher: kind by kind, and of a kind number `now` modulo their count first.
+    #[inline]
+    fn tick_parts(&mut self, now: u64, due: &PartSet) {
+        let parts = self.groups.len() as u32;
+        let mut next = due.next(1, parts);
+        while let Some(part) = next {
+            let group = self.groups[part as usize];
+            next = due.next(part + 1, parts);
+            let Some(_) = next.filter(|&next| next < group.end) else {
+                self.tick_part(group, part, now);
+                continue;
+            };
+            let middle = group.first + (now % u64::from(group.end - group.first)) as u32;
+            next = due.next(middle, parts);
+            while let Some(part) = next.filter(|&part| part < group.end) {
+                self.tick_part(group, part, now);
+                next = due.next(part + 1, parts);
+            }
+            let mut wrapped = Some(part);
+            while let Some(part) = wrapped.filter(|&part| part < middle) {
+                self.tick_part(group, part, now);
+                wrapped = due.next(part + 1, middle);
+            }
+        }
+    }
+
+    #[inline]
+    fn tick_part(&mut self, group: Group, part: u32, now: u64) {
+        let index = (part - group.first) as usize;
+        match group.kind {
+            PartKind::Traversal => self.traversal[index].tick(now, &mut self.links),
+            PartKind::List => self.list[index].tick(now, &mut self.links),
+            PartKind::Intersection => self.intersection[index].tick(now, &mut self.links),
+            PartKind::Division => self.division[index].tick(now, &mut self.links),
+            PartKind::ShadowCache => self.shadow_cache[index].tick(now, &mut self.links),
+            PartKind::Bank => self.links.tick_bank(index, now),
+            PartKind::Channel => self.links.tick_channel(index, now),
+        }
     }
 
     fn drop_dynamic_lines(&mut self) {
@@ -175,7 +246,7 @@ impl Engine for Event {
                     self.hold(warm);
                 }
             }
-            self.tick_units(now, &due);
+            self.tick_parts(now, &due);
             if hears {
                 feed.heard(&mut self.logs())?;
             }
@@ -229,16 +300,5 @@ impl Engine for Event {
 
     fn logs(&mut self) -> Vec<&mut ChannelLog> {
         self.links.dram.logs()
-    }
-}
-
-/// Lets the due ones of `count` parts act, whose numbers begin with `first`: in cycle `now`, number `now mod count` first.
-fn in_turn(due: &PartSet, PartId(first): PartId, count: u32, now: u64, mut act: impl FnMut(usize)) {
-    let middle = first + (now % u64::from(count)) as u32;
-    for (mut from, end) in [(middle, first + count), (first, middle)] {
-        while let Some(part) = due.next(from, end) {
-            act((part - first) as usize);
-            from = part + 1;
-        }
     }
 }

@@ -1,11 +1,11 @@
 //! The host: reads the stream and shades. The dispatcher takes its rays from it, and gives it their results.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::links::Links;
 use crate::engine::source::{StreamFault, check_step, parents};
-use crate::memory::Wake;
+use crate::machine::layout::Layout;
+use crate::memory::ring::Ring;
 use crate::stream::{Chunk, Item, Totals};
 
 /// A ray of a chunk in memory.
@@ -26,10 +26,15 @@ struct ActiveChunk {
     children: Vec<u32>,
     primaries: Vec<u32>,
     left: usize,
+    /// Whether all steps exist. If not, the ray that has the first that does not is refused when it is handed over.
+    sound: bool,
 }
 
 impl ActiveChunk {
-    fn new(chunk: Arc<Chunk>) -> Result<Self, StreamFault> {
+    fn new(chunk: Arc<Chunk>, layout: &Layout) -> Result<Self, StreamFault> {
+        let extent = chunk.extent();
+        let exist = extent.outermost().all(|step| layout.check(step).is_ok());
+        let sound = exist && extent.unknown().is_none() && !extent.strays();
         let count = chunk.len();
         let parents = parents(&chunk)?;
         let mut primaries = Vec::new();
@@ -51,7 +56,7 @@ impl ActiveChunk {
             children[*place as usize] = index as u32;
             *place += 1;
         }
-        Ok(Self { chunk, first_child, children, primaries, left: count })
+        Ok(Self { chunk, first_child, children, primaries, left: count, sound })
     }
 
     fn children(&self, index: u32) -> &[u32] {
@@ -85,8 +90,8 @@ pub struct Host {
     chunks: Vec<Option<ActiveChunk>>,
     /// The chunk whose primary rays are given out, and how many were.
     current: Option<(u32, usize)>,
-    ready: VecDeque<ChunkRay>,
-    shading: VecDeque<(u64, ChunkRay)>,
+    ready: Ring<ChunkRay>,
+    shading: Ring<(u64, ChunkRay)>,
 }
 
 impl Host {
@@ -98,8 +103,8 @@ impl Host {
             shading_cycles,
             chunks: Vec::new(),
             current: None,
-            ready: VecDeque::new(),
-            shading: VecDeque::new(),
+            ready: Ring::new(),
+            shading: Ring::new(),
         }
     }
 
@@ -107,7 +112,7 @@ impl Host {
     pub fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
-        links: &mut Links<impl Wake>,
+        links: &mut Links,
     ) -> Result<bool, E> {
         let mut began = false;
         while self.current.is_none() && matches!(self.phase, Phase::Between | Phase::Open) {
@@ -126,7 +131,7 @@ impl Host {
                     (self.phase, self.frame, began) = (Phase::Open, frame.number, true);
                 }
                 (Phase::Between, _) => return Err(StreamFault::Order { found, expected: "a frame's beginning" }.into()),
-                (_, Some(Item::Rays(chunk))) => self.load(chunk)?,
+                (_, Some(Item::Rays(chunk))) => self.load(chunk, &links.layout)?,
                 (_, Some(Item::End { policy, totals })) => {
                     for &word in policy.iter() {
                         check_step(word, &links.layout)?;
@@ -139,11 +144,11 @@ impl Host {
         Ok(began)
     }
 
-    fn load(&mut self, chunk: Arc<Chunk>) -> Result<(), StreamFault> {
+    fn load(&mut self, chunk: Arc<Chunk>, layout: &Layout) -> Result<(), StreamFault> {
         if chunk.is_empty() {
             return Ok(());
         }
-        let chunk = Some(ActiveChunk::new(chunk)?);
+        let chunk = Some(ActiveChunk::new(chunk, layout)?);
         let free = self.chunks.iter().position(Option::is_none);
         let place = free.unwrap_or(self.chunks.len());
         if free.is_some() {
@@ -158,6 +163,11 @@ impl Host {
     /// The ray in its chunk.
     pub fn ray(&self, which: ChunkRay) -> crate::stream::Ray<'_> {
         self.active(which.chunk).chunk.ray(which.index as usize)
+    }
+
+    /// Whether all steps of the ray's chunk are known to exist.
+    pub fn is_sound(&self, which: ChunkRay) -> bool {
+        self.active(which.chunk).sound
     }
 
     fn active(&self, place: u32) -> &ActiveChunk {

@@ -1,13 +1,12 @@
 //! The intersection unit: fetches triangle records in two phases and tests them.
 
-use std::collections::VecDeque;
-
 use super::links::Links;
 use super::pipeline::{Pipeline, Stages};
 use super::ray::{Owner, RayId};
 use crate::machine::intersection::IntersectionSpec;
 use crate::machine::writes::WritePolicy;
 use crate::memory::Wake;
+use crate::memory::ring::Ring;
 use crate::stream::{RayKind, Step, Stop};
 
 /// An intersection unit.
@@ -17,27 +16,27 @@ pub struct Intersection {
     /// The common part.
     pub pipeline: Pipeline,
     /// Rays that wait to go to a division unit.
-    leaving: VecDeque<RayId>,
+    leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
 }
 
 impl Intersection {
     /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
-    pub fn new<W: Wake>(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.intersection(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         Self {
             index: index as usize,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
-            leaving: VecDeque::new(),
+            leaving: Ring::new(),
             contexts: spec.tests.size(),
             free: spec.tests.size(),
         }
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         self.free += std::mem::take(&mut links.freed_tests[self.index]);
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
@@ -65,7 +64,7 @@ impl Intersection {
         }
     }
 
-    fn take_on(&mut self, id: RayId, links: &mut Links<impl Wake>) {
+    fn take_on(&mut self, id: RayId, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
         ray.at_edges = false;
         let element = match ray.step() {
@@ -77,7 +76,7 @@ impl Intersection {
     }
 
     /// An operation of the ray has ended.
-    fn passed(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn passed(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
         let Some(Step::Triangle { slot, stop }) = ray.step() else { return self.give_back(id, now, links) };
         if stop != Stop::Plane && !ray.at_edges {
@@ -91,13 +90,13 @@ impl Intersection {
         }
     }
 
-    fn give_back(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn give_back(&mut self, id: RayId, now: u64, links: &mut Links) {
         self.free += 1;
         links.tested(id, now);
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
+    pub fn queues(&self, links: &Links) -> String {
         let queue = &links.tests[self.index];
         format!(
             "{}, queue {}/{}, tests {}/{}, leaving for division {}",

@@ -1,36 +1,51 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
-use std::collections::VecDeque;
-
 use rustc_hash::FxHashSet;
 
 use super::ray::{Ray, RayId};
+use super::wheel::Wheel;
 use crate::engine::source::StoreWork;
 use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::parts::Parts;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
-use crate::memory::Wake;
 use crate::memory::dram::Dram;
 use crate::memory::l2::L2;
 use crate::memory::queue::Queue;
+use crate::memory::ring::Ring;
+use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
 use crate::stream::{Header, Step, Store, Totals};
 
 /// A queue with a place for everything that can come.
-pub type Inbox<T> = VecDeque<(u64, T)>;
+pub type Inbox<T> = Ring<(u64, T)>;
 
 /// Takes the first of `inbox` if it is there in cycle `now`.
+#[inline]
 pub fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
-    let (_, entry) = *inbox.front().filter(|(at, _)| *at <= now)?;
-    inbox.pop_front();
+    let &(at, entry) = inbox.front()?;
+    if at > now {
+        return None;
+    }
+    inbox.drop_front();
     Some(entry)
 }
 
-/// What the parts share. `W` wakes them.
+/// A line from the L2.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer {
+    /// The cycle from which on it is there.
+    pub at: u64,
+    /// Which bank sends it: its place in turn in the cycle before. Answers of a cycle come in this order.
+    turn: u32,
+    /// The line.
+    pub line: LineAddr,
+}
+
+/// What the parts share.
 #[derive(Clone, Debug)]
-pub struct Links<W> {
+pub struct Links {
     /// The parts' numbers.
     pub parts: Parts,
     /// The pool's rays, then the steps of a frame's end.
@@ -74,8 +89,10 @@ pub struct Links<W> {
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
     header: Header,
-    /// Lines from the L2, to the L1 of each part.
-    pub lines: Vec<Inbox<LineAddr>>,
+    /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
+    pub mail: Vec<u64>,
+    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is over.
+    pub lines: Vec<Ring<Answer>>,
     /// The L2.
     pub l2: L2,
     /// The DRAM.
@@ -83,12 +100,12 @@ pub struct Links<W> {
     /// What was replayed of the frame so far.
     pub replayed: Totals,
     /// Wakes parts.
-    pub clock: W,
+    pub clock: Wheel,
 }
 
-impl<W: Wake> Links<W> {
+impl Links {
     /// Empty links of a machine that replays a stream.
-    pub fn new(spec: &MachineSpec, header: &Header, clock: W) -> Self {
+    pub fn new(spec: &MachineSpec, header: &Header, clock: Wheel) -> Self {
         let parts = Parts::new(spec);
         let line = spec.line_bytes.get();
         let contexts = parts.shadow_cache as usize * spec.shadow_cache.contexts.size();
@@ -116,7 +133,8 @@ impl<W: Wake> Links<W> {
             stores: StoreWork::default(),
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
-            lines: vec![Inbox::new(); parts.count()],
+            mail: vec![u64::MAX; parts.count()],
+            lines: vec![Ring::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), parts.cores, line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
             replayed: Totals::default(),
@@ -155,7 +173,7 @@ impl<W: Wake> Links<W> {
     }
 
     /// The updates that set a primitive's modes.
-    fn mode_setting(&self, primitive: u32) -> impl Iterator<Item = Step> + use<W> {
+    fn mode_setting(&self, primitive: u32) -> impl Iterator<Item = Step> + use<> {
         let stores = &self.header.stores;
         let word = Step::Update { store: Store::ModeWord, index: primitive * stores.words_per_primitive };
         let counters = Step::Update { store: Store::PixelCounter, index: primitive };
@@ -240,10 +258,30 @@ impl<W: Wake> Links<W> {
         self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
     }
 
+    /// Something comes to traversal unit `unit` in cycle `at`.
+    #[inline]
+    pub fn post(&mut self, unit: u32, at: u64) {
+        let part = self.parts.traversal(unit);
+        let mail = &mut self.mail[part.0 as usize];
+        *mail = (*mail).min(at);
+        self.clock.wake(part, at);
+    }
+
+    /// Whether a line from the L2 has come to the L1 of `part`.
+    #[inline]
+    pub fn line_is_there(&self, part: PartId, now: u64) -> bool {
+        self.lines[part.0 as usize].front().is_some_and(|answer| answer.at <= now)
+    }
+
     /// Cycle `now` of bank `index` of the L2.
     pub fn tick_bank(&mut self, index: usize, now: u64) {
-        let Self { l2, dram, clock, lines, .. } = self;
-        l2.banks[index].tick(now, dram, clock, |to, line| lines[to.0 as usize].push_back((now + 1, line)));
+        let Self { parts, l2, dram, clock, lines, mail, .. } = self;
+        l2.banks[index].tick(now, dram, clock, |to, line, at| {
+            let first = ((at - 1) % u64::from(parts.banks)) as u32;
+            let turn = (index as u32 + parts.banks - first) % parts.banks;
+            mail[to.0 as usize] = mail[to.0 as usize].min(at);
+            lines[to.0 as usize].insert_by_key(Answer { at, turn, line }, |answer| (answer.at, answer.turn));
+        });
     }
 
     /// Cycle `now` of channel `index` of the DRAM.

@@ -1,13 +1,12 @@
 //! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be tested.
 
-use std::collections::VecDeque;
-
 use super::links::{Links, take};
 use super::pipeline::{Pipeline, Stages};
 use super::ray::RayId;
 use crate::machine::list::ListSpec;
 use crate::machine::writes::WritePolicy;
 use crate::memory::Wake;
+use crate::memory::ring::Ring;
 use crate::stream::Step;
 
 /// A list unit.
@@ -17,27 +16,27 @@ pub struct List {
     /// The common part.
     pub pipeline: Pipeline,
     /// Rays that wait to go to an intersection unit.
-    leaving: VecDeque<RayId>,
+    leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
 }
 
 impl List {
     /// Unit `index`, empty.
-    pub fn new<W: Wake>(spec: &ListSpec, line: u64, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &ListSpec, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.list(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
         Self {
             index,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, WritePolicy::Back),
-            leaving: VecDeque::new(),
+            leaving: Ring::new(),
             contexts: spec.lists.size(),
             free: spec.lists.size(),
         }
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         let index = self.index as usize;
         self.free += std::mem::take(&mut links.freed_lists[index]);
         let free_at_start = self.free > 0;
@@ -72,7 +71,7 @@ impl List {
         }
     }
 
-    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links) {
         match links.rays[id as usize].path_step() {
             Some(Step::List(entry)) => {
                 let element = links.layout.list_entry(entry);
@@ -88,7 +87,7 @@ impl List {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
+    pub fn queues(&self, links: &Links) -> String {
         let queue = &links.lists[self.index as usize];
         format!(
             "{}, queue {}/{}, lists {}/{}, leaving for intersection {}",

@@ -1,13 +1,12 @@
 //! What all units that work on rays have in common: an L1, rays that wait for their data, and a pipeline.
 
-use std::collections::VecDeque;
-
 use super::causes::Causes;
-use super::links::{Links, take};
-use super::ray::{Ray, RayId};
-use crate::machine::layout::Element;
+use super::links::{Answer, Links, take};
+use super::ray::{Fetch, Ray, RayId};
+use crate::machine::layout::{Element, Layout};
 use crate::machine::writes::WritePolicy;
-use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
+use crate::memory::cache::{Access, BanksInUse, Cache, CacheSpec, Fill, Lookup, Past, Release};
+use crate::memory::ring::Ring;
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{Cause, TrafficClass};
@@ -28,7 +27,7 @@ pub struct Pipeline {
     part: PartId,
     core: u32,
     cache: Cache,
-    out: VecDeque<Request>,
+    out: Ring<Request>,
     out_places: usize,
     ports: u64,
     banks: BanksInUse,
@@ -38,12 +37,13 @@ pub struct Pipeline {
     open_at: u64,
     line: Bytes,
     writes: WritePolicy,
-    fetching: VecDeque<RayId>,
-    hits: VecDeque<(u64, RayId)>,
+    fetching: Ring<RayId>,
+    hits: Ring<(u64, RayId)>,
     /// Rays that made all their accesses and wait for lines.
     waiting: usize,
-    ready: VecDeque<RayId>,
-    stages: VecDeque<(u64, RayId)>,
+    ready: Ring<RayId>,
+    /// Rays in the pipeline, with the cycles in which their operations end. The last may begin only in the next cycle.
+    stages: Ring<(u64, RayId)>,
     requested: [Bytes; TrafficClass::ALL.len()],
     written_through: [Past; TrafficClass::ALL.len()],
     causes: Causes,
@@ -51,12 +51,14 @@ pub struct Pipeline {
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
     accessed: bool,
+    /// Whether the access of this cycle is a hit whose operation begins in the next one.
+    begins_next: bool,
     filled_for: Vec<RayId>,
     release: Release,
     /// Rays whose lines have come and are given out one by one.
-    released: VecDeque<RayId>,
+    released: Ring<RayId>,
     /// Requests under way past the L1, the oldest first, and how many there can be.
-    straight: VecDeque<(LineAddr, RayId)>,
+    straight: Ring<(LineAddr, RayId)>,
     most_straight: usize,
     read_straight: [Past; TrafficClass::ALL.len()],
     /// Misses of marked rays.
@@ -70,7 +72,7 @@ impl Pipeline {
             part,
             core,
             cache: cache.build(line),
-            out: VecDeque::with_capacity(cache.queue.size()),
+            out: Ring::new(),
             out_places: cache.queue.size(),
             ports: cache.ports.get(),
             banks: BanksInUse::none(cache),
@@ -79,20 +81,21 @@ impl Pipeline {
             open_at: 0,
             line: Bytes(line),
             writes,
-            fetching: VecDeque::new(),
-            hits: VecDeque::new(),
+            fetching: Ring::new(),
+            hits: Ring::new(),
             waiting: 0,
-            ready: VecDeque::new(),
-            stages: VecDeque::new(),
+            ready: Ring::new(),
+            stages: Ring::new(),
             requested: [Bytes(0); TrafficClass::ALL.len()],
             written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
             filled: false,
             accessed: false,
+            begins_next: false,
             filled_for: Vec::new(),
             release: cache.release,
-            released: VecDeque::new(),
-            straight: VecDeque::new(),
+            released: Ring::new(),
+            straight: Ring::new(),
             most_straight: cache.mshrs.size(),
             read_straight: [Past::default(); TrafficClass::ALL.len()],
             marked: [0; TrafficClass::ALL.len()],
@@ -100,52 +103,58 @@ impl Pipeline {
     }
 
     /// The unit's number in the machine.
+    #[inline]
     pub fn part(&self) -> PartId {
         self.part
     }
 
     /// The unit's core.
+    #[inline]
     pub fn core(&self) -> u32 {
         self.core
     }
 
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
-    pub fn arrive<W>(&mut self, now: u64, links: &mut Links<W>) {
-        self.filled = self.fill(now, links);
+    #[inline]
+    pub fn arrive(&mut self, now: u64, links: &mut Links) {
+        self.filled = links.line_is_there(self.part, now) && self.fill(links);
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
     }
 
-    /// Step 1; whether a line was taken.
-    fn fill<W>(&mut self, now: u64, links: &mut Links<W>) -> bool {
+    /// Step 1, of a line that is there; whether it was taken.
+    fn fill(&mut self, links: &mut Links) -> bool {
         let lines = &mut links.lines[self.part.0 as usize];
-        let Some(&(_, line)) = lines.front().filter(|(at, _)| *at <= now) else { return false };
+        let Some(&Answer { line, .. }) = lines.front() else { return false };
+        let past = self.straight.iter().position(|(asked, _)| *asked == line);
+        if let Some(at) = past {
+            lines.drop_front();
+            if let Some((_, ray)) = self.straight.remove(at) {
+                self.line_came(ray, &mut links.rays);
+            }
+            return true;
+        }
         self.filled_for.clear();
-        if let Some(at) = self.straight.iter().position(|(asked, _)| *asked == line) {
-            let ray = self.straight.remove(at).map(|(_, ray)| ray);
-            lines.pop_front();
-            ray.into_iter().for_each(|ray| self.line_came(ray, &mut links.rays));
-        } else {
-            let room = self.out.len() < self.out_places;
-            let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
-            if let Some(victim) = victim {
-                self.push_out(victim.line, victim.class, true, self.line);
-            }
-            lines.pop_front();
-            match self.release {
-                Release::Together => {
-                    for index in 0..self.filled_for.len() {
-                        self.line_came(self.filled_for[index], &mut links.rays);
-                    }
+        let room = self.out.len() < self.out_places;
+        let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
+        lines.drop_front();
+        if let Some(victim) = victim {
+            self.push_out(victim.line, victim.class, true, self.line);
+        }
+        match self.release {
+            Release::Together => {
+                for index in 0..self.filled_for.len() {
+                    self.line_came(self.filled_for[index], &mut links.rays);
                 }
-                // The row stays in use until its last ray has left: which no access sees, since none is made until then.
-                Release::OneByOne => self.released.extend(self.filled_for.drain(..)),
             }
+            // The row stays in use until its last ray has left: which no access sees, since none is made until then.
+            Release::OneByOne => self.released.extend(self.filled_for.drain(..)),
         }
         true
     }
 
+    #[inline]
     fn line_came(&mut self, ray: RayId, rays: &mut [Ray]) {
         let fetch = &mut rays[ray as usize].fetch;
         fetch.missing -= 1;
@@ -156,155 +165,274 @@ impl Pipeline {
     }
 
     /// Step 3: the ray whose operation ends.
+    #[inline]
     pub fn leave(&mut self, now: u64) -> Option<RayId> {
         take(&mut self.stages, now)
     }
 
+    /// The ray whose operation ends, if all other rays of the unit are in the pipeline or wait for lines from the L2.
+    #[inline]
+    pub fn leaves_alone(&self, now: u64) -> Option<RayId> {
+        let queued = self.fetching.len() | self.hits.len() | self.ready.len() | self.out.len() | self.released.len();
+        let &(at, ray) = self.stages.front()?;
+        (at == now && queued == 0).then_some(ray)
+    }
+
+    /// The whole cycle of a unit that [leaves](Pipeline::leaves_alone) a ray alone, if the ray fetches `element` next, to which an L1 without
+    /// banks gives one access: if the element lies in one line, which is there, its operation begins in the next cycle. No line comes
+    /// before. Returns when the next operation ends; `None` if it is not so, and nothing was done.
+    #[inline]
+    pub fn fetch_at_once(&mut self, ray: RayId, element: &Element, layout: &Layout, now: u64) -> Option<u64> {
+        let (line, lines) = layout.lines(element);
+        if lines > 1 || self.hit_latency > 1 || self.open_at > now + 1 {
+            return None;
+        }
+        if !self.cache.hit(line, element.class, Access::Read) {
+            return None;
+        }
+        self.requested[element.class as usize] += Bytes(element.bytes);
+        self.stages.drop_front();
+        self.enter(ray, now + 1);
+        self.causes.cycle(now, 0, Cause::Memory);
+        self.causes.ahead(now + 1, self.timing.interval, self.idle_cause(false));
+        self.stages.front().map(|stage| stage.0)
+    }
+
     /// A ray begins to fetch `element`.
-    pub fn fetch<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+    #[inline]
+    pub fn fetch(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].begin_fetch(element, &links.layout);
         self.fetching.push_back(ray);
     }
 
     /// A ray begins to fetch `element` from the L2.
-    pub fn fetch_straight<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+    pub fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         self.fetch(ray, element, links);
         links.rays[ray as usize].fetch.straight = true;
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
-    pub fn ready_to_write<W>(&mut self, ray: RayId, element: &Element, links: &mut Links<W>) {
+    pub fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].begin_fetch(element, &links.layout);
         self.ready.push_back(ray);
     }
 
     /// A ray is to take an operation without a fetch.
-    pub fn ready(&mut self, ray: RayId, links: &mut Links<impl Wake>) {
+    pub fn ready(&mut self, ray: RayId, links: &mut Links) {
         links.rays[ray as usize].fetch.write = false;
         self.ready.push_back(ray);
     }
 
     /// Step 5: whether an operation began.
+    #[inline]
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        let Some(&ray) = self.ready.front().filter(|_| now >= self.open_at) else { return false };
-        let fetch = &rays[ray as usize].fetch;
-        if fetch.write && self.writes.go_through(fetch.class) {
-            if self.out.len() == self.out_places {
-                return false;
-            }
-            // An entry of a store lies in one line.
-            let bytes = Bytes(fetch.bytes.into());
-            self.push_out(fetch.first, fetch.class, true, bytes);
-            let through = &mut self.written_through[fetch.class as usize];
-            through.count += 1;
-            through.bytes += bytes;
+        let Some(&ray) = self.ready.front() else { return false };
+        if now < self.open_at {
+            return false;
         }
-        self.ready.pop_front();
-        self.stages.push_back((now + self.timing.latency, ray));
-        self.open_at = now + self.timing.interval;
+        let fetch = &rays[ray as usize].fetch;
+        if fetch.write && self.writes.go_through(fetch.class) && !self.write_through(fetch) {
+            return false;
+        }
+        self.ready.drop_front();
+        self.enter(ray, now);
+        true
+    }
+
+    /// An operation of `ray` begins in cycle `at`.
+    #[inline]
+    fn enter(&mut self, ray: RayId, at: u64) {
+        self.stages.push_back((at + self.timing.latency, ray));
+        self.open_at = at + self.timing.interval;
+    }
+
+    /// Sends the write of an operation down, if there is a place.
+    fn write_through(&mut self, fetch: &Fetch) -> bool {
+        if self.out.len() == self.out_places {
+            return false;
+        }
+        // An entry of a store lies in one line.
+        let bytes = Bytes(fetch.bytes.into());
+        self.push_out(fetch.first, fetch.class, true, bytes);
+        self.written_through[fetch.class as usize].add(bytes);
         true
     }
 
     /// Steps 6 and 7, and the account of the cycle: `began` is what [`Pipeline::begin`] said, `leaving` whether a ray waits
     /// to go to another unit.
-    pub fn end(&mut self, now: u64, links: &mut Links<impl Wake>, began: bool, leaving: bool) {
-        self.accessed = false;
-        let stalled = self.access(now, &mut links.rays);
-        let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
-        if sent {
-            self.out.pop_front();
-        }
-        self.causes.cycle(now, if began { self.timing.interval } else { 0 }, self.idle_cause(leaving));
+    #[inline]
+    pub fn end(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
+        (self.accessed, self.begins_next) = (false, false);
+        let stalled = self.access(now, links);
+        let sent = !self.out.is_empty() && self.send(now, links);
+        self.account(now, began, leaving || !self.ready.is_empty());
 
-        let lines = links.lines[self.part.0 as usize].front().map(|line| line.0);
+        let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         let at_once = !self.released.is_empty()
             || !self.fetching.is_empty() && (!stalled || sent)
             || !self.out.is_empty() && sent
-            || lines.is_some_and(|at| at <= now) && (self.filled || sent || self.accessed);
-        if at_once {
-            links.clock.wake(self.part, now + 1);
-            return;
-        }
-        let begin = (!self.ready.is_empty()).then_some(self.open_at.max(now + 1));
-        let stamps = [begin, lines, self.hits.front().map(|hit| hit.0), self.stages.front().map(|stage| stage.0)];
-        if let Some(at) = stamps.into_iter().flatten().filter(|&at| at > now).min() {
+            || lines <= now && (self.filled || sent || self.accessed);
+        let at = if at_once { now + 1 } else { self.next_event(now, lines) };
+        if at != u64::MAX {
             links.clock.wake(self.part, at);
         }
     }
 
+    /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first line comes.
+    #[inline]
+    fn next_event(&self, now: u64, lines: u64) -> u64 {
+        let begin = if self.ready.is_empty() { u64::MAX } else { self.open_at.max(now + 1) };
+        let line = if lines > now { lines } else { u64::MAX };
+        let hit = self.hits.front().map_or(u64::MAX, |hit| hit.0);
+        let stage = self.stages.front().map_or(u64::MAX, |stage| stage.0);
+        begin.min(line).min(hit).min(stage)
+    }
+
+    /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or elsewhere.
+    #[inline]
+    fn idle_cause(&self, held: bool) -> Cause {
+        if held {
+            Cause::Blocked
+        } else if !self.fetching.is_empty() || self.waiting > 0 {
+            Cause::Memory
+        } else if !self.stages.is_empty() {
+            Cause::Pipeline
+        } else {
+            Cause::Starved
+        }
+    }
+
+    /// Counts the cycle by its cause; `held` says whether a ray waits for a place in the pipeline or elsewhere.
+    #[inline]
+    fn account(&mut self, now: u64, began: bool, held: bool) {
+        let idle = self.idle_cause(held);
+        let occupied = if began { self.timing.interval } else { 0 };
+        if self.begins_next {
+            // In this cycle its ray waits for the line.
+            self.causes.cycle(now, occupied, if held { Cause::Blocked } else { Cause::Memory });
+            self.causes.ahead(now + 1, self.timing.interval, idle);
+        } else {
+            self.causes.cycle(now, occupied, idle);
+        }
+    }
+
     /// Step 6; whether the queue was stopped.
-    fn access(&mut self, now: u64, rays: &mut [Ray]) -> bool {
+    #[inline]
+    fn access(&mut self, now: u64, links: &mut Links) -> bool {
         if let Some(ray) = self.released.pop_front() {
-            self.line_came(ray, rays);
+            self.line_came(ray, &mut links.rays);
             return false;
         }
         self.banks.clear();
         for _ in 0..self.ports {
             let Some(&ray) = self.fetching.front() else { return false };
-            let marked = rays[ray as usize].marked;
-            let fetch = &mut rays[ray as usize].fetch;
-            let access = self.writes.access(fetch.class, fetch.write);
-            let room = self.out.len() < self.out_places;
+            let fetch = links.rays[ray as usize].fetch;
             if fetch.straight {
-                if !room || self.straight.len() == self.most_straight {
+                if !self.ask_straight(ray, &mut links.rays) {
                     return true;
                 }
-                let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
-                (fetch.left, fetch.missing) = (0, 1);
-                self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
-                self.straight.push_back((line, ray));
-                self.read_straight[class as usize].count += 1;
-                self.read_straight[class as usize].bytes += bytes;
-                self.waiting += 1;
-                self.fetching.pop_front();
                 continue;
             }
             if !self.banks.take(fetch.line) {
                 self.cache.conflict(fetch.class);
                 return false;
             }
-            let lookup = self.cache.access(fetch.line, fetch.class, access, Some(ray), room);
-            match lookup {
-                Lookup::Stalled => return true,
-                Lookup::Passed => unreachable!("a ray waits for the data"),
-                Lookup::Hit => self.hits.push_back((now + self.hit_latency, ray)),
-                Lookup::Merged => {}
-                Lookup::Miss => {
-                    let (line, class) = (fetch.line, fetch.class);
-                    self.marked[class as usize] += u64::from(marked);
-                    let bytes = self.line;
-                    self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
-                }
+            let access = self.writes.access(fetch.class, fetch.write);
+            let hit = self.cache.hit(fetch.line, fetch.class, access);
+            if !hit && !self.miss(ray, access, &mut links.rays) {
+                return true;
             }
             self.accessed = true;
+            let fetch = &mut links.rays[ray as usize].fetch;
             fetch.line.0 += 1;
             fetch.left -= 1;
-            fetch.missing += 1;
-            if fetch.left == 0 {
-                self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+            if fetch.left > 0 {
+                // With a latency of one cycle, the line is there when the next one is accessed.
+                if !hit || self.hit_latency > 1 {
+                    self.wait(ray, hit, now, fetch);
+                }
+                continue;
+            }
+            self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+            self.fetching.drop_front();
+            let alone = hit && fetch.missing == 0 && !(fetch.write && self.writes.go_through(fetch.class));
+            if alone && self.is_open_next(now, links.lines[self.part.0 as usize].front()) {
+                self.enter(ray, now + 1);
+                self.begins_next = true;
+            } else {
                 self.waiting += 1;
-                self.fetching.pop_front();
+                self.wait(ray, hit, now, fetch);
             }
         }
         false
+    }
+
+    /// A ray waits for a line that it accessed.
+    #[inline]
+    fn wait(&mut self, ray: RayId, hit: bool, now: u64, fetch: &mut Fetch) {
+        fetch.missing += 1;
+        if hit {
+            self.hits.push_back((now + self.hit_latency, ray));
+        }
+    }
+
+    /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it does if it is the first of
+    /// the ready list. `line` is the first to come from the L2: of those that come in the next cycle all are known, since an answer takes
+    /// the L2's latency.
+    #[inline]
+    fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
+        self.hit_latency == 1
+            && self.open_at <= now + 1
+            && self.ready.is_empty()
+            && self.hits.is_empty()
+            && line.is_none_or(|line| line.at > now + 1)
+    }
+
+    /// An access of `ray` to a line that is not there; false if it has to wait.
+    fn miss(&mut self, ray: RayId, access: Access, rays: &mut [Ray]) -> bool {
+        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = rays[ray as usize];
+        let room = self.out.len() < self.out_places;
+        match self.cache.miss(line, class, access, Some(ray), room) {
+            Lookup::Stalled => return false,
+            Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
+            Lookup::Merged => {}
+            Lookup::Miss => {
+                self.marked[class as usize] += u64::from(marked);
+                let bytes = self.line;
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+            }
+        }
+        true
+    }
+
+    /// The first ray of the fetch queue asks the L2 for its line; false if it has to wait.
+    fn ask_straight(&mut self, ray: RayId, rays: &mut [Ray]) -> bool {
+        if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
+            return false;
+        }
+        let marked = rays[ray as usize].marked;
+        let fetch = &mut rays[ray as usize].fetch;
+        let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
+        (fetch.left, fetch.missing) = (0, 1);
+        self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+        self.straight.push_back((line, ray));
+        self.read_straight[class as usize].add(bytes);
+        self.waiting += 1;
+        self.fetching.drop_front();
+        true
     }
 
     fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes) {
         self.out.push_back(Request { line, class, write, bytes, from: self.part, marked: false });
     }
 
-    fn idle_cause(&self, leaving: bool) -> Cause {
-        let memory = !self.fetching.is_empty() || self.waiting > 0;
-        let pipeline = !self.stages.is_empty();
-        if leaving || !self.ready.is_empty() {
-            Cause::Blocked
-        } else if memory {
-            Cause::Memory
-        } else if pipeline {
-            Cause::Pipeline
-        } else {
-            Cause::Starved
+    /// Step 7; whether the first of the out queue found a place.
+    fn send(&mut self, now: u64, links: &mut Links) -> bool {
+        let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
+        if sent {
+            self.out.drop_front();
         }
+        sent
     }
 
     /// A frame begins: lines from `first` on go.

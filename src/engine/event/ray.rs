@@ -1,7 +1,7 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
 use crate::machine::layout::{Element, Layout};
-use crate::quantity::LineAddr;
+use crate::quantity::{LineAddr, NodeId};
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step};
 
@@ -118,13 +118,22 @@ impl Default for Ray {
 
 impl Ray {
     /// The next step; `None` after the last.
+    #[inline]
     pub fn step(&self) -> Option<Step> {
         self.steps.get(self.next).map(|&word| Step::unpack(word).expect("steps are checked when a ray is handed over"))
     }
 
     /// The next step of the path; `None` after its last.
+    #[inline]
     pub fn path_step(&self) -> Option<Step> {
         if self.next < self.path_end { self.step() } else { None }
+    }
+
+    /// The node that the step of the path after the next one visits, if it does.
+    #[inline]
+    pub fn node_after(&self) -> Option<NodeId> {
+        let after = self.next + 1;
+        if after >= self.path_end { None } else { self.steps.get(after).and_then(|&word| Step::node(word)) }
     }
 
     /// Whether the ray has policy steps.
@@ -133,6 +142,7 @@ impl Ray {
     }
 
     /// Begins to fetch `element`.
+    #[inline]
     pub fn begin_fetch(&mut self, element: &Element, layout: &Layout) {
         let (line, lines) = layout.lines(element);
         self.fetch = Fetch {

@@ -7,7 +7,7 @@ use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
 use crate::stream::{RayKind, Step, Store};
 
-impl<W: Wake> Links<W> {
+impl Links {
     /// Sends a ray of a core to its list unit, if that has a place; else `from` is woken when it has.
     pub fn send_to_list(&mut self, ray: RayId, core: u32, from: PartId, now: u64) -> bool {
         let unit = self.parts.choose(self.parts.list, core, ray.into());
@@ -64,12 +64,16 @@ impl<W: Wake> Links<W> {
 
     /// A ray goes back to the unit that has a slot or a context for it.
     pub fn return_to_owner(&mut self, id: RayId, now: u64) {
-        let (inbox, part) = match self.rays[id as usize].owner {
-            Owner::Traversal(unit) => (&mut self.returned[unit as usize], self.parts.traversal(unit)),
-            Owner::ShadowCache(unit) => (&mut self.back_in_policy[unit as usize], self.parts.shadow_cache(unit)),
-        };
-        inbox.push_back((now + 1, id));
-        self.clock.wake(part, now + 1);
+        match self.rays[id as usize].owner {
+            Owner::Traversal(unit) => {
+                self.returned[unit as usize].push_back((now + 1, id));
+                self.post(unit, now + 1);
+            }
+            Owner::ShadowCache(unit) => {
+                self.back_in_policy[unit as usize].push_back((now + 1, id));
+                self.clock.wake(self.parts.shadow_cache(unit), now + 1);
+            }
+        }
     }
 
     /// A ray is done and goes to the out FIFO, if that has a place; else `from` is woken when it has.

@@ -1,6 +1,7 @@
 //! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
 //! decisions for skipped rays.
 
+use crate::memory::ring::Ring;
 use std::collections::VecDeque;
 
 use super::links::{Links, take};
@@ -30,20 +31,20 @@ pub struct ShadowCache {
     pub pipeline: Pipeline,
     register: Register,
     /// Rays that wait to go to an intersection unit.
-    leaving: VecDeque<RayId>,
+    leaving: Ring<RayId>,
     /// Rays that are done and wait for the out FIFO.
-    done: VecDeque<RayId>,
+    done: Ring<RayId>,
     contexts: usize,
     free: usize,
     /// The first entry after the pool's: steps of a frame's end use the entries from here on.
     first_entry: RayId,
-    free_entries: VecDeque<RayId>,
+    free_entries: Ring<RayId>,
     ending: Option<Ending>,
 }
 
 impl ShadowCache {
     /// Unit `index`, empty, of a machine whose pool has `pool` entries.
-    pub fn new<W: Wake>(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links<W>) -> Self {
+    pub fn new(spec: &ShadowCacheSpec, line: u64, pool: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.shadow_cache(index);
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first_entry = pool as RayId;
@@ -55,8 +56,8 @@ impl ShadowCache {
             place: spec.place,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),
             register: Register::new(spec.register.size()),
-            leaving: VecDeque::new(),
-            done: VecDeque::new(),
+            leaving: Ring::new(),
+            done: Ring::new(),
             contexts: spec.contexts.size(),
             free: spec.contexts.size(),
             first_entry,
@@ -66,7 +67,7 @@ impl ShadowCache {
     }
 
     /// Cycle `now`.
-    pub fn tick(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    pub fn tick(&mut self, now: u64, links: &mut Links) {
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
@@ -105,7 +106,7 @@ impl ShadowCache {
         }
     }
 
-    fn hear_of_the_end(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn hear_of_the_end(&mut self, now: u64, links: &mut Links) {
         let Some(planned) = links.hear_of_the_end(self.index, now) else { return };
         let waiting = self.register.drain().map(|step| (step, true));
         let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
@@ -114,7 +115,7 @@ impl ShadowCache {
         self.end_if_done(now, links);
     }
 
-    fn end_if_done(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn end_if_done(&mut self, now: u64, links: &mut Links) {
         if self.ending.as_ref().is_some_and(|ending| ending.left == 0) {
             self.ending = None;
             links.units_at_the_end -= 1;
@@ -125,7 +126,7 @@ impl ShadowCache {
         }
     }
 
-    fn take_on(&mut self, now: u64, links: &mut Links<impl Wake>) {
+    fn take_on(&mut self, now: u64, links: &mut Links) {
         if let Some(id) = take(&mut links.retired[self.index as usize], now) {
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
@@ -147,7 +148,7 @@ impl ShadowCache {
     }
 
     /// An operation of the ray has ended.
-    fn passed(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn passed(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
         if ray.undecided {
             ray.undecided = false;
@@ -167,7 +168,7 @@ impl ShadowCache {
     }
 
     /// Performs what the ray does next.
-    fn route(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn route(&mut self, id: RayId, now: u64, links: &mut Links) {
         loop {
             let Some(step) = links.rays[id as usize].step() else { return self.finish(id, now, links) };
             let Some((store, index)) = step.entry() else {
@@ -218,7 +219,7 @@ impl ShadowCache {
     }
 
     /// Accesses the entry of the ray's next step.
-    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links<impl Wake>) {
+    fn access(&mut self, id: RayId, sets_modes: bool, links: &mut Links) {
         let element = links.entry_element(id);
         match self.place {
             Place::Triangle => self.leaving.push_back(id),
@@ -228,7 +229,7 @@ impl ShadowCache {
         }
     }
 
-    fn finish(&mut self, id: RayId, now: u64, links: &mut Links<impl Wake>) {
+    fn finish(&mut self, id: RayId, now: u64, links: &mut Links) {
         if id < self.first_entry {
             return self.done.push_back(id);
         }
@@ -241,7 +242,7 @@ impl ShadowCache {
     }
 
     /// The state of the queues, for the report of a deadlock.
-    pub fn queues<W>(&self, links: &Links<W>) -> String {
+    pub fn queues(&self, links: &Links) -> String {
         format!(
             "{}, to come {}, contexts {}/{}, leaving for intersection {}",
             self.pipeline.queues(),

@@ -32,28 +32,33 @@ impl Wheel {
     }
 
     /// Turns to the first cycle in which a part is due and puts the parts into `due`; `None` if no part is.
+    #[inline]
     pub fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
-        let start = (self.now % HORIZON) as usize;
-        let words = self.occupied.len();
-        let slot = (0..=words).find_map(|step| {
-            let word = (start / 64 + step) % words;
-            let mut bits = self.occupied[word];
-            if step == 0 {
-                bits &= !0 << (start % 64);
-            } else if step == words {
-                bits &= !(!0 << (start % 64));
-            }
-            (bits != 0).then(|| word * 64 + bits.trailing_zeros() as usize)
-        })?;
+        let slot = self.next_slot()?;
+        let start = self.now as usize % HORIZON as usize;
         self.now += (slot + HORIZON as usize - start) as u64 % HORIZON;
         self.occupied[slot / 64] &= !(1 << (slot % 64));
-        let set = &mut self.slots[slot * self.words..][..self.words];
-        due.take_from(set);
+        due.take_from(&mut self.slots[slot * self.words..][..self.words]);
         Some(self.now)
+    }
+
+    /// The first slot with a member, round from that of the current cycle on.
+    #[inline]
+    fn next_slot(&self) -> Option<usize> {
+        let start = self.now as usize % HORIZON as usize;
+        let bits = self.occupied[start / 64] & !0 << (start % 64);
+        if bits != 0 {
+            return Some(start / 64 * 64 + bits.trailing_zeros() as usize);
+        }
+        // The last word is the first again, for the slots before the current one.
+        let words = self.occupied.len();
+        let word = (1..=words).map(|step| (start / 64 + step) % words).find(|&word| self.occupied[word] != 0)?;
+        Some(word * 64 + self.occupied[word].trailing_zeros() as usize)
     }
 }
 
 impl Wake for Wheel {
+    #[inline]
     fn wake(&mut self, part: PartId, at: u64) {
         debug_assert!(at > self.now || self.now == 0);
         let slot = (at.min(self.now + HORIZON - 1) % HORIZON) as usize;

@@ -1,12 +1,11 @@
 //! A channel, scheduled first-ready, first-come-first-served (Rixner et al. 2000).
 
-use std::collections::VecDeque;
-
 use super::command::{ChannelLog, Column, Command};
 use super::mapping::Place;
 use super::part::{DramPart, Timing};
 use super::spec::{Clocks, DramSpec, Page};
 use crate::memory::queue::{Load, Queue};
+use crate::memory::ring::Ring;
 use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
@@ -65,7 +64,7 @@ pub struct Channel {
     banks: Vec<BankState>,
     groups: Vec<Earliest>,
     any: Earliest,
-    transfers: VecDeque<Transfer>,
+    transfers: Ring<Transfer>,
     /// When the data bus is free.
     bus_free: u64,
     /// Whether the bus was used last for a read.
@@ -75,18 +74,32 @@ pub struct Channel {
     refresh_due: u64,
     /// No command can be given before this clock.
     command_at: u64,
+    /// What was found to come next; nothing, if that is to be found anew.
+    plan: Option<Planned>,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
     log: ChannelLog,
 }
 
-/// What a channel can do next.
-enum Next {
-    Column(usize),
-    Activate(usize),
-    Precharge(usize),
-    /// Nothing before this clock.
-    Wait(Option<u64>),
+/// Kinds of commands for a request, those that go first in front.
+#[derive(Clone, Copy, Debug)]
+enum What {
+    Column,
+    Activate,
+    Precharge,
+}
+
+impl What {
+    const ALL: [Self; 3] = [Self::Column, Self::Activate, Self::Precharge];
+}
+
+/// The next command, if no request comes and no refresh is due before.
+#[derive(Clone, Copy, Debug)]
+struct Planned {
+    clock: u64,
+    what: What,
+    /// The place of its request in the queue.
+    index: usize,
 }
 
 impl Channel {
@@ -102,12 +115,13 @@ impl Channel {
             banks: vec![BankState::default(); dram.banks.size()],
             groups: vec![Earliest::default(); dram.bank_groups.size()],
             any: Earliest::default(),
-            transfers: VecDeque::new(),
+            transfers: Ring::new(),
             bus_free: 0,
             bus_reads: false,
             activates: [None; 4],
             refresh_due: dram.timing.refi.get(),
             command_at: 0,
+            plan: None,
             counts: DramCounts::default(),
             moved: [Bytes(0); TrafficClass::ALL.len()],
             log: ChannelLog::default(),
@@ -124,7 +138,7 @@ impl Channel {
         self.queue.put(Pending { request, place, prepared: Prepared::Nothing, done: 0 }, now + 1);
         let seen = self.clocks.first(now + 1);
         self.log.put(seen - 1, request.line, request.write);
-        self.command_at = self.command_at.min(seen);
+        (self.command_at, self.plan) = (self.command_at.min(seen), None);
         wake.wake(self.part, self.clocks.cycle(seen));
         true
     }
@@ -144,7 +158,7 @@ impl Channel {
         }
         // A request that was put in this cycle, before the channel acted, cannot be seen yet.
         if self.queue.last_at().is_some_and(|at| at > now) {
-            self.command_at = end;
+            (self.command_at, self.plan) = (end, None);
         }
         wake.wake(self.part, self.clocks.cycle(self.command_at));
         if let Some(transfer) = self.transfers.front() {
@@ -156,69 +170,59 @@ impl Channel {
     /// comes.
     fn command(&mut self, clock: u64, now: u64, wake: &mut impl Wake) -> u64 {
         if self.refresh_due <= clock {
+            self.plan = None;
             return self.refresh(clock);
         }
-        match self.next(clock, now) {
-            Next::Column(index) => self.column(index, clock, now, wake),
-            Next::Activate(index) => self.activate(index, clock),
-            Next::Precharge(index) => {
-                let bank = self.prepare(index, Prepared::Precharged).bank;
+        let Some(plan) = self.plan.take().or_else(|| self.plan(clock, now)) else { return self.refresh_due };
+        if plan.clock > clock {
+            self.plan = Some(plan);
+            return plan.clock.min(self.refresh_due);
+        }
+        match plan.what {
+            What::Column => self.column(plan.index, clock, now, wake),
+            What::Activate => self.activate(plan.index, clock),
+            What::Precharge => {
+                let bank = self.prepare(plan.index, Prepared::Precharged).bank;
                 self.log.give(clock, Command::Precharge { bank });
                 self.banks[bank].close(clock, &self.dram.timing);
             }
-            Next::Wait(at) => return at.unwrap_or(u64::MAX).min(self.refresh_due),
         }
         clock + 1
     }
 
-    fn next(&self, clock: u64, now: u64) -> Next {
+    /// The next command from clock `clock` on, if no request comes and no refresh is due: the first that is legal. Of those that are legal first, a
+    /// column command goes before an activate, an activate before a precharge, and then the oldest.
+    fn plan(&self, clock: u64, now: u64) -> Option<Planned> {
         let mut wanted = 0u64;
         for (_, pending) in self.queue.visible(now) {
-            if self.banks[pending.place.bank].open == Some(pending.place.row) {
-                wanted |= 1 << pending.place.bank;
-            }
+            wanted |= u64::from(self.banks[pending.place.bank].open == Some(pending.place.row)) << pending.place.bank;
         }
-        let bus = [self.bus_at(false), self.bus_at(true)];
+        let bus = [self.bus_at(false), self.bus_at(true)].map(|at| at.max(self.any.column).max(clock));
         let window = self.activates[3].map_or(0, |fourth| fourth + self.dram.timing.faw.get());
-        let activate_at = self.any.activate.max(window);
-        let (mut activate, mut precharge, mut earliest) = (None, None, None::<u64>);
-        let mut later = |at: u64| earliest = Some(earliest.map_or(at, |other| other.min(at)));
+        let activate_at = self.any.activate.max(window).max(clock);
+        // When the first command of each kind is legal, and for which request.
+        let mut first = [(u64::MAX, 0); 3];
         for (index, pending) in self.queue.visible(now) {
             let number = pending.place.bank;
             let (bank, group) = (&self.banks[number], &self.groups[self.dram.group(number)]);
             let write = pending.request.write;
-            match bank.open {
+            let (what, at) = match bank.open {
                 Some(row) if row == pending.place.row => {
-                    let column = bank.column_at.max(self.any.column).max(group.column).max(bus[usize::from(write)]);
+                    let column = bank.column_at.max(group.column).max(bus[usize::from(write)]);
                     let at = if write { column } else { column.max(self.any.read).max(group.read) };
-                    if at <= clock {
-                        return Next::Column(index);
-                    }
-                    later(at);
+                    (What::Column, at)
                 }
-                None => {
-                    let at = bank.activate_at.max(activate_at).max(group.activate);
-                    if at > clock {
-                        later(at);
-                    } else if activate.is_none() {
-                        activate = Some(index);
-                    }
-                }
-                Some(_) if wanted >> number & 1 == 0 => {
-                    if bank.precharge_at > clock {
-                        later(bank.precharge_at);
-                    } else if precharge.is_none() {
-                        precharge = Some(index);
-                    }
-                }
-                Some(_) => {}
+                None => (What::Activate, bank.activate_at.max(activate_at).max(group.activate)),
+                Some(_) if wanted >> number & 1 == 0 => (What::Precharge, bank.precharge_at.max(clock)),
+                Some(_) => continue,
+            };
+            let first = &mut first[what as usize];
+            if at < first.0 {
+                *first = (at, index);
             }
         }
-        match (activate, precharge) {
-            (Some(index), _) => Next::Activate(index),
-            (None, Some(index)) => Next::Precharge(index),
-            (None, None) => Next::Wait(earliest),
-        }
+        let (what, (clock, index)) = What::ALL.into_iter().zip(first).min_by_key(|&(_, (at, _))| at)?;
+        (clock < u64::MAX).then_some(Planned { clock, what, index })
     }
 
     /// When the bus is free for data.

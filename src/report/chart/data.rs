@@ -11,7 +11,7 @@ const SCHEMA: u32 = 1;
 
 /// The chart's data; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ChartSummary {
+pub(crate) struct ChartSummary {
     /// The version of these names.
     pub schema: u32,
     /// The experiments, in the order in which they were given.
@@ -24,7 +24,7 @@ pub struct ChartSummary {
 
 /// What a policy saved in an experiment, and what it got wrong.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub(crate) struct Point {
     /// The experiment's name.
     pub experiment: String,
     /// The scene.
@@ -47,7 +47,7 @@ pub struct Point {
 
 impl ChartSummary {
     /// The policies that cull, of all runs in which somebody looked for wrong decisions.
-    pub fn new(runs: &[Summary]) -> Self {
+    pub(crate) fn new(runs: &[Summary]) -> Self {
         let points: Vec<Point> = runs.iter().flat_map(points).collect();
         let mut policies: Vec<String> = Vec::new();
         for point in &points {
@@ -60,7 +60,7 @@ impl ChartSummary {
     }
 
     /// The data as a table.
-    pub fn grid(&self) -> Grid {
+    pub(crate) fn grid(&self) -> Grid {
         const HEAD: [&str; 8] = [
             "scene",
             "policy",

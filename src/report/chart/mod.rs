@@ -4,4 +4,4 @@ mod data;
 mod plot;
 mod write;
 
-pub use data::ChartSummary;
+pub(crate) use data::ChartSummary;

@@ -28,7 +28,7 @@ const PANELS: [(&str, Share); 3] = [
     ("All accesses on account of shadows saved", |point| point.accesses_saved),
 ];
 
-pub const PLOT: Plot<ChartSummary> =
+pub(super) const PLOT: Plot<ChartSummary> =
     Plot { name: "saving-against-error", section: (), draw: |chart| draw(chart).map(Some) };
 
 fn draw(chart: &ChartSummary) -> Result<String, DrawError> {

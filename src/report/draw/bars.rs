@@ -5,7 +5,7 @@ use plotters::style::RGBColor;
 use super::canvas::{DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, palette, svg, tick_step};
 
 /// A chart.
-pub struct BarChart {
+pub(crate) struct BarChart {
     /// What is shown.
     pub title: String,
     /// How to read it.
@@ -23,7 +23,7 @@ pub struct BarChart {
 }
 
 /// Bars that belong together.
-pub struct Group {
+pub(crate) struct Group {
     /// Their name.
     pub name: String,
     /// From the top.
@@ -31,7 +31,7 @@ pub struct Group {
 }
 
 /// A bar.
-pub struct Bar {
+pub(crate) struct Bar {
     /// Its name within the group.
     pub name: String,
     /// From the left.
@@ -41,7 +41,7 @@ pub struct Bar {
 }
 
 /// A part of a bar.
-pub struct Segment {
+pub(crate) struct Segment {
     /// Its length, in the axis's unit.
     pub length: f64,
     /// What it stands for.
@@ -53,7 +53,7 @@ const GAP: i32 = 14;
 
 impl BarChart {
     /// The chart as an SVG file.
-    pub fn draw(&self) -> Result<String, DrawError> {
+    pub(crate) fn draw(&self) -> Result<String, DrawError> {
         let bars = || self.groups.iter().flat_map(|group| &group.bars);
         let widest = |texts: &mut dyn Iterator<Item = i32>| texts.max().unwrap_or(0);
         let group_width = widest(&mut self.groups.iter().map(|group| Text::LABEL.bold().width(&group.name)));

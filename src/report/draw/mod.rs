@@ -1,9 +1,9 @@
 //! Drawing: a canvas, forms of plots that several reports use, and what a plot is.
 
-pub mod bars;
-pub mod canvas;
-pub mod over_frames;
+pub(super) mod bars;
+pub(super) mod canvas;
+pub(super) mod over_frames;
 mod plot;
 
-pub use canvas::DrawError;
-pub use plot::{Drawing, Plot, draw_all};
+pub(super) use canvas::DrawError;
+pub(super) use plot::{Drawing, Plot, draw_all};

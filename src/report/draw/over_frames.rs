@@ -5,19 +5,19 @@ use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDTH, palette, tick_st
 /// Where panels' data begins and ends.
 const X: (i32, i32) = (78, WIDTH - 246);
 /// Where labels of lines begin, right of the data.
-pub const LABELS: i32 = X.1 + 12;
+pub(crate) const LABELS: i32 = X.1 + 12;
 /// The usual height of a panel's data.
-pub const DATA: i32 = 170;
+pub(crate) const DATA: i32 = 170;
 /// The height of a label of two lines.
-pub const LABEL: i32 = 2 * LINE;
+pub(crate) const LABEL: i32 = 2 * LINE;
 
 /// The height of a panel whose data is `data` high, with its heading and what is below.
-pub const fn panel_height(data: i32) -> i32 {
+pub(crate) const fn panel_height(data: i32) -> i32 {
     data + 58
 }
 
 /// A panel's place and axes.
-pub struct Panel<'a, 'b> {
+pub(crate) struct Panel<'a, 'b> {
     canvas: &'a Canvas<'b>,
     /// Height of the data's top.
     top: i32,
@@ -28,7 +28,7 @@ pub struct Panel<'a, 'b> {
 }
 
 /// What a panel is of.
-pub struct Axes<'a> {
+pub(crate) struct Axes<'a> {
     /// What is drawn.
     pub heading: &'a str,
     /// Numbers of the frames that share the axis, in order.
@@ -45,7 +45,7 @@ pub struct Axes<'a> {
 
 impl<'a, 'b> Panel<'a, 'b> {
     /// Draws axes from height `top` on, for [`panel_height`] pixels.
-    pub fn new(canvas: &'a Canvas<'b>, top: i32, axes: &Axes<'_>) -> Result<Self, DrawError> {
+    pub(crate) fn new(canvas: &'a Canvas<'b>, top: i32, axes: &Axes<'_>) -> Result<Self, DrawError> {
         let (low, high) = axes.values;
         let step = tick_step((high - low).max(axes.least_tick), 5).max(axes.least_tick);
         let first = axes.frames.first().copied().map_or(0.0, f64::from);
@@ -79,36 +79,36 @@ impl<'a, 'b> Panel<'a, 'b> {
     }
 
     /// The column of a frame.
-    pub fn x(&self, frame: f64) -> i32 {
+    pub(crate) fn x(&self, frame: f64) -> i32 {
         let (first, last) = self.frames;
         X.0 + ((frame - first) / (last - first) * f64::from(X.1 - X.0)).round() as i32
     }
 
     /// The height of a value.
-    pub fn y(&self, value: f64) -> i32 {
+    pub(crate) fn y(&self, value: f64) -> i32 {
         let (low, high) = self.values;
         self.bottom - ((value - low) / (high - low) * f64::from(self.bottom - self.top)).round() as i32
     }
 
     /// Heights of two-line labels that belong to `values`, one beside each as far as there is room.
-    pub fn labels(&self, values: impl Iterator<Item = f64>) -> Vec<i32> {
+    pub(crate) fn labels(&self, values: impl Iterator<Item = f64>) -> Vec<i32> {
         apart(&values.map(|value| self.y(value)).collect::<Vec<_>>(), self.bottom - LINE / 2)
     }
 
     /// A dashed line over all frames.
-    pub fn level(&self, value: f64, color: plotters::style::RGBColor) -> Result<(), DrawError> {
+    pub(crate) fn level(&self, value: f64, color: plotters::style::RGBColor) -> Result<(), DrawError> {
         self.canvas.dashes(X.0, X.1, self.y(value), color)
     }
 
     /// Half the width of a frame's bar.
-    pub fn half_bar(&self, frames: &[u32]) -> i32 {
+    pub(crate) fn half_bar(&self, frames: &[u32]) -> i32 {
         let pixels = f64::from(X.1 - X.0) * spacing(frames) / (self.frames.1 - self.frames.0);
         ((pixels * 0.35) as i32).clamp(1, 24)
     }
 }
 
 /// The axis's name, below the last panel.
-pub fn name_frames(canvas: &Canvas<'_>, top: i32) -> Result<(), DrawError> {
+pub(crate) fn name_frames(canvas: &Canvas<'_>, top: i32) -> Result<(), DrawError> {
     canvas.text("frame number", ((X.0 + X.1) / 2, top + LINE / 2), Text::NOTE.centered())
 }
 

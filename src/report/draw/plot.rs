@@ -3,7 +3,7 @@
 use super::canvas::DrawError;
 
 /// A plot of data `D` that stands in section `S` of the page.
-pub struct Plot<D, S = ()> {
+pub(crate) struct Plot<D, S = ()> {
     /// Its name in files.
     pub name: &'static str,
     /// Where it belongs.
@@ -14,7 +14,7 @@ pub struct Plot<D, S = ()> {
 
 /// A plot, drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Drawing<S = ()> {
+pub(crate) struct Drawing<S = ()> {
     /// The file's name, without its end.
     pub name: String,
     /// Where it belongs.
@@ -27,7 +27,7 @@ pub struct Drawing<S = ()> {
 ///
 /// # Errors
 /// A plot cannot be drawn.
-pub fn draw_all<D, S: Clone>(data: &D, plots: &[Plot<D, S>]) -> Result<Vec<Drawing<S>>, DrawError> {
+pub(crate) fn draw_all<D, S: Clone>(data: &D, plots: &[Plot<D, S>]) -> Result<Vec<Drawing<S>>, DrawError> {
     let drawn = plots.iter().map(|Plot { name, section, draw }| {
         let svg = draw(data)?;
         Ok(svg.map(|svg| Drawing { name: (*name).into(), section: section.clone(), svg }))

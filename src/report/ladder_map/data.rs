@@ -9,7 +9,7 @@ use crate::stats::MachineStats;
 
 /// The map; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LadderMap {
+pub(crate) struct LadderMap {
     /// The rows' names.
     pub rows: Vec<String>,
     /// What was swept.
@@ -18,7 +18,7 @@ pub struct LadderMap {
 
 /// Something that was swept while all else stayed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Axis {
+pub(crate) struct Axis {
     /// Its name, with a unit.
     pub name: String,
     /// The points.
@@ -27,7 +27,7 @@ pub struct Axis {
 
 /// A stream on a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Point {
+pub(crate) struct Point {
     /// What the axis is at.
     pub value: String,
     /// Cycles that `Event` takes.
@@ -38,7 +38,7 @@ pub struct Point {
 
 /// How often samples of other rays each had the truth in their interval of cycles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Covered {
+pub(crate) struct Covered {
     /// How many had.
     pub held: u32,
     /// How many had an interval.
@@ -47,7 +47,7 @@ pub struct Covered {
 
 /// What a rung makes of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Row {
+pub(crate) struct Row {
     /// Share by which each of [`Figure::ALL`] is off; absent where the rung doesn't say, or `Event` has none. The worst
     /// of several samples.
     pub errors: [Option<f64>; Figure::ALL.len()],
@@ -57,7 +57,7 @@ pub struct Row {
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
+pub(crate) enum Figure {
     /// Cycles of the run.
     Cycles,
     /// Bytes between L1s and L2.
@@ -70,10 +70,10 @@ pub enum Figure {
 
 impl Figure {
     /// All figures.
-    pub const ALL: [Self; 4] = [Self::Cycles, Self::L2Bytes, Self::DramBytes, Self::L1Misses];
+    pub(crate) const ALL: [Self; 4] = [Self::Cycles, Self::L2Bytes, Self::DramBytes, Self::L1Misses];
 
     /// Its name.
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Cycles => "cycles",
             Self::L2Bytes => "L2 bytes",
@@ -96,12 +96,12 @@ impl Figure {
     }
 
     /// The share by which `found` is off `truth`.
-    pub fn error(self, found: &MachineStats, truth: &MachineStats) -> Option<f64> {
+    pub(crate) fn error(self, found: &MachineStats, truth: &MachineStats) -> Option<f64> {
         off(self.of(found)?, self.of(truth)?)
     }
 
     /// The share by which a ratio of misses is off, if this is about that.
-    pub fn error_of_ratio(self, ratio: f64, truth: &MachineStats) -> Option<f64> {
+    pub(crate) fn error_of_ratio(self, ratio: f64, truth: &MachineStats) -> Option<f64> {
         if self != Self::L1Misses {
             return None;
         }
@@ -115,7 +115,7 @@ fn off(found: f64, truth: f64) -> Option<f64> {
 }
 
 /// The worst of each row and figure, and where that is.
-pub fn grid(map: &LadderMap) -> Grid {
+pub(crate) fn grid(map: &LadderMap) -> Grid {
     let head = ["rung", "figure", "mean", "worst", "where"].map(String::from).to_vec();
     let mut rows = Vec::new();
     for (index, name) in map.rows.iter().enumerate() {

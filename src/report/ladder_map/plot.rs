@@ -29,7 +29,7 @@ fn look(error: f64) -> RGBColor {
     pale(color)
 }
 
-pub const PLOT: Plot<LadderMap> = Plot { name: "ladder", section: (), draw: |map| draw(map).map(Some) };
+pub(super) const PLOT: Plot<LadderMap> = Plot { name: "ladder", section: (), draw: |map| draw(map).map(Some) };
 
 fn draw(map: &LadderMap) -> Result<String, DrawError> {
     let legend: Vec<_> = LOOKS.map(|(_, name, color)| (name.to_owned(), pale(color))).into();

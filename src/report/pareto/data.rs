@@ -13,7 +13,7 @@ const SCHEMA: u32 = 2;
 
 /// What every rung found, and how far off it was.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ParetoSummary {
+pub(crate) struct ParetoSummary {
     /// The version of these names.
     pub schema: u32,
     /// The rung that the others are held to.
@@ -28,7 +28,7 @@ pub struct ParetoSummary {
 
 impl ParetoSummary {
     /// Compares the runs.
-    pub fn new(truth: String, rungs: Vec<String>, runs: Vec<Run>) -> Self {
+    pub(crate) fn new(truth: String, rungs: Vec<String>, runs: Vec<Run>) -> Self {
         let mut policies: Vec<String> = Vec::new();
         for run in &runs {
             if !policies.contains(&run.policy) {
@@ -40,7 +40,7 @@ impl ParetoSummary {
     }
 
     /// The rungs, with their speed, that none beats in both speed and mean error of `figure`.
-    pub fn frontier(&self, timings: &[Timing], figure: fn(&Rung) -> Option<Spread>) -> Vec<bool> {
+    pub(crate) fn frontier(&self, timings: &[Timing], figure: fn(&Rung) -> Option<Spread>) -> Vec<bool> {
         let points: Vec<_> =
             self.rungs.iter().zip(timings.iter().skip(1)).map(|(rung, it)| (it.speed(), figure(rung))).collect();
         let truth = timings.first().map(|truth| (truth.speed(), Some(Spread { mean: 0.0, worst: 0.0 })));
@@ -58,7 +58,7 @@ impl ParetoSummary {
     }
 
     /// A row a rung.
-    pub fn grid(&self, timings: &[Timing]) -> Grid {
+    pub(crate) fn grid(&self, timings: &[Timing]) -> Grid {
         const HEAD: [&str; 11] = [
             "rung",
             "rays/s",
@@ -101,12 +101,12 @@ impl ParetoSummary {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::super::run::{Figures, Found, Measured};
     use super::*;
     use crate::stats::Accuracy;
 
-    pub fn run(policy: &str, truth: u64, found: u64) -> Run {
+    pub(crate) fn run(policy: &str, truth: u64, found: u64) -> Run {
         let figures = |cycles| Figures { cycles, l2_bytes: 100, dram_bytes: 0 };
         Run {
             scene: "room".into(),
@@ -122,7 +122,7 @@ pub mod tests {
         }
     }
 
-    pub fn summary() -> (ParetoSummary, Vec<Timing>) {
+    pub(crate) fn summary() -> (ParetoSummary, Vec<Timing>) {
         let runs = vec![run("Off", 1000, 1020), run("A", 980, 1100)];
         let timing = |rung: &str, seconds| Timing { rung: rung.into(), seconds, truth_seconds: 2.0, rays: 1000 };
         (ParetoSummary::new("Event".into(), vec!["B".into()], runs), vec![timing("Event", 2.0), timing("B", 1.0)])

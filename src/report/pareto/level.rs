@@ -7,7 +7,7 @@ use crate::report::format::percent;
 
 /// How far off a rung is, over all runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Rung {
+pub(crate) struct Rung {
     /// Its name.
     pub name: String,
     /// Error of the cycles, as a share of the truth.
@@ -30,7 +30,7 @@ pub struct Rung {
 
 /// Mean and largest of some errors.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Spread {
+pub(crate) struct Spread {
     /// The mean.
     pub mean: f64,
     /// The largest.

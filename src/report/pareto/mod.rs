@@ -8,8 +8,9 @@ mod run;
 mod timing;
 mod write;
 
-pub use data::ParetoSummary;
-pub use level::Rung;
-pub use report::ParetoReport;
-pub use run::{Figures, Found, Measured, Run};
-pub use timing::Timing;
+pub(crate) use data::ParetoSummary;
+#[cfg(test)]
+pub(crate) use level::Rung;
+pub(crate) use report::ParetoReport;
+pub(crate) use run::{Figures, Found, Measured, Run};
+pub(crate) use timing::Timing;

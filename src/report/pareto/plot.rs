@@ -30,7 +30,7 @@ const PANELS: [(&str, Figure); 4] = [
     ("Share of cycles saved by a policy (difference of shares)", |rung| rung.saving),
 ];
 
-pub const PLOT: Plot<ParetoReport> =
+pub(super) const PLOT: Plot<ParetoReport> =
     Plot { name: "pareto", section: (), draw: |report| draw(&report.summary, &report.timings).map(Some) };
 
 fn draw(summary: &ParetoSummary, timings: &[Timing]) -> Result<String, DrawError> {

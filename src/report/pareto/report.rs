@@ -4,7 +4,7 @@ use super::data::ParetoSummary;
 use super::timing::Timing;
 
 /// What every level found, and how long each took.
-pub struct ParetoReport {
+pub(crate) struct ParetoReport {
     /// What every level found.
     pub summary: ParetoSummary,
     /// Of the truth, then of each level.

@@ -6,7 +6,7 @@ use crate::stats::{Accuracy, MachineStats};
 
 /// A machine on the stream of a policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Run {
+pub(crate) struct Run {
     /// The scene.
     pub scene: String,
     /// The machine.
@@ -26,7 +26,7 @@ pub struct Run {
 /// What became of a run by a rung.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
-pub enum Found {
+pub(crate) enum Found {
     /// It was replayed.
     Measured(Measured),
     /// The rung refused it.
@@ -48,7 +48,7 @@ impl Run {
 
 /// What is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// Cycles.
     pub cycles: u64,
     /// Bytes between L1s and L2.
@@ -59,7 +59,7 @@ pub struct Figures {
 
 impl Figures {
     /// From a run's statistics.
-    pub fn of(stats: &MachineStats) -> Self {
+    pub(crate) fn of(stats: &MachineStats) -> Self {
         let l2 = stats.bytes.keys().filter(|level| level.starts_with("l2"));
         Self {
             cycles: stats.cycles.0,
@@ -76,7 +76,7 @@ impl Figures {
 
 /// What a rung found.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Measured {
+pub(crate) struct Measured {
     /// The figures.
     #[serde(flatten)]
     pub figures: Figures,

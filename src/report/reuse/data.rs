@@ -8,7 +8,7 @@ use crate::stats::{MachineStats, ReuseCurve, ReuseLevel};
 
 /// Reuse in the caches of a machine on a stream; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ReuseSummary {
+pub(crate) struct ReuseSummary {
     /// The machine's name.
     pub machine: String,
     /// The stream's scene and policy.
@@ -24,7 +24,7 @@ pub struct ReuseSummary {
 }
 
 /// The size of a cache.
-pub fn size(bytes: u64) -> String {
+pub(super) fn size(bytes: u64) -> String {
     if bytes < 1 << 20 {
         format!("{} kB", bytes as f64 / 1024.0)
     } else {
@@ -34,7 +34,7 @@ pub fn size(bytes: u64) -> String {
 
 /// Misses of the caches as the machine has them, by class: counted in its sets, and from reuse distances without sets
 /// and in random ones.
-pub fn grid(summary: &ReuseSummary) -> Grid {
+pub(crate) fn grid(summary: &ReuseSummary) -> Grid {
     let head = ["cache", "class", "each", "accesses", "misses", "without sets", "random sets", "first touches"];
     let mut rows = Vec::new();
     for level in &summary.levels {

@@ -4,4 +4,4 @@ mod data;
 mod plot;
 mod write;
 
-pub use data::{ReuseSummary, grid};
+pub(crate) use data::{ReuseSummary, grid};

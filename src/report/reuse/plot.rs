@@ -14,7 +14,8 @@ const BELOW: i32 = 40;
 const AXIS: i32 = 76;
 const END: i32 = WIDTH - 40;
 
-pub const PLOT: Plot<ReuseSummary> = Plot { name: "reuse", section: (), draw: |summary| draw(summary).map(Some) };
+pub(super) const PLOT: Plot<ReuseSummary> =
+    Plot { name: "reuse", section: (), draw: |summary| draw(summary).map(Some) };
 
 fn draw(summary: &ReuseSummary) -> Result<String, DrawError> {
     let all = || summary.levels.iter().flat_map(|level| level.classes.keys());

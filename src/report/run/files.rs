@@ -9,14 +9,14 @@ use crate::report::error::ReportError;
 use crate::report::writer::SUMMARY_FILE;
 
 /// The experiment as run.
-pub const CONFIG_FILE: &str = "config.ron";
+pub(super) const CONFIG_FILE: &str = "config.ron";
 
 /// A picture and its PNG file.
-pub type PngPicture = (PictureInfo, Vec<u8>);
+pub(super) type PngPicture = (PictureInfo, Vec<u8>);
 
 /// What a run found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct RunFiles {
+pub(crate) struct RunFiles {
     /// The numbers.
     pub summary: Summary,
     /// The experiment as run, in RON.
@@ -30,7 +30,11 @@ impl RunFiles {
     ///
     /// # Errors
     /// A picture cannot be made.
-    pub fn new(mut summary: Summary, config: String, pictures: &[(PictureInfo, Image)]) -> Result<Self, ReportError> {
+    pub(crate) fn new(
+        mut summary: Summary,
+        config: String,
+        pictures: &[(PictureInfo, Image)],
+    ) -> Result<Self, ReportError> {
         summary.pictures = pictures.iter().map(|(info, _)| info.clone()).collect();
         let encode = |(info, image): &(PictureInfo, Image)| -> Result<PngPicture, ReportError> {
             let bytes = png(image).map_err(|source| ReportError::Picture { file: info.file.clone(), source })?;
@@ -43,7 +47,7 @@ impl RunFiles {
     ///
     /// # Errors
     /// A file cannot be read, the summary is none of this version, or names a picture outside the report.
-    pub fn read(folder: &Path) -> Result<Self, ReportError> {
+    pub(crate) fn read(folder: &Path) -> Result<Self, ReportError> {
         let path = folder.join(SUMMARY_FILE);
         let summary = read_summary(&path)?;
         let config = folder.join(CONFIG_FILE);
@@ -66,7 +70,7 @@ impl RunFiles {
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.
-pub fn read_summary(path: &Path) -> Result<Summary, ReportError> {
+pub(crate) fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
     let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
     let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;

@@ -7,7 +7,7 @@ use crate::report::format::{bytes, change, counted, exact, or_absent, percent, s
 use crate::stats::TrafficClass;
 
 /// What the run is of.
-pub fn setting(summary: &Summary) -> String {
+pub(super) fn setting(summary: &Summary) -> String {
     let scene = &summary.scene;
     format!(
         "{}: {} static and {} dynamic triangles, {}; {} at {}.",
@@ -22,7 +22,7 @@ pub fn setting(summary: &Summary) -> String {
 
 /// A policy's name and the sentences that go on from it, for each that culls: what it skipped, saved, got wrong, and
 /// what that did to each machine.
-pub fn of_policies(summary: &Summary) -> Vec<(String, String)> {
+pub(super) fn of_policies(summary: &Summary) -> Vec<(String, String)> {
     let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     culling.map(|(name, policy)| (name.to_owned(), of_policy(summary, name, policy))).collect()
 }

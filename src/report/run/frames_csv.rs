@@ -38,7 +38,7 @@ const COLUMNS: [Column; 24] = [
 ];
 
 /// `frames.csv`: a row a policy and frame, policies in the experiment's order.
-pub fn frames_csv(summary: &Summary) -> CsvTable {
+pub(super) fn frames_csv(summary: &Summary) -> CsvTable {
     let head = std::iter::once("policy").chain(COLUMNS.iter().map(|(header, _)| *header));
     let of_policy = |(name, policy): (&str, &PolicySummary)| -> Vec<Vec<String>> {
         let row = |frame: &FrameSummary| {

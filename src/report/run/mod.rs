@@ -4,19 +4,18 @@ mod files;
 mod findings;
 mod frames_csv;
 mod page;
-pub mod pictures;
+pub(crate) mod pictures;
 mod plots;
 mod summary;
 mod tables;
 mod write;
 
-pub use files::{RunFiles, read_summary};
-pub use summary::{
-    Counts, FrameResult, FrameSummary, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, Saved,
-    SceneSummary, Summary,
+pub(crate) use files::{RunFiles, read_summary};
+pub(crate) use summary::{
+    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
-pub use tables::{replayed, terminal};
-pub use write::redraw;
+pub(crate) use tables::{replayed, terminal};
+pub(crate) use write::redraw;
 
 #[cfg(test)]
-pub mod tests;
+pub(crate) mod tests;

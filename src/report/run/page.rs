@@ -16,7 +16,7 @@ use crate::report::grid::Grid;
 use crate::report::template::{self, grid};
 
 /// The page as HTML. `config` is the experiment's text as run.
-pub fn page(
+pub(super) fn page(
     summary: &Summary,
     config: &str,
     drawings: &[Drawing<Section>],

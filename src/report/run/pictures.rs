@@ -7,11 +7,11 @@ use crate::quantity::Resolution;
 use crate::validate::PixelVerdict;
 
 /// Red, green and blue, 8 bits each, as on the screen.
-pub type Rgb = [u8; 3];
+pub(crate) type Rgb = [u8; 3];
 
 /// A picture ready to be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Image {
+pub(crate) struct Image {
     /// Its size.
     pub resolution: Resolution,
     /// Row by row from the top left: as many as `resolution` says.
@@ -20,7 +20,7 @@ pub struct Image {
 
 /// What a picture of the report is, and where it lies.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct PictureInfo {
+pub(crate) struct PictureInfo {
     /// Path inside the report, with `/` between folders.
     pub file: String,
     /// What it shows.
@@ -33,7 +33,7 @@ pub struct PictureInfo {
 
 impl PictureInfo {
     /// A picture of the kind, with the file's name that follows from the rest.
-    pub fn new(kind: PictureKind, policy: Option<&str>, frame: u32) -> Self {
+    pub(crate) fn new(kind: PictureKind, policy: Option<&str>, frame: u32) -> Self {
         let whose = policy.map(|policy| format!("-{}", file_name(policy))).unwrap_or_default();
         let what = match kind {
             PictureKind::Render => "render".into(),
@@ -52,14 +52,14 @@ impl PictureInfo {
 }
 
 /// A name as part of a file's name: what is no letter, digit or `-` becomes `_`.
-pub fn file_name(name: &str) -> String {
+pub(crate) fn file_name(name: &str) -> String {
     name.chars().map(|sign| if sign.is_ascii_alphanumeric() || sign == '-' { sign } else { '_' }).collect()
 }
 
 /// What a picture shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum PictureKind {
+pub(crate) enum PictureKind {
     /// The tracer's picture.
     Render,
     /// The reference renderer's picture.
@@ -78,21 +78,21 @@ pub enum PictureKind {
 
 /// Verdicts that stand out in a picture, the strongest last, each with its name in legends and its colour (Okabe and Ito
 /// 2008).
-pub const SHOWN_VERDICTS: [(PixelVerdict, &str, Rgb); 3] = [
+pub(crate) const SHOWN_VERDICTS: [(PixelVerdict, &str, Rgb); 3] = [
     (PixelVerdict::Numeric, "numeric difference", [0x56, 0xb4, 0xe9]),
     (PixelVerdict::FalseLit, "false lit", [0xf0, 0xe4, 0x42]),
     (PixelVerdict::FalseDark, "false dark", [0xd5, 0x5e, 0x00]),
 ];
 
 /// Colours of 0..1 as on the screen. The scenes' colours are made for the screen: no curve is put on them.
-pub fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
+pub(crate) fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
     let shown = |level: f32| (level.clamp(0.0, 1.0) * 255.0).round() as u8;
     Image { resolution, pixels: colors.iter().map(|color| color.to_array().map(shown)).collect() }
 }
 
 /// Pixels by verdict on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side for
 /// every 256 pixels of the picture's width, so that a single one is seen.
-pub fn difference(render: &Image, verdicts: &[PixelVerdict]) -> Image {
+pub(crate) fn difference(render: &Image, verdicts: &[PixelVerdict]) -> Image {
     let Resolution { width, height } = render.resolution;
     let mut pixels: Vec<Rgb> = render.pixels.iter().map(|&rgb| dimmed(rgb)).collect();
     let margin = width.div_ceil(256);
@@ -117,16 +117,16 @@ fn dimmed([red, green, blue]: Rgb) -> Rgb {
 }
 
 /// Names of the occlusion modes, by their two bits.
-pub const OCCLUSION_MODES: [&str; 4] = ["INIT", "PARTIALLY_OCCLUDED", "FULLY_RENDERED", "DYNAMIC"];
+pub(crate) const OCCLUSION_MODES: [&str; 4] = ["INIT", "PARTIALLY_OCCLUDED", "FULLY_RENDERED", "DYNAMIC"];
 
 /// Names of the shadow modes, by their two bits.
-pub const SHADOW_MODES: [&str; 4] = ["INIT", "FULL_SHADOW", "NON_SHADOW", "PARTIAL_SHADOW"];
+pub(crate) const SHADOW_MODES: [&str; 4] = ["INIT", "FULL_SHADOW", "NON_SHADOW", "PARTIAL_SHADOW"];
 
 /// Lights that a 32-bit word has room for.
-pub const LIGHTS_A_WORD: u32 = 15;
+pub(crate) const LIGHTS_A_WORD: u32 = 15;
 
 /// The colour of a word's two modes: the occlusion mode gives the hue, the shadow mode the lightness.
-pub fn word_color(occlusion: usize, shadow: usize) -> Rgb {
+pub(crate) fn word_color(occlusion: usize, shadow: usize) -> Rgb {
     // Hues: grey, orange, blue, purple (Okabe and Ito 2008).
     const HUES: [[f32; 3]; 4] = [[150.0; 3], [230.0, 159.0, 0.0], [0.0, 114.0, 178.0], [204.0, 121.0, 167.0]];
     // Share of the hue, and of white, by shadow mode: dark for shadow, light for none, its middle for both.
@@ -136,18 +136,18 @@ pub fn word_color(occlusion: usize, shadow: usize) -> Rgb {
 }
 
 /// Colour where a primary ray hits nothing.
-pub const NO_WORD: Rgb = [0x18, 0x18, 0x18];
+pub(crate) const NO_WORD: Rgb = [0x18, 0x18, 0x18];
 
 /// Mode words by colour: per pixel the word of what is seen (`None` for nothing). `place` is the light's place in the
 /// word, from 0 to [`LIGHTS_A_WORD`] less one. A word's bits 1:0 are the occlusion mode, bits 3:2 the first light's.
-pub fn words(resolution: Resolution, words: &[Option<u32>], place: u32) -> Image {
+pub(crate) fn words(resolution: Resolution, words: &[Option<u32>], place: u32) -> Image {
     assert!(place < LIGHTS_A_WORD, "a word has room for {LIGHTS_A_WORD} lights");
     let color = |word: u32| word_color((word & 3) as usize, (word >> (2 + 2 * place) & 3) as usize);
     Image { resolution, pixels: words.iter().map(|word| word.map_or(NO_WORD, color)).collect() }
 }
 
 /// The picture as a PNG file. Fails if there are more or fewer pixels than the size says.
-pub fn png(image: &Image) -> Result<Vec<u8>, png::EncodingError> {
+pub(crate) fn png(image: &Image) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, image.resolution.width, image.resolution.height);
     encoder.set_color(png::ColorType::Rgb);

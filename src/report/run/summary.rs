@@ -16,11 +16,11 @@ use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
 
 /// The version of the names and their meanings.
-pub const SCHEMA: u32 = 1;
+pub(crate) const SCHEMA: u32 = 1;
 
 /// A whole run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Summary {
+pub(crate) struct Summary {
     /// Always [`SCHEMA`].
     pub schema: u32,
     /// The experiment's name.
@@ -49,7 +49,7 @@ pub struct Summary {
 
 /// The scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SceneSummary {
+pub(crate) struct SceneSummary {
     /// Its name.
     pub name: String,
     /// Triangles that stay.
@@ -62,7 +62,7 @@ pub struct SceneSummary {
 
 /// What a policy did in all frames together, and in each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PolicySummary {
+pub(crate) struct PolicySummary {
     /// Sums over all frames.
     #[serde(flatten)]
     pub counts: Counts,
@@ -79,7 +79,7 @@ pub struct PolicySummary {
 
 /// A share of work saved against the baseline; all `None` where the baseline has no such work, or there is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Saved {
+pub(crate) struct Saved {
     /// Mean of the frames' shares.
     pub mean: Option<f64>,
     /// The largest share of a frame.
@@ -92,7 +92,7 @@ pub struct Saved {
 
 /// What a policy did in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct FrameSummary {
+pub(crate) struct FrameSummary {
     /// The frame's number.
     pub frame: u32,
     /// The counts.
@@ -109,7 +109,7 @@ pub struct FrameSummary {
 /// Peak signal-to-noise ratio of a picture against the reference renderer's.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Psnr {
+pub(crate) enum Psnr {
     /// No pixel differs.
     Identical,
     /// The ratio in dB.
@@ -118,7 +118,7 @@ pub enum Psnr {
 
 /// Wrong shadow decisions towards one light, in all frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct LightWrong {
+pub(crate) struct LightWrong {
     /// The light's number.
     pub light: u32,
     /// Decided dark where the ray, traced, finds the light.
@@ -130,7 +130,7 @@ pub struct LightWrong {
 /// Counts of a policy, of a frame or of many. See [`Totals`] for those of the same name.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[allow(missing_docs, reason = "the documented fields of `Totals`, under the same names")]
-pub struct Counts {
+pub(crate) struct Counts {
     pub primary_rays: u64,
     pub secondary_rays: u64,
     pub shadow_rays: u64,
@@ -166,7 +166,7 @@ fn known_sum(a: Option<u64>, b: Option<u64>) -> Option<u64> {
 
 impl Counts {
     /// False dark and false lit together.
-    pub fn wrong(&self) -> Option<u64> {
+    pub(crate) fn wrong(&self) -> Option<u64> {
         Some(self.false_dark? + self.false_lit?)
     }
 
@@ -220,7 +220,7 @@ impl Counts {
 
 /// What a policy did in a frame, as it was counted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrameResult {
+pub(crate) struct FrameResult {
     /// The frame's number.
     pub frame: u32,
     /// The tracer's counts.
@@ -273,7 +273,7 @@ impl FrameResult {
 
 impl PolicySummary {
     /// Sums a policy's frames up, against what the baseline (`None` if there is none) did in the same frames.
-    pub fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
+    pub(crate) fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
         let against: BTreeMap<u32, Counts> =
             baseline.unwrap_or_default().iter().map(|result| (result.frame, result.counts())).collect();
         let summarised: Vec<FrameSummary> = frames
@@ -313,7 +313,7 @@ impl PolicySummary {
 impl PolicySummary {
     /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that the policy
     /// does itself counted in; `None` if that did not run the same frames.
-    pub fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
+    pub(crate) fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
         let pairs = self.frames.iter().zip(&baseline.frames);
         let same =
             self.frames.len() == baseline.frames.len() && pairs.clone().all(|(with, off)| with.frame == off.frame);
@@ -345,7 +345,7 @@ fn saved(with: u64, without: u64) -> Option<f64> {
 
 /// What a machine measured.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MachineSummary {
+pub(crate) struct MachineSummary {
     /// The timing model that measured it.
     pub fidelity: String,
     /// Numbers of the frames that it replayed, in order.
@@ -359,7 +359,7 @@ pub struct MachineSummary {
 
 /// What a machine measured on the stream of one policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct MachineRun {
+pub(crate) struct MachineRun {
     /// The measurements.
     #[serde(flatten)]
     pub stats: MachineStats,

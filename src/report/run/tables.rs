@@ -8,7 +8,7 @@ use crate::report::split::Split;
 use crate::stats::{Accuracy, Bounds, CacheCounts, Cause, Limit, MachineStats, ModelCheck, Needs, PartNeed};
 
 /// The policies' key figures.
-pub fn policies(summary: &Summary) -> Grid {
+pub(super) fn policies(summary: &Summary) -> Grid {
     const HEAD: [&str; 9] = [
         "policy",
         "skipped",
@@ -41,7 +41,7 @@ pub fn policies(summary: &Summary) -> Grid {
 }
 
 /// All bytes that moved between DRAM and the level above.
-pub fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
+pub(super) fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
@@ -74,7 +74,7 @@ fn error(accuracy: &Accuracy) -> String {
 }
 
 /// The machines' key figures, with the change against the run without culling.
-pub fn machines(summary: &Summary) -> Grid {
+pub(super) fn machines(summary: &Summary) -> Grid {
     const HEAD: [&str; 7] =
         ["machine", "policy", "cycles", "rays/s", "DRAM traffic", "DRAM use", "error (cycles, DRAM)"];
     let mut rows = Vec::new();
@@ -101,7 +101,7 @@ pub fn machines(summary: &Summary) -> Grid {
 }
 
 /// What each policy saved and paid on a machine.
-pub fn split(machine: &MachineSummary) -> Grid {
+pub(super) fn split(machine: &MachineSummary) -> Grid {
     let row = |(policy, split): (&str, &Split)| {
         std::iter::once(policy.to_owned()).chain(Split::COLUMNS.map(|(_, text)| text(split))).collect()
     };
@@ -113,14 +113,14 @@ pub fn split(machine: &MachineSummary) -> Grid {
 }
 
 /// The run in a dozen lines for the terminal, without a line's end at the end.
-pub fn terminal(summary: &Summary) -> String {
+pub(crate) fn terminal(summary: &Summary) -> String {
     let grids = [policies(summary), machines(summary)];
     let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
     shown.collect::<Vec<_>>().join("\n\n")
 }
 
 /// What one machine measured on one stream, for the terminal, without a line's end at the end.
-pub fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
+pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
     let run = MachineRun::from(stats.clone());
     let head = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
     let sum = Grid {
@@ -220,7 +220,7 @@ fn trust(stats: &MachineStats) -> String {
 }
 
 /// What each part of the machine is worth on a stream.
-pub fn parts(needs: &Needs) -> Grid {
+pub(super) fn parts(needs: &Needs) -> Grid {
     let signed = |share: Option<f64>| or_absent(share.and_then(|it| change(1.0, 1.0 + it)), |it| it);
     let row = |it: &PartNeed| {
         let [cycles, l2, dram] = [it.cycles, it.l2_bytes, it.dram_bytes].map(signed);
@@ -234,7 +234,7 @@ pub fn parts(needs: &Needs) -> Grid {
 }
 
 /// Which models were tried on a stream; the last was taken.
-pub fn models(needs: &Needs) -> Grid {
+pub(super) fn models(needs: &Needs) -> Grid {
     let row = |it: &ModelCheck| {
         let verdict = if it.passes { "close enough" } else { "not close enough" };
         vec![it.model.clone(), verdict.into(), or_absent(it.error, percent), or_absent(it.held_back, percent)]

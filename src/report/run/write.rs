@@ -44,6 +44,6 @@ impl Report for RunFiles {
 ///
 /// # Errors
 /// A file cannot be read, made or written.
-pub fn redraw(folder: &Path) -> Result<PathBuf, ReportError> {
+pub(crate) fn redraw(folder: &Path) -> Result<PathBuf, ReportError> {
     draw_again(folder, &RunFiles::read(folder)?)
 }

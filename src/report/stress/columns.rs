@@ -4,14 +4,14 @@ use crate::report::draw::DrawError;
 use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDTH, palette};
 
 /// Where columns begin, right of the cases' names.
-pub const COLUMNS: i32 = 140;
+pub(super) const COLUMNS: i32 = 140;
 /// Height of the columns' names: three short lines.
-pub const HEAD: i32 = 3 * 15 + 8;
+pub(super) const HEAD: i32 = 3 * 15 + 8;
 /// Height of a case's row.
-pub const ROW: i32 = 24;
+pub(super) const ROW: i32 = 24;
 
 /// The columns' names, in lines that end above `bottom`; gives the columns' width.
-pub fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
+pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
     let width = ((WIDTH - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
     for (column, name) in (0..).zip(names) {
         let lines = lines(name);

@@ -10,7 +10,7 @@ const SCHEMA: u32 = 2;
 
 /// What all policies did in all cases; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StressSummary {
+pub(crate) struct StressSummary {
     /// The version of these names.
     pub schema: u32,
     /// The policies, in the order of the columns.
@@ -27,7 +27,7 @@ pub struct StressSummary {
 
 /// A policy under stress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StressPolicy {
+pub(crate) struct StressPolicy {
     /// Its name.
     pub name: String,
     /// Whether it must never be wrong.
@@ -36,7 +36,7 @@ pub struct StressPolicy {
 
 /// A timing model under stress.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct StressModel {
+pub(crate) struct StressModel {
     /// Its name.
     pub name: String,
     /// Whether it must give the same numbers as the first.
@@ -45,7 +45,7 @@ pub struct StressModel {
 
 /// What a timing model made of a case, all streams together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub enum ModelVerdict {
+pub(crate) enum ModelVerdict {
     /// Every number is the first model's.
     Agrees,
     /// Some number differs; the cycles by this share at most.
@@ -56,7 +56,7 @@ pub enum ModelVerdict {
 
 impl ModelVerdict {
     /// A stream that takes `truth` cycles took `found` in the model.
-    pub fn off_by(&mut self, truth: Cycle, found: Cycle) {
+    pub(crate) fn off_by(&mut self, truth: Cycle, found: Cycle) {
         let share = (found.0 as f64 - truth.0 as f64).abs() / truth.0.max(1) as f64;
         let before = if let Self::Differs(share) = self { *share } else { 0.0 };
         *self = Self::Differs(share.max(before));
@@ -65,7 +65,7 @@ impl ModelVerdict {
 
 /// What happened in a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CaseSummary {
+pub(crate) struct CaseSummary {
     /// Its name.
     pub name: String,
     /// What it is about.
@@ -78,7 +78,7 @@ pub struct CaseSummary {
 
 /// Wrong decisions in a frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FrameWrong {
+pub(crate) struct FrameWrong {
     /// Shadow rays decided on.
     pub shadow_rays: u64,
     /// Decided dark, though the light is seen.
@@ -89,14 +89,14 @@ pub struct FrameWrong {
 
 impl FrameWrong {
     /// Wrong decisions of both kinds.
-    pub fn wrong(&self) -> u64 {
+    pub(crate) fn wrong(&self) -> u64 {
         self.false_dark + self.false_lit
     }
 }
 
 /// How a case ended for a policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Outcome {
+pub(crate) enum Outcome {
     /// No decision was wrong.
     Right,
     /// Some were, none in the last frame.
@@ -117,7 +117,7 @@ pub enum Outcome {
 
 impl Outcome {
     /// The outcome of some frames.
-    pub fn of(all: &[FrameWrong]) -> Self {
+    pub(crate) fn of(all: &[FrameWrong]) -> Self {
         let frames = all.iter().filter(|frame| frame.wrong() > 0).count();
         let worst = all.iter().map(FrameWrong::wrong).max().unwrap_or(0);
         match all.last() {
@@ -130,7 +130,7 @@ impl Outcome {
 
 /// What one other answer to what the text leaves open changes, against the default answers on the same scenes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Effect {
+pub(crate) struct Effect {
     /// The answer, as a config has it.
     pub option: String,
     /// Change of the share of shadow traversal saved.
@@ -141,7 +141,7 @@ pub struct Effect {
 
 /// A mean change over scenes.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Shift {
+pub(crate) struct Shift {
     /// The mean.
     pub mean: f64,
     /// Half the width of its 95 % confidence interval.
@@ -150,7 +150,7 @@ pub struct Shift {
 
 impl Shift {
     /// Of the changes seen in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
-    pub fn of(changes: &[f64]) -> Self {
+    pub(crate) fn of(changes: &[f64]) -> Self {
         const T: f64 = 2.201;
         let count = changes.len() as f64;
         let mean = changes.iter().sum::<f64>() / count;
@@ -159,14 +159,14 @@ impl Shift {
     }
 
     /// Whether the change is more than its own error bar.
-    pub fn matters(&self) -> bool {
+    pub(crate) fn matters(&self) -> bool {
         self.mean.abs() > self.error
     }
 }
 
 impl StressSummary {
     /// A summary of this version.
-    pub fn new(
+    pub(crate) fn new(
         policies: Vec<StressPolicy>,
         models: Vec<StressModel>,
         cases: Vec<CaseSummary>,
@@ -177,7 +177,7 @@ impl StressSummary {
     }
 
     /// Wrong decisions of policies that must not make any, and timing models that failed or differ where they must not.
-    pub fn broken(&self) -> Vec<String> {
+    pub(crate) fn broken(&self) -> Vec<String> {
         let of_case = |case: &CaseSummary| -> Vec<String> {
             let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);
             let wrong = exact.filter(|(_, frames)| Outcome::of(frames) != Outcome::Right);
@@ -196,7 +196,7 @@ impl StressSummary {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
 
     fn frames(wrong: &[u64]) -> Vec<FrameWrong> {
@@ -223,7 +223,7 @@ pub mod tests {
         assert!(!Shift::of(&[0.0; 12]).matters());
     }
 
-    pub fn summary() -> StressSummary {
+    pub(crate) fn summary() -> StressSummary {
         let policy = |name: &str, exact| StressPolicy { name: name.into(), exact };
         let case = CaseSummary {
             name: "C8".into(),

@@ -9,7 +9,7 @@ use crate::report::draw::canvas::{LEFT, LINE, TITLES, Text, legend_height, pale,
 use crate::report::draw::{DrawError, Plot};
 use crate::report::format::exact;
 
-pub const PLOT: Plot<StressSummary, Section> =
+pub(super) const PLOT: Plot<StressSummary, Section> =
     Plot { name: "failure-map", section: Section::Map, draw: |summary| draw(summary).map(Some) };
 
 const LOOKS: [(&str, RGBColor); 3] = [

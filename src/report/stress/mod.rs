@@ -7,6 +7,6 @@ mod over_frames;
 mod section;
 mod write;
 
-pub use data::{
-    CaseSummary, Effect, FrameWrong, ModelVerdict, Outcome, Shift, StressModel, StressPolicy, StressSummary,
-};
+#[cfg(test)]
+pub(crate) use data::Outcome;
+pub(crate) use data::{CaseSummary, Effect, FrameWrong, ModelVerdict, Shift, StressModel, StressPolicy, StressSummary};

@@ -7,7 +7,7 @@ use crate::report::draw::canvas::{LEFT, LINE, TITLES, Text, palette, svg};
 use crate::report::draw::{DrawError, Plot};
 use crate::report::format::exact;
 
-pub const PLOT: Plot<StressSummary, Section> =
+pub(super) const PLOT: Plot<StressSummary, Section> =
     Plot { name: "wrong-over-frames", section: Section::OverFrames, draw: |summary| draw(summary).map(Some) };
 
 /// Bars of wrong decisions, frame by frame, for the cases and policies that have any.

@@ -2,7 +2,7 @@
 
 /// The part of the page that a plot belongs to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Section {
+pub(crate) enum Section {
     /// How each case ended.
     Map,
     /// What happened frame by frame.

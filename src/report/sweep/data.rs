@@ -13,7 +13,7 @@ use crate::stream::Totals;
 
 /// A whole sweep.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SweepSummary {
+pub(crate) struct SweepSummary {
     /// The experiment's name.
     pub experiment: String,
     /// The scene's name.
@@ -28,7 +28,7 @@ pub struct SweepSummary {
 
 /// A field of the machine that a point sets.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Change {
+pub(crate) struct Change {
     /// Its path.
     pub field: String,
     /// Its value.
@@ -37,7 +37,7 @@ pub struct Change {
 
 /// A machine and a policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct SweepPoint {
+pub(crate) struct SweepPoint {
     /// The machine's name.
     pub machine: String,
     /// The policy's name.
@@ -55,7 +55,7 @@ pub struct SweepPoint {
 
 impl SweepPoint {
     /// The point of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
-    pub fn new(
+    pub(crate) fn new(
         machine: &str,
         policy: &str,
         changes: Vec<Change>,
@@ -74,7 +74,7 @@ impl SweepPoint {
     }
 
     /// What differs, in words.
-    pub fn label(&self) -> String {
+    pub(crate) fn label(&self) -> String {
         if self.changes.is_empty() {
             return "as in its file".into();
         }
@@ -87,17 +87,17 @@ impl SweepPoint {
 }
 
 /// The columns that name a point.
-pub const NAMES: [&str; 3] = ["machine", "policy", "point"];
+pub(super) const NAMES: [&str; 3] = ["machine", "policy", "point"];
 
 impl SweepPoint {
     /// The cells under [`NAMES`].
-    pub fn names(&self) -> [String; 3] {
+    pub(crate) fn names(&self) -> [String; 3] {
         [self.machine.clone(), self.policy.clone(), self.label()]
     }
 }
 
 /// The points as a table.
-pub fn grid(summary: &SweepSummary) -> Grid {
+pub(crate) fn grid(summary: &SweepSummary) -> Grid {
     let columns = Split::COLUMNS;
     let row = |point: &SweepPoint| {
         point.names().into_iter().chain(columns.map(|(_, text)| text(&point.split))).collect::<Vec<_>>()
@@ -107,7 +107,7 @@ pub fn grid(summary: &SweepSummary) -> Grid {
 }
 
 /// Hit rates of every cache that any point has, by class of traffic.
-pub fn hit_rates(summary: &SweepSummary) -> Vec<(String, Grid)> {
+pub(super) fn hit_rates(summary: &SweepSummary) -> Vec<(String, Grid)> {
     let of_cache = |cache: &String| {
         let classes =
             |point: &SweepPoint| point.hit_rate.get(cache).into_iter().flat_map(BTreeMap::keys).copied().collect();

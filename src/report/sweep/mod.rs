@@ -4,4 +4,4 @@ mod data;
 mod plot;
 mod write;
 
-pub use data::{Change, SweepPoint, SweepSummary, grid};
+pub(crate) use data::{Change, SweepPoint, SweepSummary, grid};

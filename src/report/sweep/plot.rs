@@ -8,7 +8,8 @@ use crate::report::draw::canvas::{DrawError, class_color};
 use crate::report::format::{change, or_absent, percent, words};
 use crate::stats::TrafficClass;
 
-pub const PLOT: Plot<SweepSummary> = Plot { name: "sweep", section: (), draw: |summary| draw(summary).map(Some) };
+pub(super) const PLOT: Plot<SweepSummary> =
+    Plot { name: "sweep", section: (), draw: |summary| draw(summary).map(Some) };
 
 fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
     let of_off = |point: &SweepPoint, bytes: u64| bytes as f64 / point.split.dram[0].0.max(1) as f64;

@@ -8,7 +8,7 @@ use crate::report::format::{bytes, change, percent_tick, words};
 use crate::report::run::summary::MachineRun;
 use crate::stats::TrafficClass;
 
-pub const PLOT: MachinePlot = MachinePlot { name: "bytes", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "bytes", draw };
 
 fn total(run: &MachineRun, level: &str) -> Option<Bytes> {
     run.stats.bytes.get(level).map(|classes| classes.values().copied().sum())

@@ -6,7 +6,7 @@ use crate::report::draw::canvas::{DrawError, palette};
 use crate::report::format::{or_absent, percent, tick};
 use crate::report::run::summary::MachineRun;
 
-pub const PLOT: MachinePlot = MachinePlot { name: "dram_rows", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "dram_rows", draw };
 
 fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
     let looks =

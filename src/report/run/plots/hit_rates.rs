@@ -6,7 +6,7 @@ use crate::report::draw::canvas::{DrawError, class_color, pale};
 use crate::report::format::{percent, percent_tick, short, words};
 use crate::stats::TrafficClass;
 
-pub const PLOT: MachinePlot = MachinePlot { name: "hit_rates", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "hit_rates", draw };
 
 fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
     let caches = machine.keys(|run| &run.stats.caches);

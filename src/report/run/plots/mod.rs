@@ -17,7 +17,7 @@ use super::summary::Summary;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use machine::{Machine, MachinePlot};
 
-pub use section::Section;
+pub(super) use section::Section;
 
 /// Plots drawn once a run, in the page's order.
 const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, tradeoff::PLOT, wrong::PLOT];
@@ -26,7 +26,7 @@ const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, tradeoff::PLOT, wro
 const MACHINE_PLOTS: &[MachinePlot] = &[split::PLOT, bytes::PLOT, hit_rates::PLOT, utilization::PLOT, dram_rows::PLOT];
 
 /// All plots of a run that there is data for.
-pub fn draw(summary: &Summary) -> Result<Vec<Drawing<Section>>, DrawError> {
+pub(super) fn draw(summary: &Summary) -> Result<Vec<Drawing<Section>>, DrawError> {
     let mut drawings = draw_all(summary, RUN_PLOTS)?;
     for MachinePlot { name, draw } in MACHINE_PLOTS {
         for (machine, found) in summary.machines.iter() {

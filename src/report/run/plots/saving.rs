@@ -9,7 +9,7 @@ use crate::report::draw::over_frames::{Axes, DATA, LABEL, LABELS, Panel, name_fr
 use crate::report::format::percent;
 use crate::report::run::summary::{FrameSummary, PolicySummary, Saved, Summary};
 
-pub const PLOT: Plot<Summary, Section> = Plot { name: "saving", section: Section::Saving, draw };
+pub(super) const PLOT: Plot<Summary, Section> = Plot { name: "saving", section: Section::Saving, draw };
 
 /// A panel's heading, a frame's share and the sums of the frames' shares.
 type Share = (&'static str, fn(&FrameSummary) -> Option<f64>, fn(&PolicySummary) -> &Saved);

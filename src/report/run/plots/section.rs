@@ -2,7 +2,7 @@
 
 /// The part of the page that a plot belongs to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Section {
+pub(crate) enum Section {
     /// What culling saved.
     Saving,
     /// What it got wrong.

@@ -7,7 +7,7 @@ use crate::report::draw::canvas::{DrawError, palette};
 use crate::report::format::{bytes, change, or_absent, percent, percent_tick};
 use crate::report::split::{Split, signed};
 
-pub const PLOT: MachinePlot = MachinePlot { name: "split", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "split", draw };
 
 fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
     let looks = [

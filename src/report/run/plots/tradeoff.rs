@@ -7,7 +7,7 @@ use crate::report::draw::canvas::{DrawError, pale, palette};
 use crate::report::format::{percent, percent_tick, short};
 use crate::report::run::summary::{PolicySummary, Summary};
 
-pub const PLOT: Plot<Summary, Section> = Plot { name: "tradeoff", section: Section::Saving, draw };
+pub(super) const PLOT: Plot<Summary, Section> = Plot { name: "tradeoff", section: Section::Saving, draw };
 
 fn draw(summary: &Summary) -> Result<Option<String>, DrawError> {
     let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));

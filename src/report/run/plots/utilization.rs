@@ -9,7 +9,7 @@ use crate::report::format::{percent, percent_tick, words};
 use crate::report::run::summary::MachineRun;
 use crate::stats::Cause;
 
-pub const PLOT: MachinePlot = MachinePlot { name: "utilization", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "utilization", draw };
 
 fn look(cause: Cause) -> (&'static str, RGBColor) {
     match cause {

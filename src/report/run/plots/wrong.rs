@@ -9,7 +9,7 @@ use crate::report::draw::over_frames::{Axes, DATA, LABELS, Panel, name_frames, p
 use crate::report::format::{counted, exact, percent, tick};
 use crate::report::run::summary::{PolicySummary, Summary};
 
-pub const PLOT: Plot<Summary, Section> = Plot { name: "wrong", section: Section::Correctness, draw };
+pub(super) const PLOT: Plot<Summary, Section> = Plot { name: "wrong", section: Section::Correctness, draw };
 
 const LOOKS: [(&str, RGBColor); 2] = [("false dark", palette::VERMILLION), ("false lit", palette::SKY)];
 

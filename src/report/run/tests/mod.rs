@@ -1,6 +1,6 @@
 //! Tests of a run's report, and of what all reports have in common.
 
-pub mod sample;
+pub(crate) mod sample;
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -22,7 +22,7 @@ use crate::validate::PixelVerdict;
 const SIZE: Resolution = Resolution { width: 96, height: 72 };
 
 /// What a policy does that saves `share` in a frame.
-pub fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
+pub(crate) fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
     let left = |work: f64| (work * (1.0 - share)) as u64;
     let tests = if share == 0.0 { 0 } else { 53_000 };
     FrameResult {
@@ -151,13 +151,13 @@ fn machine(share: f64, words: u64) -> MachineRun {
 }
 
 /// A report such as a run makes, with frame numbers `frames`.
-pub fn sample(frames: &[u32]) -> RunFiles {
+pub(crate) fn sample(frames: &[u32]) -> RunFiles {
     let (summary, config, images) = parts(frames);
     RunFiles::new(summary, config, &images).unwrap()
 }
 
 /// What a run hands to its report: numbers, the experiment as run, and pictures.
-pub fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
+pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
     let wave = |number: u32| 0.19 + 0.3 * (f64::from(number) / 90.0).sin() * (f64::from(number) / 700.0);
     let results = |of: &dyn Fn(u32) -> FrameResult| frames.iter().map(|&number| of(number)).collect::<Vec<_>>();
     let off = results(&|number| frame(number, 0.0, 0));
@@ -235,7 +235,7 @@ pub fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
 }
 
 /// A sweep of two points.
-pub fn sweep() -> SweepSummary {
+pub(crate) fn sweep() -> SweepSummary {
     let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
     let totals = frame(0, 0.2, 0).totals;
     let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
