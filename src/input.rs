@@ -1,13 +1,20 @@
 //! The one reader of a user's files: regular files only, each up to a largest size.
 
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+use xxhash_rust::xxh3::xxh3_128;
 
 /// The largest config (RON file), in bytes.
 pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
 pub(crate) const MAX_SCENE_FILE_BYTES: u64 = 1 << 28;
+
+/// The largest sum of the sizes of a scene's files, in bytes.
+const MAX_SCENE_BYTES: u64 = 1 << 30;
 
 /// Opens the regular file at `path`.
 ///
@@ -67,6 +74,53 @@ fn refused(what: String) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidInput, what)
 }
 
+/// A file that was read, and the hash of its bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// The path as the reader's caller named it first.
+    pub path: PathBuf,
+    /// XXH3 (128 bits) of the file's bytes.
+    pub hash: u128,
+}
+
+/// The files of one scene. Each is read once and held, however often it is named.
+#[derive(Debug, Default)]
+pub(crate) struct Files {
+    /// Bytes by the path that has no links.
+    held: BTreeMap<PathBuf, Rc<[u8]>>,
+    sources: Vec<Source>,
+    bytes: u64,
+}
+
+impl Files {
+    /// The bytes of the file at `path`.
+    ///
+    /// # Errors
+    /// As [`read`] with [`MAX_SCENE_FILE_BYTES`], and files that are too large in sum.
+    pub(crate) fn read(&mut self, path: &Path) -> io::Result<Rc<[u8]>> {
+        let real = path.canonicalize()?;
+        if let Some(bytes) = self.held.get(&real) {
+            return Ok(bytes.clone());
+        }
+        let bytes: Rc<[u8]> = read(path, MAX_SCENE_FILE_BYTES)?.into();
+        self.bytes += bytes.len() as u64;
+        if self.bytes > MAX_SCENE_BYTES {
+            let sum = self.bytes;
+            return Err(refused(format!(
+                "with it the scene's files have {sum} bytes: at most {MAX_SCENE_BYTES} are allowed"
+            )));
+        }
+        self.sources.push(Source { path: path.into(), hash: xxh3_128(&bytes) });
+        self.held.insert(real, bytes.clone());
+        Ok(bytes)
+    }
+
+    /// The files that were read, in the order of their first reading.
+    pub(crate) fn into_sources(self) -> Vec<Source> {
+        self.sources
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -104,5 +158,17 @@ mod tests {
         assert_eq!(read_text(&path, 100).unwrap(), "text");
         std::fs::write(&path, b"a\nb\n\xFF").unwrap();
         assert_eq!(read_text(&path, 100).unwrap_err().to_string(), "line 3 is not UTF-8 text");
+    }
+
+    #[test]
+    fn a_file_is_held_once_whatever_its_name() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("a"), b"bytes").unwrap();
+        let mut files = Files::default();
+        let first = files.read(&dir.path().join("a")).unwrap();
+        let again = files.read(&dir.path().join("./a")).unwrap();
+        assert!(Rc::ptr_eq(&first, &again));
+        let sources = files.into_sources();
+        assert_eq!((sources.len(), sources[0].hash), (1, xxh3_128(b"bytes")));
     }
 }

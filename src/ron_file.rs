@@ -114,8 +114,14 @@ pub fn extensions() -> Extensions {
 }
 
 fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
-    let what = error.code.to_string();
-    let (line, column) = named_field(&what, text).unwrap_or((error.span.start.line, error.span.start.col));
+    let found = (error.span.start.line, error.span.start.col);
+    let what = if error.code == ron::Error::ExpectedComma && letter_at(text, found) == Some('.') {
+        // The whole number before the fraction was read; of what follows, RON says that a comma is missing.
+        "a whole number is allowed here, without a fraction".to_owned()
+    } else {
+        error.code.to_string()
+    };
+    let (line, column) = named_field(&what, text).unwrap_or(found);
     Place {
         path: path.into(),
         line,
@@ -123,6 +129,11 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
         source_line: text.lines().nth(line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
         what,
     }
+}
+
+/// The letter at a line and column, both counted from 1.
+fn letter_at(text: &str, (line, column): (usize, usize)) -> Option<char> {
+    text.lines().nth(line.checked_sub(1)?)?.chars().nth(column.checked_sub(1)?)
 }
 
 /// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``: an error of several values is found at
@@ -192,6 +203,12 @@ mod tests {
          2 |     ways: 65,
            |           ^
         ");
+    }
+
+    #[test]
+    fn a_fraction_where_a_whole_number_belongs_is_told() {
+        assert!(message("(ways: 4.0)").starts_with("x.ron:1:9: a whole number is allowed here, without a fraction"));
+        assert!(message("(ways: 4 name: None)").contains("Expected comma"));
     }
 
     #[test]

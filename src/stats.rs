@@ -51,7 +51,7 @@ impl TrafficClass {
 pub enum Cause {
     /// The unit began an operation in this cycle.
     Busy,
-    /// It had nothing to do: no ray in it.
+    /// It had nothing to do: no ray in it, and none in front of it that it could take.
     Starved,
     /// It had rays, all inside its pipeline.
     Pipeline,
@@ -59,11 +59,13 @@ pub enum Cause {
     Memory,
     /// It had a result that its neighbour could not take.
     Blocked,
+    /// It took as many rays as it can in a cycle, none of them began an operation, and others waited in front of it.
+    Intake,
 }
 
 impl Cause {
     /// All causes, in the order of plots.
-    pub const ALL: [Self; 5] = [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Starved];
+    pub const ALL: [Self; 6] = [Self::Busy, Self::Pipeline, Self::Memory, Self::Blocked, Self::Intake, Self::Starved];
 
     /// The cause's name in reports, as in files.
     pub fn name(self) -> &'static str {
@@ -73,6 +75,7 @@ impl Cause {
             Self::Pipeline => "pipeline",
             Self::Memory => "memory",
             Self::Blocked => "blocked",
+            Self::Intake => "intake",
         }
     }
 }

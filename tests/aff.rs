@@ -105,6 +105,58 @@ fn polygons_become_fans() {
 }
 
 #[test]
+fn concave_polygons_are_covered_once() {
+    let dented = load("p 5 0 0 0 1 0 0 .9 .5 0 1 1 0 0 1 0");
+    let area: f32 = dented.statics.triangles.iter().map(|triangle| 0.5 * triangle.normal().length()).sum();
+    assert_eq!(dented.statics.len(), 3);
+    assert!((area - 0.95).abs() < 1e-6, "{area}");
+    let crossing = load("p 4 0 0 0 1 1 0 1 0 0 0 1 0");
+    assert!(crossing.origin.notices.iter().any(|notice| notice.contains("line 2 crosses itself")));
+}
+
+#[test]
+fn lines_end_as_on_all_systems() {
+    let text = format!("{VIEW}# a comment\np 3 0 0 0 1 0 0 0 1 0\n% another\nzz");
+    for end in ["\n", "\r", "\r\n"] {
+        let bytes = format!("\u{feff}{}", text.replace('\n', end));
+        let message = load_files(&[("a.aff", bytes.as_bytes())]).unwrap_err().to_string();
+        assert!(message.contains("a.aff:5: found `zz`"), "{message}");
+    }
+}
+
+#[test]
+fn materials_and_lights_have_ranges() {
+    for (line, expected) in [
+        ("f 1 0 0 -1 0 0 0 1", "a.aff:2: a material's diffuse share of -1 is not allowed: a number from 0 to 1 is"),
+        ("f 1 0 0 1 0 0 5 1", "a material's transmittance of 5"),
+        ("f 1 0 0 1 0 0 -1 1", "a material's transmittance of -1"),
+        ("f 1 0 0 1 0 0 .5 0", "a material's index of refraction of 0 is not allowed: a number from 0.001 to 10 is"),
+        ("fm 1 0 0 1 0 0 1 0 0 1 .5 -1.5", "a material's index of refraction of -1.5"),
+        ("fm 1 0 0 1 0 0 1 0 0 -1 0 1", "a material's shininess of -1"),
+        ("fm 1 0 0 1 2 0 1 0 0 1 0 1", "a material's diffuse term of 2"),
+        ("l 0 0 0 -1 1 1", "the colour of a light of -1"),
+        ("b 0 -1 0", "the colour of the background of -1"),
+        ("l 1e10 0 0", "found `1e10`"),
+        ("l 0 0 -1.#IND", "found `-1.#IND`"),
+        ("l 0 0 1.#INF", "found `1.#INF`"),
+    ] {
+        let message = error(line);
+        assert!(message.contains(expected), "{message}");
+    }
+    // Where no light goes through, files have an index of 0.
+    assert_eq!(load(&format!("f 1 1 1 1 0 0 0 0 {TRIANGLE}")).statics.len(), 1);
+}
+
+#[test]
+fn what_has_no_effect_is_told_once() {
+    let scene = load(&format!("d 1 i 2 none.aff i 2 none.aff {TRIANGLE}"));
+    let [notice] = &scene.origin.notices[..] else { panic!("one sentence: {:?}", scene.origin.notices) };
+    let expected =
+        "3 kinds of statements have no effect: `hither` (1), `i above the level of detail` (2), `resolution` (1)";
+    assert!(notice.ends_with(expected), "{notice}");
+}
+
+#[test]
 fn a_zero_normal_shades_flat() {
     assert_eq!(load("pp 3 0 0 0 0 0 1 1 0 0 0 0 0 0 1 0 0 0 1").statics.attributes[0].normals, None);
 }
@@ -116,7 +168,7 @@ fn spheres_and_cones_become_triangles() {
     let points = corners(&scene);
     assert!(points[..960 * 3].iter().all(|p| (p.distance(Vec3::new(1.0, 2.0, 3.0)) - 2.0).abs() < 1e-5));
     assert!(points[960 * 3..].iter().all(|p| (p.truncate().length() - (1.0 - 0.25 * p.z)).abs() < 1e-5));
-    assert!(error("s 0 0 0 0").contains("radius"));
+    assert!(error("s 0 0 0 0").contains("a number from 1e-9 to 1e9 is"));
     assert!(error("c 1 1 1 1 1 1 1 1").contains("two points"));
     assert!(error("c 1 1 1 1 0 0 0 -1").contains("radii of one sign"));
     assert!(error("c 1 1 1 0 0 0 0 0").contains("radii of one sign"));
@@ -171,7 +223,7 @@ fn static_transforms_scale_rotate_and_translate_and_nest() {
     found.iter().zip(expected).for_each(|(found, expected)| near(*found, expected));
     assert_eq!(found[6..], [Vec3::ZERO, Vec3::X, Vec3::Y]);
     assert!(error("xs 1 1 1 0 0 0 90 0 0 0 { }").contains("the axis of a rotation is"));
-    assert!(error("xs 1e9 1 1 0 0 1 0 1 0 0\n{ p 3 0 0 0 1 0 0 0 1 0 }").starts_with("a.aff:3: a corner is at"));
+    assert!(error("xs 1e9 1 1 0 0 1 0 1 0 0\n{ p 3 0 0 0 1 0 0 0 1 0 }").starts_with("a.aff:3: a point is at"));
 }
 
 #[test]
@@ -277,7 +329,7 @@ fn includes_inherit_blocks_and_share_the_material() {
 #[test]
 fn includes_that_are_missing_or_go_round_are_errors() {
     assert!(error("\n\ni 0 none.aff").starts_with("a.aff:4: cannot include `none.aff`: "));
-    assert!(error("i 0 .").contains("not a regular file"));
+    assert!(error("i 0 .").contains("a regular file is needed"));
     assert!(error("i 0 a.aff").starts_with("a.aff:2: `a.aff` includes itself"));
     let round = load_files(&[("a.aff", b"i 0 b.aff"), ("b.aff", b"\ni 0 a.aff")]).unwrap_err().to_string();
     assert!(round.ends_with("b.aff:2: `a.aff` includes itself"), "{round}");
@@ -327,12 +379,13 @@ fn motion_without_bounds_is_refused() {
     let far = |x: &str| format!("k a {{ transl 4 0 0 0 0 0 0 0  1 0 0 0 0 0 0  2 {x} 0 0 0 0 0  3 0 0 0 0 0 0 }}");
     let text = |x: &str| format!("x a {{ {TRIANGLE} }} {}", far(x));
     assert_eq!(load(&text("1e8")).dynamic_count, 1);
-    assert!(error(&text("1e10")).contains("from the origin: at most 1e9 is allowed"));
-    assert!(error(&far("1e10").replace("k a", "la a 0 0 0 k a")).contains("at most 1e9"));
-    assert!(error(&far("1e10").replace("k a", "k camera")).contains("at most 1e9"));
+    assert!(error(&text("1e9")).contains("from the origin: at most 1e9 is allowed"));
+    assert!(error(&far("1e9").replace("k a", "la a 0 0 0 k a")).contains("at most 1e9"));
+    assert!(error(&far("1e9").replace("k a", "k camera")).contains("at most 1e9"));
     let deep = format!("{}{TRIANGLE}{}", "x none { xs 1e30 1 1 0 0 1 0 0 0 0 {".repeat(20), "} }".repeat(20));
-    assert!(error(&deep).contains("at most 1e9"));
-    assert!(error("tpa 1 0 1e20 0 0 0 0 1 0 0 0 0 0 1 0 1 0 0 0 1").contains("at most 1e9"));
+    assert!(error(&deep.replace("1e30", "1e9")).contains("at most 1e9"));
+    assert!(error(&deep).contains("a number from -1e9 to 1e9, should be here"));
+    assert!(error("tpa 1 0 1e9 1e9 0 0 0 1 0 0 0 0 0 1 0 1 0 0 0 1").contains("at most 1e9"));
 }
 
 /// A scene with every command.

@@ -21,7 +21,7 @@ fn export<'a>(stream: &'a str, machine: &'a str, cache: &'a str) -> [&'a str; 10
 }
 
 const STREAM: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/traces/quickstart.rays");
-const MACHINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/machines/small.ron");
+const MACHINE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/configs/machines/small_naive.ron");
 
 /// Misses, and dirty lines displaced, of an array that is filled at once.
 fn counted(accesses: &[(bool, LineAddr)], mut tags: TagArray) -> (u64, u64) {

@@ -23,6 +23,6 @@ pub use self::ray::Ray;
 pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::spec::{AccelSpec, KdLayout, Quality};
 pub use self::statics::Accel;
-pub use self::trail::{Mark, Observer, Path, Silent, Trail};
+pub use self::trail::{Fresh, Mark, Observer, Path, Silent, Trail};
 pub use self::triangle::Record;
 pub use self::world::World;

@@ -64,6 +64,7 @@ impl Soup {
             textures: Vec::new(),
             background: Vec3::ZERO,
             ambient: Vec3::ZERO,
+            origin: crate::scene::Origin::default(),
             animation: Box::new(Still(frame.clone())),
         };
         Self { scene, frame }
@@ -412,4 +413,19 @@ fn the_records_say_what_the_tracer_counted() {
         assert_eq!(off.list_reads, if lists { off.triangle_tests + off.shadow_triangle_tests } else { 0 });
         assert!(off.secondary_rays > 0 && off.shadow_triangle_tests > 0 && published.policy_reads > 0);
     }
+}
+
+/// 20,000 equal triangles among 40 others, the latter on both sides: a build in quadratic time takes a minute.
+#[test]
+fn many_equal_triangles_are_built_over_in_time() {
+    let triangle =
+        |at: f32| Triangle { v: [Vec3::new(at, 0.0, 1.0), Vec3::new(at + 1.0, 0.0, 1.0), Vec3::new(at, 1.0, 2.0)] };
+    let others = (0..40).map(|at| triangle(at as f32 - 20.0));
+    let triangles: Vec<_> = others.chain(std::iter::repeat_n(triangle(0.0), 20_000)).collect();
+    let soup = Soup::new(&triangles, 10_000);
+    let begin = std::time::Instant::now();
+    let ray = |x: f32| Ray::new(Vec3::new(x, 0.25, 0.0), Vec3::Z, f32::INFINITY);
+    soup.check(&[ray(0.25), ray(7.25), ray(50.0)]).unwrap();
+    let seconds = begin.elapsed().as_secs_f64();
+    assert!(seconds < 20.0, "{seconds} s");
 }

@@ -1,7 +1,7 @@
 //! What watches a traversal: a recorder, or nothing.
 
 use crate::quantity::{ListId, NodeId, TriangleSlot};
-use crate::stream::{Step, Stop, Store};
+use crate::stream::{Effect, Step, Stop, Store};
 
 /// Is told of every step of a traversal, in order.
 pub trait Observer {
@@ -37,6 +37,23 @@ pub struct Trail {
     pub reads: u64,
     /// Entries of stores written, or read and written.
     pub writes: u64,
+    /// Updates among them that repeat others.
+    pub repeated: u64,
+    /// Updates among them that change nothing.
+    pub silent: u64,
+    /// Updates of mode words that change something, as far as is known where they are recorded.
+    pub fresh: Vec<Fresh>,
+}
+
+/// An update that sets bits of a mode word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Fresh {
+    /// The step's place.
+    pub at: usize,
+    /// The word.
+    pub word: u32,
+    /// The bits that it sets.
+    pub bits: u32,
 }
 
 /// A recorded path, or a part of one.
@@ -84,9 +101,10 @@ impl Trail {
 
     /// Forgets everything, keeps the memory.
     pub fn clear(&mut self) {
-        let mut steps = std::mem::take(&mut self.steps);
+        let (mut steps, mut fresh) = (std::mem::take(&mut self.steps), std::mem::take(&mut self.fresh));
         steps.clear();
-        *self = Self { steps, ..Self::default() };
+        fresh.clear();
+        *self = Self { steps, fresh, ..Self::default() };
     }
 
     /// An entry of a store was read.
@@ -105,6 +123,17 @@ impl Trail {
     pub fn update(&mut self, store: Store, index: u32) {
         self.writes += 1;
         self.steps.push(Step::Update { store, index }.pack());
+    }
+
+    /// Bits of a mode word were set, with this effect.
+    pub fn set_bits(&mut self, word: u32, bits: u32, effect: Effect) {
+        self.writes += 1;
+        match effect {
+            Effect::Changes => self.fresh.push(Fresh { at: self.steps.len(), word, bits }),
+            Effect::Repeats => self.repeated += 1,
+            Effect::Silent => self.silent += 1,
+        }
+        self.steps.push(Step::pack_word_update(word, effect));
     }
 }
 

@@ -25,9 +25,12 @@ pub(super) struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
+    /// Loads the experiment, and tells what of the scene's files has no effect.
     pub(super) fn load(&self) -> Result<Experiment> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
-        Ok(Experiment::load(&self.config, overrides)?)
+        let experiment = Experiment::load(&self.config, overrides)?;
+        experiment.scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
+        Ok(experiment)
     }
 }
 

@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::cells::Receiver;
 use crate::accel::{Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{NodeId, PrimitiveId};
-use crate::stream::Store;
+use crate::stream::{Effect, Store};
 
 /// A worker's hands: tests triangles and touches the policy's stores, and records every access.
 pub struct Probe<'a> {
@@ -86,5 +86,10 @@ impl<'a> Probe<'a> {
     /// Reads, changes and writes an entry of a store.
     pub fn update(&mut self, store: Store, index: u32) {
         self.trail.update(store, index);
+    }
+
+    /// Sets bits of a mode word, with this effect as far as the worker knows.
+    pub fn set_bits(&mut self, word: u32, bits: u32, effect: Effect) {
+        self.trail.set_bits(word, bits, effect);
     }
 }

@@ -5,6 +5,7 @@ use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum_bytes, sum_caches}
 use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
+use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use crate::memory::cache::Past;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
@@ -13,12 +14,29 @@ use crate::stats::{Bounds, MachineStats, TrafficClass};
 /// say.
 pub fn frame(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError> {
     let FrameCounts { frame, tracer, machine, stores } = counts;
-    let StoreWork { merged_reads, merged_writes, raised_reads, added_writes, deferred_writes, covered_writes } =
-        *stores;
+    let StoreWork {
+        merged_reads,
+        merged_writes,
+        raised_reads,
+        added_writes,
+        deferred_writes,
+        covered_writes,
+        dropped_writes,
+        added_reads,
+        gathered_writes,
+        answered_rays,
+    } = *stores;
     let lazy = spec.frame_end == FrameEnd::Epoch;
     let sweeps = spec.frame_end == FrameEnd::Sweep;
+    let buffers = spec.latched == LatchedCopy::Buffers;
     let only = |allowed: bool, what, count| (what, count, if allowed { count } else { 0 });
-    let performed_otherwise = machine.policy_writes + merged_writes + deferred_writes + covered_writes;
+    let performed_otherwise =
+        machine.policy_writes + merged_writes + deferred_writes + covered_writes + dropped_writes + gathered_writes;
+    let droppable = match spec.silent {
+        SilentUpdates::Sent => 0,
+        SilentUpdates::Latched => tracer.silent_updates,
+        SilentUpdates::Live => tracer.silent_updates + tracer.repeated_updates,
+    };
     let pairs = [
         ("primary rays", machine.primary_rays, tracer.primary_rays),
         ("secondary rays", machine.secondary_rays, tracer.secondary_rays),
@@ -32,12 +50,16 @@ pub fn frame(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunErro
         ("list reads", machine.list_reads, tracer.list_reads),
         ("triangle tests of the policy", machine.policy_triangle_tests, tracer.policy_triangle_tests),
         ("node visits of the policy", machine.policy_node_visits, tracer.policy_node_visits),
-        ("reads of the policy", machine.policy_reads + merged_reads + raised_reads, tracer.policy_reads),
+        ("reads of the policy", machine.policy_reads + merged_reads + raised_reads, tracer.policy_reads + added_reads),
         ("writes of the policy", performed_otherwise, tracer.policy_writes + added_writes + raised_reads),
+        ("updates dropped at rays", dropped_writes, droppable),
+        only(spec.gather.get() > 0, "updates gathered without a table", gathered_writes),
+        only(spec.decide == Decide::Hit, "rays that the host answers with `decide: Unit`", answered_rays),
         only(spec.register.get() > 0, "merged steps without a register", merged_reads + merged_writes),
         only(lazy, "first touches without `Epoch`", raised_reads + deferred_writes),
         only(sweeps, "swept steps without `Sweep`", covered_writes),
-        only(lazy || sweeps, "added steps with `List`", added_writes),
+        only(buffers, "added reads without `Buffers`", added_reads),
+        only(lazy || sweeps || buffers, "added steps with `List`", added_writes),
     ];
     match pairs.into_iter().find(|(_, machine, tracer)| machine != tracer) {
         Some((what, machine, tracer)) => Err(RunError::Counts { frame: *frame, what, machine, tracer }),

@@ -4,6 +4,7 @@
 use super::work::{Holder, Work, stores_as_recorded};
 use crate::machine::kinds::Kind;
 use crate::machine::layout::Layout;
+use crate::machine::word_traffic::SilentUpdates;
 use crate::machine::{MachineSpec, SpecError};
 use crate::quantity::LineAddr;
 use crate::stream::{Decision, Header, Item, RayKind, Step};
@@ -13,6 +14,7 @@ use crate::stream::{Decision, Header, Item, RayKind, Step};
 pub struct LineStream {
     kind: Kind,
     layout: Layout,
+    silent: SilentUpdates,
 }
 
 impl LineStream {
@@ -30,7 +32,7 @@ impl LineStream {
                         `shadow_cache`";
             return Err(SpecError::new(what));
         }
-        Ok(Self { kind, layout: Layout::new(header, machine) })
+        Ok(Self { kind, layout: Layout::new(header, machine), silent: machine.shadow_cache.silent })
     }
 
     /// The next item of the stream: `access` is told each line that it asks the cache for, and whether it is written.
@@ -40,17 +42,24 @@ impl LineStream {
             Item::Rays(chunk) => {
                 for ray in chunk.rays() {
                     if ray.head.decision != Decision::Skip {
-                        self.steps(ray.packed_path(), Holder::Traversal, ray.head.kind, &mut access);
+                        self.steps(ray.packed_path().iter(), Holder::Traversal, ray.head.kind, &mut access);
                     }
-                    self.steps(ray.packed_policy(), Holder::ShadowCache, ray.head.kind, &mut access);
+                    let policy = ray.packed_policy().iter().filter(|&&word| !self.silent.drops(word));
+                    self.steps(policy, Holder::ShadowCache, ray.head.kind, &mut access);
                 }
             }
-            Item::End { policy, .. } => self.steps(policy, Holder::ShadowCache, RayKind::Primary, &mut access),
+            Item::End { policy, .. } => self.steps(policy.iter(), Holder::ShadowCache, RayKind::Primary, &mut access),
         }
     }
 
-    fn steps(&self, words: &[u32], holder: Holder, ray: RayKind, access: &mut impl FnMut(LineAddr, bool)) {
-        let steps = words.iter().filter_map(|&word| Step::unpack(word));
+    fn steps<'a>(
+        &self,
+        words: impl Iterator<Item = &'a u32>,
+        holder: Holder,
+        ray: RayKind,
+        access: &mut impl FnMut(LineAddr, bool),
+    ) {
+        let steps = words.filter_map(|&word| Step::unpack(word));
         for work in steps.map(|step| Work::of(step, holder, ray, &self.layout)).filter(|work| work.kind == self.kind) {
             for element in work.elements() {
                 let (first, lines) = self.layout.lines(&element);

@@ -59,6 +59,14 @@ pub struct StoreWork {
     pub deferred_writes: u64,
     /// Recorded writes of a frame's end that a sweep covers.
     pub covered_writes: u64,
+    /// Updates that change nothing and were dropped at their rays.
+    pub dropped_writes: u64,
+    /// Reads that are not recorded: of learned bits at a frame's end.
+    pub added_reads: u64,
+    /// Updates that were merged with another of the same hit.
+    pub gathered_writes: u64,
+    /// Skipped shadow rays that the host answered.
+    pub answered_rays: u64,
 }
 
 impl std::ops::AddAssign for StoreWork {
@@ -69,6 +77,10 @@ impl std::ops::AddAssign for StoreWork {
         self.added_writes += other.added_writes;
         self.deferred_writes += other.deferred_writes;
         self.covered_writes += other.covered_writes;
+        self.dropped_writes += other.dropped_writes;
+        self.added_reads += other.added_reads;
+        self.gathered_writes += other.gathered_writes;
+        self.answered_rays += other.answered_rays;
     }
 }
 

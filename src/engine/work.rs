@@ -5,6 +5,7 @@ use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::machine::word_traffic::LatchedCopy;
 use crate::stream::{RayKind, Step, Stop};
 
 /// Who holds a ray while a step of it is performed, which may be by another unit.
@@ -29,7 +30,9 @@ impl Holder {
 /// Whether stores are accessed as the stream records it: by the shadow-cache units' own L1s, step by step.
 pub fn stores_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
-    unit.place == Place::Own && unit.register.get() == 0 && unit.frame_end == FrameEnd::List
+    let merges = unit.register.get() > 0 || unit.gather.get() > 0;
+    let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;
+    unit.place == Place::Own && !merges && !adds
 }
 
 /// What a step asks for.

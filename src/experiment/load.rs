@@ -12,7 +12,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ron_file::{self, ConfigError};
-use crate::scene::render::MAX_LIGHTS;
+use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
 use crate::stream::{Step, Structure};

@@ -337,6 +337,9 @@ impl Gathered {
         for header in headers {
             provenance.insert(format!("input hash of `{}`", header.policy), format!("{:016x}", header.input_hash));
         }
+        for (number, notice) in experiment.scene.origin.notices.iter().enumerate() {
+            provenance.insert(format!("note {} of the scene", number + 1), notice.clone());
+        }
         if self.frames.len() < experiment.frames.len() {
             let done = format!("{} of {} frames", self.frames.len(), experiment.frames.len());
             provenance.insert("stopped early", done);

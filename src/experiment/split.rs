@@ -10,8 +10,9 @@ pub(super) fn without_unit(spec: &MachineSpec) -> MachineSpec {
 
 /// The machine with words that cost nothing. Units and contexts stay: occlusion tests and decisions still need them.
 pub(super) fn with_free_words(spec: &MachineSpec) -> MachineSpec {
-    let ShadowCacheSpec { count, latency, contexts, cache, .. } = spec.shadow_cache;
-    let unit = ShadowCacheSpec { count, latency, contexts, cache, place: Place::Free, ..ShadowCacheSpec::default() };
+    let ShadowCacheSpec { count, latency, contexts, width, decide, cache, .. } = spec.shadow_cache;
+    let place = Place::Free;
+    let unit = ShadowCacheSpec { count, latency, contexts, width, decide, cache, place, ..ShadowCacheSpec::default() };
     MachineSpec { shadow_cache: unit, ..spec.clone() }
 }
 

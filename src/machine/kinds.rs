@@ -26,6 +26,8 @@ pub struct KindSpec {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
+    /// Operations that begin at once.
+    pub width: u64,
     /// Rays that the unit works on at once; `None` where nothing but the slots of who sends them limits them.
     pub contexts: Option<u64>,
     /// Rays that can wait for a context; `None` where there is room for all.
@@ -59,6 +61,7 @@ impl Kind {
                 count: of_all_cores(traversal.count.get()),
                 latency: traversal.latency.get(),
                 interval: traversal.interval.get(),
+                width: 1,
                 contexts: None,
                 places: None,
                 cache: traversal.cache,
@@ -68,6 +71,7 @@ impl Kind {
                 count: of_all_cores(list.count.get()),
                 latency: list.latency.get(),
                 interval: list.interval.get(),
+                width: 1,
                 contexts: Some(list.lists.get()),
                 places: Some(list.queue.get()),
                 cache: list.cache,
@@ -77,6 +81,7 @@ impl Kind {
                 count: of_all_cores(intersection.count.get()),
                 latency: intersection.latency.get(),
                 interval: intersection.interval.get(),
+                width: 1,
                 contexts: Some(intersection.tests.get()),
                 places: Some(intersection.queue.get()),
                 cache: intersection.cache,
@@ -86,6 +91,7 @@ impl Kind {
                 count: of_all_cores(shadow_cache.count.get()),
                 latency: shadow_cache.latency.get(),
                 interval: shadow_cache.interval.get(),
+                width: shadow_cache.width.get(),
                 contexts: Some(shadow_cache.contexts.get()),
                 places: None,
                 cache: shadow_cache.cache,

@@ -7,6 +7,7 @@
 use super::shadow_cache::{FrameEnd, Place};
 use super::spec::MachineSpec;
 use super::stores::{StoreLayout, Stores};
+use super::word_traffic::LatchedCopy;
 use crate::quantity::{Addr, LineAddr, ListId, NodeId, TriangleSlot};
 use crate::stats::TrafficClass;
 use crate::stream::{FrameInfo, Header, Step, Store, StoreEntries};
@@ -87,7 +88,8 @@ impl Layout {
         let unit = &spec.shadow_cache;
         // Words that cost nothing lie nowhere: triangle records are as without them.
         let layout = if unit.place == Place::Free { StoreLayout::Dense } else { unit.layout };
-        let mut stores = Stores::new(header, layout, unit.frame_end == FrameEnd::Epoch, line);
+        let copy = if unit.place == Place::Free { LatchedCopy::Free } else { unit.latched };
+        let mut stores = Stores::new(header, layout, copy, unit.frame_end == FrameEnd::Epoch, line);
         let mut end = 0u64;
         let mut array = |element: u64, count: u64| {
             let static_base = end;

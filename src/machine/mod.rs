@@ -14,6 +14,7 @@ pub mod stores;
 #[cfg(test)]
 mod tests;
 pub mod traversal;
+pub mod word_traffic;
 pub mod writes;
 
 pub use spec::{MachineSpec, SpecError};

@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::stores::StoreLayout;
+use super::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
+use crate::stream::Step;
 
 /// Which way accesses to a policy's stores go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -46,6 +48,19 @@ pub struct ShadowCacheSpec {
     pub interval: Within<1, 1000>,
     /// Rays that a unit works on at once.
     pub contexts: Within<1, 4096>,
+    /// Rays that a unit takes a cycle, and operations that begin in it. Several units a core (`count`) share the words
+    /// among them by lines; a wider one has them all.
+    pub width: Within<1, 64>,
+    /// Which updates of mode words are sent.
+    pub silent: SilentUpdates,
+    /// Where decisions fall.
+    pub decide: Decide,
+    /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights
+    /// sets bits of one word several times; a table beside the dispatcher holds them until the hit's last traced
+    /// shadow ray is done.
+    pub gather: Within<0, 65_536>,
+    /// How latched words and learned bits are kept apart.
+    pub latched: LatchedCopy,
     /// Which way accesses to stores go.
     pub place: Place,
     /// How stores lie in memory.
@@ -60,6 +75,20 @@ pub struct ShadowCacheSpec {
     pub cache: CacheSpec,
 }
 
+impl ShadowCacheSpec {
+    /// Whether a step that the policy recorded on a ray's account, packed, is performed: it is not an update that
+    /// is dropped, and no entry that costs nothing.
+    pub fn performs(&self, word: u32) -> bool {
+        let free = || self.place == Place::Free && Step::unpack(word).and_then(Step::entry).is_some();
+        !self.silent.drops(word) && !free()
+    }
+
+    /// Whether all such steps are performed as recorded, whatever the stream is.
+    pub fn performs_all(&self) -> bool {
+        self.place != Place::Free && self.silent == SilentUpdates::Sent && self.latched != LatchedCopy::Buffers
+    }
+}
+
 impl Default for ShadowCacheSpec {
     fn default() -> Self {
         Self {
@@ -67,6 +96,11 @@ impl Default for ShadowCacheSpec {
             latency: const { Within::literal(2) },
             interval: const { Within::literal(1) },
             contexts: const { Within::literal(8) },
+            width: const { Within::literal(1) },
+            silent: SilentUpdates::Sent,
+            decide: Decide::Unit,
+            gather: const { Within::literal(0) },
+            latched: LatchedCopy::Free,
             place: Place::Own,
             layout: StoreLayout::Dense,
             writes: WritePolicy::Back,

@@ -9,13 +9,14 @@ use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::stores::{StoreLayout, check_tag};
 use super::traversal::TraversalSpec;
+use super::word_traffic::LatchedCopy;
 use super::writes::WritePolicy;
 use crate::memory::dram::spec::DramSpec;
 use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::ranged::{PowerOfTwo, Within};
 use crate::stats::TrafficClass;
-use crate::stream::Header;
+use crate::stream::{Header, Step};
 
 /// A machine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -171,6 +172,13 @@ impl MachineSpec {
     /// Checks what a stream and the machine need of each other.
     pub fn check_stream(&self, header: &Header) -> Result<(), SpecError> {
         let unit = &self.shadow_cache;
+        let words = header.stores.mode_words;
+        if unit.latched == LatchedCopy::Buffers && words > Step::MAX_INDEX / 2 {
+            return Err(SpecError(format!(
+                "`shadow_cache.latched` is Buffers, with the stream's {words} mode words: up to {} are allowed",
+                Step::MAX_INDEX / 2
+            )));
+        }
         match unit.frame_end {
             FrameEnd::Epoch if unit.place != Place::Free => check_tag(header, unit.layout).map_err(SpecError),
             _ => Ok(()),

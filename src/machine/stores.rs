@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::word_traffic::LatchedCopy;
 use crate::quantity::TriangleSlot;
-use crate::stream::{Header, NO_RECORD, Store};
+use crate::stream::{Header, NO_RECORD, Step, Store};
 
 /// Bytes of an entry of a store that is an array of its own.
 const WORD_BYTES: u64 = 4;
@@ -81,6 +82,11 @@ pub struct Stores {
     layout: StoreLayout,
     owners: u64,
     words: u64,
+    /// Bytes of a primitive's mode word.
+    word_bytes: u64,
+    /// Entries of the store of mode words: from there on they are learned bits, if those have words of their own.
+    entries: u64,
+    learned: Option<u64>,
     /// Bits of a primitive's modes, for `Packed`.
     bits: u64,
     /// Bytes of a primitive's counters; 0 if the policy keeps none.
@@ -118,27 +124,31 @@ fn mode_bits(header: &Header) -> u64 {
 
 impl Stores {
     /// The stores of a stream, not placed yet. `tagged` says whether words hold the frame's number.
-    pub fn new(header: &Header, layout: StoreLayout, tagged: bool, line: u64) -> Self {
+    pub fn new(header: &Header, layout: StoreLayout, copy: LatchedCopy, tagged: bool, line: u64) -> Self {
         let entries = &header.stores;
         let (owners, words) = (u64::from(entries.word_owners), u64::from(entries.words_per_primitive));
-        let modes = mode_bits(header);
-        let bits = match modes + if tagged { TAG_BITS } else { 0 } {
+        let learns = entries.pixel_counters > 0;
+        let wide = copy == LatchedCopy::Wide && learns;
+        let modes = mode_bits(header) * if wide { 2 } else { 1 };
+        let modes_and_tag = modes + if tagged || wide { TAG_BITS } else { 0 };
+        let word_bytes = if wide && modes_and_tag > 32 * words { 2 * WORD_BYTES } else { WORD_BYTES };
+        let bits = match modes_and_tag {
             bits @ ..=16 => bits.next_power_of_two(),
-            _ => 32 * words,
+            _ => 8 * word_bytes * words,
         };
         let counter_bytes = if entries.pixel_counters > 0 { COUNTER_BYTES } else { 0 };
-        let further_word = modes + LOG_COUNTER_BITS + TAG_BITS > 32;
+        let further_word = words > 1 || modes + LOG_COUNTER_BITS + TAG_BITS > 8 * word_bytes;
         let (word_rows, counter_rows) = match layout {
             StoreLayout::Dense | StoreLayout::Packed | StoreLayout::Record => {
-                (Rows::packed(words * WORD_BYTES), Rows::packed(COUNTER_BYTES))
+                (Rows::packed(words * word_bytes), Rows::packed(COUNTER_BYTES))
             }
             StoreLayout::Beside => {
-                let rows = Rows::in_lines((counter_bytes + words * WORD_BYTES).max(1), line);
+                let rows = Rows::in_lines((counter_bytes + words * word_bytes).max(1), line);
                 (rows, rows)
             }
             StoreLayout::Tagged => {
-                let extra = if further_word { WORD_BYTES } else { 0 };
-                let rows = Rows::in_lines((words * WORD_BYTES + extra).max(1), line);
+                let extra = if further_word { word_bytes } else { 0 };
+                let rows = Rows::in_lines((words * word_bytes + extra).max(1), line);
                 (rows, rows)
             }
         };
@@ -146,6 +156,9 @@ impl Stores {
             layout,
             owners,
             words,
+            word_bytes,
+            entries: entries.mode_words.into(),
+            learned: (copy == LatchedCopy::Buffers && learns).then_some(0),
             bits,
             counter_bytes,
             further_word,
@@ -162,7 +175,7 @@ impl Stores {
     pub fn record_bytes(&self, triangle: u64) -> u64 {
         match self.layout {
             StoreLayout::Record if self.owners > 0 => {
-                (triangle + self.counter_bytes + self.words * WORD_BYTES).next_multiple_of(RECORD_STEP)
+                (triangle + self.counter_bytes + self.words * self.word_bytes).next_multiple_of(RECORD_STEP)
             }
             _ => triangle,
         }
@@ -196,6 +209,8 @@ impl Stores {
             }
         }
         self.occluders = array(u64::from(entries.occluder_ids) * WORD_BYTES);
+        let learned = self.owners * self.words * WORD_BYTES;
+        self.learned = self.learned.map(|_| array(learned));
     }
 
     /// Where an entry begins, and how many bytes an access to it touches. No entry lies in two lines.
@@ -204,6 +219,10 @@ impl Stores {
         match store {
             Store::OccluderId => (self.occluders + index * WORD_BYTES, WORD_BYTES),
             Store::PixelCounter => self.counters(index),
+            Store::ModeWord if index >= self.entries => {
+                let learned = self.learned.expect("an entry beyond the store's is of learned bits");
+                (learned + (index - self.entries) * WORD_BYTES, WORD_BYTES)
+            }
             Store::ModeWord => match index.checked_sub(self.owners * self.words) {
                 Some(rest) => (self.rest + rest * WORD_BYTES, WORD_BYTES),
                 None => self.word(index / self.words, index % self.words),
@@ -226,15 +245,15 @@ impl Stores {
             }
             StoreLayout::Record => {
                 let words = self.in_record(primitive).map_or(row, |counters| counters + self.counter_bytes);
-                (words + word * WORD_BYTES, WORD_BYTES)
+                (words + word * self.word_bytes, self.word_bytes)
             }
             // With a further word, the first mode word is read together with it: that has the tag.
             StoreLayout::Tagged if self.further_word => match word {
-                0 => (row, 2 * WORD_BYTES),
-                _ => (row + (word + 1) * WORD_BYTES, WORD_BYTES),
+                0 => (row, 2 * self.word_bytes),
+                _ => (row + (word + 1) * self.word_bytes, self.word_bytes),
             },
-            StoreLayout::Beside => (row + self.counter_bytes + word * WORD_BYTES, WORD_BYTES),
-            _ => (row + word * WORD_BYTES, WORD_BYTES),
+            StoreLayout::Beside => (row + self.counter_bytes + word * self.word_bytes, self.word_bytes),
+            _ => (row + word * self.word_bytes, self.word_bytes),
         }
     }
 
@@ -243,8 +262,37 @@ impl Stores {
         match self.layout {
             StoreLayout::Dense | StoreLayout::Packed | StoreLayout::Beside => (row, COUNTER_BYTES),
             StoreLayout::Record => (self.in_record(primitive).unwrap_or(row), COUNTER_BYTES),
-            StoreLayout::Tagged => (row, WORD_BYTES),
+            StoreLayout::Tagged => (row, self.word_bytes),
         }
+    }
+
+    /// Whether the step is an update of a primitive's mode word, or of its learned bits.
+    pub fn updates_word(&self, step: Step) -> bool {
+        match step {
+            Step::Update { store: Store::ModeWord, index } => {
+                let index = u64::from(index);
+                index < self.owners * self.words || index >= self.entries
+            }
+            _ => false,
+        }
+    }
+
+    /// The update of learned bits that stands in place of a ray's update of a mode word, if they have words of
+    /// their own.
+    pub fn learns(&self, step: Step) -> Option<Step> {
+        match step {
+            Step::Update { store: Store::ModeWord, index } if self.learned.is_some() && self.updates_word(step) => {
+                Some(Step::Update { store: Store::ModeWord, index: index + self.entries as u32 })
+            }
+            _ => None,
+        }
+    }
+
+    /// What takes learned bits into the latched word at the frame's end: a read of the bits of the update
+    /// `learned`, and an update.
+    pub fn fold(&self, learned: u32) -> [Step; 2] {
+        let store = Store::ModeWord;
+        [Step::Read { store, index: learned }, Step::Update { store, index: learned - self.entries as u32 }]
     }
 
     /// Whether counters and first mode word of a primitive are one entry.

@@ -3,9 +3,10 @@
 use super::MachineSpec;
 use super::layout::{Layout, TRIANGLE_BYTES};
 use super::stores::StoreLayout;
+use super::word_traffic::LatchedCopy;
 use crate::quantity::{Resolution, TriangleSlot};
 use crate::ranged::PowerOfTwo;
-use crate::stream::{Header, Store, StoreEntries, Structure};
+use crate::stream::{Header, Step, Store, StoreEntries, Structure};
 
 const LAYOUTS: [StoreLayout; 5] =
     [StoreLayout::Dense, StoreLayout::Packed, StoreLayout::Beside, StoreLayout::Record, StoreLayout::Tagged];
@@ -37,8 +38,12 @@ fn header(lights: u32) -> Header {
 }
 
 fn layout(header: &Header, stores: StoreLayout, line: u64) -> Layout {
+    layout_with(header, stores, LatchedCopy::Free, line)
+}
+
+fn layout_with(header: &Header, stores: StoreLayout, copy: LatchedCopy, line: u64) -> Layout {
     let mut machine = MachineSpec { line_bytes: PowerOfTwo::new(line).unwrap(), ..MachineSpec::default() };
-    machine.shadow_cache.layout = stores;
+    (machine.shadow_cache.layout, machine.shadow_cache.latched) = (stores, copy);
     Layout::new(header, &machine)
 }
 
@@ -53,13 +58,20 @@ fn ranges(layout: &Layout, header: &Header, store: Store) -> Vec<(u64, u64)> {
 
 #[test]
 fn entries_lie_in_one_line_and_apart() {
-    for stores in LAYOUTS {
+    let copies = [LatchedCopy::Free, LatchedCopy::Wide, LatchedCopy::Buffers];
+    for (stores, copy) in LAYOUTS.into_iter().flat_map(|stores| copies.map(|copy| (stores, copy))) {
         for lights in [0, 1, 3, 7, 8, 9, 15, 16, 40, 64, 256] {
             for line in [32, 64, 128] {
                 let header = header(lights);
-                let layout = layout(&header, stores, line);
+                let layout = layout_with(&header, stores, copy, line);
                 let all = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
                 let mut all: Vec<_> = all.iter().flat_map(|&store| ranges(&layout, &header, store)).collect();
+                let learns = |index| layout.stores().learns(Step::Update { store: Store::ModeWord, index });
+                let learned = (0..header.stores.mode_words).filter_map(learns).filter_map(Step::entry);
+                all.extend(learned.map(|(store, index)| {
+                    let bits = layout.entry(store, index, true);
+                    (bits.addr.0, bits.addr.0 + bits.bytes)
+                }));
                 for slot in (0..40).map(TriangleSlot) {
                     let plane = layout.plane(slot).addr.0;
                     all.push((plane, plane + TRIANGLE_BYTES));
@@ -67,7 +79,7 @@ fn entries_lie_in_one_line_and_apart() {
                 all.sort_unstable();
                 // Words of less than a byte share one, and tagged words are counters too.
                 all.dedup();
-                let what = || format!("{stores:?}, {lights} lights, lines of {line} B");
+                let what = || format!("{stores:?}, {copy:?}, {lights} lights, lines of {line} B");
                 for pair in all.windows(2) {
                     let within = stores == StoreLayout::Tagged && pair[0].0 == pair[1].0;
                     assert!(pair[0].1 <= pair[1].0 || within, "{}: {pair:?}", what());
@@ -100,6 +112,22 @@ fn layouts_take_the_memory_that_they_should() {
         let layout = layout(&header(lights), StoreLayout::Record, 64);
         assert_eq!(layout.plane(TriangleSlot(1)).addr.0 - layout.plane(TriangleSlot(0)).addr.0, record);
     }
+}
+
+/// Two copies of the modes and the frame's number fit a word up to 6 lights; learned bits of their own are as many
+/// words again.
+#[test]
+fn latched_copies_take_the_memory_that_they_should() {
+    let word = |lights, copy| {
+        let header = header(lights);
+        let layout = layout_with(&header, StoreLayout::Dense, copy, 64);
+        let [first, second] = [0, 1].map(|index| layout.entry(Store::ModeWord, index, false));
+        assert_eq!(second.addr.0 - first.addr.0, first.bytes);
+        (first.bytes, layout.stores().learns(Step::Update { store: Store::ModeWord, index: 1 }))
+    };
+    assert_eq!([6, 7, 15].map(|lights| word(lights, LatchedCopy::Wide)), [(4, None), (8, None), (8, None)]);
+    let learned = Step::Update { store: Store::ModeWord, index: 1 + 57 };
+    assert_eq!(word(6, LatchedCopy::Buffers), (4, Some(learned)));
 }
 
 #[test]

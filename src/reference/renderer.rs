@@ -31,7 +31,7 @@ impl<'a> Reference<'a> {
 
     /// Renders `frame`; `offset` is that of `spec` in world units. The picture does not depend on the number of threads.
     ///
-    /// The scene has at most [`MAX_LIGHTS`](crate::scene::render::MAX_LIGHTS) lights.
+    /// The scene has at most [`MAX_LIGHTS`](crate::scene::MAX_LIGHTS) lights.
     pub fn render(&self, frame: &Frame, resolution: Resolution, spec: &RenderSpec, offset: f64) -> Picture {
         let traced = self.frame(frame);
         let shader = Shader { frame: &traced, spec, offset };

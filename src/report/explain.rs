@@ -160,7 +160,16 @@ pub const STATISTICS: &[Statistic] = &[
         "cycles",
         "no operation began: a neighbour cannot take what is ready for it",
     ),
-    stat("machines.*.policies.*.units.*.starved", "cycles", "no operation began: no ray is in the unit"),
+    stat(
+        "machines.*.policies.*.units.*.intake",
+        "cycles",
+        "no operation began: the unit took as many rays as its width allows, and others wait in front of it",
+    ),
+    stat(
+        "machines.*.policies.*.units.*.starved",
+        "cycles",
+        "no operation began: no ray is in the unit, and none waits in front of it",
+    ),
     stat("machines.*.policies.*.unit_counts.*", "units", "instances of a kind: its causes sum to cycles times this"),
     stat("machines.*.policies.*.utilization.*", "share", "busy / (cycles x unit_counts) of a kind of unit"),
     stat("machines.*.policies.*.queues.*.entries", "entries", "put into the queues in front of all parts of a kind"),

@@ -3,72 +3,60 @@
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Deserializer, de::Error};
 
-/// A point or vector of finite numbers.
+use super::limits::{self, COORDINATE, LENGTH, Range, SHARE, STRENGTH};
+
+/// A place.
 pub fn point<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
-    let point = DVec3::deserialize(from)?;
-    if point.is_finite() {
-        Ok(point)
-    } else {
-        Err(D::Error::custom(format!("{point} is not allowed here: three finite numbers are")))
-    }
+    let point = vector(from)?;
+    limits::check_reach(point).map_err(D::Error::custom)
+}
+
+/// A vector of any length.
+pub fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
+    COORDINATE.check_vector("a coordinate", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// A vector that has a length.
 pub fn nonzero<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
-    let vector = point(from)?;
-    if vector.length() > 0.0 {
-        Ok(vector)
-    } else {
-        Err(D::Error::custom("a vector of length zero is not allowed here"))
-    }
+    let vector = vector(from)?;
+    LENGTH.check("a vector's length", vector.length()).map_err(D::Error::custom)?;
+    Ok(vector)
 }
 
-/// A size of three positive numbers.
+/// A size of three lengths.
 pub fn size<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
-    let size = point(from)?;
-    if size.min_element() > 0.0 {
-        Ok(size)
-    } else {
-        Err(D::Error::custom(format!("a size of {size} is not allowed: three positive numbers are")))
-    }
+    LENGTH.check_vector("a size", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
-/// A colour of three finite numbers that are not negative; above 1 is allowed, for strong lights.
+/// The colour of a light; above 1 is allowed, for strong ones.
 pub fn color<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
-    let color = Vec3::deserialize(from)?;
-    if color.is_finite() && color.min_element() >= 0.0 {
-        Ok(color)
-    } else {
-        Err(D::Error::custom(format!("a colour of {color} is not allowed: three numbers of at least 0 are")))
-    }
+    color_within(STRENGTH, from)
 }
 
-/// A colour that may be left out.
-pub fn optional_color<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec3>, D::Error> {
+/// The colour of a surface, which may be left out.
+pub fn optional_surface<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Vec3>, D::Error> {
     #[derive(Deserialize)]
     #[serde(transparent)]
-    struct Color(#[serde(deserialize_with = "color")] Vec3);
-    Ok(Option::<Color>::deserialize(from)?.map(|color| color.0))
+    struct Surface(#[serde(deserialize_with = "surface")] Vec3);
+    Ok(Option::<Surface>::deserialize(from)?.map(|color| color.0))
 }
 
-/// A finite number.
-pub fn finite<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    let number = f64::deserialize(from)?;
-    if number.is_finite() {
-        Ok(number)
-    } else {
-        Err(D::Error::custom(format!("{number} is not allowed here: a finite number is")))
-    }
+fn surface<'de, D: Deserializer<'de>>(from: D) -> Result<Vec3, D::Error> {
+    color_within(SHARE, from)
 }
 
-/// A positive number.
+fn color_within<'de, D: Deserializer<'de>>(range: Range, from: D) -> Result<Vec3, D::Error> {
+    range.check_color("a colour", DVec3::deserialize(from)?).map_err(D::Error::custom)
+}
+
+/// A number that is, or is multiplied with, a coordinate or an angle.
+pub fn coordinate<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    COORDINATE.check("a number", f64::deserialize(from)?).map_err(D::Error::custom)
+}
+
+/// A length, or a factor of lengths.
 pub fn positive<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    let number = finite(from)?;
-    if number > 0.0 {
-        Ok(number)
-    } else {
-        Err(D::Error::custom(format!("{number} is not allowed here: a number above 0 is")))
-    }
+    LENGTH.check("a length", f64::deserialize(from)?).map_err(D::Error::custom)
 }
 
 /// An angle of view in degrees, between 0 and 180.

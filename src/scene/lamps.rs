@@ -3,8 +3,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::Light;
-use super::render::MAX_LIGHTS;
+use super::light::Light;
+use super::light::MAX_LIGHTS;
 use crate::quantity::LightId;
 
 /// Which lamp each light is a point of. Lights of a lamp follow one another.

@@ -1,8 +1,11 @@
 //! An animation of rigid parts: geometry that is carried about whole, with its own motion.
 
-use glam::DAffine3;
+use glam::{DAffine3, Vec3};
 
-use super::{Animation, Camera, Frame, Geometry, Light, Triangle};
+use super::camera::Camera;
+use super::frame::{Animation, Frame};
+use super::geometry::{Geometry, Triangle};
+use super::light::Light;
 
 /// Where a part is at a frame: from its own space to the world.
 pub type Pose = Box<dyn Fn(u32) -> DAffine3 + Send + Sync>;
@@ -15,12 +18,14 @@ pub struct Part {
     pub pose: Pose,
 }
 
-/// Parts, a camera, and lights that stand still.
+/// Parts, a camera and lights.
 pub struct Parts {
     /// What moves.
     pub parts: Vec<Part>,
-    /// The lights.
+    /// Lights that stand still.
     pub lights: Vec<Light>,
+    /// Lights that move, by frame; they follow the others.
+    pub carried: Vec<Box<dyn Fn(u32) -> Light + Send + Sync>>,
     /// The camera at a frame.
     pub camera: Box<dyn Fn(u32) -> Camera + Send + Sync>,
 }
@@ -39,7 +44,9 @@ impl Animation for Parts {
             append(&mut dynamic, &part.geometry, &(part.pose)(number));
         }
         let visible = vec![true; dynamic.len()];
-        Frame { number, camera: (self.camera)(number), lights: self.lights.clone(), dynamic, visible }
+        let carried = self.carried.iter().map(|light| light(number));
+        let lights = self.lights.iter().copied().chain(carried).collect();
+        Frame { number, camera: (self.camera)(number), lights, dynamic, visible }
     }
 }
 
@@ -48,7 +55,9 @@ fn append(whole: &mut Geometry, part: &Geometry, pose: &DAffine3) {
     let upright = pose.matrix3.inverse().transpose();
     for (triangle, attributes) in part.triangles.iter().zip(&part.attributes) {
         let mut placed = *attributes;
-        placed.normals = attributes.normals.map(|n| n.map(|n| (upright * n.as_dvec3()).normalize_or_zero().as_vec3()));
+        let normals = attributes.normals.map(|n| n.map(|n| (upright * n.as_dvec3()).normalize_or_zero().as_vec3()));
+        // A pose that flattens leaves a normal without a direction; the triangle then shades flat.
+        placed.normals = normals.filter(|normals| !normals.contains(&Vec3::ZERO));
         whole.push(Triangle { v: triangle.v.map(|v| pose.transform_point3(v.as_dvec3()).as_vec3()) }, placed);
     }
 }

@@ -9,7 +9,9 @@ use std::ops::{Add, Mul, Sub};
 use glam::{DAffine3, DQuat, DVec3};
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
-use super::{Camera, fields};
+use super::camera::Camera;
+use super::fields;
+use super::limits::check_reach;
 
 /// A quantity given at increasing key frames.
 #[derive(Clone, Debug)]
@@ -92,15 +94,15 @@ impl FieldOfView {
 pub enum Look {
     /// At a point.
     At(
-        #[serde(deserialize_with = "fields::finite")] f64,
-        #[serde(deserialize_with = "fields::finite")] f64,
-        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
     ),
     /// In a direction; its length does not matter.
     Along(
-        #[serde(deserialize_with = "fields::finite")] f64,
-        #[serde(deserialize_with = "fields::finite")] f64,
-        #[serde(deserialize_with = "fields::finite")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
+        #[serde(deserialize_with = "fields::coordinate")] f64,
     ),
 }
 
@@ -189,13 +191,15 @@ impl CameraTrack {
             up: spec.up,
             fov: spec.fov.vertical(),
         };
-        let broken = (0..frame_count).find(|frame| !track.at(*frame).up.is_finite());
-        match broken {
-            Some(frame) => {
-                Err(format!("at frame {frame} the camera looks nowhere, or straight along its upward vector"))
+        for frame in 0..frame_count {
+            let camera = track.at(frame);
+            if !camera.up.is_finite() {
+                return Err(format!("at frame {frame} the camera looks nowhere, or straight along its upward vector"));
             }
-            None => Ok(track),
+            // The curve between two keys can overshoot them.
+            check_reach(camera.eye).map_err(|what| format!("at frame {frame} the camera: {what}"))?;
         }
+        Ok(track)
     }
 
     /// The camera at `frame`.
@@ -215,7 +219,7 @@ pub struct PoseKey {
     #[serde(deserialize_with = "fields::point")]
     pub position: DVec3,
     /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a turn.
-    #[serde(default, deserialize_with = "fields::finite")]
+    #[serde(default, deserialize_with = "fields::coordinate")]
     pub rotation: f64,
     /// How much larger it is than its shape. The curve between two keys can overshoot them.
     #[serde(default = "unscaled", deserialize_with = "fields::positive")]
@@ -251,13 +255,16 @@ impl PoseTrack {
         })
     }
 
+    /// Where the object's origin is at `frame`, and its scale.
+    pub fn place(&self, frame: u32) -> (DVec3, f64) {
+        (self.position.at(frame), self.scale.at(frame))
+    }
+
     /// From the object's own space to the world at `frame`.
     pub fn at(&self, frame: u32) -> DAffine3 {
-        DAffine3::from_scale_rotation_translation(
-            DVec3::splat(self.scale.at(frame)),
-            DQuat::from_rotation_y(self.rotation.at(frame)),
-            self.position.at(frame),
-        )
+        let (position, scale) = self.place(frame);
+        let turned = DQuat::from_rotation_y(self.rotation.at(frame));
+        DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turned, position)
     }
 }
 
@@ -301,8 +308,8 @@ mod tests {
         assert!(parse("").unwrap_err().contains("at least one is needed"));
         let twice = "(frame: 4, eye: (0, 0, 0), look: At(0, 0, 1)), (frame: 4, eye: (0, 0, 0), look: At(0, 0, 1))";
         assert!(parse(twice).unwrap_err().contains("frames must increase"));
-        assert!(parse("(frame: 0, eye: (0, NaN, 0), look: At(0, 0, 1))").unwrap_err().contains("finite"));
-        assert!(parse("(frame: 0, eye: (0, 0, 0), look: Along(0, inf, 1))").unwrap_err().contains("finite"));
+        assert!(parse("(frame: 0, eye: (0, NaN, 0), look: At(0, 0, 1))").unwrap_err().contains("-1e9 to 1e9"));
+        assert!(parse("(frame: 0, eye: (0, 0, 0), look: Along(0, inf, 1))").unwrap_err().contains("-1e9 to 1e9"));
         assert!(ron::from_str::<FieldOfView>("Vertical(180)").is_err());
     }
 

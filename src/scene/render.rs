@@ -4,7 +4,8 @@
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
-use super::{Frame, Scene};
+use super::frame::{Frame, Scene};
+use super::limits::MAX_REACH;
 use crate::quantity::{PrimitiveId, Resolution};
 
 /// How pictures are traced.
@@ -67,10 +68,12 @@ pub enum Offset {
 
 fn length<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     let length = f64::deserialize(from)?;
-    if length > 0.0 && length.is_finite() {
+    if length > 0.0 && length <= MAX_REACH {
         Ok(length)
     } else {
-        Err(serde::de::Error::custom(format!("an offset of {length}: a positive number is allowed")))
+        Err(serde::de::Error::custom(format!(
+            "an offset of {length}: a number above 0, at most {MAX_REACH:e}, is allowed"
+        )))
     }
 }
 
@@ -112,6 +115,3 @@ pub struct Picture {
     /// The shadows of what it hit.
     pub shadows: Vec<ShadowBits>,
 }
-
-/// The largest number of lights that a scene can have: [`ShadowBits`] has a bit for each.
-pub const MAX_LIGHTS: usize = 64;

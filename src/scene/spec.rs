@@ -4,9 +4,11 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::aff;
 use super::builtin::{self, BuiltInSpec};
-use super::obj::{self, ObjSpec};
-use super::{Scene, SceneError, aff};
+use super::composed::{self, ComposedSpec};
+use super::error::SceneError;
+use super::frame::Scene;
 
 /// Where a scene comes from. Paths are relative to the folder of the config.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -14,8 +16,9 @@ use super::{Scene, SceneError, aff};
 pub enum SceneSpec {
     /// An AFF file of the BART suite.
     Aff(PathBuf),
-    /// An OBJ file with lights, a camera and moving objects.
-    Obj(ObjSpec),
+    /// Files of triangles (OBJ, PLY, glTF) with lights, a camera and moving objects.
+    #[serde(alias = "Obj")]
+    Files(ComposedSpec),
     /// A scene made in code.
     BuiltIn(BuiltInSpec),
 }
@@ -28,7 +31,7 @@ impl SceneSpec {
     pub fn load(&self, base: &Path) -> Result<Scene, SceneError> {
         match self {
             Self::Aff(path) => aff::load(&base.join(path)),
-            Self::Obj(spec) => obj::load(spec, base),
+            Self::Files(spec) => composed::load(spec, base),
             Self::BuiltIn(spec) => Ok(builtin::build(spec)),
         }
     }
@@ -74,6 +77,20 @@ mod tests {
         assert_eq!(counts(&scene), [30_911, 960, 3, 60]);
         // Eight materials of the library, one for what has none, and the ball's.
         assert_eq!(scene.materials.len(), 10);
+    }
+
+    #[test]
+    fn sponza_sibenik_and_the_gltf_scenes_have_the_published_numbers_of_triangles() {
+        for (name, needs, expected) in [
+            ("sponza", "dabrovic-sponza/sponza.obj", [66_450, 0, 1, 1]),
+            ("sibenik", "sibenik/sibenik.obj", [73_564, 0, 1, 1]),
+            ("crytek_sponza", "crytek-sponza/Sponza.gltf", [262_087, 0, 3, 1]),
+            // A ball rolls.
+            ("gas_station", "gas-station/GasStation.gltf", [99_002, 528, 3, 60]),
+        ] {
+            let Some(scene) = load(name, Some(&format!("../shared/scenes/{needs}"))) else { continue };
+            assert_eq!(counts(&scene), expected, "{name}");
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::extent::Extent;
-use super::step::Step;
+use super::step::{Effect, Step, Store};
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
 /// What a ray is for.
@@ -143,6 +143,16 @@ impl Chunk {
         let path_end = self.steps.len() as u32;
         self.steps.extend_from_slice(policy);
         self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
+    }
+
+    /// Changes the effect of the update of a mode word that is step `at` of all rays' steps. Its id stays, and with
+    /// it the extent.
+    pub fn set_effect(&mut self, at: usize, effect: Effect) {
+        let step = Step::unpack(self.steps[at]).and_then(Step::entry);
+        debug_assert!(step.is_some_and(|(store, _)| store == Store::ModeWord));
+        if let Some((_, index)) = step {
+            self.steps[at] = Step::pack_word_update(index, effect);
+        }
     }
 
     /// Adds rays of another chunk.

@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn rays_at_once_are_as_rays_one_by_one() {
-        let words: Vec<u32> = (0..400u32).map(|at| ((at * 7919) % 1000) | ((at % 14) << 28)).collect();
+        let words: Vec<u32> = (0..400u32).map(|at| ((at * 7919) % 1000) | ((at % 14) << 27)).collect();
         let (mut one, mut all) = (Extent::default(), Extent::default());
         one.add_path(&words);
         all.add_rays(&words, std::iter::empty());

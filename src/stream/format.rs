@@ -19,16 +19,17 @@
 //!
 //! FRAM        0  4  the frame's number, then three more: dynamic nodes, slots, list entries
 //! RAYS               see the module `columns`
-//! FEND        0 112  totals: 14 integers of 8 bytes in the order of stream::Totals
-//!           112  .  the policy's steps at the frame's end, 4 bytes each
-//! INDX               for each frame 156 bytes, then for each static primitive 4 bytes, its triangle record (ffffffff: none). A frame's:
+//! FEND        0 128  totals: 16 integers of 8 bytes in the order of stream::Totals
+//!           128  .  the policy's steps at the frame's end, 4 bytes each
+//! INDX               for each frame 172 bytes, then for each static primitive 4 bytes, its triangle record
+//!                    (ffffffff: none). A frame's:
 //!             0  4  the frame's number
 //!             4  8  offset of its FRAM block in the file
 //!            12  8  bytes of its blocks in the file
 //!            20  8  bytes of its payloads
 //!            28  8  its rays
 //!            36  8  its blocks
-//!            44 112  its totals, as in FEND
+//!            44 128  its totals, as in FEND
 //!
 //! footer      0  8  offset of the INDX block in the file
 //!             8  4  CRC-32 that starts from the file's seed, of bytes 0 to 7
@@ -48,7 +49,7 @@ pub const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
 pub const END_MAGIC: [u8; 8] = *b"RAYS-END";
 /// The version of the layout that this program writes and reads.
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 /// Bytes before the header's text.
 pub const PREAMBLE_BYTES: usize = 20;
 /// Bytes of a block before its payload.
@@ -298,5 +299,7 @@ fn totals(bytes: &[u8]) -> Totals {
         policy_node_visits: value(11),
         policy_reads: value(12),
         policy_writes: value(13),
+        repeated_updates: value(14),
+        silent_updates: value(15),
     }
 }

@@ -37,7 +37,7 @@ pub use header::{Header, NO_RECORD, StoreEntries, Structure};
 pub use item::{FrameInfo, Item};
 pub use packed::PackedChunk;
 pub use reader::StreamReader;
-pub use step::{Step, Stop, Store};
+pub use step::{Effect, Step, Stop, Store};
 pub use totals::Totals;
 pub use violation::Violation;
 pub use writer::StreamWriter;

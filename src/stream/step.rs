@@ -27,6 +27,29 @@ pub enum Store {
     OccluderId,
 }
 
+/// What an update changes of its entry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum Effect {
+    /// A bit, also after all earlier updates of the frame.
+    Changes,
+    /// A bit of the word as latched at the frame's start, which an earlier update of the frame has changed already.
+    Repeats,
+    /// No bit of the word as latched at the frame's start.
+    Silent,
+}
+
+impl Effect {
+    /// The effect of setting `bits` in a word that was `latched` at the frame's start and has `learned` more bits
+    /// by now.
+    pub fn of_bits(bits: u32, latched: u32, learned: u32) -> Self {
+        match (bits & !latched, bits & !(latched | learned)) {
+            (0, _) => Self::Silent,
+            (_, 0) => Self::Repeats,
+            _ => Self::Changes,
+        }
+    }
+}
+
 /// A step of a ray's path, or of a policy's work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Step {
@@ -65,7 +88,9 @@ pub enum Step {
 }
 
 /// Bits of a packed step below the tag.
-const INDEX_BITS: u32 = 28;
+const INDEX_BITS: u32 = 27;
+/// Tags of updates of mode words by their effect. The first is that of any update of the store.
+const WORD_UPDATES: [(Effect, u32); 3] = [(Effect::Changes, 11), (Effect::Repeats, 14), (Effect::Silent, 15)];
 
 impl Step {
     /// The largest id that fits a packed step.
@@ -77,7 +102,7 @@ impl Step {
     pub(super) const LAST_TRAVERSAL: i32 = 4;
 
     /// How many tags a packed step can have; not all are of a step.
-    pub const TAGS: usize = 16;
+    pub const TAGS: usize = 32;
 
     /// The tag of a packed step, below [`Step::TAGS`].
     #[inline]
@@ -96,7 +121,7 @@ impl Step {
         u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))
     }
 
-    /// The step in 32 bits: a tag of 4 bits, then the id.
+    /// The step in 32 bits: a tag of 5 bits, then the id.
     pub fn pack(self) -> u32 {
         let (tag, index) = match self {
             Self::Node(NodeId(index)) => (0, index),
@@ -108,6 +133,25 @@ impl Step {
         };
         debug_assert!(index <= Self::MAX_INDEX);
         tag << INDEX_BITS | index
+    }
+
+    /// The update of mode word `index` in 32 bits, with its effect. Unpacked, the step is the same whatever the effect.
+    pub fn pack_word_update(index: u32, effect: Effect) -> u32 {
+        debug_assert!(index <= Self::MAX_INDEX);
+        let tag = WORD_UPDATES.iter().find(|(known, _)| *known == effect).map_or(11, |&(_, tag)| tag);
+        tag << INDEX_BITS | index
+    }
+
+    /// What a packed update changes; `None` for another step. Only updates of mode words are judged: all others change
+    /// their entry.
+    #[inline]
+    pub fn effect(word: u32) -> Option<Effect> {
+        match Self::tag(word) {
+            11..=13 => Some(Effect::Changes),
+            14 => Some(Effect::Repeats),
+            15 => Some(Effect::Silent),
+            _ => None,
+        }
     }
 
     /// The step that `word` stands for; `None` if its tag is of no step.
@@ -123,6 +167,7 @@ impl Step {
             tag @ 5..=7 => Self::Read { store: STORES[tag as usize - 5], index },
             tag @ 8..=10 => Self::Write { store: STORES[tag as usize - 8], index },
             tag @ 11..=13 => Self::Update { store: STORES[tag as usize - 11], index },
+            14 | 15 => Self::Update { store: Store::ModeWord, index },
             _ => return None,
         })
     }
@@ -161,5 +206,29 @@ impl Step {
     #[inline]
     pub fn is_traversal(self) -> bool {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_update_is_the_same_step_whatever_it_changes() {
+        for (effect, bits, latched, learned) in [
+            (Effect::Changes, 0b0110, 0b0100, 0),
+            (Effect::Changes, 0b0110, 0b0100, 0b1000),
+            (Effect::Repeats, 0b0110, 0b0100, 0b0010),
+            (Effect::Silent, 0b0110, 0b1110, 0),
+        ] {
+            assert_eq!(Effect::of_bits(bits, latched, learned), effect);
+            let word = Step::pack_word_update(7, effect);
+            assert_eq!(Step::unpack(word), Some(Step::Update { store: Store::ModeWord, index: 7 }));
+            assert_eq!(Step::effect(word), Some(effect));
+        }
+        let other = Step::Update { store: Store::PixelCounter, index: 7 };
+        assert_eq!(Step::effect(other.pack()), Some(Effect::Changes));
+        assert_eq!(Step::effect(Step::Read { store: Store::ModeWord, index: 7 }.pack()), None);
+        assert_eq!(Step::unpack(16 << INDEX_BITS), None);
     }
 }

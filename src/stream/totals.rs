@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::chunk::{Chunk, Decision, Ray, RayHead, RayKind};
-use super::step::Step;
+use super::step::{Effect, Step};
 
 /// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from the
 /// records: the two must be equal.
@@ -38,6 +38,11 @@ pub struct Totals {
     pub policy_reads: u64,
     /// Writes and read-modify-writes of the policy's stores.
     pub policy_writes: u64,
+    /// Updates among them, on rays' account, of which an earlier one of the frame has set all bits
+    /// ([`Effect::Repeats`]).
+    pub repeated_updates: u64,
+    /// Updates among them, on rays' account, that change no bit of the latched word ([`Effect::Silent`]).
+    pub silent_updates: u64,
 }
 
 impl Totals {
@@ -67,7 +72,15 @@ impl Totals {
     pub fn count(&mut self, ray: &Ray<'_>) {
         self.count_head(&ray.head);
         self.count_path(&ray.head, Step::count(ray.packed_path()));
+        self.count_policy_of(ray);
+    }
+
+    /// Counts the policy's steps on a ray's account, and what its updates change.
+    fn count_policy_of(&mut self, ray: &Ray<'_>) {
         self.count_policy(ray.policy());
+        let with = |effect| ray.packed_policy().iter().filter(|&&word| Step::effect(word) == Some(effect)).count();
+        self.repeated_updates += with(Effect::Repeats) as u64;
+        self.silent_updates += with(Effect::Silent) as u64;
     }
 
     /// Counts the rays of a chunk, each as [`Totals::count`] does.
@@ -84,7 +97,7 @@ impl Totals {
                 if !ray.packed_policy().is_empty() {
                     let policy = Step::count(ray.packed_policy());
                     [nodes, lists, others] = [nodes + policy[0], lists + policy[1], others + policy[2]];
-                    self.count_policy(ray.policy());
+                    self.count_policy_of(&ray);
                 }
                 next += 1;
             }
@@ -137,11 +150,13 @@ impl std::ops::AddAssign for Totals {
         self.policy_node_visits += other.policy_node_visits;
         self.policy_reads += other.policy_reads;
         self.policy_writes += other.policy_writes;
+        self.repeated_updates += other.repeated_updates;
+        self.silent_updates += other.silent_updates;
     }
 }
 
 /// Names of the totals, in the order of [`totals_values`].
-pub const TOTALS_NAMES: [&str; 14] = [
+pub const TOTALS_NAMES: [&str; 16] = [
     "primary_rays",
     "secondary_rays",
     "shadow_rays",
@@ -156,6 +171,8 @@ pub const TOTALS_NAMES: [&str; 14] = [
     "policy_node_visits",
     "policy_reads",
     "policy_writes",
+    "repeated_updates",
+    "silent_updates",
 ];
 
 /// The totals in the order of the file. Taken apart by name, so that a new total cannot be forgotten here.
@@ -175,6 +192,8 @@ pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
         policy_node_visits,
         policy_reads,
         policy_writes,
+        repeated_updates,
+        silent_updates,
     } = *totals;
     [
         primary_rays,
@@ -191,5 +210,7 @@ pub fn totals_values(totals: &Totals) -> [u64; TOTALS_NAMES.len()] {
         policy_node_visits,
         policy_reads,
         policy_writes,
+        repeated_updates,
+        silent_updates,
     ]
 }

@@ -7,6 +7,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use super::band::Band;
 use super::lane::LaneFrame;
+use super::learned::Learned;
 use super::shade::Shader;
 use super::spec::{BAND_ROWS, TracerSpec};
 use crate::accel::{Accel, Trail};
@@ -99,6 +100,7 @@ impl<'a> Tracer<'a> {
 
         let mut lanes: Vec<_> = policies.iter().map(|_| LaneFrame::new(self.scene, self.resolution)).collect();
         let mut changes = vec![Vec::new(); policies.len()];
+        let mut learned = vec![Learned::default(); policies.len()];
         let band_rows = if needs.live { self.resolution.height } else { BAND_ROWS };
         let rows: Vec<_> = (0..self.resolution.height)
             .step_by(band_rows as usize)
@@ -108,7 +110,8 @@ impl<'a> Tracer<'a> {
         for batch in rows.chunks(4 * rayon::current_num_threads()) {
             let traced: Vec<_> = batch.par_iter().map(|rows| band.trace(rows.clone(), policies)).collect();
             for bands in traced {
-                for (lane, band) in bands.into_iter().enumerate() {
+                for (lane, mut band) in bands.into_iter().enumerate() {
+                    learned[lane].settle(&mut band.chunk, &mut band.record);
                     changes[lane].extend(lanes[lane].take(band.record));
                     sink(lane, Item::Rays(Arc::new(band.chunk)))?;
                 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::{Order, Path, Trail};
+use crate::accel::{Fresh, Order, Path, Trail};
 use crate::culling::{Change, Policy, Worker};
 use crate::quantity::{LightId, PixelId, PrimitiveId, Resolution};
 use crate::scene::{Picture, Scene, ShadowBits};
@@ -76,6 +76,8 @@ fn count_policy(totals: &mut Totals, trail: &Trail) {
     totals.list_reads += trail.lists;
     totals.policy_reads += trail.reads;
     totals.policy_writes += trail.writes;
+    totals.repeated_updates += trail.repeated;
+    totals.silent_updates += trail.silent;
 }
 
 /// A pixel of a band.
@@ -95,6 +97,8 @@ pub(super) struct BandRecord {
     pub wrong: Vec<WrongDecisions>,
     pub pixels: Vec<BandPixel>,
     pub changes: Vec<Change>,
+    /// Updates of mode words that change something, as far as the band knows, by their places in the band's chunk.
+    pub fresh: Vec<Fresh>,
 }
 
 /// A policy at work in a band.
@@ -169,6 +173,9 @@ impl<'a> Lane<'a> {
     fn finish_ray(&mut self, head: RayHead, path: Path<'_>) {
         self.record.totals.list_reads += path.lists;
         count_policy(&mut self.record.totals, &self.policy);
+        let before = self.chunk.steps() + path.steps.len();
+        let fresh = self.policy.fresh.iter().map(|fresh| Fresh { at: before + fresh.at, ..*fresh });
+        self.record.fresh.extend(fresh);
         self.chunk.push(head, path.steps, &self.policy.steps);
         self.policy.clear();
     }

@@ -9,6 +9,7 @@ mod alone;
 mod band;
 mod frame;
 mod lane;
+mod learned;
 mod shade;
 mod spec;
 mod whitted;

@@ -19,11 +19,30 @@ fn an_obj_without_faces() {
 fn a_missing_texture() {
     let desk = Desk::with_experiment();
     let textured = format!("mtllib floor.mtl\nusemtl wood\n{FLOOR}");
-    insta::assert_snapshot!(floor(&desk, &textured), @"error: cannot read floor.mtl: No such file or directory (os error 2)");
+    insta::assert_snapshot!(floor(&desk, &textured), @r#"error: floor.obj:1: mtllib "floor.mtl": cannot read floor.mtl: No such file or directory (os error 2)"#);
     desk.put("floor.mtl", "newmtl wood\nKd 1 1 1\nmap_Kd wood.ppm\n");
-    insta::assert_snapshot!(floor(&desk, &textured), @r#"error: floor.mtl: map_Kd "wood.ppm": cannot read wood.ppm: No such file or directory (os error 2)"#);
+    insta::assert_snapshot!(floor(&desk, &textured), @r#"error: floor.mtl:3: map_Kd "wood.ppm": cannot read wood.ppm: No such file or directory (os error 2)"#);
     desk.put("wood.ppm", "P6 2 2 255\nab");
-    insta::assert_snapshot!(floor(&desk, &textured), @"error: wood.ppm: 2x2 pixels take 12 bytes: only 2 follow the header");
+    insta::assert_snapshot!(floor(&desk, &textured), @r#"error: floor.mtl:3: map_Kd "wood.ppm": wood.ppm: 2x2 pixels take 12 bytes: only 2 follow the header"#);
+}
+
+#[test]
+fn statements_that_are_not_read() {
+    let desk = Desk::with_experiment();
+    insta::assert_snapshot!(floor(&desk, "v 0 0 0\nv 1 0 0\nv 0 1 0\nsurf 0 1 0 1 1 2 3\n"), @"error: floor.obj:4: `surf` is not allowed: free-form surfaces are not read");
+    insta::assert_snapshot!(floor(&desk, "v 0 0 1.#INF\n"), @r#"error: floor.obj:1: "1.#INF" is not a finite number"#);
+    insta::assert_snapshot!(floor(&desk, "v 0 0 1e10\n"), @"error: floor.obj:1: a point is at [0, 0, 10000000000]: at most 1e9 from the origin is allowed");
+}
+
+#[test]
+fn what_has_no_effect_is_told_on_the_terminal_and_in_the_report() {
+    let desk = Desk::with_experiment();
+    desk.put("floor.obj", &format!("o floor\ng left\n{FLOOR}"));
+    let run = desk.program(&["run", "tiny.ron", "--out", "report"]).output().unwrap();
+    let told = "floor.obj: 2 kinds of statements have no effect: `g` (1), `o` (1)";
+    assert!(String::from_utf8_lossy(&run.stderr).contains(&format!("note: {told}")), "{run:?}");
+    let summary = std::fs::read_to_string(desk.path("report/summary.json")).unwrap();
+    assert!(summary.contains(told), "{summary}");
 }
 
 /// What a run says of an AFF file with these lines after its camera and light.

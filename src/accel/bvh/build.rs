@@ -3,6 +3,7 @@
 //! obvhs only builds: its own traversal hides the nodes that it visits, and its CwBVH node test clamps the near end of a
 //! ray to a fixed 1e-4.
 
+use std::ops::Range;
 use std::time::Duration;
 
 use glam::Vec3;
@@ -12,6 +13,7 @@ use obvhs::cwbvh::CwBvh;
 use obvhs::cwbvh::builder::build_cwbvh_from_tris;
 use obvhs::{BvhBuildParams, triangle::Triangle as BuildTriangle};
 
+use super::copies;
 use super::tree::{Child, Node, Tree};
 use crate::accel::spec::Quality;
 use crate::accel::structure::{Base, Item};
@@ -36,25 +38,46 @@ pub trait Build: Sized {
 impl Build for Tree<2> {
     fn build(items: &[Item<'_>], params: BvhBuildParams, base: Base) -> Self {
         let mut build_time = Duration::ZERO;
-        let built = build_bvh2_from_tris(&corners(items), params, &mut build_time);
-        lay_out(&built, items, base)
+        over_groups(items, base, |corners| build_bvh2_from_tris(corners, params, &mut build_time))
     }
 }
 
 impl Build for Tree<8> {
     fn build(items: &[Item<'_>], params: BvhBuildParams, base: Base) -> Self {
         let mut build_time = Duration::ZERO;
-        let built = build_cwbvh_from_tris(&corners(items), params, &mut build_time);
-        lay_out(&built, items, base)
+        over_groups(items, base, |corners| build_cwbvh_from_tris(corners, params, &mut build_time))
     }
 }
 
-fn corners(items: &[Item<'_>]) -> Vec<BuildTriangle> {
-    let convert = |item: &Item<'_>| {
+/// Builds over one item of each group of equal boxes, and lays out all.
+fn over_groups<const N: usize, B: Built>(
+    items: &[Item<'_>],
+    base: Base,
+    build: impl FnOnce(&[BuildTriangle]) -> B,
+) -> Tree<N> {
+    let corners = |item: &Item<'_>| {
         let [v0, v1, v2] = item.triangle.v.map(Into::into);
         BuildTriangle { v0, v1, v2 }
     };
-    items.iter().map(convert).collect()
+    match copies::groups(items) {
+        None => {
+            let built = build(&items.iter().map(corners).collect::<Vec<_>>());
+            let order = built.order().to_vec();
+            lay_out(&built, items, &order, |leaf| leaf, base)
+        }
+        Some(groups) => {
+            let firsts: Vec<_> = groups.iter().map(|group| corners(&items[group[0] as usize])).collect();
+            let built = build(&firsts);
+            // Where the members of each place of the built order begin.
+            let mut starts = vec![0];
+            let mut order = Vec::with_capacity(items.len());
+            for &group in built.order() {
+                order.extend_from_slice(&groups[group as usize]);
+                starts.push(order.len());
+            }
+            lay_out(&built, items, &order, |leaf| starts[leaf.start]..starts[leaf.end], base)
+        }
+    }
 }
 
 /// A child of a built node, with its box.
@@ -66,13 +89,15 @@ struct Part {
 }
 
 enum PartChild {
-    Node(usize),
-    Leaf { start: u32, count: u32 },
+    /// A node to be laid out.
+    Node(Open),
+    /// A part of the items in leaf order.
+    Leaf(Range<usize>),
 }
 
 /// What the layout reads of a tree that obvhs built; node 0 is the root.
 trait Built {
-    /// The children of a node.
+    /// The children of a node; a leaf is a part of the built order.
     fn parts(&self, node: usize) -> Vec<Part>;
     /// The primitives in leaf order.
     fn order(&self) -> &[u32];
@@ -83,9 +108,10 @@ impl Built for Bvh2 {
         let part = |at: usize, node: usize| {
             let source = &self.nodes[node];
             let child = if source.is_leaf() {
-                PartChild::Leaf { start: source.first_index, count: source.prim_count }
+                let start = source.first_index as usize;
+                PartChild::Leaf(start..start + source.prim_count as usize)
             } else {
-                PartChild::Node(node)
+                PartChild::Node(Open::Built(node))
             };
             Part { at, low: source.aabb().min.into(), high: source.aabb().max.into(), child }
         };
@@ -114,9 +140,9 @@ impl Built for CwBvh {
             let high = Vec3::from(bounds.max).to_array().map(f32::next_up).into();
             let child = if source.is_leaf(at) {
                 let (start, count) = source.child_primitives(at);
-                PartChild::Leaf { start, count }
+                PartChild::Leaf(start as usize..(start + count) as usize)
             } else {
-                PartChild::Node(source.child_node_index(at) as usize)
+                PartChild::Node(Open::Built(source.child_node_index(at) as usize))
             };
             Part { at, low, high, child }
         };
@@ -128,11 +154,30 @@ impl Built for CwBvh {
     }
 }
 
-fn lay_out<const N: usize>(built: &impl Built, items: &[Item<'_>], base: Base) -> Tree<N> {
+/// What is to be laid out as a node.
+enum Open {
+    /// A node that obvhs built.
+    Built(usize),
+    /// A run of items with one box, too many for a leaf.
+    Run(Range<usize>, Vec3, Vec3),
+}
+
+/// The most items of a leaf that is cut from a run: as many as a leaf of the CwBVH holds.
+const RUN_LEAF: usize = 3;
+
+/// Lays out a built tree. `order` are all items in leaf order; `members` gives the part of it that a leaf's part of the built
+/// order stands for.
+fn lay_out<const N: usize>(
+    built: &impl Built,
+    items: &[Item<'_>],
+    order: &[u32],
+    members: impl Fn(Range<usize>) -> Range<usize>,
+    base: Base,
+) -> Tree<N> {
     let mut tree = Tree { nodes: Vec::new(), records: Vec::with_capacity(items.len()) };
     // Nodes to lay out, each with its parent's place and its own place among the children; the first child on top, so
     // that it follows its parent in memory.
-    let mut waiting: Vec<(usize, Option<(usize, usize)>)> = vec![(0, None)];
+    let mut waiting: Vec<(Open, Option<(usize, usize)>)> = vec![(Open::Built(0), None)];
     while let Some((node, parent)) = waiting.pop() {
         let place = tree.nodes.len();
         tree.nodes.push(Node::default());
@@ -140,14 +185,17 @@ fn lay_out<const N: usize>(built: &impl Built, items: &[Item<'_>], base: Base) -
             tree.nodes[parent].children[at] = Child { index: base.node + place as u32, count: 0 };
         }
         let first_waiting = waiting.len();
-        for Part { at, low, high, child } in built.parts(node) {
+        let parts = match node {
+            Open::Built(node) => built.parts(node).into_iter().map(|part| with_members(part, &members)).collect(),
+            Open::Run(run, low, high) => run_parts::<N>(run, low, high),
+        };
+        for Part { at, low, high, child } in parts {
             let child = match child {
-                PartChild::Leaf { start, count } => {
+                PartChild::Leaf(leaf) => {
                     let slot = base.slot + tree.records.len() as u32;
-                    let run = &built.order()[start as usize..(start + count) as usize];
-                    let records = run.iter().map(|&index| items[index as usize]);
+                    let records = order[leaf.clone()].iter().map(|&index| items[index as usize]);
                     tree.records.extend(records.map(|item| Record::new(item.triangle, item.primitive)));
-                    Child { index: slot, count }
+                    Child { index: slot, count: leaf.len() as u32 }
                 }
                 PartChild::Node(node) => {
                     waiting.push((node, Some((place, at))));
@@ -159,4 +207,29 @@ fn lay_out<const N: usize>(built: &impl Built, items: &[Item<'_>], base: Base) -
         waiting[first_waiting..].reverse();
     }
     tree
+}
+
+/// A part of a built node whose leaf stands for all members of its groups.
+fn with_members(part: Part, members: &impl Fn(Range<usize>) -> Range<usize>) -> Part {
+    let Part { low, high, .. } = part;
+    let child = match part.child {
+        PartChild::Leaf(leaf) => {
+            let (built, all) = (leaf.len(), members(leaf));
+            if all.len() == built { PartChild::Leaf(all) } else { PartChild::Node(Open::Run(all, low, high)) }
+        }
+        node => node,
+    };
+    Part { child, ..part }
+}
+
+/// The children of a run, of even length, all in the run's box.
+fn run_parts<const N: usize>(run: Range<usize>, low: Vec3, high: Vec3) -> Vec<Part> {
+    let length = run.len().div_ceil(N);
+    let starts = run.clone().step_by(length).enumerate();
+    let part = |(at, start): (usize, usize)| {
+        let part = start..(start + length).min(run.end);
+        let child = if length > RUN_LEAF { PartChild::Node(Open::Run(part, low, high)) } else { PartChild::Leaf(part) };
+        Part { at, low, high, child }
+    };
+    starts.map(part).collect()
 }

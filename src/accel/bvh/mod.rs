@@ -2,6 +2,7 @@
 
 mod ancestry;
 mod build;
+mod copies;
 mod forest;
 mod sight;
 mod statics;

@@ -13,7 +13,7 @@ use super::rules::{
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
-use crate::stream::{Store, StoreEntries};
+use crate::stream::{Effect, Store, StoreEntries};
 
 /// Modes and counters of all primitives, as they were at the frame's start.
 pub struct Published {
@@ -33,6 +33,9 @@ pub struct Published {
 const MODES: u32 = 0;
 const RENDERED: u32 = 1;
 const OCCLUDED: u32 = 2;
+
+/// The bits of a first word that an update sets whose primitive is seen occluded: the lower one of the occlusion mode.
+const SEEN_OCCLUDED: u32 = 0b01;
 
 impl Published {
     /// Nothing known yet.
@@ -65,17 +68,19 @@ impl Published {
         self.words[first + 1..first + self.layout.words_per_primitive() as usize].fill(0);
     }
 
+    /// Whether a primitive's mode becomes PARTIALLY_OCCLUDED if it is seen occluded in the frame.
+    fn becomes_partial(&self, primitive: PrimitiveId) -> bool {
+        match self.first_word(primitive).occlusion() {
+            Occlusion::Init => true,
+            Occlusion::FullyRendered => self.rules.occluded_full == OccludedFull::BecomesPartial,
+            Occlusion::PartiallyOccluded | Occlusion::Dynamic => false,
+        }
+    }
+
     /// The occlusion mode setting stage, for one primitive that was rendered, or seen occluded.
     fn set_mode(&mut self, primitive: PrimitiveId, pixels: u32, occluded: bool) {
-        if occluded {
-            let becomes_partial = match self.first_word(primitive).occlusion() {
-                Occlusion::Init => true,
-                Occlusion::FullyRendered => self.rules.occluded_full == OccludedFull::BecomesPartial,
-                Occlusion::PartiallyOccluded | Occlusion::Dynamic => false,
-            };
-            if becomes_partial {
-                self.set_occlusion(primitive, Occlusion::PartiallyOccluded);
-            }
+        if occluded && self.becomes_partial(primitive) {
+            self.set_occlusion(primitive, Occlusion::PartiallyOccluded);
         }
         if pixels > 0 {
             // What was counted before the shadows is compared with the same of earlier frames, not with all hits.
@@ -199,10 +204,16 @@ impl PublishedWorker<'_> {
     }
 
     fn see_occluded(&mut self, primitive: PrimitiveId, probe: &mut Probe<'_>) {
-        if !self.is_dynamic(primitive) {
-            self.occluded.insert(primitive);
-            probe.update(Store::ModeWord, self.policy.layout.first(primitive));
+        if self.is_dynamic(primitive) {
+            return;
         }
+        let first = self.occluded.insert(primitive);
+        let effect = match (self.policy.becomes_partial(primitive), first) {
+            (false, _) => Effect::Silent,
+            (true, false) => Effect::Repeats,
+            (true, true) => Effect::Changes,
+        };
+        probe.set_bits(self.policy.layout.first(primitive), SEEN_OCCLUDED, effect);
     }
 
     /// Whether the primitive's shadow modes can be trusted.
@@ -289,9 +300,10 @@ impl Worker for PublishedWorker<'_> {
             },
         };
         let place = self.policy.layout.shadow(hit.primitive, light);
-        let seen = if dark { SEEN_DARK } else { SEEN_LIT };
-        *self.modes.entry(place.word).or_default() |= seen << place.shift;
-        probe.update(Store::ModeWord, place.word);
+        let bits = if dark { SEEN_DARK } else { SEEN_LIT } << place.shift;
+        let learned = self.modes.entry(place.word).or_default();
+        probe.set_bits(place.word, bits, Effect::of_bits(bits, self.policy.words[place.word as usize], *learned));
+        *learned |= bits;
     }
 
     fn finish(self: Box<Self>) -> Vec<Change> {

@@ -86,12 +86,20 @@ impl Bound {
                 self.slots_held += slot;
                 self.traced += 1;
             }
-            if skipped && !known {
+            let spec = &self.machine.shadow_cache;
+            let performed = ray.packed_policy().iter().filter(|&&word| spec.performs(word));
+            if !known && spec.decide.answers(ray.head.decision, performed.count()) {
+                done[index] = done[parents[index] as usize] + shading;
+                self.longest = self.longest.max(done[index]);
+                continue;
+            }
+            if !known && spec.decide.takes_an_operation(ray.head.decision) {
                 policy += self.steps.kinds[Kind::ShadowCache as usize].latency;
                 self.steps.decide();
             }
             if !known {
-                policy += self.steps.add(ray.packed_policy(), Steps::Policy);
+                let kept = ray.packed_policy().split(|&word| spec.silent.drops(word));
+                policy += kept.map(|words| self.steps.add(words, Steps::Policy)).sum::<u64>();
                 self.steps.work[Kind::ShadowCache as usize].held += policy;
                 self.rays += 1;
                 self.pool_held += slot + policy;
@@ -116,7 +124,7 @@ impl Bound {
         at_least(self.slots_held, self.machine.traversal.rays.get() * kinds[Kind::Traversal as usize].count);
         at_least(divisions * division.interval.get(), cores * division.count.get());
         for (unit, work) in kinds.iter().zip(work) {
-            at_least(work.operations * unit.interval, unit.count);
+            at_least(work.operations * unit.interval, unit.count * unit.width);
             at_least(work.accesses, unit.count * unit.cache.accesses_per_cycle());
             if let Some(contexts) = unit.contexts {
                 at_least(work.held, unit.count * contexts);
@@ -204,7 +212,8 @@ impl Bound {
         for ((kind, unit), work) in Kind::ALL.into_iter().zip(kinds).zip(work) {
             let (name, level) = kind.names();
             stats.bytes.insert(level.into(), present(&requested[kind as usize]));
-            stats.units.insert(name.into(), [(Cause::Busy, work.all_operations * unit.interval)].into());
+            let busy = (work.all_operations * unit.interval).div_ceil(unit.width);
+            stats.units.insert(name.into(), [(Cause::Busy, busy)].into());
             stats.unit_counts.insert(name.into(), unit.count);
         }
         stats

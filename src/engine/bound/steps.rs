@@ -207,7 +207,8 @@ impl StepWork {
     fn look_at(&mut self, word: u32, steps: Steps) {
         let Some(step) = Step::unpack(word) else { return };
         if step.entry().is_some() && !self.stores_count {
-            self.left_out += 1;
+            // Learned bits may be read and taken over beside it.
+            self.left_out += 3;
             return;
         }
         let Tag { uniform, named, .. } = self.tags[steps as usize][(word >> INDEX_BITS) as usize];

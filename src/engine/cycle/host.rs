@@ -16,9 +16,9 @@ use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
 /// A chunk of which somebody still needs a ray.
 #[derive(Debug)]
 pub struct Group {
-    chunk: Arc<Chunk>,
+    pub chunk: Arc<Chunk>,
     /// The children of each ray, in the stream's order.
-    children: Vec<Vec<usize>>,
+    pub children: Vec<Vec<usize>>,
 }
 
 /// Where the dispatcher stands in the stream.
@@ -114,8 +114,14 @@ impl Host {
             && *at <= now
             && let Some((_, Origin { group, index: parent })) = self.shading.pop_front()
         {
-            let children = group.children[parent].iter();
-            self.ready.extend(children.map(|&index| Origin { group: Rc::clone(&group), index }));
+            for &index in &group.children[parent] {
+                let origin = Origin { group: Rc::clone(&group), index };
+                if !answered(&origin, wires)? {
+                    self.ready.push_back(origin);
+                } else if !group.children[index].is_empty() {
+                    self.shading.push_back((now + self.spec.shading_cycles.get(), origin));
+                }
+            }
         }
         let mut handed_over = 0;
         let mut to_core = vec![0; self.cores];
@@ -201,11 +207,11 @@ impl Host {
     fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
         let Some(origin) = wires.in_fifo.first(now).cloned() else { return Ok(false) };
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
-        let mut ray = read_ray(origin, wires)?;
+        let (mut ray, left_out) = read_ray(origin, wires)?;
         let steps = ray.path.iter().map(|&step| self.unloaded.step(step, ray.kind));
         (ray.handed_over, ray.unloaded) = (now, self.unloaded.dispatch() + steps.sum::<u64>());
         if ray.decision == Decision::Skip {
-            let_in(id, ray, wires);
+            wires.rays[id] = Some(ray);
             wires.send_to_policy(now, id);
         } else {
             let units = self.free_slots.len();
@@ -223,8 +229,9 @@ impl Host {
             self.last_in_turn = turn;
             ray.sender = Sender::Traversal(unit);
             wires.dispatched[unit].put(now, id);
-            let_in(id, ray, wires);
+            wires.rays[id] = Some(ray);
         }
+        left_out.count(wires);
         self.free_entries.pop_front();
         wires.in_fifo.take(now);
         Ok(true)
@@ -288,30 +295,73 @@ impl Host {
     }
 }
 
-/// Puts a ray into its entry, without the policy's steps that cost nothing.
-fn let_in(id: Id, mut ray: Ray, wires: &mut Wires) {
-    let (policy, free) = wires.words.without_free(std::mem::take(&mut ray.policy));
-    ray.policy = policy;
-    wires.replayed.count_policy(free.into_iter());
-    wires.rays[id] = Some(ray);
+/// Recorded steps of the policy that a ray does not perform.
+struct LeftOut {
+    /// Updates that are dropped.
+    dropped: u64,
+    /// Steps that cost nothing.
+    free: VecDeque<Step>,
+    /// What it performs otherwise: entries of learned bits that it updates.
+    learned: Vec<u32>,
 }
 
-/// The ray as the stream has it.
-fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
+impl LeftOut {
+    fn count(self, wires: &mut Wires) {
+        wires.words.work.dropped_writes += self.dropped;
+        wires.replayed.count_policy(self.free.into_iter());
+        wires.words.learned.extend(self.learned);
+    }
+}
+
+/// Answers a skipped ray of which nothing is left to perform, if decisions fall with the hit; whether that was so.
+fn answered(origin: &Origin, wires: &mut Wires) -> Result<bool, StreamFault> {
+    let decision = origin.group.chunk.head(origin.index).decision;
+    if decision != Decision::Skip {
+        return Ok(false);
+    }
+    let (ray, left_out) = read_ray(origin.clone(), wires)?;
+    if !wires.words.spec.decide.answers(decision, ray.policy.len()) {
+        return Ok(false);
+    }
+    left_out.count(wires);
+    wires.words.work.answered_rays += 1;
+    wires.replayed.shadow_rays += 1;
+    wires.replayed.shadow_rays_skipped += 1;
+    Ok(true)
+}
+
+/// The ray as the machine has it, and what it leaves out.
+fn read_ray(origin: Origin, wires: &Wires) -> Result<(Ray, LeftOut), StreamFault> {
     let source = origin.group.chunk.ray(origin.index);
-    let steps = |words: &[u32]| -> Result<VecDeque<Step>, StreamFault> {
-        words.iter().map(|&word| check_step(word, &wires.layout)).collect()
-    };
-    let path = steps(source.packed_path())?;
+    let spec = &wires.words.spec;
+    let path: VecDeque<Step> =
+        source.packed_path().iter().map(|&word| check_step(word, &wires.layout)).collect::<Result<_, _>>()?;
     if !path.iter().all(|step| step.is_traversal()) {
         return Err(StreamFault::Ray { index: origin.index, fault: "has a policy step in its path" });
     }
-    Ok(Ray {
+    let (mut policy, mut dropped) = (VecDeque::new(), 0);
+    for &word in source.packed_policy() {
+        let step = check_step(word, &wires.layout)?;
+        if spec.silent.drops(word) {
+            dropped += 1;
+        } else {
+            policy.push_back(step);
+        }
+    }
+    let (mut policy, free) = wires.words.without_free(policy);
+    let mut learned = Vec::new();
+    for step in &mut policy {
+        if let Some(update) = wires.layout.stores().learns(*step) {
+            learned.extend(update.entry().map(|(_, index)| index));
+            *step = update;
+        }
+    }
+    let ray = Ray {
         kind: source.head.kind,
         decision: source.head.decision,
         path,
-        policy: steps(source.packed_policy())?,
-        undecided: source.head.decision == Decision::Skip,
+        policy,
+        undecided: spec.decide.takes_an_operation(source.head.decision),
         at_edges: false,
         setting: 0,
         accessed: false,
@@ -321,5 +371,6 @@ fn read_ray(origin: Origin, wires: &Wires) -> Result<Ray, StreamFault> {
         done: 0,
         unloaded: 0,
         origin: Some(origin),
-    })
+    };
+    Ok((ray, LeftOut { dropped, free, learned }))
 }

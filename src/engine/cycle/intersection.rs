@@ -20,7 +20,7 @@ pub struct Intersection {
 
 impl Intersection {
     pub fn new(spec: &IntersectionSpec, writes: WritePolicy, index: usize, l1: usize, line: u64) -> Self {
-        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
             unit: Unit::new(l1, &spec.cache, pace, line, writes),
@@ -61,7 +61,7 @@ impl Intersection {
             self.leaving.pop_front();
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty(), false);
     }
 
     fn operation_ended(&mut self, id: Id, now: u64, wires: &mut Wires) {

@@ -19,7 +19,7 @@ pub struct List {
 
 impl List {
     pub fn new(spec: &ListSpec, index: usize, l1: usize, line: u64) -> Self {
-        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
             unit: Unit::new(l1, &spec.cache, pace, line, WritePolicy::Back),
@@ -56,7 +56,7 @@ impl List {
             self.leaving.pop_front();
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty(), false);
     }
 
     fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {

@@ -8,6 +8,7 @@ mod division;
 mod dram;
 mod engine;
 mod flat;
+mod gathering;
 mod host;
 mod intersection;
 mod l2;

@@ -43,7 +43,7 @@ impl ShadowCache {
         let contexts = spec.contexts.size();
         let writes = if spec.place == Place::L2 { WritePolicy::Through } else { spec.writes };
         let first = pool + index * contexts;
-        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: spec.width.get() };
         Self {
             index,
             spec: *spec,
@@ -61,9 +61,9 @@ impl ShadowCache {
     }
 
     pub fn tick(&mut self, now: u64, wires: &mut Wires) {
-        let a_context_was_free = self.in_work < self.spec.contexts.size();
+        let free_contexts = self.spec.contexts.size() - self.in_work;
         self.unit.fill_and_hit(now, wires);
-        if let Some(id) = self.unit.leave(now) {
+        while let Some(id) = self.unit.leave(now) {
             self.operation_ended(id, now, wires);
         }
         while let Some(id) = wires.back_in_policy[self.index].take(now) {
@@ -80,9 +80,10 @@ impl ShadowCache {
             self.end_left = Some(self.end_steps.len());
             self.look_at_the_end(now, wires);
         }
-        if a_context_was_free {
-            self.take_on(now, wires);
-        }
+        let width = self.spec.width.size();
+        let taken = (0..width.min(free_contexts)).take_while(|_| self.take_on(now, wires)).count();
+        let more_wait = wires.retired[self.index].first(now).is_some() || !self.end_steps.is_empty();
+        let passed_by = taken == width && taken < free_contexts && more_wait;
         while let Some(&id) = self.done.front()
             && wires.send_out(now, id)
         {
@@ -102,7 +103,7 @@ impl ShadowCache {
             }
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty(), passed_by);
     }
 
     fn operation_ended(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -126,8 +127,8 @@ impl ShadowCache {
         self.go_on(id, now, wires);
     }
 
-    /// Takes on one new ray, or step of a frame's end.
-    fn take_on(&mut self, now: u64, wires: &mut Wires) {
+    /// Takes on one new ray, or step of a frame's end; whether there was one.
+    fn take_on(&mut self, now: u64, wires: &mut Wires) -> bool {
         if let Some(id) = wires.retired[self.index].take(now) {
             self.in_work += 1;
             wires.ray(id).sender = Sender::ShadowCache(self.index);
@@ -136,6 +137,7 @@ impl ShadowCache {
             } else {
                 self.go_on(id, now, wires);
             }
+            true
         } else if let Some((step, sets_modes)) = self.end_steps.pop_front() {
             self.in_work += 1;
             let id = self.free_entries.pop_front().expect("there are as many entries as contexts");
@@ -156,6 +158,9 @@ impl ShadowCache {
                 origin: None,
             });
             self.go_on(id, now, wires);
+            true
+        } else {
+            false
         }
     }
 

@@ -20,7 +20,7 @@ pub struct Traversal {
 
 impl Traversal {
     pub fn new(spec: &TraversalSpec, index: usize, line: u64) -> Self {
-        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get() };
+        let pace = Pace { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let unit = Unit::new(index, &spec.cache, pace, line, WritePolicy::Back);
         Self { index, unit, leaving: VecDeque::new(), done: VecDeque::new() }
     }
@@ -60,7 +60,7 @@ impl Traversal {
             }
         }
         self.unit.send(now, wires);
-        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty());
+        self.unit.account(now, began, !self.leaving.is_empty() || !self.done.is_empty(), false);
     }
 
     fn next_step(&mut self, id: Id, now: u64, wires: &mut Wires) {
@@ -69,7 +69,8 @@ impl Traversal {
             Some(&Step::Node(node)) => self.unit.fetch(id, wires.layout.node(node), &wires.layout),
             Some(_) => self.leaving.push_back(id),
             None => {
-                if ray.policy.is_empty() {
+                wires.path_done(id);
+                if wires.ray(id).policy.is_empty() {
                     self.done.push_back(id);
                 } else {
                     wires.send_to_policy(now, id);

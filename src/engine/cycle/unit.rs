@@ -24,11 +24,12 @@ struct Fetch {
     past_l1: bool,
 }
 
-/// How long an operation takes, and from one to the next.
+/// How long an operation takes, from one to the next, and how many begin in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub struct Pace {
     pub latency: u64,
     pub interval: u64,
+    pub width: u64,
 }
 
 /// The unit.
@@ -159,11 +160,20 @@ impl Unit {
         Some(id)
     }
 
-    /// Step 5: whether an operation began.
+    /// Step 5: whether operations began.
     pub fn begin(&mut self, now: u64, layout: &Layout) -> bool {
         if self.is_occupied(now) {
             return false;
         }
+        let began = (0..self.pace.width).take_while(|_| self.begin_one(now, layout)).count() > 0;
+        if began {
+            self.last_began = Some(now);
+        }
+        began
+    }
+
+    /// The first ray of the ready list begins its operation, if nothing is missing.
+    fn begin_one(&mut self, now: u64, layout: &Layout) -> bool {
         let Some(&(id, element)) = self.ready.front() else { return false };
         if let Some(element) = element.filter(|element| element.write && self.writes.go_through(element.class)) {
             if !self.out_has_room() {
@@ -177,7 +187,6 @@ impl Unit {
         }
         self.ready.pop_front();
         self.stages.push_back((now + self.pace.latency, id));
-        self.last_began = Some(now);
         true
     }
 
@@ -252,13 +261,16 @@ impl Unit {
         }
     }
 
-    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit.
-    pub fn account(&mut self, now: u64, began: bool, leaving: bool) {
+    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit,
+    /// `passed_by` whether rays had to wait because the unit took as many as it can.
+    pub fn account(&mut self, now: u64, began: bool, leaving: bool, passed_by: bool) {
         let memory = !self.fetches.is_empty();
         let pipeline = !self.stages.is_empty();
         let blocked = leaving || !self.ready.is_empty();
         let cause = if began || self.is_occupied(now) {
             Cause::Busy
+        } else if passed_by {
+            Cause::Intake
         } else if !(memory || pipeline || blocked) {
             Cause::Starved
         } else if blocked {

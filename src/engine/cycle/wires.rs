@@ -1,5 +1,6 @@
 //! All links between the parts, and what all parts can see.
 
+use super::gathering::Gathering;
 use super::link::Link;
 use super::ray::{Id, Origin, Ray, Sender};
 use super::words::Words;
@@ -47,6 +48,7 @@ pub struct Wires {
     pub rays: Vec<Option<Ray>>,
     pub layout: Layout,
     pub words: Words,
+    gathering: Gathering,
     /// What was replayed of the frame so far.
     pub replayed: Totals,
     /// From the dispatcher to each traversal unit.
@@ -111,6 +113,7 @@ impl Wires {
             rays: (0..entries).map(|_| None).collect(),
             layout: Layout::new(header, spec),
             words: Words::new(&spec.shadow_cache, policies, header),
+            gathering: Gathering::new(cores * spec.shadow_cache.gather.size()),
             replayed: Totals::default(),
             dispatched: links(units, || Link::new(usize::MAX, spec.dispatcher.latency.get())),
             lists: links(lists, || Link::new(spec.list.queue.size(), 1)),
@@ -239,6 +242,12 @@ impl Wires {
             self.list_left[list].put(now, ());
             self.give_back(now, id);
         }
+    }
+
+    /// The ray has done its path.
+    pub fn path_done(&mut self, id: Id) {
+        let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
+        self.words.work.gathered_writes += self.gathering.path_done(ray, &self.layout);
     }
 
     /// A ray is done and goes to the out FIFO, if that has a place.

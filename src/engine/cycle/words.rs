@@ -8,12 +8,14 @@ use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::stream::{Header, Step, Store};
 
 pub struct Words {
-    spec: ShadowCacheSpec,
+    pub spec: ShadowCacheSpec,
     /// Shadow-cache units of all cores.
     units: usize,
     header: Header,
     /// Static primitives that rays have touched in this frame.
     touched: BTreeSet<u32>,
+    /// Entries of learned bits that rays have updated in this frame.
+    pub learned: BTreeSet<u32>,
     pub work: StoreWork,
     /// Units whose part of the frame's end is not done.
     pub ending: usize,
@@ -27,8 +29,8 @@ pub fn address(step: Step, layout: &Layout) -> Option<u64> {
 
 impl Words {
     pub fn new(spec: &ShadowCacheSpec, units: usize, header: &Header) -> Self {
-        let (touched, work) = (BTreeSet::new(), StoreWork::default());
-        Self { spec: *spec, units, header: header.clone(), touched, work, ending: 0 }
+        let (touched, learned, work) = (BTreeSet::new(), BTreeSet::new(), StoreWork::default());
+        Self { spec: *spec, units, header: header.clone(), touched, learned, work, ending: 0 }
     }
 
     /// The unit that a step must be performed in; `None` if any will do.
@@ -116,6 +118,11 @@ impl Words {
                 FrameEnd::Epoch if sets && !lists && !free => self.work.deferred_writes += 1,
                 _ => all.push(step),
             }
+        }
+        while let Some(learned) = self.learned.pop_first() {
+            all.extend(layout.stores().fold(learned));
+            self.work.added_reads += 1;
+            self.work.added_writes += 1;
         }
         all
     }

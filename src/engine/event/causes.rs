@@ -45,6 +45,14 @@ impl Causes {
         self.note(now, occupied, idle);
     }
 
+    /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
+    /// began: it is lost at the intake if no earlier operation occupies it. Later cycles are `idle`'s as after
+    /// [`Causes::cycle`].
+    pub fn passed_by(&mut self, now: u64, idle: Cause) {
+        self.cycle(now, 0, Cause::Intake);
+        self.note(now + 1, 0, idle);
+    }
+
     /// What [`Causes::cycle`] is to be told of cycle `at`, which is to come. Nothing else happens before it.
     #[inline]
     pub fn ahead(&mut self, at: u64, occupied: u64, idle: Cause) {

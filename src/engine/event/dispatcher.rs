@@ -100,7 +100,7 @@ impl Dispatcher {
             events.frame_over = Some(FrameCounts { frame: self.host.frame, tracer: totals, machine, stores });
         }
         events.frame_began = self.host.pull(next, links)?;
-        self.host.shade(now);
+        self.host.shade(now, links)?;
         self.handed_over.fill(0);
         let mut busy = false;
         for _ in 0..width {
@@ -180,9 +180,13 @@ impl Dispatcher {
         ray.path_end = source.packed_path().len();
         (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
-        (ray.chunk, ray.index, ray.undecided, ray.marked) = (which.chunk, which.index, skipped, source.marked);
+        (ray.chunk, ray.index, ray.marked) = (which.chunk, which.index, source.marked);
+        ray.undecided = links.shadow_cache.decide.takes_an_operation(source.head.decision);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
-        links.take_free_entries(id);
+        if links.gathering.is_there() {
+            (ray.hit, ray.siblings) = self.host.siblings(which, source.head.parent);
+        }
+        links.leave_out(id);
         match turn {
             None => links.send_to_shadow_cache(id, now),
             Some(turn) => {

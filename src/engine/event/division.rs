@@ -30,7 +30,7 @@ impl Division {
             index: index as usize,
             part,
             core: links.parts.core(part),
-            timing: Stages { latency: spec.latency.get(), interval: spec.interval.get() },
+            timing: Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 },
             stages: Inbox::new(),
             open_at: 0,
             causes: Causes::default(),

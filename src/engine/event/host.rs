@@ -6,7 +6,7 @@ use super::links::Links;
 use crate::engine::source::{StreamFault, check_step, parents};
 use crate::machine::layout::Layout;
 use crate::memory::ring::Ring;
-use crate::stream::{Chunk, Item, Totals};
+use crate::stream::{Chunk, Decision, Item, RayKind, Totals};
 
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -165,6 +165,17 @@ impl Host {
         self.active(which.chunk).chunk.ray(which.index as usize)
     }
 
+    /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
+    pub fn siblings(&self, which: ChunkRay, back: u32) -> (u32, u32) {
+        let active = self.active(which.chunk);
+        let hit = which.index - back;
+        let traced = |&&index: &&u32| {
+            let head = active.chunk.head(index as usize);
+            head.kind == RayKind::Shadow && head.decision != Decision::Skip
+        };
+        (hit, active.children(hit).iter().filter(traced).count() as u32)
+    }
+
     /// Whether all steps of the ray's chunk are known to exist.
     pub fn is_sound(&self, which: ChunkRay) -> bool {
         self.active(which.chunk).sound
@@ -174,8 +185,8 @@ impl Host {
         self.chunks[place as usize].as_ref().expect("a chunk stays while it has rays that are not done")
     }
 
-    /// Parents whose shading ends in cycle `now` have their children ready.
-    pub fn shade(&mut self, now: u64) {
+    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once.
+    pub fn shade(&mut self, now: u64, links: &mut Links) -> Result<(), StreamFault> {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
@@ -183,7 +194,30 @@ impl Host {
             let Some(active) = &self.chunks[parent.chunk as usize] else {
                 unreachable!("a chunk stays while it has rays")
             };
-            self.ready.extend(active.children(parent.index).iter().map(|&index| ChunkRay { index, ..parent }));
+            let mut answered = 0;
+            for &index in active.children(parent.index) {
+                let child = ChunkRay { index, ..parent };
+                if !links.answer(&active.chunk.ray(index as usize))? {
+                    self.ready.push_back(child);
+                    continue;
+                }
+                answered += 1;
+                if !active.children(index).is_empty() {
+                    self.shading.push_back((now + self.shading_cycles, child));
+                }
+            }
+            self.are_done(parent.chunk, answered);
+        }
+        Ok(())
+    }
+
+    /// So many rays of a chunk are done.
+    fn are_done(&mut self, chunk: u32, rays: usize) {
+        if let Some(active) = &mut self.chunks[chunk as usize] {
+            active.left -= rays;
+            if active.left == 0 {
+                self.chunks[chunk as usize] = None;
+            }
         }
     }
 
@@ -210,16 +244,11 @@ impl Host {
 
     /// Takes a ray's results in cycle `now`.
     pub fn take(&mut self, ray: ChunkRay, now: u64) {
-        let Some(active) = &mut self.chunks[ray.chunk as usize] else {
-            unreachable!("a chunk stays while it has rays")
-        };
-        active.left -= 1;
+        let Some(active) = &self.chunks[ray.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
         if !active.children(ray.index).is_empty() {
             self.shading.push_back((now + self.shading_cycles, ray));
         }
-        if active.left == 0 {
-            self.chunks[ray.chunk as usize] = None;
-        }
+        self.are_done(ray.chunk, 1);
     }
 
     /// The state of the lists, for the report of a deadlock.

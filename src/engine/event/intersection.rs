@@ -25,7 +25,7 @@ impl Intersection {
     /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
     pub fn new(spec: &IntersectionSpec, writes: WritePolicy, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.intersection(index);
-        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index: index as usize,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, writes),

@@ -1,11 +1,14 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
+use std::collections::BTreeSet;
+
 use rustc_hash::FxHashSet;
 
+use super::gathering::Gathering;
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
-use crate::engine::source::StoreWork;
+use crate::engine::source::{StoreWork, StreamFault, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::parts::Parts;
@@ -16,7 +19,7 @@ use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{Header, Step, Store, Totals};
+use crate::stream::{self, Header, Step, Store, Totals};
 
 /// A queue with a place for everything that can come.
 pub type Inbox<T> = Ring<(u64, T)>;
@@ -86,6 +89,10 @@ pub struct Links {
     touched: FxHashSet<u32>,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
+    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
+    learned: BTreeSet<u32>,
+    /// Hits whose updates are gathered.
+    pub gathering: Gathering,
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
     header: Header,
@@ -131,6 +138,8 @@ impl Links {
             frame_over: false,
             touched: FxHashSet::default(),
             stores: StoreWork::default(),
+            learned: BTreeSet::new(),
+            gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
             shadow_cache: spec.shadow_cache,
             header: header.clone(),
             mail: vec![u64::MAX; parts.count()],
@@ -142,20 +151,50 @@ impl Links {
         }
     }
 
-    /// Takes entries that cost nothing out of the policy's steps of a ray that is handed over.
-    pub fn take_free_entries(&mut self, ray: RayId) {
-        if self.shadow_cache.place != Place::Free {
+    /// Takes the steps of the policy that are not performed out of a ray that is handed over, and counts them.
+    pub fn leave_out(&mut self, ray: RayId) {
+        if self.shadow_cache.performs_all() {
             return;
         }
         let ray = &mut self.rays[ray as usize];
-        let policy = ray.steps.split_off(ray.path_end);
-        for (step, word) in Step::unpack_all(&policy).zip(&policy) {
-            if step.entry().is_some() {
-                self.replayed.count_policy(std::iter::once(step));
+        let mut kept = ray.path_end;
+        for at in ray.path_end..ray.steps.len() {
+            let word = ray.steps[at];
+            if self.shadow_cache.performs(word) {
+                let learns = Step::unpack(word).and_then(|step| self.layout.stores().learns(step));
+                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
+                ray.steps[kept] = learns.map_or(word, Step::pack);
+                kept += 1;
             } else {
-                ray.steps.push(*word);
+                count_left_out(word, &self.shadow_cache, &mut self.stores, &mut self.replayed);
             }
         }
+        ray.steps.truncate(kept);
+    }
+
+    /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
+    pub fn answer(&mut self, ray: &stream::Ray<'_>) -> Result<bool, StreamFault> {
+        let spec = &self.shadow_cache;
+        if !spec.decide.answers(ray.head.decision, 0) {
+            return Ok(false);
+        }
+        let left = ray.packed_policy().iter().filter(|&&word| spec.performs(word)).count();
+        if !spec.decide.answers(ray.head.decision, left) {
+            return Ok(false);
+        }
+        for &word in ray.packed_policy() {
+            check_step(word, &self.layout)?;
+            count_left_out(word, spec, &mut self.stores, &mut self.replayed);
+        }
+        self.stores.answered_rays += 1;
+        self.replayed.shadow_rays += 1;
+        self.replayed.shadow_rays_skipped += 1;
+        Ok(true)
+    }
+
+    /// The ray has done its path.
+    pub fn retire(&mut self, ray: RayId) {
+        self.stores.gathered_writes += self.gathering.retire(&mut self.rays[ray as usize], self.layout.stores());
     }
 
     /// The entry of a ray's next step.
@@ -229,6 +268,11 @@ impl Links {
                 self.stores.deferred_writes += 1;
             }
         }
+        for learned in std::mem::take(&mut self.learned) {
+            steps.extend(self.layout.stores().fold(learned));
+            self.stores.added_reads += 1;
+            self.stores.added_writes += 1;
+        }
         let register = spec.register.get() > 0 && spec.place != Place::Free;
         if steps.is_empty() && !register {
             return false;
@@ -289,5 +333,14 @@ impl Links {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;
         dram.tick(index, now, clock, |to, line| l2.banks[(to.0 - first) as usize].deliver(line, now + 1));
+    }
+}
+
+/// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
+fn count_left_out(word: u32, spec: &ShadowCacheSpec, stores: &mut StoreWork, replayed: &mut Totals) {
+    if spec.silent.drops(word) {
+        stores.dropped_writes += 1;
+    } else {
+        replayed.count_policy(Step::unpack(word).into_iter());
     }
 }

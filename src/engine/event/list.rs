@@ -25,7 +25,7 @@ impl List {
     /// Unit `index`, empty.
     pub fn new(spec: &ListSpec, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.list(index);
-        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         Self {
             index,
             pipeline: Pipeline::new(part, links.parts.core(part), &spec.cache, stages, line, WritePolicy::Back),

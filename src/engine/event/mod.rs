@@ -4,6 +4,7 @@ mod causes;
 mod dispatcher;
 mod division;
 mod engine;
+mod gathering;
 mod host;
 mod intersection;
 mod links;

@@ -18,6 +18,17 @@ pub struct Stages {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
+    /// Operations that begin at once.
+    pub width: u64,
+}
+
+/// What became of the requests of a cycle.
+#[derive(Clone, Copy, Debug)]
+struct Passage {
+    /// Whether the fetch queue was stopped.
+    stalled: bool,
+    /// Whether a request found a place in the L2.
+    sent: bool,
 }
 
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
@@ -226,10 +237,22 @@ impl Pipeline {
     /// Step 5: whether an operation began.
     #[inline]
     pub fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
-        let Some(&ray) = self.ready.front() else { return false };
-        if now < self.open_at {
-            return false;
+        now >= self.open_at && self.begin_first(now, rays)
+    }
+
+    /// Step 5 of a unit in which several operations can begin at once: whether any did.
+    pub fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let began = self.begin(now, rays);
+        if began {
+            (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).for_each(drop);
         }
+        began
+    }
+
+    /// The first ray of the ready list begins its operation, if nothing is missing.
+    #[inline]
+    fn begin_first(&mut self, now: u64, rays: &[Ray]) -> bool {
+        let Some(&ray) = self.ready.front() else { return false };
         let fetch = &rays[ray as usize].fetch;
         if fetch.write && self.writes.go_through(fetch.class) && !self.write_through(fetch) {
             return false;
@@ -262,11 +285,35 @@ impl Pipeline {
     /// to go to another unit.
     #[inline]
     pub fn end(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
+        let passage = self.pass_down(now, links);
+        self.account(now, began, leaving || !self.ready.is_empty());
+        self.announce(now, links, passage);
+    }
+
+    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can and others waited.
+    pub fn end_full(&mut self, now: u64, links: &mut Links, began: bool, leaving: bool) {
+        let passage = self.pass_down(now, links);
+        let held = leaving || !self.ready.is_empty();
+        if began {
+            self.account(now, began, held);
+        } else {
+            self.account_passed_by(now, held);
+        }
+        self.announce(now, links, passage);
+    }
+
+    /// Steps 6 and 7.
+    #[inline]
+    fn pass_down(&mut self, now: u64, links: &mut Links) -> Passage {
         (self.accessed, self.begins_next) = (false, false);
         let stalled = self.access(now, links);
         let sent = !self.out.is_empty() && self.send(now, links);
-        self.account(now, began, leaving || !self.ready.is_empty());
+        Passage { stalled, sent }
+    }
 
+    /// Announces the next cycle in which the unit has something to do.
+    #[inline]
+    fn announce(&mut self, now: u64, links: &mut Links, Passage { stalled, sent }: Passage) {
         let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         let at_once = !self.released.is_empty()
             || !self.fetching.is_empty() && (!stalled || sent)
@@ -313,6 +360,15 @@ impl Pipeline {
             self.causes.ahead(now + 1, self.timing.interval, idle);
         } else {
             self.causes.cycle(now, occupied, idle);
+        }
+    }
+
+    /// Counts a cycle in which no operation began and rays had to wait at the intake.
+    fn account_passed_by(&mut self, now: u64, held: bool) {
+        let idle = self.idle_cause(held);
+        self.causes.passed_by(now, idle);
+        if self.begins_next {
+            self.causes.ahead(now + 1, self.timing.interval, idle);
         }
     }
 
@@ -377,11 +433,12 @@ impl Pipeline {
     }
 
     /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it does if it is the first of
-    /// the ready list. `line` is the first to come from the L2: of those that come in the next cycle all are known, since an answer takes
-    /// the L2's latency.
+    /// the ready list, and no other can begin beside it. `line` is the first to come from the L2: of those that
+    /// come in the next cycle all are known, since an answer takes the L2's latency.
     #[inline]
     fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
         self.hit_latency == 1
+            && self.timing.width == 1
             && self.open_at <= now + 1
             && self.ready.is_empty()
             && self.hits.is_empty()

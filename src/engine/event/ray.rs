@@ -57,6 +57,9 @@ pub struct Ray {
     pub chunk: u32,
     /// Its place in the chunk.
     pub index: u32,
+    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    pub hit: u32,
+    pub siblings: u32,
     /// When it was handed over.
     pub handed_over: u64,
     /// When it was done.
@@ -92,6 +95,8 @@ impl Default for Ray {
             marked: false,
             chunk: 0,
             index: 0,
+            hit: 0,
+            siblings: 0,
             handed_over: 0,
             done: 0,
             unloaded: 0,

@@ -36,6 +36,8 @@ pub struct ShadowCache {
     done: Ring<RayId>,
     contexts: usize,
     free: usize,
+    /// Rays that it takes a cycle.
+    width: usize,
     /// The first entry after the pool's: steps of a frame's end use the entries from here on.
     first_entry: RayId,
     free_entries: Ring<RayId>,
@@ -50,7 +52,7 @@ impl ShadowCache {
         let first_entry = pool as RayId;
         let contexts = spec.contexts.get() as RayId;
         let own_entries = first_entry + index * contexts;
-        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: spec.width.get() };
         Self {
             index,
             place: spec.place,
@@ -60,6 +62,7 @@ impl ShadowCache {
             done: Ring::new(),
             contexts: spec.contexts.size(),
             free: spec.contexts.size(),
+            width: spec.width.size(),
             first_entry,
             free_entries: (own_entries..own_entries + contexts).collect(),
             ending: None,
@@ -68,9 +71,9 @@ impl ShadowCache {
 
     /// Cycle `now`.
     pub fn tick(&mut self, now: u64, links: &mut Links) {
-        let free_at_start = self.free > 0;
+        let free_at_start = self.free;
         self.pipeline.arrive(now, links);
-        if let Some(id) = self.pipeline.leave(now) {
+        while let Some(id) = self.pipeline.leave(now) {
             self.passed(id, now, links);
         }
         while let Some(id) = take(&mut links.back_in_policy[self.index as usize], now) {
@@ -81,15 +84,14 @@ impl ShadowCache {
             }
         }
         self.hear_of_the_end(now, links);
-        if free_at_start {
-            self.take_on(now, links);
-        }
+        let taken = (0..self.width.min(free_at_start)).take_while(|_| self.take_on(now, links)).count();
+        let passed_by = taken == self.width && taken < free_at_start && self.more_wait(now, links);
         let part = self.pipeline.part();
         while self.done.front().is_some_and(|&id| links.send_out(id, part, now)) {
             self.done.pop_front();
             self.free += 1;
         }
-        let began = self.pipeline.begin(now, &links.rays);
+        let began = self.pipeline.begin_several(now, &links.rays);
         let core = self.pipeline.core();
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].step() {
             Some(Step::Triangle { .. }) => links.send_to_test(id, core, part, now),
@@ -98,7 +100,12 @@ impl ShadowCache {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, began, !self.leaving.is_empty() || !self.done.is_empty());
+        let leaving = !self.leaving.is_empty() || !self.done.is_empty();
+        if passed_by {
+            self.pipeline.end_full(now, links, began, leaving);
+        } else {
+            self.pipeline.end(now, links, began, leaving);
+        }
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
         if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
@@ -126,12 +133,24 @@ impl ShadowCache {
         }
     }
 
-    fn take_on(&mut self, now: u64, links: &mut Links) {
+    /// Whether a ray that has come, or a step of a frame's end, waits in front of the unit.
+    fn more_wait(&self, now: u64, links: &Links) -> bool {
+        links.retired[self.index as usize].front().is_some_and(|&(at, _)| at <= now)
+            || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty())
+    }
+
+    /// Takes on a ray, or a step of a frame's end; whether there was one.
+    fn take_on(&mut self, now: u64, links: &mut Links) -> bool {
         if let Some(id) = take(&mut links.retired[self.index as usize], now) {
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
             ray.owner = Owner::ShadowCache(self.index);
-            if ray.undecided { self.pipeline.ready(id, links) } else { self.route(id, now, links) }
+            if ray.undecided {
+                self.pipeline.ready(id, links)
+            } else {
+                self.route(id, now, links)
+            }
+            true
         } else if let Some(ending) = &mut self.ending
             && let Some(&id) = self.free_entries.front()
             && let Some((step, operand)) = ending.steps.pop_front()
@@ -144,6 +163,9 @@ impl ShadowCache {
             ray.steps.clear();
             ray.steps.push(step.pack());
             self.route(id, now, links);
+            true
+        } else {
+            false
         }
     }
 

@@ -26,7 +26,7 @@ impl Traversal {
     /// Unit `index`, empty.
     pub fn new(spec: &TraversalSpec, line: u64, index: u32, links: &Links) -> Self {
         let part = links.parts.traversal(index);
-        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get() };
+        let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let core = links.parts.core(part);
         let pipeline = Pipeline::new(part, core, &spec.cache, stages, line, WritePolicy::Back);
         Self { index, pipeline, leaving: Ring::new(), done: Ring::new() }
@@ -122,6 +122,7 @@ impl Traversal {
 
     /// The path of a ray is done.
     fn retire(&mut self, id: RayId, now: u64, links: &mut Links) {
+        links.retire(id);
         if links.rays[id as usize].has_policy() {
             links.freed.push(self.index);
             links.send_to_shadow_cache(id, now);

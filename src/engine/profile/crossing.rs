@@ -31,6 +31,10 @@ struct Gate {
     /// When the next ray can come in, when the next can be sent on.
     arrive_at: u64,
     send_at: u64,
+    /// Rays that can come in a cycle, and how many did in cycle `came_at`.
+    width: u64,
+    came: u64,
+    came_at: u64,
     /// Rays that leave, and where to.
     leaving: VecDeque<(u32, u32)>,
     /// Units whose first ray that leaves waits for a place here.
@@ -59,6 +63,9 @@ impl Crossing {
                 places: spec.places.map_or(usize::MAX, |places| places as usize),
                 arrive_at: 0,
                 send_at: 0,
+                width: spec.width,
+                came: 0,
+                came_at: 0,
                 leaving: VecDeque::new(),
                 waiting: PartSet::new(units),
             };
@@ -110,7 +117,9 @@ impl Crossing {
     fn take_on(&mut self, ray: u32, unit: usize, at: u64) {
         let gate = &mut self.gates[unit];
         let at = at.max(gate.arrive_at);
-        gate.arrive_at = at + 1;
+        gate.came = if at == gate.came_at { gate.came + 1 } else { 1 };
+        gate.came_at = at;
+        gate.arrive_at = if gate.came < gate.width { at } else { at + 1 };
         self.taken.push_back(Taken { ray, unit, at });
     }
 

@@ -11,6 +11,7 @@ use crate::engine::work::Holder;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
+use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.
@@ -102,6 +103,7 @@ enum Phase {
 #[derive(Clone, Debug)]
 pub struct Dispatch {
     spec: DispatcherSpec,
+    words: ShadowCacheSpec,
     host: Host,
     /// The in FIFO, and how long it is.
     waiting: VecDeque<Place>,
@@ -124,6 +126,8 @@ pub struct Dispatch {
     pub busy: u64,
     /// What was performed since the frame began.
     pub replayed: Totals,
+    /// What was done otherwise than recorded since then.
+    stores: StoreWork,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
     /// Whether something may be given that could not be.
@@ -137,6 +141,7 @@ impl Dispatch {
         let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
         Self {
             spec: machine.dispatcher,
+            words: machine.shadow_cache,
             host: Host::default(),
             waiting: VecDeque::new(),
             places: cores * machine.dispatcher.in_fifo.size(),
@@ -153,9 +158,15 @@ impl Dispatch {
             given_then: 0,
             busy: 0,
             replayed: Totals::default(),
+            stores: StoreWork::default(),
             rays_done: 0,
             freed: false,
         }
+    }
+
+    /// Whether a skipped ray takes an operation for its decision.
+    pub fn units_decide(&self) -> bool {
+        self.words.decide.takes_an_operation(Decision::Skip)
     }
 
     /// Entries of the pool: flights of higher numbers are steps of a frame's end.
@@ -197,7 +208,7 @@ impl Dispatch {
                 }
                 Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
                     let machine = std::mem::take(&mut self.replayed);
-                    let stores = StoreWork::default();
+                    let stores = std::mem::take(&mut self.stores);
                     feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
                     self.phase = Phase::Between;
                 }
@@ -240,6 +251,10 @@ impl Dispatch {
             }
         }
         (flight.path_end, flight.next, flight.place) = (source.packed_path().len(), 0, place);
+        let recorded = flight.steps.len();
+        flight.steps.truncate(flight.path_end);
+        flight.steps.extend(source.packed_policy().iter().filter(|&&word| self.words.performs(word)));
+        self.stores.dropped_writes += (recorded - flight.steps.len()) as u64;
         (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);
@@ -313,9 +328,20 @@ impl Dispatch {
         self.host.next_shaded()
     }
 
-    /// Children whose parents' shading is over in cycle `now` can be given.
+    /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub fn shaded(&mut self, now: u64) {
-        self.host.shaded(now);
+        let Self { spec, host, words, stores, replayed, .. } = self;
+        host.shaded(now, spec.shading_cycles.get(), |ray| {
+            let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
+            let answered = words.decide.answers(ray.head.decision, left);
+            if answered {
+                stores.answered_rays += 1;
+                stores.dropped_writes += ray.packed_policy().len() as u64;
+                replayed.shadow_rays += 1;
+                replayed.shadow_rays_skipped += 1;
+            }
+            answered
+        });
         self.freed = true;
     }
 

@@ -296,7 +296,7 @@ impl<W: Watch> Profile<W> {
                 Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
                 Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
             };
-            let undecided = matches!(given, Given::Skipped(..));
+            let undecided = matches!(given, Given::Skipped(..)) && self.dispatch.units_decide();
             self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
             self.agenda.put(at, id);
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::source::{StreamFault, parents};
-use crate::stream::{Chunk, FrameInfo, Item, Totals};
+use crate::stream::{Chunk, FrameInfo, Item, Ray, Totals};
 
 /// No ray.
 const NONE: u32 = u32::MAX;
@@ -151,16 +151,32 @@ impl Host {
         parent
     }
 
-    /// Children whose parents' shading is over in cycle `now` are ready.
-    pub fn shaded(&mut self, now: u64) {
+    /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are
+    /// done at once.
+    pub fn shaded(&mut self, now: u64, shading: u64, mut answered: impl FnMut(&Ray<'_>) -> bool) {
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
             self.shading.pop_front();
-            let mut index = self.active(parent).first_child[parent.index as usize];
+            let Some(active) = &mut self.chunks[parent.chunk as usize] else {
+                unreachable!("a chunk stays while it has rays that are not done")
+            };
+            let mut index = active.first_child[parent.index as usize];
             while index != NONE {
-                self.ready.push_back(Place { index, ..parent });
-                index = self.active(parent).next_sibling[index as usize];
+                let child = Place { index, ..parent };
+                if answered(&active.chunk.ray(index as usize)) {
+                    active.left -= 1;
+                    self.rays_over += 1;
+                    if active.first_child[index as usize] != NONE {
+                        self.shading.push_back((now + shading, child));
+                    }
+                } else {
+                    self.ready.push_back(child);
+                }
+                index = active.next_sibling[index as usize];
+            }
+            if active.left == 0 {
+                self.chunks[parent.chunk as usize] = None;
             }
         }
     }

@@ -25,6 +25,10 @@ pub struct Unit {
     hit_latency: u64,
     latency: u64,
     interval: u64,
+    /// Operations that can begin at once, each with a port, and how many did in the last cycle with one.
+    width: u64,
+    begun: u64,
+    last_begun: u64,
     core: usize,
     number: usize,
     writes: WritePolicy,
@@ -50,6 +54,9 @@ impl Unit {
             hit_latency: spec.cache.latency.get(),
             latency: spec.latency,
             interval: spec.interval,
+            width: spec.width.min(spec.cache.accesses_per_cycle()),
+            begun: 0,
+            last_begun: 0,
             core,
             number,
             writes: spec.writes,
@@ -100,8 +107,7 @@ impl Unit {
             (at, data_at) = (when, data_at.max(came));
             releases += if found == Found::Hit { 0 } else { self.released_in };
         }
-        self.free_at = at + releases + lines.div_ceil(self.ports).max(self.interval);
-        self.operations += 1;
+        self.began(at, releases + lines.div_ceil(self.ports).max(self.interval));
         self.requested[class as usize] += Bytes(element.bytes);
         if access == Access::WriteThrough {
             let through = &mut self.written_through[class as usize];
@@ -115,9 +121,18 @@ impl Unit {
     /// An operation without data; gives when it ends.
     pub fn decide(&mut self, at: u64) -> u64 {
         let at = at.max(self.free_at);
-        self.free_at = at + self.interval;
-        self.operations += 1;
+        self.began(at, self.interval);
         at + self.latency
+    }
+
+    /// An operation began in cycle `at` that takes the unit for so many cycles, if it is the last that can begin
+    /// beside others.
+    fn began(&mut self, at: u64, cycles: u64) {
+        self.operations += 1;
+        self.begun = if at == self.last_begun { self.begun + 1 } else { 1 };
+        self.last_begun = at;
+        let more = self.begun < self.width && cycles == self.interval;
+        self.free_at = if more { at } else { at + cycles };
     }
 
     /// The core that the unit is of.
@@ -150,7 +165,7 @@ impl Unit {
     /// What was counted: no cause but `Busy` is known.
     pub fn tally(&self) -> UnitTally {
         UnitTally {
-            causes: busy(self.operations * self.interval),
+            causes: busy((self.operations * self.interval).div_ceil(self.width)),
             cache: *self.level.counts(),
             requested: self.requested,
             written_through: self.written_through,

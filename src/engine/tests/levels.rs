@@ -10,6 +10,7 @@ use super::*;
 use crate::engine::tally::{BankTally, PerClass};
 use crate::engine::work::stores_as_recorded;
 use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
 use crate::stats::Accuracy;
 use crate::stream::{Chunk, Totals};
@@ -20,6 +21,9 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(200, (machines(), streams()), |(mut machine, stream)| {
         let unit = &mut machine.shadow_cache;
         (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+        (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
+        // Of operations that begin at once, one cycle is busy.
+        unit.width = num(1);
         if unit.cache.contents == Contents::Ideal {
             unit.writes = WritePolicy::Back;
         }

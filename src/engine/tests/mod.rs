@@ -5,6 +5,7 @@ mod levels;
 pub(crate) mod random;
 pub(crate) mod recorded;
 pub(crate) mod synthetic;
+mod word_traffic;
 mod words;
 
 use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};

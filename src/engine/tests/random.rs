@@ -7,6 +7,7 @@ use super::{num, pow};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
+use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use crate::machine::writes::WritePolicy;
 use crate::memory::allocation::{Classes, NoAllocate};
 use crate::memory::bank::BankedSpec;
@@ -19,7 +20,7 @@ use crate::memory::replacement::Policy;
 use crate::memory::tags::Contents;
 use crate::quantity::{ListId, NodeId};
 use crate::stats::TrafficClass;
-use crate::stream::{Decision, FrameInfo, Item, RayKind, Step, Stop, Store};
+use crate::stream::{Decision, Effect, FrameInfo, Item, RayKind, Step, Stop, Store};
 
 /// A latency: mostly small, one now and then, or as long as `most`.
 fn latency(most: u64) -> impl Strategy<Value = u64> {
@@ -178,16 +179,28 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
         1 => Just(WritePolicy::Through),
         1 => classes().prop_map(WritePolicy::ThroughFor)
     ];
-    (1..4u64, 1..5u64, place, layout, writes, register, frame_end).prop_map(
-        |(count, contexts, place, layout, writes, register, frame_end)| ShadowCacheSpec {
-            count: num(count),
-            contexts: num(contexts),
-            place,
-            layout,
-            writes,
-            register: num(register),
-            frame_end,
-            ..ShadowCacheSpec::default()
+    let silent = prop_oneof![Just(SilentUpdates::Sent), Just(SilentUpdates::Latched), Just(SilentUpdates::Live)];
+    let decide = prop_oneof![Just(Decide::Unit), Just(Decide::Hit)];
+    let latched = prop_oneof![Just(LatchedCopy::Free), Just(LatchedCopy::Wide), Just(LatchedCopy::Buffers)];
+    let gather = prop_oneof![Just(0), 1..3u64, Just(100)];
+    let taking = (1..4u64, prop_oneof![3 => 1..5u64, 1 => 5..20u64], 1..5u64);
+    (taking, place, layout, writes, register, frame_end, (silent, decide, gather, latched)).prop_map(
+        |((count, contexts, width), place, layout, writes, register, frame_end, (silent, decide, gather, latched))| {
+            ShadowCacheSpec {
+                count: num(count),
+                contexts: num(contexts),
+                width: num(width),
+                silent,
+                decide,
+                gather: num(gather),
+                latched,
+                place,
+                layout,
+                writes,
+                register: num(register),
+                frame_end,
+                ..ShadowCacheSpec::default()
+            }
         },
     )
 }
@@ -286,8 +299,16 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
     });
     let traversal = traversal.boxed();
     let path = prop::collection::vec(traversal.clone(), 0..12);
-    let policy = prop::collection::vec(prop_oneof![2 => store, 1 => traversal], 0..6).boxed();
-    let ray = (0..5u8, path, policy.clone());
+    let step = prop_oneof![2 => store, 1 => traversal];
+    // An update of a mode word has any effect.
+    let effect = prop_oneof![Just(Effect::Changes), Just(Effect::Repeats), Just(Effect::Silent)];
+    let packed = (step.clone(), effect).prop_map(|(step, effect)| match step {
+        Step::Update { store: Store::ModeWord, index } => Step::pack_word_update(index, effect),
+        step => step.pack(),
+    });
+    let end = prop::collection::vec(step, 0..6);
+    let policy = prop::collection::vec(packed, 0..6);
+    let ray = (0..5u8, path, policy);
     let group = prop::collection::vec(ray, 1..6).prop_map(|rays| {
         rays.into_iter()
             .enumerate()
@@ -300,15 +321,34 @@ pub fn streams() -> impl Strategy<Value = Vec<Item>> {
                     (_, 2 | 3) => SyntheticRay::shadow(parent, Decision::Trace, path),
                     _ => SyntheticRay { kind: RayKind::Reflection, parent, ..SyntheticRay::primary(path) },
                 };
-                ray.with_policy(policy)
+                SyntheticRay { policy, ..ray }
             })
             .collect::<Vec<_>>()
     });
-    let frames = (prop::collection::vec(group, 0..12), policy, 1..9usize).prop_map(|(groups, end, chunk)| {
-        let info = FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
-        frame(info, &groups.concat(), &end, chunk)
-    });
+    let frames = (prop::collection::vec(prop_oneof![3 => group, 1 => fans()], 0..12), end, 1..9usize).prop_map(
+        |(groups, end, chunk)| {
+            let info =
+                FrameInfo { dynamic_nodes: 40, dynamic_slots: 40, dynamic_list_entries: 40, ..FrameInfo::default() };
+            frame(info, &groups.concat(), &end, chunk)
+        },
+    );
     prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
+}
+
+/// A hit with several traced shadow rays, which update few words.
+fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
+    let update = (0..3u32, any::<bool>()).prop_map(|(index, silent)| {
+        Step::pack_word_update(index, if silent { Effect::Silent } else { Effect::Changes })
+    });
+    let shadow = (0..30u32, prop::collection::vec(update, 0..3));
+    prop::collection::vec(shadow, 2..6).prop_map(|shadows| {
+        let hit = SyntheticRay::primary(vec![Step::Node(NodeId(0))]);
+        let shadow = |((node, policy), parent)| {
+            let path = vec![Step::Node(NodeId(node))];
+            SyntheticRay { policy, ..SyntheticRay::shadow(parent, Decision::Trace, path) }
+        };
+        [hit].into_iter().chain(shadows.into_iter().zip(1..).map(shadow)).collect()
+    })
 }
 
 /// Streams of a frame's end alone, with stores of a few lines.

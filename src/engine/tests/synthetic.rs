@@ -54,7 +54,8 @@ pub struct SyntheticRay {
     pub decision: Decision,
     pub parent: u32,
     pub path: Vec<Step>,
-    pub policy: Vec<Step>,
+    /// Packed.
+    pub policy: Vec<u32>,
 }
 
 impl SyntheticRay {
@@ -67,7 +68,7 @@ impl SyntheticRay {
     }
 
     pub fn with_policy(self, policy: Vec<Step>) -> Self {
-        Self { policy, ..self }
+        Self { policy: pack(&policy), ..self }
     }
 }
 
@@ -96,7 +97,7 @@ pub fn frame(info: FrameInfo, rays: &[SyntheticRay], end: &[Step], chunk: usize)
             pixel: PixelId(0),
             parent: ray.parent,
         };
-        open.push(head, &pack(&ray.path), &pack(&ray.policy));
+        open.push(head, &pack(&ray.path), &ray.policy);
         totals.count(&open.ray(open.len() - 1));
     }
     items.push(Item::Rays(Arc::new(open)));

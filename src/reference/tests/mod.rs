@@ -38,6 +38,7 @@ fn scene(statics: Geometry, dynamic: Geometry, materials: Vec<Material>, lights:
         textures: Vec::new(),
         background: Vec3::ZERO,
         ambient: Vec3::ONE,
+        origin: crate::scene::Origin::default(),
         animation: Box::new(Still(frame)),
     }
 }

@@ -3,8 +3,13 @@
 use glam::{DAffine3, DMat3, DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use crate::scene::camera::Camera;
+use crate::scene::frame::{Animation, Frame};
+use crate::scene::geometry::{Attributes, Geometry, Triangle};
 use crate::scene::keyframes::Motion;
-use crate::scene::{Animation, Attributes, Camera, Frame, Geometry, Light, MaterialId, Triangle};
+use crate::scene::light::Light;
+use crate::scene::material::MaterialId;
+use crate::scene::transform::Transform;
 
 /// The root of the tree of transforms: it never moves.
 pub const ROOT: usize = 0;
@@ -33,8 +38,8 @@ impl Pose {
     /// The pose after a transform; normals by the inverse transpose, up to a positive factor.
     pub fn transformed(&self, by: &Transform) -> Self {
         Self {
-            v: self.v.map(|point| by.points.transform_point3(point)),
-            normals: self.normals.map(|normals| normals.map(|normal| by.normals * normal)),
+            v: self.v.map(|point| by.point(point)),
+            normals: self.normals.map(|normals| normals.map(|normal| by.scaled_normal(normal))),
         }
     }
 
@@ -48,23 +53,6 @@ impl Pose {
     fn lerp(&self, other: &Self, share: f64) -> Self {
         let mix = |a: [DVec3; 3], b: [DVec3; 3]| [0, 1, 2].map(|corner| a[corner].lerp(b[corner], share));
         Self { v: mix(self.v, other.v), normals: self.normals.zip(other.normals).map(|(a, b)| mix(a, b)) }
-    }
-}
-
-/// A transform of points, and what it does to normals.
-#[derive(Clone, Copy, Debug)]
-pub struct Transform {
-    points: DAffine3,
-    normals: DMat3,
-}
-
-impl Transform {
-    /// Prepares `points` for use. The cofactors stand for the inverse transpose: they point the same way, and exist
-    /// for a transform that flattens, too.
-    pub fn new(points: DAffine3) -> Self {
-        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = points.matrix3;
-        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-        Self { points, normals: cofactors * points.matrix3.determinant().signum() }
     }
 }
 

@@ -3,17 +3,19 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use glam::{DAffine3, DVec3, Vec2, Vec3};
+use glam::{DAffine3, Vec2, Vec3};
 use rustc_hash::FxHashMap;
 
-use super::animation::{AffAnimation, Lamp, Moving, Node, Pose, ROOT, Shape, Times, Transform, View};
+use super::animation::{AffAnimation, Lamp, Moving, Node, Pose, ROOT, Shape, Times, View};
+use crate::scene::frame::Scene;
+use crate::scene::geometry::{Attributes, Geometry};
 use crate::scene::keyframes::Motion;
-use crate::scene::{Attributes, Geometry, Lamps, Material, MaterialId, Scene, Texture, TextureId, texture};
-
-/// The largest distance from the origin: squares of areas still fit in `f32`.
-pub const MAX_REACH: f64 = 1e9;
-/// The largest number of triangles; the BART scenes have up to 111,000.
-pub const MAX_TRIANGLES: usize = 1 << 24;
+use crate::scene::lamps::Lamps;
+use crate::scene::limits::{MAX_REACH, check_count, check_reach};
+use crate::scene::loader::Loader;
+use crate::scene::material::{Material, MaterialId, TextureId};
+use crate::scene::texture;
+use crate::scene::transform::Transform;
 
 /// Where shapes go: a node, and static transforms under it.
 #[derive(Clone, Copy, Debug)]
@@ -34,16 +36,15 @@ pub struct Face {
 }
 
 /// The scene so far.
-#[derive(Debug)]
 pub struct Builder {
+    /// The files, materials and textures.
+    pub loader: Loader,
     folder: PathBuf,
     statics: Geometry,
     moving: Vec<Moving>,
     /// The animated transforms, the root first.
     pub nodes: Vec<Node>,
-    materials: Vec<Material>,
     material_ids: FxHashMap<([u32; 12], Option<TextureId>), MaterialId>,
-    textures: Vec<Texture>,
     texture_ids: BTreeMap<String, TextureId>,
     /// The keyframes by name.
     pub motions: BTreeMap<String, Motion>,
@@ -63,13 +64,12 @@ impl Builder {
     /// An empty scene, whose files are in `folder`.
     pub fn new(folder: PathBuf) -> Self {
         Self {
+            loader: Loader::default(),
             folder,
             statics: Geometry::default(),
             moving: Vec::new(),
             nodes: vec![Node { parent: ROOT, place: DAffine3::IDENTITY, name: String::new() }],
-            materials: Vec::new(),
             material_ids: FxHashMap::default(),
-            textures: Vec::new(),
             texture_ids: BTreeMap::new(),
             motions: BTreeMap::new(),
             lamps: Vec::new(),
@@ -96,10 +96,8 @@ impl Builder {
         let Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture } = material;
         let [[a, b, c], [d, e, f], [g, h, i]] = [ambient, diffuse, specular].map(|color| color.to_array());
         let numbers = [a, b, c, d, e, f, g, h, i, shininess, transmittance, index_of_refraction].map(f32::to_bits);
-        *self.material_ids.entry((numbers, texture)).or_insert_with(|| {
-            self.materials.push(material);
-            MaterialId(self.materials.len() as u32 - 1)
-        })
+        let loader = &mut self.loader;
+        *self.material_ids.entry((numbers, texture)).or_insert_with(|| loader.add_material(material))
     }
 
     /// The number of the texture in file `name`, which is in the scene's folder or in `../textures`.
@@ -115,30 +113,26 @@ impl Builder {
         }
         let beside = self.folder.join(name);
         let path = if beside.exists() { beside } else { self.folder.join("../textures").join(name) };
-        let mut texture = texture::read_ppm(&path).map_err(|error| format!("texture `{name}`: {}", chain(&error)))?;
+        let wrong = |what: String| format!("texture `{name}`: {what}");
+        let bytes = self.loader.files.read(&path);
+        let bytes = bytes.map_err(|error| wrong(format!("cannot read {}: {error}", path.display())))?;
+        let mut texture = texture::decode(&bytes).map_err(|what| wrong(format!("{}: {what}", path.display())))?;
         let rows: Vec<_> = texture.rgb.chunks(texture.width as usize).rev().collect();
         texture.rgb = rows.concat();
-        self.textures.push(texture);
-        let id = TextureId(self.textures.len() as u32 - 1);
+        let id = self.loader.add_texture(texture);
         self.texture_ids.insert(name.into(), id);
         Ok(id)
     }
 
     /// Adds triangles to `space`. The error says which limit they break.
     pub fn add(&mut self, space: Space, material: MaterialId, faces: Vec<Face>) -> Result<(), String> {
-        if self.statics.len() + self.moving.len() + faces.len() > MAX_TRIANGLES {
-            return Err(format!("too many triangles: at most {MAX_TRIANGLES} are allowed"));
-        }
+        check_count(self.statics.len() + self.moving.len() + faces.len())?;
         let place = Transform::new(space.place);
         for Face { shape, uv } in faces {
             match shape {
                 Shape::Rigid(pose) if space.node == ROOT => {
                     let world = pose.transformed(&place);
-                    if let Some(corner) = world.v.iter().find(|corner| !near(**corner)) {
-                        return Err(format!(
-                            "a corner is at {corner}: at most {MAX_REACH:e} from the origin is allowed"
-                        ));
-                    }
+                    world.v.into_iter().try_for_each(|corner| check_reach(corner).map(|_| ()))?;
                     let (triangle, normals) = world.rounded();
                     self.statics.push(triangle, Attributes { normals, uv, material });
                 }
@@ -178,6 +172,7 @@ impl Builder {
                 "keyframes may move something to {reach:e} from the origin: at most {MAX_REACH:e} is allowed"
             ));
         }
+        let (materials, textures, origin) = self.loader.finish();
         Ok(Scene {
             name,
             statics: self.statics,
@@ -185,21 +180,12 @@ impl Builder {
             light_count: animation.lamps.len(),
             lamps: Lamps::points(),
             frame_count: animation.times.frames,
-            materials: self.materials,
-            textures: self.textures,
+            materials,
+            textures,
             background: self.background,
             ambient: self.ambient,
+            origin,
             animation: Box::new(animation),
         })
     }
-}
-
-fn near(point: DVec3) -> bool {
-    point.length() <= MAX_REACH
-}
-
-/// An error with its causes, on one line.
-pub fn chain(error: &dyn std::error::Error) -> String {
-    std::iter::successors(error.source(), |cause| cause.source())
-        .fold(error.to_string(), |text, cause| format!("{text}: {cause}"))
 }

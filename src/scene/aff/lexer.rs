@@ -4,13 +4,11 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-use crate::scene::SceneError;
+use crate::scene::error::SceneError;
+use crate::scene::limits::{COORDINATE, Range};
 
-/// The largest number in a file, without its sign: every number can also be held as `f32`.
-const MAX_NUMBER: f64 = 1e30;
-
-/// Takes a file apart. White space separates words, `{` and `}` are words of their own, `#` and `%` begin a comment
-/// that ends with its line. Bytes are not decoded: some BART files have Latin-1 comments.
+/// Takes a file apart. White space separates words, `{` and `}` are words of their own, a word that begins with `#` or
+/// `%` begins a comment that ends with its line; lines end in LF, CR LF or a lone CR. Bytes are not decoded: some BART files have Latin-1 comments.
 #[derive(Clone, Debug)]
 pub struct Lexer<'a> {
     path: &'a Path,
@@ -22,9 +20,20 @@ pub struct Lexer<'a> {
 }
 
 impl<'a> Lexer<'a> {
-    /// A lexer at the start of `bytes`; `path` is for error messages only.
+    /// A lexer at the start of `bytes`, after a byte order mark of UTF-8; `path` is for error messages only.
     pub fn new(path: &'a Path, bytes: &'a [u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
         Self { path, bytes, line: 1, word_line: 1 }
+    }
+
+    /// The file.
+    pub fn path(&self) -> &'a Path {
+        self.path
+    }
+
+    /// The line of the word that was read last.
+    pub fn word_line(&self) -> usize {
+        self.word_line
     }
 
     /// An error at the word that was read last.
@@ -51,8 +60,9 @@ impl<'a> Lexer<'a> {
         let mut comment = false;
         while let [byte, rest @ ..] = self.bytes {
             match byte {
-                b'\n' => {
-                    self.line += 1;
+                b'\r' | b'\n' => {
+                    // CR LF is one end: its CR does not count.
+                    self.line += usize::from(*byte == b'\n' || rest.first() != Some(&b'\n'));
                     comment = false;
                 }
                 b'#' | b'%' => comment = true,
@@ -94,13 +104,25 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// A finite number.
+    /// A number within [`COORDINATE`].
     pub fn number(&mut self, what: &str) -> Result<f64, SceneError> {
         let word = self.word(what)?;
         match std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok()) {
-            Some(number) if number.abs() <= MAX_NUMBER => Ok(number),
-            _ => Err(self.found(word, &format!("{what}, a number from -{MAX_NUMBER:e} to {MAX_NUMBER:e},"))),
+            Some(number) if COORDINATE.check("", number).is_ok() => Ok(number),
+            _ => Err(self.found(word, &format!("{what}, a number {COORDINATE},"))),
         }
+    }
+
+    /// A number within `range`.
+    pub fn number_within(&mut self, what: &str, range: Range) -> Result<f64, SceneError> {
+        let number = self.number(what)?;
+        range.check(what, number).map_err(|what| self.error(what))
+    }
+
+    /// Three numbers within `range`.
+    pub fn vector_within(&mut self, what: &str, range: Range) -> Result<DVec3, SceneError> {
+        let vector = self.vector(what)?;
+        range.check_vector(what, vector).map_err(|what| self.error(what))
     }
 
     /// A whole number from `least` to `most`.
@@ -137,7 +159,7 @@ impl<'a> Lexer<'a> {
 }
 
 fn is_end(byte: u8) -> bool {
-    byte.is_ascii_whitespace() || matches!(byte, b'{' | b'}' | b'#' | b'%')
+    byte.is_ascii_whitespace() || matches!(byte, b'{' | b'}')
 }
 
 #[cfg(test)]
@@ -146,9 +168,9 @@ mod tests {
 
     #[test]
     fn splits_words_braces_and_comments() {
-        let mut lexer = Lexer::new(Path::new("a.aff"), b"xs 1 2{l}#c {\r\n% \xF6\nb\x0C-1%x\n#");
+        let mut lexer = Lexer::new(Path::new("a.aff"), b"xs 1 2{l}#c {\r\n% \xF6\nb\x0C-1 %x\n1%x #");
         let words: Vec<_> = std::iter::from_fn(|| lexer.next_word()).map(String::from_utf8_lossy).collect();
-        assert_eq!(words, ["xs", "1", "2", "{", "l", "}", "b", "-1"]);
+        assert_eq!(words, ["xs", "1", "2", "{", "l", "}", "b", "-1", "1%x"]);
     }
 
     #[test]
@@ -158,12 +180,13 @@ mod tests {
         };
         let number = |lexer: &mut Lexer<'_>| lexer.number("a radius").map(|_| ());
         assert_eq!(
-            error("\n# x\n 1e31", number),
-            "a.aff:3: found `1e31`: a radius, a number from -1e30 to 1e30, should be here"
+            error("\n# x\r\n 1e31", number),
+            "a.aff:3: found `1e31`: a radius, a number from -1e9 to 1e9, should be here"
         );
-        for bad in ["nan", "inf", "-inf", "1x", "{", "0x10", "1e999"] {
+        for bad in ["nan", "inf", "-inf", "1x", "{", "0x10", "1e999", "-1.#IND", "1.#INF", "1#2"] {
             assert!(error(bad, number).contains(&format!("found `{bad}`")));
         }
+        assert_eq!(error("\r\r\n\r", number), "a.aff:4: the file ends where a radius should be");
         assert_eq!(error("\n\n", number), "a.aff:3: the file ends where a radius should be");
         let count = |lexer: &mut Lexer<'_>| lexer.count("corners", 3).map(|_| ());
         for bad in ["2", "-1", "4294967296", "99999999999999999999", "3.0"] {
@@ -175,11 +198,11 @@ mod tests {
 
     #[test]
     fn reads_numbers() {
-        let mut lexer = Lexer::new(Path::new("a.aff"), b" -.5 4. +1 2E-3 -1e30 ");
+        let mut lexer = Lexer::new(Path::new("a.aff"), b" -.5 4. +1 2E-3 -1e9 ");
         let vector = lexer.vector("a point").unwrap();
         assert_eq!(vector, DVec3::new(-0.5, 4.0, 1.0));
         assert!(lexer.number_follows());
-        assert_eq!(lexer.pair("a pair").unwrap(), DVec2::new(2e-3, -1e30));
+        assert_eq!(lexer.pair("a pair").unwrap(), DVec2::new(2e-3, -1e9));
         assert!(!lexer.number_follows());
     }
 }

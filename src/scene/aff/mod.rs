@@ -19,8 +19,8 @@ mod shapes;
 
 use std::path::Path;
 
-use super::{Scene, SceneError};
-use crate::input;
+use super::error::SceneError;
+use super::frame::Scene;
 use parser::{Parser, WORLD};
 
 /// Reads the scene whose first file is at `path`. It is named by the file's stem in lower case.
@@ -29,9 +29,9 @@ use parser::{Parser, WORLD};
 /// [`SceneError::Read`] if the file cannot be read, [`SceneError::Syntax`] with file and line for anything wrong in it
 /// or in the files it names, [`SceneError::Content`] for a scene without camera or one that moves without bounds.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
-        .map_err(|source| SceneError::Read { path: path.into(), source })?;
     let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).into());
+    let bytes = parser.builder.loader.files.read(path);
+    let bytes = bytes.map_err(|source| SceneError::Read { path: path.into(), source })?;
     parser.parse(path, &bytes, WORLD)?;
     let name = path.file_stem().unwrap_or_default().to_string_lossy().to_lowercase();
     parser.builder.finish(name).map_err(|what| SceneError::Content { path: path.into(), what })
@@ -47,7 +47,7 @@ mod tests {
         for (file, count, names, depth) in [("kitchen/aff/kitchen.aff", 7, 5, 3), ("robot/aff/Robot.aff", 190, 190, 8)]
         {
             let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes/bart")).join(file);
-            let Ok(bytes) = input::read(&path, input::MAX_SCENE_FILE_BYTES) else {
+            let Ok(bytes) = std::fs::read(&path) else {
                 println!("skipped: {} is absent", path.display());
                 continue;
             };

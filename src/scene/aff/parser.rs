@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use glam::{DAffine3, DMat3, DQuat, DVec3, Vec3};
 
 use super::animation::{Lamp, ROOT, Times, View};
-use super::builder::{Builder, Space, chain};
+use super::builder::{Builder, Space};
 use super::lexer::Lexer;
 use super::shapes::{self, Shapes};
-use crate::input;
+use crate::scene::error::SceneError;
 use crate::scene::keyframes::{Key, Motion, RotationTrack, Tcb, TrackError, VectorTrack, VisibilityTrack};
-use crate::scene::render::MAX_LIGHTS;
-use crate::scene::{Material, SceneError};
+use crate::scene::light::MAX_LIGHTS;
+use crate::scene::limits::{REFRACTION, Range, SHARE, SHININESS, STRENGTH};
+use crate::scene::material::Material;
 
 /// How deep files may include one another; the BART scenes go 4 deep.
 pub const MAX_INCLUDE_DEPTH: usize = 32;
@@ -77,9 +78,14 @@ impl Parser {
 
     fn command(&mut self, lexer: &mut Lexer<'_>, word: &[u8], space: Space) -> Result<(), SceneError> {
         match word {
-            b"v" => self.builder.view = Some(view(lexer)?),
-            b"b" => self.builder.background = color(lexer, "the background")?,
-            b"am" => self.builder.ambient = color(lexer, "the ambient light")?,
+            b"v" => {
+                self.builder.view = Some(view(lexer)?);
+                for part in ["hither", "resolution"] {
+                    self.builder.loader.count_without_effect(lexer.path(), part);
+                }
+            }
+            b"b" => self.builder.background = strength(lexer, "the background")?,
+            b"am" => self.builder.ambient = strength(lexer, "the ambient light")?,
             b"l" => self.light(lexer, None)?,
             b"la" => {
                 let name = lexer.name("the name of an animated light")?;
@@ -116,7 +122,12 @@ impl Parser {
     ) -> Result<(), SceneError> {
         // An error about the shape as a whole points to its command.
         let start = lexer.clone();
-        let Shapes { faces, texture } = read(lexer)?;
+        let Shapes { faces, texture, crosses_itself } = read(lexer)?;
+        if crosses_itself {
+            let line = start.word_line();
+            let what = format!("the polygon in line {line} crosses itself: a fan from its first corner stands for it");
+            self.builder.loader.notice(lexer.path(), &what);
+        }
         let texture = texture.map(|name| self.builder.texture(&name)).transpose().map_err(|what| start.error(what))?;
         let material = self.builder.material(Material { texture, ..self.material });
         self.builder.add(space, material, faces).map_err(|what| start.error(what))
@@ -126,6 +137,7 @@ impl Parser {
         let level = lexer.whole("the level of an include", i64::MIN, i64::MAX)?;
         let name = lexer.name("the file to include")?;
         if level > self.detail {
+            self.builder.loader.count_without_effect(lexer.path(), "i above the level of detail");
             return Ok(());
         }
         let path = self.builder.folder().join(&name);
@@ -139,14 +151,14 @@ impl Parser {
         if self.includes > MAX_INCLUDES {
             return Err(lexer.error(format!("`{name}`: more than {MAX_INCLUDES} includes")));
         }
-        let bytes = input::read(&path, input::MAX_SCENE_FILE_BYTES)
-            .map_err(|error| lexer.error(format!("cannot include `{name}`: {}", chain(&error))))?;
+        let bytes = self.builder.loader.files.read(&path);
+        let bytes = bytes.map_err(|error| lexer.error(format!("cannot include `{name}`: {error}")))?;
         self.parse(&path, &bytes, space)
     }
 
     fn light(&mut self, lexer: &mut Lexer<'_>, name: Option<String>) -> Result<(), SceneError> {
         let position = lexer.vector("the position of a light")?;
-        let color = if lexer.number_follows() { color(lexer, "a light")? } else { Vec3::ONE };
+        let color = if lexer.number_follows() { strength(lexer, "a light")? } else { Vec3::ONE };
         if self.builder.lamps.len() == MAX_LIGHTS {
             return Err(lexer.error(format!("too many lights: at most {MAX_LIGHTS} are allowed")));
         }
@@ -158,8 +170,12 @@ impl Parser {
 /// The space of a scene's first file: the world.
 pub const WORLD: Space = Space { node: ROOT, place: DAffine3::IDENTITY };
 
-fn color(lexer: &mut Lexer<'_>, of: &str) -> Result<Vec3, SceneError> {
-    Ok(lexer.vector(&format!("the colour of {of}"))?.as_vec3())
+fn strength(lexer: &mut Lexer<'_>, of: &str) -> Result<Vec3, SceneError> {
+    lexer.vector_within(&format!("the colour of {of}"), STRENGTH).map(|color| color.as_vec3())
+}
+
+fn share(lexer: &mut Lexer<'_>, what: &str) -> Result<Vec3, SceneError> {
+    lexer.vector_within(what, SHARE).map(|color| color.as_vec3())
 }
 
 fn view(lexer: &mut Lexer<'_>) -> Result<View, SceneError> {
@@ -192,34 +208,33 @@ fn view(lexer: &mut Lexer<'_>) -> Result<View, SceneError> {
 
 /// `fm`: all terms are given.
 fn material(lexer: &mut Lexer<'_>) -> Result<Material, SceneError> {
-    Ok(Material {
-        ambient: color(lexer, "a material's ambient term")?,
-        diffuse: color(lexer, "a material's diffuse term")?,
-        specular: color(lexer, "a material's specular term")?,
-        shininess: lexer.number("a material's shininess")? as f32,
-        transmittance: lexer.number("a material's transmittance")? as f32,
-        index_of_refraction: lexer.number("a material's index of refraction")? as f32,
-        texture: None,
-    })
+    let ambient = share(lexer, "a material's ambient term")?;
+    let diffuse = share(lexer, "a material's diffuse term")?;
+    let specular = share(lexer, "a material's specular term")?;
+    // The BART robot has glass of index 0: no ray enters it, and what it would let through is reflected.
+    surface(lexer, [ambient, diffuse, specular], WITH_ZERO)
 }
 
 /// `f`: one colour with shares, as in NFF.
 fn nff_material(lexer: &mut Lexer<'_>) -> Result<Material, SceneError> {
-    let color = color(lexer, "a material")?;
-    let matt = color * lexer.number("a material's diffuse share")? as f32;
-    let specular = Vec3::splat(lexer.number("a material's specular share")? as f32);
-    if !matt.is_finite() {
-        return Err(lexer.error("colour times diffuse share is too large"));
-    }
-    Ok(Material {
-        ambient: matt,
-        diffuse: matt,
-        specular,
-        shininess: lexer.number("a material's shininess")? as f32,
-        transmittance: lexer.number("a material's transmittance")? as f32,
-        index_of_refraction: lexer.number("a material's index of refraction")? as f32,
-        texture: None,
-    })
+    let color = share(lexer, "the colour of a material")?;
+    let matt = color * lexer.number_within("a material's diffuse share", SHARE)? as f32;
+    let specular = Vec3::splat(lexer.number_within("a material's specular share", SHARE)? as f32);
+    surface(lexer, [matt, matt, specular], REFRACTION)
+}
+
+/// Indices of refraction, and 0.
+const WITH_ZERO: Range = Range { low: 0.0, ..REFRACTION };
+
+/// What follows the colours of a material; `refraction` is the range of its index if it lets light through.
+fn surface(lexer: &mut Lexer<'_>, colors: [Vec3; 3], refraction: Range) -> Result<Material, SceneError> {
+    let [ambient, diffuse, specular] = colors;
+    let shininess = lexer.number_within("a material's shininess", SHININESS)? as f32;
+    let transmittance = lexer.number_within("a material's transmittance", SHARE)? as f32;
+    // Files have 0 for what lets no light through: nothing is refracted there.
+    let range = if transmittance > 0.0 { refraction } else { WITH_ZERO };
+    let index_of_refraction = lexer.number_within("a material's index of refraction", range)? as f32;
+    Ok(Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture: None })
 }
 
 fn times(lexer: &mut Lexer<'_>) -> Result<Times, SceneError> {

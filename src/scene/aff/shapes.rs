@@ -7,7 +7,9 @@ use glam::{DVec2, DVec3, Vec2};
 use super::animation::{Pose, Shape};
 use super::builder::Face;
 use super::lexer::Lexer;
-use crate::scene::SceneError;
+use crate::scene::error::SceneError;
+use crate::scene::limits::LENGTH;
+use crate::scene::polygon::{Cut, Cutter, MAX_CORNERS};
 use crate::scene::tessellate::{self, SmoothTriangle};
 
 /// Triangles with one look.
@@ -17,11 +19,13 @@ pub struct Shapes {
     pub faces: Vec<Face>,
     /// The name of their texture's file.
     pub texture: Option<String>,
+    /// Whether they are of a polygon that crosses itself.
+    pub crosses_itself: bool,
 }
 
 impl Shapes {
     fn plain(faces: impl IntoIterator<Item = Face>) -> Self {
-        Self { faces: faces.into_iter().collect(), texture: None }
+        Self { faces: faces.into_iter().collect(), texture: None, crosses_itself: false }
     }
 }
 
@@ -51,9 +55,7 @@ fn three<T>(mut read: impl FnMut() -> Result<T, SceneError>) -> Result<[T; 3], S
 pub fn sphere(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let center = lexer.vector("the centre of a sphere")?;
     let radius = lexer.number("the radius of a sphere")?;
-    if radius == 0.0 {
-        return Err(lexer.error("a sphere of radius 0: a radius other than 0 is allowed"));
-    }
+    LENGTH.check("the radius of a sphere, without its sign,", radius.abs()).map_err(|what| lexer.error(what))?;
     Ok(smooth(tessellate::sphere(center, radius)))
 }
 
@@ -63,6 +65,9 @@ pub fn cone(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let base_radius = lexer.number("the radius of a cone's base")?;
     let apex = lexer.vector("the apex of a cone")?;
     let apex_radius = lexer.number("the radius of a cone's apex")?;
+    for radius in [base_radius, apex_radius].into_iter().filter(|radius| *radius != 0.0) {
+        LENGTH.check("the radius of a cone, without its sign,", radius.abs()).map_err(|what| lexer.error(what))?;
+    }
     if base == apex {
         return Err(lexer.error("a cone whose base and apex are at one point: two points are allowed"));
     }
@@ -74,19 +79,23 @@ pub fn cone(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     Ok(smooth(tessellate::cone(base, base_radius, apex, apex_radius)))
 }
 
-/// `p` and, with normals, `pp`: a convex polygon, counter-clockwise as seen from its front.
+/// `p` and, with normals, `pp`: a polygon, counter-clockwise as seen from its front.
 pub fn polygon(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Shapes, SceneError> {
-    let count = lexer.count("corners", 3)?;
+    let count = lexer.whole("the number of corners", 3, MAX_CORNERS as i64)? as usize;
     let corners = many(lexer, count, |lexer| {
         let corner = lexer.vector("a corner of a polygon")?;
         let normal = if with_normals { lexer.vector("a normal of a polygon")? } else { DVec3::ZERO };
         Ok((corner, normal))
     })?;
-    let fan = corners[1..].array_windows().map(|&[b, c]| {
-        let corners = [corners[0], b, c];
+    // Rounded before the polygon is cut, as for every format.
+    let points: Vec<_> = corners.iter().map(|corner| corner.0.as_vec3().as_dvec3()).collect();
+    let mut cutter = Cutter::default();
+    let (triangles, cut) = cutter.cut(&points);
+    let faces = triangles.iter().map(|triangle| {
+        let corners = triangle.map(|index| corners[index as usize]);
         rigid(corners.map(|corner| corner.0), with_normals.then(|| corners.map(|corner| corner.1)))
     });
-    Ok(Shapes::plain(fan))
+    Ok(Shapes { crosses_itself: cut == Cut::CrossesItself, ..Shapes::plain(faces) })
 }
 
 /// `tt` and, with normals, `ttp`: a triangle with a texture.
@@ -98,7 +107,11 @@ pub fn textured_triangle(lexer: &mut Lexer<'_>, with_normals: bool) -> Result<Sh
         Ok((corner, normal, lexer.pair("texture coordinates")?.as_vec2()))
     })?;
     let face = rigid(corners.map(|corner| corner.0), with_normals.then(|| corners.map(|corner| corner.1)));
-    Ok(Shapes { faces: vec![Face { uv: corners.map(|corner| corner.2), ..face }], texture: Some(texture) })
+    Ok(Shapes {
+        faces: vec![Face { uv: corners.map(|corner| corner.2), ..face }],
+        texture: Some(texture),
+        crosses_itself: false,
+    })
 }
 
 /// `tpa`: a triangle that runs from pose to pose.
@@ -145,7 +158,7 @@ pub fn mesh(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
         let uv = coordinates.map_or([Vec2::ZERO; 3], |uv| uv.map(|uv| uv.as_vec2()));
         Ok(Face { uv, ..rigid(v, normals) })
     })?;
-    Ok(Shapes { faces, texture: texture.map(|(name, _)| name) })
+    Ok(Shapes { faces, texture: texture.map(|(name, _)| name), crosses_itself: false })
 }
 
 /// The entry of `list` whose number comes next.

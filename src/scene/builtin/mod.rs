@@ -3,6 +3,7 @@
 pub mod cases;
 pub mod shapes;
 
+mod made;
 mod paint;
 mod room;
 mod street;
@@ -10,17 +11,13 @@ mod thicket;
 
 use serde::{Deserialize, Serialize};
 
-use super::parts::Parts;
-use super::{Geometry, Lamps, Scene};
+use super::frame::Scene;
 use crate::ranged::Within;
 use cases::Case;
-use paint::Palette;
+use made::Frames;
 
 /// A number of lights.
 pub type Lights = Within<1, 6>;
-/// A number of frames.
-pub type Frames = Within<1, 1_000_000>;
-
 /// A scene made in code. Motion is a frame at a time, whatever the number of frames: more frames show more of it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -90,39 +87,13 @@ pub fn build(spec: &BuiltInSpec) -> Scene {
     }
 }
 
-/// What a scene's code makes.
-struct Made {
-    statics: Geometry,
-    parts: Parts,
-    palette: Palette,
-    background: glam::Vec3,
-    ambient: glam::Vec3,
-}
-
-impl Made {
-    fn into_scene(self, name: &str, frame_count: Frames) -> Scene {
-        Scene {
-            name: name.into(),
-            statics: self.statics,
-            dynamic_count: self.parts.triangle_count(),
-            light_count: self.parts.lights.len(),
-            lamps: Lamps::points(),
-            frame_count: frame_count.get() as u32,
-            materials: self.palette.materials,
-            textures: self.palette.textures,
-            background: self.background,
-            ambient: self.ambient,
-            animation: Box::new(self.parts),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::scene::{Frame, Triangle};
+    use crate::scene::frame::Frame;
+    use crate::scene::geometry::Triangle;
 
     fn of(text: &str) -> Scene {
         build(&ron::from_str(text).unwrap())

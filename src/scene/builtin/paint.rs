@@ -3,7 +3,8 @@
 use glam::Vec3;
 
 use super::shapes::hash;
-use crate::scene::{Light, Material, MaterialId, Texture, TextureId};
+use crate::scene::light::Light;
+use crate::scene::material::{Material, MaterialId, Texture, TextureId};
 
 /// The materials and textures of a scene.
 #[derive(Default)]

@@ -4,11 +4,12 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3, dvec3, vec3};
 
-use super::Made;
+use super::made::Made;
 use super::paint::{Palette, share};
 use super::shapes::{Shapes, hash};
+use crate::scene::camera::Camera;
+use crate::scene::material::MaterialId;
 use crate::scene::parts::{Part, Parts};
-use crate::scene::{Camera, MaterialId};
 
 /// Half the width, the height, and half the depth of the room.
 const ROOM: DVec3 = dvec3(3.0, 2.7, 2.5);
@@ -50,7 +51,7 @@ pub fn build(lights: usize, detail: usize) -> Made {
     };
     Made {
         statics: room.shapes.geometry,
-        parts: Parts { parts, lights: share(&LAMPS, lights, 1.15), camera: Box::new(camera) },
+        parts: Parts { parts, lights: share(&LAMPS, lights, 1.15), carried: Vec::new(), camera: Box::new(camera) },
         palette,
         background: vec3(0.55, 0.7, 0.9),
         ambient: Vec3::splat(0.2),

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
 use crate::random;
-use crate::scene::{Attributes, Geometry, MaterialId, Triangle};
+use crate::scene::geometry::{Attributes, Geometry, Triangle};
+use crate::scene::material::MaterialId;
 
 /// Adds shapes to a geometry, each at the place and of the material set before.
 #[derive(Debug, Default)]

@@ -4,11 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec2, DVec3, Vec3, dvec3, vec3};
 
-use super::Made;
+use super::made::Made;
 use super::paint::{Palette, share};
 use super::shapes::{Shapes, hash};
+use crate::scene::camera::Camera;
+use crate::scene::material::MaterialId;
 use crate::scene::parts::{Part, Parts, Pose};
-use crate::scene::{Camera, MaterialId};
 
 /// From one house to the next.
 const PLOT: f64 = 9.0;
@@ -54,7 +55,7 @@ pub fn build(lights: usize, houses: usize, walkers: usize) -> Made {
     };
     Made {
         statics: shapes.geometry,
-        parts: Parts { parts, lights: share(&lamps, lights, 1.25), camera: Box::new(camera) },
+        parts: Parts { parts, lights: share(&lamps, lights, 1.25), carried: Vec::new(), camera: Box::new(camera) },
         palette,
         background: vec3(0.36, 0.42, 0.6),
         ambient: vec3(0.24, 0.25, 0.32),

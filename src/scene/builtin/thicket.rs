@@ -4,11 +4,12 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DAffine3, DQuat, DVec3, Vec3, dvec3, vec3};
 
-use super::Made;
+use super::made::Made;
 use super::paint::{Palette, share};
 use super::shapes::{Shapes, hash};
+use crate::scene::camera::Camera;
+use crate::scene::material::MaterialId;
 use crate::scene::parts::{Part, Parts};
-use crate::scene::{Camera, MaterialId};
 
 /// Half the side of the ground.
 const HALF: f64 = 4.0;
@@ -68,7 +69,7 @@ pub fn build(lights: usize, triangles: usize) -> Made {
     };
     Made {
         statics: shapes.geometry,
-        parts: Parts { parts, lights: share(&LAMPS, lights, 1.5), camera: Box::new(camera) },
+        parts: Parts { parts, lights: share(&LAMPS, lights, 1.5), carried: Vec::new(), camera: Box::new(camera) },
         palette,
         background: vec3(0.62, 0.76, 0.92),
         ambient: vec3(0.24, 0.28, 0.3),

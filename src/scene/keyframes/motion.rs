@@ -2,7 +2,8 @@
 
 use glam::{DAffine3, DMat3, DVec3};
 
-use super::{RotationTrack, VectorTrack};
+use super::rotation::RotationTrack;
+use super::vector::VectorTrack;
 
 /// A switch that is on before its first key.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use glam::{DMat3, DQuat, DVec3};
 
-use super::{Key, Place, Stretches, TrackError};
+use super::stretch::{Key, Place, Stretches, TrackError};
 
 /// A spline of rotations.
 #[derive(Clone, Debug, PartialEq)]

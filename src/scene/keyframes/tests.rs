@@ -2,9 +2,10 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
-use glam::{DAffine3, DMat3, DQuat};
+use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;
 
+use super::stretch::Place;
 use super::*;
 
 fn key<V>(time: f64, value: V) -> Key<V> {

@@ -1,131 +1,209 @@
-//! Reads material libraries (MTL) with tobj, and the pictures that they name.
+//! Material libraries (MTL), and the pictures that they name.
 //!
-//! tobj panics at a colour of fewer than three numbers, and gives no lines: numbers are checked here first.
+//! Source: Wavefront Technologies, "MTL material format (Lightwave, OBJ)", version 4.2; its sections are named beside the
+//! statements. `Tr`, `Ke` and the statements of "Physically based rendering extension to the MTL format" are later additions
+//! of exporters. Statements are read in any case of their letters, as exporters write them.
+//!
+//! `Kd` colours the surface in point light and in ambient light, `Ks`, `Ns` and `Ni` are as in the specification, and the
+//! transmittance is 1 - `d`, or `Tr`.
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
-use super::read::numbers;
-use crate::input;
-use crate::scene::{Material, MaterialId, SceneError, Texture, TextureId, texture};
+use super::map;
+use super::names::{Entry, Materials, beside};
+use crate::scene::error::SceneError;
+use crate::scene::limits::{REFRACTION, Range, SHARE, SHININESS, STRENGTH};
+use crate::scene::loader::Loader;
+use crate::scene::material::Material;
+use crate::scene::text::{Line, each_line, number, shortened, without_comment, words};
 
-/// The materials of one OBJ file by name.
-pub type Names = BTreeMap<String, MaterialId>;
+/// Statements that are known and have no effect here, in lower case.
+const WITHOUT_EFFECT: &[&str] = &[
+    // Material color and illumination: ambient light takes `Kd`, there is one way of illumination and no filter.
+    "ka",
+    "tf",
+    "illum",
+    "sharpness",
+    // Material texture map, but for `map_Kd`.
+    "map_ka",
+    "map_ks",
+    "map_ns",
+    "map_d",
+    "map_aat",
+    "decal",
+    "disp",
+    "bump",
+    // Material reflection map.
+    "refl",
+    // Additions of exporters: light that a surface sends out, and spellings of the maps above.
+    "ke",
+    "map_ke",
+    "map_bump",
+    "map_disp",
+    "map_refl",
+    "map_tr",
+    "map_tf",
+    "map_ni",
+    "map_opacity",
+    // Physically based rendering extension.
+    "pr",
+    "map_pr",
+    "pm",
+    "map_pm",
+    "ps",
+    "map_ps",
+    "pc",
+    "pcr",
+    "aniso",
+    "anisor",
+    "norm",
+    "map_rma",
+    "map_orm",
+];
 
-/// The materials and textures of a scene.
-#[derive(Debug, Default)]
-pub struct Library {
-    /// All materials.
-    pub materials: Vec<Material>,
-    /// All textures.
-    pub textures: Vec<Texture>,
+/// The materials of the library at `path`, added to `loader`.
+///
+/// # Errors
+/// A statement that is not known, one before the first `newmtl`, a name that is missing or defined twice, numbers that are
+/// malformed or out of range, a picture that cannot be had; each with its line.
+pub fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Materials, SceneError> {
+    let mut library = Library { materials: Materials::default(), open: None };
+    each_line(bytes, |line| library.read(line, path, loader)).map_err(|(line, what)| SceneError::Syntax {
+        path: path.to_owned(),
+        line,
+        what,
+    })?;
+    library.close(path, loader);
+    Ok(library.materials)
+}
+
+struct Library {
+    materials: Materials,
+    /// The material that the statements are for.
+    open: Option<Open>,
+}
+
+struct Open {
+    name: String,
+    material: Material,
+    map: map::UvMap,
+    /// Opacity `d` and transparency `Tr`, as far as they are given.
+    opacity: Option<f32>,
+    transparency: Option<f32>,
 }
 
 impl Library {
-    /// Adds a material.
-    pub fn add(&mut self, material: Material) -> MaterialId {
-        self.materials.push(material);
-        MaterialId((self.materials.len() - 1) as u32)
-    }
-
-    /// Adds the materials of the file at `path` and their names.
-    ///
-    /// `Kd` colours the surface in point light and in ambient light, `Ks`, `Ns` and `Ni` are as in the MTL format, and
-    /// 1 - `d` is the transmittance.
-    ///
-    /// # Errors
-    /// A file that is missing, numbers that are malformed or out of range, a picture that cannot be had.
-    pub fn read(&mut self, path: &Path, names: &mut Names) -> Result<(), SceneError> {
-        let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
-            .map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
-        self.parse(path, &bytes, names)
-    }
-
-    /// As [`Self::read`], of the file's bytes.
-    pub(super) fn parse(&mut self, path: &Path, bytes: &[u8], names: &mut Names) -> Result<(), SceneError> {
-        let text = String::from_utf8_lossy(bytes);
-        for (index, line) in text.lines().enumerate() {
-            check(line.trim()).map_err(|what| SceneError::Syntax { path: path.to_owned(), line: index + 1, what })?;
+    fn read(&mut self, line: &Line<'_>, path: &Path, loader: &mut Loader) -> Result<(), String> {
+        let statement = line.word.to_ascii_lowercase();
+        if statement == "newmtl" {
+            self.close(path, loader);
+            return self.open(line.rest);
         }
-        let wrong = |what: String| SceneError::Content { path: path.to_owned(), what };
-        let (materials, _) = tobj::load_mtl_buf(&mut text.as_bytes()).map_err(|error| wrong(error.to_string()))?;
-        for found in materials {
-            let base = Material::default();
-            let diffuse = found.diffuse.map_or(base.diffuse, Vec3::from_array);
-            let texture = match &found.diffuse_texture {
-                Some(name) => Some(self.picture(path, name)?),
-                None => None,
-            };
-            let id = self.add(Material {
-                ambient: diffuse,
-                diffuse,
-                specular: found.specular.map_or(base.specular, Vec3::from_array),
-                shininess: found.shininess.unwrap_or(base.shininess),
-                transmittance: found.dissolve.map_or(base.transmittance, |opaque| 1.0 - opaque),
-                index_of_refraction: found.optical_density.unwrap_or(base.index_of_refraction),
-                texture,
-            });
-            names.insert(found.name, id);
+        let known = READ.contains(&statement.as_str()) || WITHOUT_EFFECT.contains(&statement.as_str());
+        if !known {
+            return Err(format!(
+                "`{}` is no statement of a material library: newmtl, {} are read, and these have no effect: {}",
+                shortened(line.word).escape_debug(),
+                "Kd, Ks, Ns, Ni, d, Tr and map_Kd",
+                WITHOUT_EFFECT.join(" ")
+            ));
+        }
+        let Some(open) = &mut self.open else {
+            return Err(format!("`{}` stands before the first `newmtl`: it belongs to no material", line.word));
+        };
+        match statement.as_str() {
+            "kd" => {
+                open.material.diffuse = color(line, SHARE)?;
+                open.material.ambient = open.material.diffuse;
+            }
+            "ks" => open.material.specular = color(line, SHARE)?,
+            "ns" => open.material.shininess = single(line, SHININESS)?,
+            "ni" => open.material.index_of_refraction = single(line, REFRACTION)?,
+            "d" => open.opacity = Some(single(line, SHARE)?),
+            "tr" => open.transparency = Some(single(line, SHARE)?),
+            "map_kd" => {
+                let (map, name) = map::options(line.rest)?;
+                if loader.ignore_textures {
+                    loader.count_without_effect(path, line.word);
+                } else {
+                    open.map = map;
+                    open.material.texture = Some(picture(path, name, loader)?);
+                }
+            }
+            _ => {
+                check_ignored(&statement, line)?;
+                loader.count_without_effect(path, line.word);
+            }
         }
         Ok(())
     }
 
-    fn picture(&mut self, library: &Path, name: &str) -> Result<TextureId, SceneError> {
-        let wrong = |what: String| SceneError::Content { path: library.to_owned(), what };
-        let path = library.parent().map_or_else(|| name.into(), |folder| folder.join(name));
-        let kind = path.extension().map(|kind| kind.to_ascii_lowercase());
-        let texture = match kind.as_ref().and_then(|kind| kind.to_str()) {
-            Some("png") => png(&path),
-            Some("ppm") => texture::read_ppm(&path),
-            _ => return Err(wrong(format!("map_Kd {name:?} is not allowed: the name of a .png or .ppm file is"))),
-        };
-        let texture = texture.map_err(|error| match error {
-            // Who names the picture is the news; that it is not there is only half of it.
-            SceneError::Read { path, source } => {
-                wrong(format!("map_Kd {name:?}: cannot read {}: {source}", path.display()))
-            }
-            other => other,
-        })?;
-        self.textures.push(texture);
-        Ok(TextureId((self.textures.len() - 1) as u32))
-    }
-}
-
-/// Checks the numbers of a line of an MTL file.
-fn check(line: &str) -> Result<(), String> {
-    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-    let (least, range) = match word {
-        "Ka" | "Kd" | "Ks" => (3, 0.0..=1.0),
-        "Ke" => (3, 0.0..=f32::MAX),
-        "d" => (1, 0.0..=1.0),
-        "Ns" | "Ni" => (1, 0.0..=f32::MAX),
-        _ => return Ok(()),
-    };
-    match numbers(rest, least)?.iter().find(|number| !range.contains(number)) {
-        Some(number) => {
-            Err(format!("{word} of {number} is not allowed: numbers from {} to {} are", range.start(), range.end()))
+    fn open(&mut self, name: &str) -> Result<(), String> {
+        if name.is_empty() || name.starts_with('#') {
+            return Err("`newmtl` needs a name".into());
         }
-        None => Ok(()),
+        if self.materials.contains(name) {
+            return Err(format!("a material {:?} is defined already: each name once is allowed", shortened(name)));
+        }
+        let (material, map) = Default::default();
+        self.open = Some(Open { name: name.to_owned(), material, map, opacity: None, transparency: None });
+        Ok(())
+    }
+
+    /// Adds the material whose statements have ended.
+    fn close(&mut self, path: &Path, loader: &mut Loader) {
+        let Some(mut open) = self.open.take() else { return };
+        let from_opacity = open.opacity.map(|opacity| 1.0 - opacity);
+        if let (Some(one), Some(other)) = (from_opacity, open.transparency)
+            && (one - other).abs() > 1e-3
+        {
+            let name = &open.name;
+            loader.notice(path, &format!("material {name:?} has a `d` and another `Tr`, which is 1 - d: `d` counts"));
+        }
+        if let Some(transmittance) = from_opacity.or(open.transparency) {
+            open.material.transmittance = transmittance;
+        }
+        let id = loader.add_material(open.material);
+        self.materials.insert(&open.name, Entry { id, map: open.map });
     }
 }
 
-/// Reads a PNG file of any colour type; transparency is dropped.
-fn png(path: &Path) -> Result<Texture, SceneError> {
-    let wrong = |error: png::DecodingError| SceneError::Content { path: path.to_owned(), what: error.to_string() };
-    let file = File::open(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
-    let mut decoder = png::Decoder::new(BufReader::new(file));
-    decoder.set_transformations(png::Transformations::normalize_to_color8());
-    let mut reader = decoder.read_info().map_err(wrong)?;
-    let too_large = || SceneError::Content { path: path.to_owned(), what: "the picture does not fit in memory".into() };
-    let mut bytes = vec![0; reader.output_buffer_size().ok_or_else(too_large)?];
-    let info = reader.next_frame(&mut bytes).map_err(wrong)?;
-    let samples = info.color_type.samples();
-    let rgb = bytes[..info.buffer_size()].chunks_exact(samples);
-    // One or two samples are grey (and alpha), three or four are colour (and alpha).
-    let rgb = rgb.map(|pixel| if samples < 3 { [pixel[0]; 3] } else { [pixel[0], pixel[1], pixel[2]] }).collect();
-    Ok(Texture { width: info.width, height: info.height, rgb })
+/// Statements that are read, in lower case, beside `newmtl`.
+const READ: &[&str] = &["kd", "ks", "ns", "ni", "d", "tr", "map_kd"];
+
+/// Colours that have no effect must be colours nevertheless: a library that is broken there is broken elsewhere.
+fn check_ignored(statement: &str, line: &Line<'_>) -> Result<(), String> {
+    match statement {
+        "ka" => color(line, SHARE).map(|_| ()),
+        "ke" => color(line, STRENGTH).map(|_| ()),
+        _ => Ok(()),
+    }
+}
+
+/// Three numbers, or one that stands for all (section "Material color and illumination").
+fn color(line: &Line<'_>, range: Range) -> Result<Vec3, String> {
+    let numbers: Vec<f32> = words(line.rest).map(number).collect::<Result<_, _>>()?;
+    let color = match numbers[..] {
+        [grey] => Vec3::splat(grey),
+        [red, green, blue] => Vec3::new(red, green, blue),
+        _ => return Err(format!("`{}` of {} numbers: red, green and blue are needed", line.word, numbers.len())),
+    };
+    range.check_color(&format!("`{}`", line.word), DVec3::from(color))
+}
+
+fn single(line: &Line<'_>, range: Range) -> Result<f32, String> {
+    let numbers: Vec<f32> = words(line.rest).map(number).collect::<Result<_, _>>()?;
+    let [value] = numbers[..] else {
+        return Err(format!("`{}` of {} numbers: one is needed", line.word, numbers.len()));
+    };
+    range.check(&format!("`{}`", line.word), value.into()).map(|_| value)
+}
+
+fn picture(library: &Path, name: &str, loader: &mut Loader) -> Result<crate::scene::TextureId, String> {
+    let before_comment = without_comment(name);
+    let found = [name, before_comment].into_iter().find(|name| beside(library, name).exists());
+    let name = found.unwrap_or(before_comment);
+    loader.picture(&beside(library, name)).map_err(|what| format!("map_Kd {:?}: {what}", shortened(name)))
 }

@@ -69,8 +69,8 @@ fn forged_files_are_refused() {
     assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 4, expected: 8 }));
     let bytes = forged(&[frame_block(), block(Tag::Rays, 1, &[0xff; 30])], |_| ());
     assert!(matches!(fault(&bytes), (_, Fault::Length { found: 30, .. })));
-    let bytes = forged(&[frame_block(), block(Tag::End, 1, &[0; 113])], |_| ());
-    assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 113, expected: 112 }));
+    let bytes = forged(&[frame_block(), block(Tag::End, 1, &[0; 129])], |_| ());
+    assert_eq!(fault(&bytes), (at(1), Fault::Length { found: 129, expected: 128 }));
     let bytes = forged(&[block(Tag::Frame, 0, &[0; 15])], |_| ());
     assert!(matches!(fault(&bytes), (_, Fault::Length { found: 15, expected: 16 })));
 

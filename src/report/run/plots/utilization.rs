@@ -17,6 +17,7 @@ fn look(cause: Cause) -> (&'static str, RGBColor) {
         Cause::Pipeline => ("all rays in the pipeline", palette::SKY),
         Cause::Memory => ("waits for memory", palette::VERMILLION),
         Cause::Blocked => ("blocked by a neighbour", palette::PURPLE),
+        Cause::Intake => ("as many rays taken as it can, others wait", palette::YELLOW),
         Cause::Starved => ("starved: no ray", palette::GREY),
     }
 }

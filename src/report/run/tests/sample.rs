@@ -80,6 +80,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             (Cause::Pipeline, pipeline),
             (Cause::Memory, memory),
             (Cause::Blocked, blocked),
+            (Cause::Intake, 0),
             (Cause::Starved, whole - busy - pipeline - memory - blocked),
         ])
     };

@@ -7,8 +7,13 @@
 
 use glam::{DVec2, DVec3, Vec3};
 
-use super::{Film, MATT, MIRROR, palette};
-use crate::scene::{Attributes, Camera, Frame, Geometry, Lamps, Light, MaterialId, Projection, Scene, Triangle};
+use super::film::{Film, MATT, MIRROR, palette};
+use crate::scene::camera::{Camera, Projection};
+use crate::scene::frame::{Frame, Origin, Scene};
+use crate::scene::geometry::{Attributes, Geometry, Triangle};
+use crate::scene::lamps::Lamps;
+use crate::scene::light::Light;
+use crate::scene::material::MaterialId;
 
 /// A failure case.
 pub struct Failure {
@@ -118,6 +123,7 @@ impl Failure {
             textures: Vec::new(),
             background: Vec3::ZERO,
             ambient: Vec3::ONE,
+            origin: Origin::default(),
             animation: Box::new(Film(frame)),
         }
     }

@@ -1,14 +1,15 @@
 //! Small scenes that put culling to the test: where it is known to fail, and where a renderer's arithmetic may.
 
 mod failures;
+mod film;
 mod stress;
 
-use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 pub use self::stress::{CameraPath, Pieces, Recipe};
 use crate::quantity::Resolution;
-use crate::scene::{Animation, Frame, Material, MaterialId, Offset, RenderSpec, Scene, ShadowRays};
+use crate::scene::frame::Scene;
+use crate::scene::render::{Offset, RenderSpec, ShadowRays};
 
 /// Declares the cases once.
 macro_rules! cases {
@@ -119,33 +120,5 @@ impl Case {
         } else {
             RenderSpec { depth: 3, ..RenderSpec::default() }
         }
-    }
-}
-
-/// Matt grey.
-const MATT: MaterialId = MaterialId(0);
-/// A perfect mirror.
-const MIRROR: MaterialId = MaterialId(1);
-
-/// The materials of all cases.
-fn palette() -> Vec<Material> {
-    vec![
-        Material::default(),
-        Material {
-            ambient: Vec3::ZERO,
-            diffuse: Vec3::ZERO,
-            specular: Vec3::ONE,
-            shininess: f32::INFINITY,
-            ..Material::default()
-        },
-    ]
-}
-
-/// An animation as a function of the frame's number.
-struct Film<F>(F);
-
-impl<F: Fn(u32) -> Frame + Send + Sync> Animation for Film<F> {
-    fn frame(&self, number: u32) -> Frame {
-        (self.0)(number)
     }
 }

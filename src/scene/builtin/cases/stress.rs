@@ -4,10 +4,15 @@ use std::f64::consts::TAU;
 
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
-use super::{Film, MATT, MIRROR, palette};
+use super::film::{Film, MATT, MIRROR, palette};
 use crate::scene::builtin::shapes::hash;
+use crate::scene::camera::Camera;
+use crate::scene::frame::{Frame, Origin, Scene};
+use crate::scene::geometry::{Attributes, Geometry, Triangle};
+use crate::scene::lamps::Lamps;
 use crate::scene::lamps::rectangle;
-use crate::scene::{Attributes, Camera, Frame, Geometry, Lamps, Light, MaterialId, Scene, Triangle};
+use crate::scene::light::Light;
+use crate::scene::material::MaterialId;
 
 /// What a random scene is made of. The ground is about ten units wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -113,6 +118,7 @@ impl Recipe {
             textures: Vec::new(),
             background: Vec3::splat(0.2),
             ambient: Vec3::ONE,
+            origin: Origin::default(),
             animation: Box::new(Film(move |number| self.frame(number))),
         }
     }

@@ -1,25 +1,10 @@
-//! Reading textures: binary PPM (`P6`) with one byte a colour, as the netpbm manual page `ppm(5)` defines it.
+//! Binary PPM (`P6`) with one byte a colour, as the netpbm manual page `ppm(5)` defines it.
 
-use std::path::Path;
-
-use super::{SceneError, Texture};
-use crate::input;
-
-/// The largest width and height of a texture, in pixels.
-pub const MAX_SIDE: u32 = 1 << 15;
-
-/// The texture in the PPM file at `path`, its first row at v = 1.
-///
-/// # Errors
-/// [`SceneError::Read`] if the file cannot be read, [`SceneError::Content`] if it is no PPM or ends too early.
-pub fn read_ppm(path: &Path) -> Result<Texture, SceneError> {
-    let bytes = input::read(path, input::MAX_SCENE_FILE_BYTES)
-        .map_err(|source| SceneError::Read { path: path.into(), source })?;
-    parse_ppm(&bytes).map_err(|what| SceneError::Content { path: path.into(), what })
-}
+use crate::scene::limits::MAX_SIDE;
+use crate::scene::material::Texture;
 
 /// The texture in the bytes of a PPM file. The error says what is wrong and what is allowed.
-pub fn parse_ppm(bytes: &[u8]) -> Result<Texture, String> {
+pub fn decode(bytes: &[u8]) -> Result<Texture, String> {
     let mut header = Header { bytes };
     if header.word() != b"P6" {
         return Err("not a binary PPM picture: it must begin with `P6`".into());
@@ -85,18 +70,18 @@ mod tests {
 
     #[test]
     fn reads_rows_from_the_top() {
-        let texture = parse_ppm(b"P6 # a comment\n#another\n2 1\n# and one\n255\n\x01\x02\x03\x20\x0A\x23").unwrap();
+        let texture = decode(b"P6 # a comment\n#another\n2 1\n# and one\n255\n\x01\x02\x03\x20\x0A\x23").unwrap();
         assert_eq!(texture, Texture { width: 2, height: 1, rgb: vec![[1, 2, 3], [32, 10, 35]] });
     }
 
     #[test]
     fn scales_smaller_ranges() {
-        assert_eq!(parse_ppm(b"P6 1 1 5\n\x00\x02\x05").unwrap().rgb, vec![[0, 102, 255]]);
+        assert_eq!(decode(b"P6 1 1 5\n\x00\x02\x05").unwrap().rgb, vec![[0, 102, 255]]);
     }
 
     #[test]
     fn says_what_is_wrong() {
-        let what = |bytes: &[u8]| parse_ppm(bytes).unwrap_err();
+        let what = |bytes: &[u8]| decode(bytes).unwrap_err();
         assert!(what(b"").contains("P6"));
         assert!(what(b"P5 1 1 255\n\0").contains("P6"));
         assert!(what(b"P6 0 1 255\n").contains("width is `0`"));
@@ -110,7 +95,7 @@ mod tests {
     proptest! {
         #[test]
         fn never_panics(bytes in prop::collection::vec(any::<u8>(), 0..64)) {
-            let _ = parse_ppm(&bytes);
+            let _ = decode(&bytes);
         }
 
         #[test]
@@ -120,7 +105,7 @@ mod tests {
             let mut bytes = format!("P6\n{width} {height}\n#\n{maximum}\n").into_bytes();
             bytes.extend(&pixels);
             let fits = width * height > 0 && (1..=255).contains(&maximum) && (width * height * 3) as usize <= pixels.len();
-            let texture = parse_ppm(&bytes);
+            let texture = decode(&bytes);
             prop_assert_eq!(texture.is_ok(), fits);
             if let Ok(texture) = texture {
                 prop_assert_eq!(texture.rgb.len(), (width * height) as usize);

@@ -1,0 +1,36 @@
+//! A face of a PLY file.
+
+use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
+use smallvec::SmallVec;
+
+/// Properties of a face that are read, one of them in a file.
+pub const PROPERTIES: &[&str] = &["vertex_indices", "vertex_index"];
+
+/// A face.
+#[derive(Clone, Debug, Default)]
+pub struct Face {
+    /// The places of its corners in the list of vertices.
+    pub indices: SmallVec<[i64; 4]>,
+}
+
+impl PropertyAccess for Face {
+    fn new() -> Self {
+        Self::default()
+    }
+
+    fn set_property(&mut self, name: &str, property: Property) -> PropertyAccessResult {
+        if !PROPERTIES.contains(&name) {
+            return PropertyAccessResult::Ignored;
+        }
+        self.indices = match property {
+            Property::ListChar(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListUChar(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListShort(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListUShort(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListInt(list) => list.into_iter().map(i64::from).collect(),
+            Property::ListUInt(list) => list.into_iter().map(i64::from).collect(),
+            _ => return PropertyAccessResult::UnsupportedType,
+        };
+        PropertyAccessResult::Set
+    }
+}

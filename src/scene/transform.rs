@@ -1,0 +1,35 @@
+//! Transforms of points, and what they do to normals.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+/// A transform of points, and what it does to normals.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform {
+    points: DAffine3,
+    normals: DMat3,
+}
+
+impl Transform {
+    /// Prepares `points` for use. The cofactors stand for the inverse transpose: they point the same way, and exist
+    /// for a transform that flattens, too.
+    pub fn new(points: DAffine3) -> Self {
+        let DMat3 { x_axis: x, y_axis: y, z_axis: z } = points.matrix3;
+        let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+        Self { points, normals: cofactors * points.matrix3.determinant().signum() }
+    }
+
+    /// The point after the transform.
+    pub fn point(&self, point: DVec3) -> DVec3 {
+        self.points.transform_point3(point)
+    }
+
+    /// The normal after the transform, up to a positive factor.
+    pub fn scaled_normal(&self, normal: DVec3) -> DVec3 {
+        self.normals * normal
+    }
+
+    /// The unit normal after the transform; zero if it has no direction.
+    pub fn normal(&self, normal: DVec3) -> DVec3 {
+        self.scaled_normal(normal).normalize_or_zero()
+    }
+}
