@@ -8,6 +8,8 @@ use std::rc::Rc;
 
 use xxhash_rust::xxh3::xxh3_128;
 
+use crate::output::claims::refuse_output;
+
 /// The largest config (RON file), in bytes.
 pub(crate) const MAX_CONFIG_BYTES: u64 = 1 << 24;
 /// The largest file of a scene, in bytes; the largest of the BART scenes has 3.3 MB.
@@ -19,13 +21,15 @@ const MAX_SCENE_BYTES: u64 = 1 << 30;
 /// Opens the regular file at `path`.
 ///
 /// # Errors
-/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come.
+/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come. A file that
+/// the command writes.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     // The kind is looked up before the file is opened: opening a pipe waits for its writer.
     check_regular(&path.metadata()?)?;
     let file = File::open(path)?;
     // Another file may have taken the name in between.
     check_regular(&file.metadata()?)?;
+    refuse_output(&file)?;
     Ok(file)
 }
 
@@ -43,10 +47,9 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     }
     let length = told.max(bytes.len() as u64);
     if length > most {
-        Err(refused(format!("the file has {length} bytes: at most {most} are allowed")))
-    } else {
-        Ok(bytes)
+        return Err(refused(format!("the file has {length} bytes: at most {most} are allowed")));
     }
+    Ok(bytes)
 }
 
 /// The text of the regular file at `path`, at most `most` bytes, without a byte order mark.

@@ -131,6 +131,24 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
     }
 }
 
+/// An error of a file that cannot be read, shown where the config at `config` names that file; any other error as it is.
+pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
+    let ConfigError::Read { path, source } = error else { return error };
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let text = input::read_text(config, input::MAX_CONFIG_BYTES).unwrap_or_default();
+    let found = text.lines().enumerate().find_map(|(at, line)| Some((at, line, line.find(&name)?)));
+    match found {
+        Some((at, line, start)) => ConfigError::At(Box::new(Place {
+            path: config.into(),
+            line: at + 1,
+            column: line[..start].chars().count() + 1,
+            source_line: line.replace('\t', " "),
+            what: format!("cannot read {}: {source}", path.display()),
+        })),
+        None => ConfigError::Read { path, source },
+    }
+}
+
 /// The letter at a line and column, both counted from 1.
 fn letter_at(text: &str, (line, column): (usize, usize)) -> Option<char> {
     text.lines().nth(line.checked_sub(1)?)?.chars().nth(column.checked_sub(1)?)

@@ -19,7 +19,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ranged", &[]),
     ("named", &[]),
     ("output", &[]),
-    ("input", &[]),
+    ("input", &["output"]),
     ("ron_file", &["ranged", "input"]),
     ("stats", &["quantity"]),
     ("stream", &["quantity", "output", "input"]),
@@ -37,7 +37,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("replay", &["ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
-    ("report", &["quantity", "named", "output", "stats", "stream::Totals", "validate::PixelVerdict"]),
+    ("report", &["quantity", "named", "output", "input", "stats", "stream::Totals", "validate::PixelVerdict"]),
     (
         "experiment",
         &[

@@ -29,6 +29,7 @@ impl ExperimentArgs {
     pub(super) fn load(&self) -> Result<Experiment> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution };
         let experiment = Experiment::load(&self.config, overrides)?;
+        eprintln!("{}: {}", experiment.spec.name, experiment.need());
         experiment.scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
         Ok(experiment)
     }

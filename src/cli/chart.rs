@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::report;
@@ -26,11 +27,11 @@ pub(super) struct Chart {
 
 impl Chart {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::check_target(&self.out)?;
+        let out = results_folder(&self.out)?;
         let read = |report: PathBuf| read_summary(&report.join(report::SUMMARY_FILE));
         let runs = self.reports.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let chart = ChartSummary::new(&runs);
-        let page = report::write(&self.out, &chart)?;
+        let page = report::write(&out, &chart)?;
         print(report::drawn(&chart.grid()))?;
         print(page.display())?;
         Ok(Outcome::Done)

@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::claim_files;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
@@ -31,12 +32,13 @@ pub(super) struct Identities {
 impl Identities {
     pub(super) fn run(self) -> Result<Outcome> {
         let stop = signals::stop_flag();
+        claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
         let (rows, published) = identities::identities(&self.config, &stop)?;
+        json.finish(&rows)?;
         print(report::drawn(&identities::grid(&rows, &published)))?;
         let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
         print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;
-        json.finish(&rows)?;
         Ok(Outcome::failed_if(stop.load(Ordering::Relaxed) || worst > identities::MOST_GAP))
     }
 }

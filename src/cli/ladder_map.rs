@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::ladder_map;
@@ -23,10 +24,11 @@ pub(super) struct LadderMap {
 
 impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::check_target(&self.out)?;
+        let out = results_folder(&self.out)?;
         let map = ladder_map::run();
+        let plot = report::write(&out, &map)?;
         print(report::drawn(&report::ladder_map::grid(&map)))?;
-        print(report::write(&self.out, &map)?.display())?;
+        print(plot.display())?;
         Ok(Outcome::Done)
     }
 }

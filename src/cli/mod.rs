@@ -4,6 +4,7 @@
 mod arguments;
 mod chart;
 mod command;
+mod destinations;
 mod explain;
 mod help;
 mod identities;

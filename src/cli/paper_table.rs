@@ -6,6 +6,7 @@ use std::sync::atomic::Ordering;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::claim_files;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
@@ -28,12 +29,13 @@ pub(super) struct PaperTable {
 
 impl PaperTable {
     pub(super) fn run(self) -> Result<Outcome> {
+        claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
         let stop = signals::stop_flag();
         let readings = paper::paper_table(&self.config, &stop)?;
+        json.finish(&readings)?;
         print(report::drawn(&paper::grid(&readings)))?;
         print("\ndistance: root mean square of the differences of the four shares, in points")?;
-        json.finish(&readings)?;
         Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
     }
 }

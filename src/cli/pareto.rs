@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::pareto;
@@ -34,12 +35,13 @@ pub(super) struct Pareto {
 
 impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
-        let out = report_folder(self.out, &self.config)?;
-        report::check_target(&out)?;
+        let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&self.config, self.truth, &stop)?;
-        print(report::drawn(&summary.grid(&timings)))?;
-        print(report::write(&out, &ParetoReport { summary, timings })?.display())?;
+        let table = report::drawn(&summary.grid(&timings));
+        let page = report::write(&out, &ParetoReport { summary, timings })?;
+        print(table)?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

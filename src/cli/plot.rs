@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::outcome::Outcome;
 use super::print::print;
+use crate::output::ResultsFolder;
 use crate::report::run::redraw;
 
 /// Draw a report's plots and page again, from its numbers on disk
@@ -18,7 +19,7 @@ pub(super) struct Plot {
 
 impl Plot {
     pub(super) fn run(self) -> Result<Outcome> {
-        print(redraw(&self.report)?.display())?;
+        print(redraw(&ResultsFolder::claim(&self.report)?)?.display())?;
         Ok(Outcome::Done)
     }
 }

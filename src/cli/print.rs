@@ -5,8 +5,14 @@ use std::io::{self, Write};
 
 use anyhow::{Context, Result};
 
-/// Prints a line. A reader that has gone away (`| head`) wants no more, which is no error.
+use crate::output::is_standard_output_claimed;
+
+/// Prints a line; to standard error if standard output is one of the command's files. A reader that has gone away (`| head`) wants no more, which is no error.
 pub(super) fn print(text: impl Display) -> Result<()> {
+    if is_standard_output_claimed() {
+        eprintln!("{text}");
+        return Ok(());
+    }
     match writeln!(io::stdout(), "{text}") {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(error).context("cannot write to standard output")

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::reuse::reuse;
@@ -34,12 +35,13 @@ pub(super) struct Profile {
 
 impl Profile {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::check_target(&self.out)?;
+        let out = results_folder(&self.out)?;
         let machine = self.input.machine()?;
         let of = self.sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot: self.hot });
         let summary = reuse(&machine, of, &self.input.stream)?;
+        let plot = report::write(&out, &summary)?;
         print(report::drawn(&report::reuse::grid(&summary)))?;
-        print(report::write(&self.out, &summary)?.display())?;
+        print(plot.display())?;
         Ok(Outcome::Done)
     }
 }

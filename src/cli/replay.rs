@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
+use super::destinations::claim_files;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
@@ -41,6 +42,9 @@ pub(super) struct Replay {
 
 impl Replay {
     pub(super) fn run(self) -> Result<Outcome> {
+        claim_files([("--json", self.json.as_deref())])?;
+        self.dram.claim()?;
+        self.lines.claim()?;
         let (stream, machine) = (&self.input.stream, self.input.machine()?);
         let fidelity = match self.target_error {
             Some(target) => self.fidelity.with_target_error(target).map_err(anyhow::Error::msg)?,
@@ -50,10 +54,10 @@ impl Replay {
         let json = JsonFile::begin(self.json)?;
         let (mut dram, mut lines) = (self.dram.begin(&machine)?, self.lines.begin(&machine, &header)?);
         let stats = replay_file(&machine, fidelity, stream, dram.as_mut(), lines.as_mut())?;
-        print(replayed(&machine.name, &header.policy, &stats))?;
         dram.map_or(Ok(()), DramExport::finish)?;
         lines.map_or(Ok(()), LineExport::finish)?;
         json.finish(&stats)?;
+        print(replayed(&machine.name, &header.policy, &stats))?;
         Ok(Outcome::Done)
     }
 }

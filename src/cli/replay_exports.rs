@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::claim_files;
 use crate::experiment::dram_export::{DramExport, TraceFormat};
 use crate::experiment::line_export::LineExport;
 use crate::machine::MachineSpec;
@@ -33,6 +34,11 @@ pub(super) struct DramArgs {
 }
 
 impl DramArgs {
+    /// Claims the files that are wanted.
+    pub(super) fn claim(&self) -> Result<()> {
+        claim_files([("--dram-trace", self.dram_trace.as_deref()), ("--dram-commands", self.dram_commands.as_deref())])
+    }
+
     /// Begins the files that are wanted.
     pub(super) fn begin(&self, machine: &MachineSpec) -> Result<Option<DramExport>> {
         if self.dram_trace.is_none() && self.dram_commands.is_none() {
@@ -60,6 +66,11 @@ pub(super) struct LineArgs {
 }
 
 impl LineArgs {
+    /// Claims the file that is wanted.
+    pub(super) fn claim(&self) -> Result<()> {
+        claim_files([("--line-trace", self.line_trace.as_deref())])
+    }
+
     /// Begins the file that is wanted.
     pub(super) fn begin(&self, machine: &MachineSpec, header: &Header) -> Result<Option<LineExport>> {
         let begin = |path: &PathBuf| LineExport::create(machine, header, &self.line_trace_cache, path);

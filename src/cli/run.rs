@@ -10,7 +10,7 @@ use super::arguments::ExperimentArgs;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::{Experiment, run};
-use crate::output::signals;
+use crate::output::{ResultsFolder, claim_folder, signals};
 use crate::report;
 
 /// Run an experiment: trace, replay, validate, and write a report
@@ -30,22 +30,23 @@ pub(super) struct Run {
 
 impl Run {
     pub(super) fn run(self) -> Result<Outcome> {
+        if let Some(out) = &self.out {
+            claim_folder("--out", out)?;
+        }
         let experiment = self.experiment.load()?;
         let out = self.out.unwrap_or_else(|| Path::new("reports").join(&experiment.spec.name));
-        run_and_report(&experiment, true, Some(&out))
+        run_and_report(&experiment, true, Some(&ResultsFolder::claim(&out)?))
     }
 }
 
-/// Runs `experiment`, on its machines if `machines` is set, prints its tables and writes its report to `out`.
-pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&Path>) -> Result<Outcome> {
-    if let Some(out) = out {
-        report::check_target(out)?;
-    }
+/// Runs `experiment`, on its machines if `machines` is set, writes its report to `out` and prints its tables.
+pub(super) fn run_and_report(experiment: &Experiment, machines: bool, out: Option<&ResultsFolder>) -> Result<Outcome> {
     let stop = signals::stop_flag();
     let result = run::run(experiment, machines, &stop)?;
+    let page = out.map(|out| report::write(out, &result)).transpose()?;
     print(report::run::terminal(&result.summary))?;
-    if let Some(out) = out {
-        print(report::write(out, &result)?.display())?;
+    if let Some(page) = page {
+        print(page.display())?;
     }
     Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
 }

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::stress;
@@ -23,9 +24,9 @@ pub(super) struct Stress {
 
 impl Stress {
     pub(super) fn run(self) -> Result<Outcome> {
-        report::check_target(&self.out)?;
+        let out = results_folder(&self.out)?;
         let summary = stress::run();
-        let page = report::write(&self.out, &summary)?;
+        let page = report::write(&out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
         print(page.display())?;

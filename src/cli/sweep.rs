@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::sweep;
@@ -28,11 +29,12 @@ pub(super) struct Sweep {
 
 impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
-        let out = report_folder(self.out, &self.config)?;
+        let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let summary = sweep::sweep(&self.config, &out, &stop)?;
+        let page = report::write(&out, &summary)?;
         print(report::drawn(&report::sweep::grid(&summary)))?;
-        print(report::update(&out, &summary)?.display())?;
+        print(page.display())?;
         Ok(Outcome::Done)
     }
 }

@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::ExperimentArgs;
+use super::destinations::claim_files;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::trace::trace;
@@ -28,6 +29,7 @@ pub(super) struct Trace {
 
 impl Trace {
     pub(super) fn run(self) -> Result<Outcome> {
+        claim_files([("-o", Some(self.output.as_path()))])?;
         let stop = signals::stop_flag();
         trace(&self.experiment.load()?, self.policy.as_deref(), &self.output, &stop)?;
         print(self.output.display())?;

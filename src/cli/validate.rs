@@ -6,6 +6,7 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::ExperimentArgs;
+use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::run::run_and_report;
 
@@ -24,6 +25,7 @@ pub(super) struct Validate {
 
 impl Validate {
     pub(super) fn run(self) -> Result<Outcome> {
-        run_and_report(&self.experiment.load()?, false, self.out.as_deref())
+        let out = self.out.as_deref().map(results_folder).transpose()?;
+        run_and_report(&self.experiment.load()?, false, out.as_ref())
     }
 }

@@ -9,7 +9,7 @@ use super::cycle::Cycle;
 use super::event::Event;
 use super::profile::Profile;
 use super::retired::WithoutRetired;
-use super::work::stores_as_recorded;
+use super::work::known_to_profile;
 use crate::machine::{MachineSpec, SpecError};
 use crate::stream::Header;
 
@@ -101,12 +101,12 @@ pub(crate) fn engine(
     })
 }
 
-/// `Profile` knows one way to access stores.
+/// `Profile` knows few ways to access stores.
 pub(super) fn knows_stores(machine: &MachineSpec) -> Result<(), SpecError> {
-    if stores_as_recorded(machine) {
+    if known_to_profile(machine) {
         return Ok(());
     }
-    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0` and `frame_end: List` only: with others, \
-                Event and Cycle are allowed";
+    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0`, `frame_end: List` and `latched: Free` or `Wide` \
+                only: with others, Event and Cycle are allowed";
     Err(SpecError::new(what))
 }

@@ -11,6 +11,7 @@ mod cycle;
 mod error;
 mod event;
 pub(crate) mod feed;
+mod gathering;
 mod items;
 mod level;
 mod lines;

@@ -30,9 +30,14 @@ impl Holder {
 /// Whether stores are accessed as the stream records it: by the shadow-cache units' own L1s, step by step.
 pub fn stores_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
-    let merges = unit.register.get() > 0 || unit.gather.get() > 0;
+    unit.gather.get() == 0 && known_to_profile(machine)
+}
+
+/// Whether `Profile` knows the machine's way to access stores: as recorded, or with updates gathered by hits.
+pub fn known_to_profile(machine: &MachineSpec) -> bool {
+    let unit = &machine.shadow_cache;
     let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;
-    unit.place == Place::Own && !merges && !adds
+    unit.place == Place::Own && unit.register.get() == 0 && !adds
 }
 
 /// What a step asks for.

@@ -13,6 +13,9 @@ pub struct FrameRange {
     step: u32,
 }
 
+/// The most frames of a range: half a day of pictures, 24 a second.
+const MAX_FRAMES: u32 = 1 << 20;
+
 impl FrameRange {
     /// The frames' numbers; at least one.
     pub fn numbers(self) -> Vec<u32> {
@@ -35,7 +38,13 @@ impl FromStr for FrameRange {
             Some((first.parse().ok()?, end.parse().ok()?, step.parse().ok()?))
         };
         match parse() {
-            Some((first, end, step)) if first < end && step > 0 => Ok(Self { first, end, step }),
+            Some((first, end, step)) if first < end && step > 0 => {
+                let count = u32::div_ceil(end - first, step);
+                if count > MAX_FRAMES {
+                    return Err(format!("`{text}` are {count} frames: up to {MAX_FRAMES} are allowed"));
+                }
+                Ok(Self { first, end, step })
+            }
             _ => Err(format!(
                 "`{text}` is no range of frames: write FIRST..END:STEP, such as 0..800:16, with FIRST below END; END is \
                  not included, and :STEP may be left out for 1"

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::files::{beside, read_machine};
 use super::frames::FrameRange;
+use super::need::Need;
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::machine::MachineSpec;
@@ -73,15 +74,20 @@ impl Experiment {
         let mut machines = Named::default();
         for file in &spec.machines {
             let file = beside(path, file);
-            let machine = read_machine(&file)?;
+            let machine = read_machine(&file).map_err(|error| ron_file::named_in(path, error))?;
             if machines.get(&machine.name).is_some() {
                 return Err(wrong(format!("`machines` names two machines called `{}`", machine.name)).into());
             }
             machines.insert(machine.name.clone(), machine);
         }
         let scene_path = beside(path, &spec.scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(|error| ron_file::named_in(path, error))?;
+        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+            SceneError::Read { path, source } => {
+                ron_file::named_in(&scene_path, ConfigError::Read { path, source }).into()
+            }
+            other => ExperimentError::Scene(other),
+        })?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
                 "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",
@@ -104,7 +110,16 @@ impl Experiment {
         }
         check_boxes(path, &spec.policies, spec.tracer.accel.structure)?;
         let frames = spec.frames.numbers();
-        Ok(Self { spec, scene_spec, scene, machines, frames })
+        let experiment = Self { spec, scene_spec, scene, machines, frames };
+        experiment.need().check().map_err(wrong)?;
+        Ok(experiment)
+    }
+
+    /// What the experiment takes in memory, about.
+    pub fn need(&self) -> Need {
+        let (policies, lights) = (self.spec.policies.len(), self.scene.light_count);
+        let machines: Vec<u128> = self.machines.iter().map(|(_, machine)| machine.footprint()).collect();
+        Need::new(self.spec.resolution, self.frames.len(), policies, lights, self.scene.primitive_count(), &machines)
     }
 
     /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
@@ -112,6 +127,16 @@ impl Experiment {
         let as_run = AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
         let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
         ron::ser::to_string_pretty(&as_run, style).expect("specs are plain data, which RON can hold")
+    }
+
+    /// All that the streams of the experiment depend on, beside their own headers: as text, of which a hash is taken.
+    pub(super) fn inputs(&self) -> String {
+        format!("{}{}", self.as_run(), self.scene_hashes())
+    }
+
+    /// Hashes of the files that the scene was read from.
+    pub(super) fn scene_hashes(&self) -> String {
+        self.scene.origin.sources.iter().map(|source| format!("{:032x} ", source.hash)).collect()
     }
 
     /// The policies before the first frame, in the order of the file.

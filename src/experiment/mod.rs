@@ -9,6 +9,7 @@ pub mod identities;
 pub(crate) mod ladder_map;
 pub(crate) mod line_export;
 mod load;
+pub mod need;
 pub mod paper;
 pub mod pareto;
 mod progress;

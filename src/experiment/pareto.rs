@@ -10,9 +10,10 @@ use super::files::{beside, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
-use super::sweep::{SweepError, record, replay};
+use super::sweep::{Streams, SweepError, replay};
 use crate::culling::PolicySpec;
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::replay::{Fidelity, RunError};
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
@@ -97,8 +98,9 @@ pub(crate) fn pareto(
     let mut runs = Vec::new();
     let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
     for experiment in &experiments {
-        let folder = tempfile::tempdir().map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
-        let recorded = record(experiment, folder.path(), stop)?;
+        let folder = TemporaryFolder::create();
+        let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
+        let recorded = Streams::new(experiment, folder.path()).have(|_| false, stop)?;
         for machine in &machines {
             for (policy, stream) in recorded.iter().enumerate() {
                 let timed = |rung| {

@@ -13,6 +13,7 @@ use super::line_export::LineExport;
 use super::progress;
 use super::split::Role;
 use crate::machine::MachineSpec;
+use crate::output::TemporaryFolder;
 use crate::replay::{Fidelity, Items, Replay, RunError, Source, StreamFile};
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
@@ -76,7 +77,7 @@ impl<'scope> Replays<'scope> {
             let stats = match fidelity.one_pass() {
                 Some(fidelity) => replay.fidelity(fidelity).run(received.into_iter().map(Ok))?,
                 None => {
-                    let folder = tempfile::tempdir().map_err(temporary)?;
+                    let folder = TemporaryFolder::create().map_err(temporary)?;
                     let file = folder.path().join("stream.rays");
                     record(&header, received, &file)?;
                     replay.fidelity(fidelity).run(&StreamFile(&file))?

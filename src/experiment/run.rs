@@ -151,7 +151,7 @@ fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
     let replayed = experiment.frames.iter().enumerate().filter(|&(index, _)| experiment.spec.replay.takes(index));
     let frames: Vec<u32> = replayed.map(|(_, &number)| number).collect();
-    let inputs = experiment.as_run();
+    let inputs = experiment.inputs();
     experiment
         .policy_names()
         .zip(policies)

@@ -44,7 +44,7 @@ pub(crate) fn trace(
     let first = scene.animation.frame(experiment.frames[0]);
     let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
     let mut policies = vec![experiment.policies().swap_remove(index)];
-    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.as_run());
+    let header = tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs());
     let mut writer = StreamWriter::create(path, &header)?;
     let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
     for &number in &experiment.frames {

@@ -4,6 +4,7 @@ use super::load::Experiment;
 use crate::culling::Policy;
 use crate::quantity::PrimitiveId;
 use crate::reference::Reference;
+use crate::report::file_names::file_names;
 use crate::report::run::Psnr;
 use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::scene::{Frame, Picture};
@@ -68,7 +69,8 @@ impl Validated {
             pictures::render(resolution, &self.reference.rgb),
         )];
         let lanes = lanes.iter().zip(words).zip(&self.policies);
-        for (policy, ((lane, words), (_, verdicts))) in experiment.policy_names().zip(lanes) {
+        let policies = file_names(experiment.policy_names());
+        for (policy, ((lane, words), (_, verdicts))) in policies.iter().zip(lanes) {
             let mut add = |kind, image| shown.push((PictureInfo::new(kind, Some(policy), self.frame), image));
             let render = pictures::render(resolution, &lane.picture.rgb);
             add(PictureKind::Difference { light: None }, pictures::difference(&render, &verdicts.all));

@@ -3,6 +3,7 @@
 
 pub mod dispatcher;
 pub mod division;
+mod footprint;
 pub mod intersection;
 pub mod kinds;
 pub mod layout;

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
 use super::division::DivisionSpec;
+use super::footprint::Footprint;
 use super::intersection::IntersectionSpec;
 use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
@@ -93,6 +94,26 @@ impl MachineSpec {
         self.cores.get() * self.dispatcher.rays.get()
     }
 
+    /// Bytes that the simulator takes for the machine, about.
+    pub fn footprint(&self) -> u128 {
+        self.parts().bytes()
+    }
+
+    /// What the parts take in memory.
+    fn parts(&self) -> Footprint {
+        let (pool, traversal, list) = (&self.dispatcher, &self.traversal, &self.list);
+        let (tests, division, words) = (&self.intersection, &self.division, &self.shadow_cache);
+        let units = Footprint::new(self.cores.get(), self.line_bytes.get())
+            .add("dispatcher", 1, &[pool.rays.get(), pool.in_fifo.get(), pool.out_fifo.get()], None)
+            .add("traversal", traversal.count.get(), &[traversal.rays.get()], Some(&traversal.cache))
+            .add("list", list.count.get(), &[list.lists.get(), list.queue.get()], Some(&list.cache))
+            .add("intersection", tests.count.get(), &[tests.tests.get(), tests.queue.get()], Some(&tests.cache))
+            .add("division", division.count.get(), &[division.queue.get()], None)
+            .add("shadow_cache", words.count.get(), &[words.contexts.get()], Some(&words.cache))
+            .add("dram", self.dram.channels.get(), &[self.dram.queue.get()], None);
+        self.l2.caches().into_iter().fold(units, |units, (name, cache)| units.add_banked(name, cache))
+    }
+
     /// Checks what single fields cannot.
     pub fn check(&self) -> Result<(), SpecError> {
         let line = self.line_bytes.get();
@@ -103,6 +124,7 @@ impl MachineSpec {
             .and_then(|()| self.intersection.cache.check("intersection.cache", line))
             .and_then(|()| self.shadow_cache.cache.check("shadow_cache.cache", line))
             .and_then(|()| self.l2.check(line))
+            .and_then(|()| self.parts().check())
             .and_then(|()| self.check_intervals())
             .and_then(|()| self.check_homes())
             .and_then(|()| self.check_writes())

@@ -6,6 +6,7 @@ pub mod cache;
 pub mod dram;
 pub mod l2;
 pub mod mshr;
+pub mod paged;
 pub mod queue;
 pub mod replacement;
 pub mod reuse;

@@ -3,6 +3,9 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashSet;
+
+use super::paged::Paged;
 use crate::random::mix;
 
 /// Touches of a word of bits, and of a block of words.
@@ -51,7 +54,7 @@ impl Bits {
 #[derive(Clone, Debug)]
 pub struct Stack<const GROUPS: usize = 1> {
     /// The last touch of each line.
-    last: Vec<u32>,
+    last: Paged<u32>,
     /// The line that was touched at each time.
     line: Vec<u32>,
     bits: [Bits; GROUPS],
@@ -59,7 +62,7 @@ pub struct Stack<const GROUPS: usize = 1> {
 
 impl<const GROUPS: usize> Default for Stack<GROUPS> {
     fn default() -> Self {
-        Self { last: Vec::new(), line: Vec::new(), bits: std::array::from_fn(|_| Bits::default()) }
+        Self { last: Paged::new(NEVER), line: Vec::new(), bits: std::array::from_fn(|_| Bits::default()) }
     }
 }
 
@@ -70,11 +73,8 @@ impl<const GROUPS: usize> Stack<GROUPS> {
         if self.line.len() == self.bits[0].words.len() * WORD {
             self.make_room();
         }
-        let (now, index) = (self.line.len(), line as usize);
-        if index >= self.last.len() {
-            self.last.resize(index + 1, NEVER);
-        }
-        let before = std::mem::replace(&mut self.last[index], now as u32);
+        let now = self.line.len();
+        let before = std::mem::replace(self.last.at(line as usize), now as u32);
         self.line.push(line);
         let distance = (before != NEVER).then(|| {
             let since = std::array::from_fn(|group| self.bits[group].since(before as usize));
@@ -94,7 +94,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
         self.bits = std::array::from_fn(|_| Bits::new(blocks));
         self.line.clear();
         for (time, (line, group)) in kept.into_iter().enumerate() {
-            self.last[line as usize] = time as u32;
+            *self.last.at(line as usize) = time as u32;
             self.bits[group].set(time);
             self.line.push(line);
         }
@@ -102,7 +102,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
 
     /// Forgets lines from `first` on, as if they had never been touched.
     pub fn drop_from(&mut self, first: u32) {
-        for last in self.last.iter_mut().skip(first as usize).filter(|last| **last != NEVER) {
+        for (_, last) in self.last.from(first as usize).filter(|(_, last)| **last != NEVER) {
             let time = std::mem::replace(last, NEVER) as usize;
             let group = (0..GROUPS).find(|&group| self.bits[group].has(time));
             self.bits[group.expect("a line that was touched is of a group")].clear(time);
@@ -115,7 +115,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
 #[derive(Clone, Debug)]
 pub struct Sample {
     rate: f64,
-    hot: Arc<[bool]>,
+    hot: Arc<FxHashSet<u32>>,
     stack: Stack<2>,
 }
 
@@ -130,13 +130,13 @@ pub struct Sampled {
 
 impl Sample {
     /// A share `rate` of the lines, and all lines that `hot` marks.
-    pub fn new(rate: f64, hot: Arc<[bool]>) -> Self {
+    pub fn new(rate: f64, hot: Arc<FxHashSet<u32>>) -> Self {
         Self { rate, hot, stack: Stack::default() }
     }
 
     /// Touches `line`; nothing if it is not in the sample.
     pub fn touch(&mut self, line: u32) -> Option<Sampled> {
-        if self.hot.get(line as usize).is_some_and(|&hot| hot) {
+        if self.hot.contains(&line) {
             return Some(Sampled { distance: self.estimate(line, 0), weight: 1.0 });
         }
         let hash = mix(u64::from(line)) as f64 / 2f64.powi(64);
@@ -166,8 +166,8 @@ mod tests {
 
     #[test]
     fn a_sample_of_everything_is_exact_with_and_without_hot_lines() {
-        for hot in [vec![], vec![true; 16]] {
-            let (mut sample, mut stack) = (Sample::new(1.0, hot.into()), Stack::<1>::default());
+        for hot in [0..0, 0..16] {
+            let (mut sample, mut stack) = (Sample::new(1.0, Arc::new(hot.collect())), Stack::<1>::default());
             for line in (0..4000u64).map(|at| (mix(at) % 200) as u32) {
                 let distance = stack.touch(line, 0).map(|[distance]| distance);
                 assert_eq!(sample.touch(line), Some(Sampled { distance, weight: 1.0 }));

@@ -1,134 +1,131 @@
-//! What a command reads and what it writes: no file may be both, and no two outputs the same file.
+//! What the command of this process writes: no two outputs may be the same file, and none may be a file that it reads.
+//!
+//! Outputs are claimed before anything is read. The one reader of files ([`crate::input`]) then refuses what is claimed, so
+//! that this holds for every file of every command, those that are named in other files included.
 
-use std::fs;
+use std::fs::{File, Metadata};
+use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::carry;
 use super::file::is_standard;
+use super::identity::FileId;
 use super::links::{folder_of, follow};
 
-/// An output that cannot be.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum ClaimError {
-    /// The output is read by the same command.
-    #[error("`{option}` would overwrite {}, which the command reads as {}", output.display(), input.display())]
-    Input {
-        /// The option that names the output.
-        option: &'static str,
-        /// The output as the option names it.
-        output: PathBuf,
-        /// The input as the command names it.
-        input: PathBuf,
-    },
-    /// Two outputs are the same file.
-    #[error("`{first}` ({}) and `{second}` ({}) are the same file: each output needs its own", first_path.display(), second_path.display())]
-    Output {
-        /// An option.
-        first: &'static str,
-        /// What it names.
-        first_path: PathBuf,
-        /// Another option.
-        second: &'static str,
-        /// What that names.
-        second_path: PathBuf,
-    },
+/// All outputs of this process's command.
+static CLAIMS: Mutex<Vec<Claim>> = Mutex::new(Vec::new());
+
+/// An output: the option that names it, the file, and what makes it that file.
+#[derive(Clone, Debug)]
+struct Claim {
+    option: &'static str,
+    path: PathBuf,
+    identity: Identity,
 }
 
-/// The files of a command. Inputs are told first, then outputs.
-#[derive(Debug, Default)]
-pub struct Claims {
-    inputs: Vec<(PathBuf, Identity)>,
-    outputs: Vec<(&'static str, PathBuf, Identity)>,
-}
-
-impl Claims {
-    /// The claims of a command that reads these files.
-    pub fn reading(inputs: impl IntoIterator<Item = PathBuf>) -> Self {
-        let inputs = inputs.into_iter().map(|path| {
-            let identity = Identity::of(&path);
-            (path, identity)
-        });
-        Self { inputs: inputs.collect(), outputs: Vec::new() }
-    }
-
-    /// Adds a file that the command writes, as `option` names it.
-    ///
-    /// # Errors
-    /// It is an input, or another output.
-    pub fn file(&mut self, option: &'static str, path: &Path) -> Result<(), ClaimError> {
-        let identity = Identity::of(path);
-        if let Some((input, _)) = self.inputs.iter().find(|(_, input)| input.is(&identity)) {
-            return Err(ClaimError::Input { option, output: path.into(), input: input.clone() });
-        }
-        if let Some((first, first_path, _)) = self.outputs.iter().find(|(.., other)| other.is(&identity)) {
-            let (first_path, second_path) = (first_path.clone(), path.into());
-            return Err(ClaimError::Output { first, first_path, second: option, second_path });
-        }
-        self.outputs.push((option, path.into(), identity));
-        Ok(())
-    }
-
-    /// Adds a folder of results that the command writes: it may hold inputs, but not among the files that it replaces.
-    ///
-    /// # Errors
-    /// A file that is replaced is an input.
-    pub fn folder(&mut self, option: &'static str, path: &Path) -> Result<(), ClaimError> {
-        for own in carry::read_list(path).ok().flatten().unwrap_or_default() {
-            let own = path.join(own);
-            let identity = Identity::of(&own);
-            if let Some((input, _)) = self.inputs.iter().find(|(_, input)| input.is(&identity)) {
-                return Err(ClaimError::Input { option, output: own, input: input.clone() });
-            }
-        }
-        self.file(option, path)
-    }
-}
-
-/// What makes two paths the same file.
-#[derive(Debug)]
+/// What makes an output the file that it is.
+#[derive(Clone, Debug, PartialEq, Eq)]
 enum Identity {
     /// Standard output.
     Standard,
-    /// A device: any number of outputs can be written to it.
-    Device,
     /// A file or folder that is there.
-    There(same_file::Handle),
-    /// Nothing yet: the folder and the name.
-    New(PathBuf),
+    There(FileId),
+    /// Nothing yet, or a pipe: the folder and the name.
+    Named(PathBuf),
+}
+
+/// Two outputs are one file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("`{first} {}` and `{second} {}` are the same file: each output needs its own", first_path.display(), second_path.display())]
+pub struct ClaimError {
+    first: &'static str,
+    first_path: PathBuf,
+    second: &'static str,
+    second_path: PathBuf,
+}
+
+fn claims() -> MutexGuard<'static, Vec<Claim>> {
+    CLAIMS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Claims a file that the command writes, as `option` names it. A device can be claimed by any number of options.
+///
+/// # Errors
+/// The file is another output.
+pub fn claim_file(option: &'static str, path: &Path) -> Result<(), ClaimError> {
+    claim(&mut claims(), option, path)
+}
+
+/// Claims a folder of results that the command writes, and all files in it that it replaces.
+///
+/// # Errors
+/// The folder is another output.
+pub fn claim_folder(option: &'static str, path: &Path) -> Result<(), ClaimError> {
+    let mut claims = claims();
+    claim(&mut claims, option, path)?;
+    // A folder without a list, or with one that cannot be read, is refused when it is to be written.
+    let own = carry::read_list(path).ok().flatten().unwrap_or_default();
+    own.iter().try_for_each(|own| claim(&mut claims, option, &path.join(own)))
+}
+
+fn claim(claims: &mut Vec<Claim>, option: &'static str, path: &Path) -> Result<(), ClaimError> {
+    let Some(identity) = Identity::of(path) else { return Ok(()) };
+    if let Some(other) = claims.iter().find(|other| other.identity == identity) {
+        let (first, first_path) = (other.option, other.path.clone());
+        return Err(ClaimError { first, first_path, second: option, second_path: path.into() });
+    }
+    claims.push(Claim { option, path: path.into(), identity });
+    Ok(())
+}
+
+/// Whether standard output is one of the command's files.
+pub fn is_standard_output_claimed() -> bool {
+    claims().iter().any(|claim| claim.identity == Identity::Standard)
+}
+
+/// Refuses a file that is to be read and is an output.
+///
+/// # Errors
+/// The file is claimed; the error names the option.
+pub(crate) fn refuse_output(file: &File) -> io::Result<()> {
+    check_input(&claims(), &file.metadata()?)
+}
+
+fn check_input(claims: &[Claim], metadata: &Metadata) -> io::Result<()> {
+    let Some(id) = FileId::of(metadata) else { return Ok(()) };
+    let same = |claim: &&Claim| match claim.identity {
+        Identity::Standard => FileId::of_standard_output() == Some(id),
+        Identity::There(other) => other == id,
+        Identity::Named(_) => false,
+    };
+    claims.iter().find(same).map_or(Ok(()), |Claim { option, path, .. }| {
+        let what = format!("`{option} {}` would overwrite it", path.display());
+        Err(io::Error::new(io::ErrorKind::InvalidInput, what))
+    })
 }
 
 impl Identity {
-    fn of(path: &Path) -> Self {
+    /// None for devices, which take any number of outputs.
+    fn of(path: &Path) -> Option<Self> {
         if is_standard(path) {
-            return Self::Standard;
+            return Some(Self::Standard);
         }
         match path.metadata() {
-            Ok(there) if is_device(&there) => Self::Device,
-            // A pipe cannot be opened without waiting for its other end.
-            Ok(there) if there.is_file() || there.is_dir() => {
-                same_file::Handle::from_path(path).map_or_else(|_| Self::new(path), Self::There)
-            }
-            _ => Self::new(path),
+            Ok(there) if is_device(&there) => None,
+            Ok(there) => Some(FileId::of(&there).map_or_else(|| Self::named(path), Self::There)),
+            Err(_) => Some(Self::named(path)),
         }
     }
 
-    fn new(path: &Path) -> Self {
+    fn named(path: &Path) -> Self {
         let path = follow(path).unwrap_or_else(|_| path.into());
         let folder = folder_of(&path).canonicalize().unwrap_or_else(|_| folder_of(&path).into());
-        Self::New(folder.join(path.file_name().unwrap_or_default()))
-    }
-
-    fn is(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::Standard, Self::Standard) => true,
-            (Self::There(one), Self::There(other)) => one == other,
-            (Self::New(one), Self::New(other)) => one == other,
-            _ => false,
-        }
+        Self::Named(folder.join(path.file_name().unwrap_or_default()))
     }
 }
 
-fn is_device(there: &fs::Metadata) -> bool {
+fn is_device(there: &Metadata) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::FileTypeExt;
@@ -143,46 +140,37 @@ fn is_device(there: &fs::Metadata) -> bool {
 
 #[cfg(all(test, unix))]
 mod tests {
+    use std::fs;
     use std::os::unix::fs::symlink;
 
     use super::*;
 
     #[test]
-    fn an_output_that_is_an_input_or_another_output_is_refused_by_whatever_name() {
+    fn one_file_is_one_output_and_no_input_whatever_its_name() {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::write(at("in"), "x").unwrap();
         fs::hard_link(at("in"), at("hard")).unwrap();
         symlink("in", at("soft")).unwrap();
         symlink("new", at("dangling")).unwrap();
-        let mut claims = Claims::reading([at("in")]);
+        fs::write(at("other"), "x").unwrap();
+        let mut claims = Vec::new();
+        claim(&mut claims, "--json", &at("in")).unwrap();
         for name in ["in", "hard", "soft", "./in"] {
-            let error = claims.file("--json", &at(name)).unwrap_err();
-            assert!(error.to_string().starts_with("`--json` would overwrite "), "{error}");
+            let error = check_input(&claims, &at(name).metadata().unwrap()).unwrap_err().to_string();
+            assert!(error.starts_with("`--json ") && error.ends_with("/in` would overwrite it"), "{error}");
+            let error = claim(&mut claims, "-o", &at(name)).unwrap_err().to_string();
+            assert!(error.contains("are the same file"), "{error}");
         }
-        claims.file("--json", &at("new")).unwrap();
+        check_input(&claims, &at("other").metadata().unwrap()).unwrap();
+        claim(&mut claims, "-o", &at("new")).unwrap();
         for name in ["new", "./new", "dangling"] {
-            let error = claims.file("--line-trace", &at(name)).unwrap_err();
-            assert!(error.to_string().contains("are the same file"), "{error}");
+            claim(&mut claims, "--line-trace", &at(name)).unwrap_err();
         }
-        claims.file("--line-trace", &at("other")).unwrap();
-        claims.file("-o", Path::new("-")).unwrap();
-        assert!(claims.file("--json", Path::new("-")).is_err());
+        claim(&mut claims, "--line-trace", &at("other")).unwrap();
+        claim(&mut claims, "--dram-trace", Path::new("-")).unwrap();
+        claim(&mut claims, "--dram-commands", Path::new("-")).unwrap_err();
         // Any number of outputs can be thrown away.
-        claims.file("--dram-trace", Path::new("/dev/null")).unwrap();
-        claims.file("--dram-commands", Path::new("/dev/null")).unwrap();
-    }
-
-    #[test]
-    fn a_folder_may_hold_inputs_that_it_does_not_replace() {
-        let folder = tempfile::tempdir().unwrap();
-        let report = folder.path().join("rep");
-        fs::create_dir(&report).unwrap();
-        fs::write(report.join("summary.json"), "{}").unwrap();
-        carry::write_list(&report).unwrap();
-        fs::write(report.join("mine.ron"), "()").unwrap();
-        assert_eq!(Claims::reading([report.join("mine.ron")]).folder("--out", &report), Ok(()));
-        let error = Claims::reading([report.join("summary.json")]).folder("--out", &report).unwrap_err();
-        assert!(error.to_string().contains("summary.json, which the command reads"), "{error}");
+        (0..2).for_each(|_| claim(&mut claims, "--dram-commands", Path::new("/dev/null")).unwrap());
     }
 }

@@ -1,9 +1,10 @@
 //! Files of the user's choice.
 
-use std::fs::File;
+use std::fs::{File, Metadata};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::identity::FileId;
 use super::links::{folder_of, follow};
 use super::temporary::TemporaryFile;
 
@@ -69,11 +70,8 @@ impl OutputFile {
 
 /// Whether `path` is standard output: by its name `-`, or because it leads to the same file.
 pub(super) fn is_standard(path: &Path) -> bool {
-    let leads_there = || {
-        let output = same_file::Handle::stdout().ok()?;
-        Some(path.metadata().ok()?.is_file() && same_file::Handle::from_path(path).ok()? == output)
-    };
-    path == Path::new(STANDARD) || leads_there().unwrap_or(false)
+    let id = || path.metadata().ok().filter(Metadata::is_file).as_ref().and_then(FileId::of);
+    path == Path::new(STANDARD) || id().is_some_and(|id| FileId::of_standard_output() == Some(id))
 }
 
 /// Whether a path names an open file by the system's folder of them: such a file is written to, not replaced.
@@ -97,7 +95,11 @@ impl Write for OutputFile {
         match &mut self.0 {
             Inner::Placed { file, .. } => file.file().write(bytes),
             Inner::Open(file) => file.write(bytes),
-            Inner::Standard(output) => output.write(bytes),
+            // A reader that has gone away wants no more.
+            Inner::Standard(output) => match output.write(bytes) {
+                Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
+                written => written,
+            },
         }
     }
 

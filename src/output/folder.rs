@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use super::carry::{self, Own};
 use super::error::FolderError;
 use super::exchange;
+use super::identity::FileId;
 use super::leftovers;
 use super::links::{folder_of, follow};
 use super::lock::{Lock, LockError};
@@ -150,14 +151,8 @@ fn has_summary(target: &Path) -> bool {
 
 /// Whether a folder is of another file system than its parent.
 fn is_mounted(folder: &Path) -> io::Result<bool> {
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        let parent = folder.parent().map(Path::metadata).transpose()?;
-        Ok(parent.is_none_or(|parent| folder.metadata().is_ok_and(|folder| folder.dev() != parent.dev())))
-    }
-    #[cfg(not(unix))]
-    Ok(folder.parent().is_none())
+    let device = |path: &Path| Ok::<_, io::Error>(FileId::of(&path.metadata()?).map(FileId::device));
+    folder.parent().map_or(Ok(true), |parent| Ok(device(folder)? != device(parent)?))
 }
 
 /// Folders that were made to hold a folder of results, removed when they are still empty.

@@ -2,15 +2,16 @@
 //!
 //! - [`OutputFile`] is a file of the user's choice: a regular file is replaced whole; a device, a pipe and `-` are written to.
 //! - [`ResultsFolder`] is a folder of results that one process at a time writes, in which foreign files stay.
-//! - [`Claims`] refuses a command whose outputs are its inputs, or each other.
+//! - [`claim_file`] and [`claim_folder`] refuse outputs that the same command reads, or writes twice.
 //! - [`signals`] ends the program without leaving temporary files behind.
 
 mod carry;
-mod claims;
+pub(crate) mod claims;
 mod error;
 mod exchange;
 mod file;
 mod folder;
+mod identity;
 mod leftovers;
 mod links;
 mod lock;
@@ -21,7 +22,7 @@ mod temporary;
 #[cfg(test)]
 mod tests;
 
-pub use claims::{ClaimError, Claims};
+pub use claims::{ClaimError, claim_file, claim_folder, is_standard_output_claimed};
 pub use error::FolderError;
 pub use file::{OutputFile, write_whole};
 pub use folder::ResultsFolder;

@@ -6,6 +6,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use super::identity::FileId;
+
 /// Paths of all temporary files and folders that this process has, absolute.
 static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
@@ -42,9 +44,8 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 
 /// Whether the open `file` is what stands at `path`.
 pub(super) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
-    let open = same_file::Handle::from_file(file.try_clone()?)?;
-    match same_file::Handle::from_path(path) {
-        Ok(there) => Ok(there == open),
+    match path.symlink_metadata() {
+        Ok(there) => Ok(FileId::of(&there) == FileId::of(&file.metadata()?)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(false),
         Err(error) => Err(error),
     }

@@ -4,6 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use super::draw::DrawError;
+use crate::output::FolderError;
 
 /// Why a report cannot be written, read or drawn.
 #[derive(Debug, thiserror::Error)]
@@ -24,12 +25,9 @@ pub(crate) enum ReportError {
         /// What the system said.
         source: io::Error,
     },
-    /// Something that is no report is in the way.
-    #[error("{} is not an umbrasim report (it has no summary.json of one) and will not be overwritten", path.display())]
-    Foreign {
-        /// What is in the way.
-        path: PathBuf,
-    },
+    /// The folder cannot be used.
+    #[error(transparent)]
+    Folder(#[from] FolderError),
     /// The file is no summary.
     #[error("{} is not a summary of a run", path.display())]
     Broken {

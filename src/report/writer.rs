@@ -1,7 +1,6 @@
 //! Writes reports: whatever a report is of, its files are made and put into their places here.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -9,7 +8,7 @@ use serde::Serialize;
 use super::csv_table::CsvTable;
 use super::draw::{DrawError, Drawing};
 use super::error::ReportError;
-use crate::output::write_whole;
+use crate::output::{ResultsFolder, write_whole};
 
 /// The file with all numbers; a directory that holds it is a report.
 pub(crate) const SUMMARY_FILE: &str = "summary.json";
@@ -91,99 +90,24 @@ pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>
     Ok(text)
 }
 
-/// Writes a report at `target`, in the place of an earlier one if there is one. The report is made in a directory
-/// beside
-/// `target` and comes into its place complete or not at all: after an error the place is unchanged. Returns the file to
-/// look at first.
+/// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that are not
+/// the report's stay. Returns the file to look at first.
 ///
 /// # Errors
-/// The target is no report's place, a file cannot be made, or a file or folder cannot be written.
-pub(crate) fn write(target: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
+/// A file cannot be made, or a file or folder cannot be written.
+pub(crate) fn write(folder: &ResultsFolder, report: &impl Report) -> Result<PathBuf, ReportError> {
     let Files { all, first } = files(report)?;
-    replace(target, |dir| put_all(dir, &all))?;
-    Ok(target.join(first))
-}
-
-/// Writes a report's files into `folder`, each whole, beside what else lies there. Returns the file to look at first.
-///
-/// # Errors
-/// A file cannot be made or written.
-pub(crate) fn update(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
-    let Files { all, first } = files(report)?;
-    put_all(folder, &all)?;
-    Ok(folder.join(first))
-}
-
-/// Draws the plots and the page of the report in `folder` again. Each file is replaced whole, and none before all are
-/// drawn. Returns the file to look at first.
-///
-/// # Errors
-/// A file cannot be made or written.
-pub(super) fn draw_again(folder: &Path, report: &impl Report) -> Result<PathBuf, ReportError> {
-    let Files { all, first } = drawings(report)?;
-    put_all(folder, &all)?;
-    Ok(folder.join(first))
-}
-
-/// Whether a report can be written at `target`: there is nothing, an empty directory, or an earlier report. To be asked
-/// before a long run.
-///
-/// # Errors
-/// Something that is no report is in the way, or the folder cannot be read.
-pub(crate) fn check_target(target: &Path) -> Result<(), ReportError> {
-    let foreign = || ReportError::Foreign { path: target.into() };
-    match fs::read_dir(target) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        Err(error) if error.kind() == io::ErrorKind::NotADirectory => Err(foreign()),
-        Err(source) => Err(ReportError::Read { path: target.into(), source }),
-        Ok(mut entries) => {
-            if entries.next().is_none() {
-                return Ok(());
-            }
-            // Any version of a summary will do, but a summary it must be.
-            let text = fs::read(target.join(SUMMARY_FILE)).map_err(|_| foreign())?;
-            let summary: serde_json::Value = serde_json::from_slice(&text).map_err(|_| foreign())?;
-            summary.get("schema").and(summary.get("policies")).map(|_| ()).ok_or_else(foreign)
-        }
-    }
-}
-
-/// Puts what `fill` makes in a new directory at `target`, complete or not at all.
-fn replace(target: &Path, fill: impl FnOnce(&Path) -> Result<(), ReportError>) -> Result<(), ReportError> {
-    check_target(target)?;
-    let parent = match target.parent() {
-        Some(parent) if parent != Path::new("") => parent,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(parent).map_err(|source| ReportError::Write { path: parent.into(), source })?;
-    let beside = tempfile::Builder::new()
-        .prefix(".umbrasim-report-")
-        .tempdir_in(parent)
-        .map_err(|source| ReportError::Write { path: parent.into(), source })?;
-
-    // The directory beside is private to the user; the one in it has the rights that directories usually get.
-    let staging = beside.path().join("new");
-    fill(&staging).map_err(|error| match error {
-        // The place that the file was meant for: the one beside it is gone when the user reads this.
-        ReportError::Write { path, source } => ReportError::Write {
-            path: path.strip_prefix(&staging).map_or(path.clone(), |file| target.join(file)),
-            source,
-        },
-        other => other,
+    folder.replace(|dir| {
+        put_all(dir, &all).map_err(|error| match error {
+            // The place that the file was meant for: the new directory is gone when the user reads this.
+            ReportError::Write { path, source } => ReportError::Write {
+                path: path.strip_prefix(dir).map_or(path.clone(), |file| folder.path().join(file)),
+                source,
+            },
+            other => other,
+        })
     })?;
-    let earlier = beside.path().join("earlier");
-    let in_the_way = match fs::rename(target, &earlier) {
-        Ok(()) => true,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => false,
-        Err(source) => return Err(ReportError::Write { path: target.into(), source }),
-    };
-    fs::rename(&staging, target).map_err(|source| {
-        if in_the_way {
-            // The first error is the one to tell; the earlier report goes back if it can.
-            let _ = fs::rename(&earlier, target);
-        }
-        ReportError::Write { path: target.into(), source }
-    })
+    Ok(folder.path().join(first))
 }
 
 /// Writes files into `folder`, each whole, with the folders that they lie in.

@@ -9,7 +9,7 @@ use super::findings::TELLING;
 use super::plan::{Cut, Plan};
 use super::sample::sample_until;
 use crate::engine::whole::whole;
-use crate::engine::work::stores_as_recorded;
+use crate::engine::work::known_to_profile;
 use crate::engine::{Items, Level, RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
@@ -154,7 +154,7 @@ pub(crate) fn auto(
         }
     }
     // `Profile` knows stores as recorded only.
-    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| stores_as_recorded(machine)) {
+    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| known_to_profile(machine)) {
         let check = tried(machine, Level::Profile)?;
         needs.models.push(check.clone());
         if check.passes {

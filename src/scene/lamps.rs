@@ -1,5 +1,5 @@
-//! Lamps: what shines in a scene. A lamp is a point, or a rectangle that is sampled at points; tracer, stream and reference
-//! renderer know the points only, each a light of its own.
+//! Lamps: what shines in a scene. A lamp is a point, or a rectangle that is sampled at points; tracer, stream and
+//! reference renderer know the points only, each a light of its own.
 
 use glam::{DVec3, Vec3};
 
@@ -49,8 +49,9 @@ impl Lamps {
     }
 }
 
-/// The points of a rectangle with half edges `half` around `centre`: the middles of `side` x `side` equal parts, row by row, which
-/// share `color`. The same points in every pixel make every point a light of its own, whose rays are the tracer's usual ones.
+/// The points of a rectangle with half edges `half` around `centre`: the middles of `side` x `side` equal parts, row by
+/// row, which share `color`. The same points in every pixel make every point a light of its own, whose rays are the
+/// tracer's usual ones.
 pub fn rectangle(centre: DVec3, half: [DVec3; 2], side: usize, color: Vec3) -> impl Iterator<Item = Light> {
     let share = color / (side * side) as f32;
     let at = move |step: usize| (2 * step + 1) as f64 / side as f64 - 1.0;

@@ -44,8 +44,8 @@ impl Loader {
         TextureId((self.textures.len() - 1) as u32)
     }
 
-    /// The texture in the picture file at `path`; it is decoded once, however often it is named. The error is a sentence
-    /// without the path.
+    /// The texture in the picture file at `path`; it is decoded once, however often it is named. The error is a
+    /// sentence without the path.
     pub fn picture(&mut self, path: &Path) -> Result<TextureId, String> {
         let bytes = self.files.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.into());

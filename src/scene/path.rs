@@ -218,7 +218,8 @@ pub struct PoseKey {
     /// Where the object's origin is.
     #[serde(deserialize_with = "fields::point")]
     pub position: DVec3,
-    /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a turn.
+    /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a
+    /// turn.
     #[serde(default, deserialize_with = "fields::coordinate")]
     pub rotation: f64,
     /// How much larger it is than its shape. The curve between two keys can overshoot them.

@@ -28,8 +28,8 @@ pub enum Cut {
 }
 
 impl Cutter {
-    /// Three corners a triangle, in the polygon's direction, and what became of the polygon. A polygon that a fan from its
-    /// first corner covers becomes that fan; any other, seen along its mean normal (Newell's), is cut by ears.
+    /// Three corners a triangle, in the polygon's direction, and what became of the polygon. A polygon that a fan from
+    /// its first corner covers becomes that fan; any other, seen along its mean normal (Newell's), is cut by ears.
     /// `corners` are three or more.
     pub fn cut(&mut self, corners: &[DVec3]) -> (&[[u32; 3]], Cut) {
         self.triangles.clear();

@@ -16,9 +16,22 @@ fn at_most(what: &'static str, found: u64, limit: u64) -> Result<(), Violation> 
     if found <= limit { Ok(()) } else { Err(Violation::Header { what, found, limit }) }
 }
 
+/// What a packed step can name: a count above this is none of a stream's, and would only take memory.
+const MOST_IDS: u64 = Step::MAX_INDEX as u64 + 1;
+
 /// Checks a header's numbers, its records apart.
 pub(super) fn counts(header: &Header) -> Result<(), Violation> {
     let stores = &header.stores;
+    for (what, found) in [
+        ("static nodes", header.static_nodes),
+        ("static triangle records", header.static_slots),
+        ("static list entries", header.static_list_entries),
+        ("mode words", stores.mode_words),
+        ("occluder ids", stores.occluder_ids),
+        ("primitives", header.primitives),
+    ] {
+        at_most(what, found.into(), MOST_IDS)?;
+    }
     at_most("lights", header.lights.into(), u64::from(u8::MAX) + 1)?;
     at_most("static primitives", header.static_primitives.into(), header.primitives.into())?;
     at_most("pixels", pixels(header), u64::from(u32::MAX) + 1)?;
@@ -129,6 +142,13 @@ impl Checker {
             Some(_) => {}
         }
         let header = &self.header;
+        for (what, statics, dynamic) in [
+            ("nodes of a frame", header.static_nodes, info.dynamic_nodes),
+            ("triangle records of a frame", header.static_slots, info.dynamic_slots),
+            ("list entries of a frame", header.static_list_entries, info.dynamic_list_entries),
+        ] {
+            at_most(what, u64::from(statics) + u64::from(dynamic), MOST_IDS)?;
+        }
         let all = |step: Step| match step {
             Step::Node(_) => u64::from(header.static_nodes) + u64::from(info.dynamic_nodes),
             Step::List(_) => u64::from(header.static_list_entries) + u64::from(info.dynamic_list_entries),

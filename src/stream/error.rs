@@ -19,12 +19,6 @@ pub enum StreamError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// A stream replaces its target as a whole, which a device, a pipe or a folder does not allow.
-    #[error("{} is there and is no regular file: a ray stream cannot be written to it", path.display())]
-    NotAFile {
-        /// The target.
-        path: PathBuf,
-    },
     /// The file is something else.
     #[error("{} is no ray stream: {found}", path.display())]
     Foreign {

@@ -43,9 +43,6 @@ impl StreamWriter {
     /// Begins a stream that is to become the file `path`, whose folder must be there. A file of that name is replaced
     /// when the stream is finished.
     pub fn create(path: &Path, header: &Header) -> Result<Self, StreamError> {
-        if path.metadata().is_ok_and(|there| !there.is_file()) {
-            return Err(StreamError::NotAFile { path: path.to_owned() });
-        }
         let output = OutputFile::create(path);
         let output = output.map_err(|source| StreamError::Io { path: path.to_owned(), doing: "create", source })?;
         Self::new(output, path, header)

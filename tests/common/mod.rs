@@ -76,6 +76,13 @@ impl Desk {
         program
     }
 
+    /// Starts the program with these arguments in the folder; what it prints is thrown away.
+    pub fn spawn(&self, args: &[&str]) -> std::process::Child {
+        let mut program = std::process::Command::new(assert_cmd::cargo::cargo_bin("umbrasim"));
+        program.current_dir(self.dir.path()).args(args);
+        program.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::null()).spawn().unwrap()
+    }
+
     /// The program under a limit of `blocks` times 512 bytes on the length of any file that it writes, which stands for
     /// a full disk.
     pub fn limited(&self, blocks: u32, args: &[&str]) -> Command {

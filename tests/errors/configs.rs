@@ -223,8 +223,8 @@ fn an_output_that_is_no_report() {
     let desk = Desk::with_experiment();
     std::fs::create_dir(desk.path("notes")).unwrap();
     desk.put("notes/todo.txt", "water the plants");
-    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes"]), @"error: notes is not an umbrasim report (it has no summary.json of one) and will not be overwritten");
-    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes/todo.txt"]), @"error: notes/todo.txt is not an umbrasim report (it has no summary.json of one) and will not be overwritten");
+    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes"]), @"error: notes is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
+    insta::assert_snapshot!(desk.refused(&["run", "tiny.ron", "--out", "notes/todo.txt"]), @"error: notes/todo.txt is not an umbrasim report (it has no list of a report's files) and will not be overwritten");
     insta::assert_snapshot!(desk.refused(&["plot", "notes"]), @"error: cannot read notes/summary.json: No such file or directory (os error 2)");
     insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "notes"]), @"error: notes is there and is no regular file: a ray stream cannot be written to it");
     insta::assert_snapshot!(desk.refused(&["trace", "tiny.ron", "-o", "nowhere/x.rays"]), @"error: cannot create nowhere/x.rays: there is no folder nowhere");

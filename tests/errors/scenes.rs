@@ -70,7 +70,9 @@ fn an_aff_file_with_a_missing_texture_or_file() {
 fn an_absent_scene() {
     let desk = Desk::with_experiment();
     desk.put("scene.ron", "Aff(\"absent.aff\")");
-    insta::assert_snapshot!(desk.refused(&["validate", "tiny.ron"]), @"error: cannot read absent.aff: No such file or directory (os error 2)");
+    let told = desk.refused(&["validate", "tiny.ron"]);
+    assert!(told.starts_with("error: scene.ron:1:6: cannot read absent.aff: No such file"), "{told}");
     std::fs::remove_file(desk.path("scene.ron")).unwrap();
-    insta::assert_snapshot!(desk.refused(&["validate", "tiny.ron"]), @"error: cannot read scene.ron: No such file or directory (os error 2)");
+    let told = desk.refused(&["validate", "tiny.ron"]);
+    assert!(told.starts_with("error: tiny.ron:") && told.contains(": cannot read scene.ron: No such file"), "{told}");
 }

@@ -1,7 +1,7 @@
 //! Builds the trees with obvhs, and lays them out: depth-first nodes, triangle records in leaf order.
 //!
-//! obvhs only builds: its own traversal hides the nodes that it visits, and its CwBVH node test clamps the near end of a
-//! ray to a fixed 1e-4.
+//! obvhs only builds: its own traversal hides the nodes that it visits, and its CwBVH node test clamps the near end of
+//! a ray to a fixed 1e-4.
 
 use std::ops::Range;
 use std::time::Duration;
@@ -165,8 +165,8 @@ enum Open {
 /// The most items of a leaf that is cut from a run: as many as a leaf of the CwBVH holds.
 const RUN_LEAF: usize = 3;
 
-/// Lays out a built tree. `order` are all items in leaf order; `members` gives the part of it that a leaf's part of the built
-/// order stands for.
+/// Lays out a built tree. `order` are all items in leaf order; `members` gives the part of it that a leaf's part of the
+/// built order stands for.
 fn lay_out<const N: usize>(
     built: &impl Built,
     items: &[Item<'_>],

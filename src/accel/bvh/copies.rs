@@ -1,5 +1,5 @@
-//! Items whose boxes are equal: obvhs builds over one of them, as its clustering takes quadratic time where all boxes are
-//! alike (ties leave one pair of mutual neighbours a round).
+//! Items whose boxes are equal: obvhs builds over one of them, as its clustering takes quadratic time where all boxes
+//! are alike (ties leave one pair of mutual neighbours a round).
 
 use rustc_hash::FxHashMap;
 
@@ -8,8 +8,8 @@ use crate::accel::structure::Item;
 /// Groups of up to this many are left to obvhs.
 const FEW: usize = 16;
 
-/// Items in groups of equal boxes, in the order of their first members; a group of [`FEW`] at most is taken apart. `None`
-/// if there is no larger group.
+/// Items in groups of equal boxes, in the order of their first members; a group of [`FEW`] at most is taken apart.
+/// `None` if there is no larger group.
 pub fn groups(items: &[Item<'_>]) -> Option<Vec<Vec<u32>>> {
     let mut sizes: FxHashMap<[u32; 6], usize> = FxHashMap::default();
     items.iter().for_each(|item| *sizes.entry(bounds(item)).or_default() += 1);

@@ -100,7 +100,7 @@ impl Dispatcher {
             events.frame_over = Some(FrameCounts { frame: self.host.frame, tracer: totals, machine, stores });
         }
         events.frame_began = self.host.pull(next, links)?;
-        self.host.shade(now, links)?;
+        events.rays_over += self.host.shade(now, links)?;
         self.handed_over.fill(0);
         let mut busy = false;
         for _ in 0..width {

@@ -185,8 +185,10 @@ impl Host {
         self.chunks[place as usize].as_ref().expect("a chunk stays while it has rays that are not done")
     }
 
-    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once.
-    pub fn shade(&mut self, now: u64, links: &mut Links) -> Result<(), StreamFault> {
+    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once. Returns how
+    /// many are.
+    pub fn shade(&mut self, now: u64, links: &mut Links) -> Result<usize, StreamFault> {
+        let mut all = 0;
         while let Some(&(at, parent)) = self.shading.front()
             && at <= now
         {
@@ -207,8 +209,9 @@ impl Host {
                 }
             }
             self.are_done(parent.chunk, answered);
+            all += answered;
         }
-        Ok(())
+        Ok(all)
     }
 
     /// So many rays of a chunk are done.

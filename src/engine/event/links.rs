@@ -5,9 +5,9 @@ use std::collections::BTreeSet;
 
 use rustc_hash::FxHashSet;
 
-use super::gathering::Gathering;
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
+use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{StoreWork, StreamFault, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
@@ -194,7 +194,9 @@ impl Links {
 
     /// The ray has done its path.
     pub fn retire(&mut self, ray: RayId) {
-        self.stores.gathered_writes += self.gathering.retire(&mut self.rays[ray as usize], self.layout.stores());
+        let Ray { kind, chunk, hit, siblings, ref mut steps, path_end, .. } = self.rays[ray as usize];
+        let ray = Retiring { kind, hit: HitId { chunk, place: hit }, siblings, steps, path_end };
+        self.stores.gathered_writes += self.gathering.retire(ray, self.layout.stores());
     }
 
     /// The entry of a ray's next step.

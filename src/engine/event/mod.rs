@@ -4,7 +4,6 @@ mod causes;
 mod dispatcher;
 mod division;
 mod engine;
-mod gathering;
 mod host;
 mod intersection;
 mod links;

@@ -2,11 +2,14 @@
 
 use std::sync::Arc;
 
+use rustc_hash::FxHashSet;
+
 use super::watch::Watch;
 use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
+use crate::memory::paged::Paged;
 use crate::memory::reuse::{Sample, Sampled, Stack};
 use crate::quantity::LineAddr;
 use crate::stats::{ReuseCurve, ReuseLevel, TrafficClass};
@@ -143,7 +146,7 @@ pub struct Curves {
 
 impl Curves {
     /// The caches of `machine`; with `sample`, a share of the lines, and those that the second marks.
-    pub fn new(machine: &MachineSpec, sample: Option<(f64, Arc<[bool]>)>) -> Self {
+    pub fn new(machine: &MachineSpec, sample: Option<(f64, Arc<FxHashSet<u32>>)>) -> Self {
         let line = machine.line_bytes.get();
         let distances = match sample {
             None => Distances::Exact(Stack::default()),
@@ -190,13 +193,13 @@ impl Watch for Curves {
 #[derive(Clone, Debug)]
 pub struct Heat {
     layout: Layout,
-    touches: Vec<u32>,
+    touches: Paged<u32>,
 }
 
 impl Heat {
     /// Of a stream that has not begun.
     pub fn new(machine: &MachineSpec, header: &Header) -> Self {
-        Self { layout: Layout::new(header, machine), touches: Vec::new() }
+        Self { layout: Layout::new(header, machine), touches: Paged::new(0) }
     }
 
     /// The stream's next item.
@@ -222,20 +225,16 @@ impl Heat {
     }
 
     fn touch(&mut self, element: &Element) {
-        let line = self.layout.lines(element).0.0 as usize;
-        if line >= self.touches.len() {
-            self.touches.resize(line + 1, 0);
-        }
-        self.touches[line] = self.touches[line].saturating_add(1);
+        let touches = self.touches.at(self.layout.lines(element).0.0 as usize);
+        *touches = touches.saturating_add(1);
     }
 
-    /// Marks the `count` lines that are asked for most often; of equals the first.
-    pub fn hottest(&self, count: usize) -> Arc<[bool]> {
-        let mut lines: Vec<usize> = (0..self.touches.len()).filter(|&line| self.touches[line] > 0).collect();
-        lines.sort_by_key(|&line| std::cmp::Reverse(self.touches[line]));
-        let mut hot = vec![false; self.touches.len()];
-        lines.into_iter().take(count).for_each(|line| hot[line] = true);
-        hot.into()
+    /// The `count` lines that are asked for most often; of equals the first.
+    pub fn hottest(mut self, count: usize) -> Arc<FxHashSet<u32>> {
+        let touched = self.touches.from(0).filter(|(_, touches)| **touches > 0);
+        let mut lines: Vec<(u32, u32)> = touched.map(|(line, &mut touches)| (line as u32, touches)).collect();
+        lines.sort_by_key(|&(_, touches)| std::cmp::Reverse(touches));
+        Arc::new(lines.into_iter().take(count).map(|(line, _)| line).collect())
     }
 }
 

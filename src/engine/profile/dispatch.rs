@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::host::{Host, Place, Pulled};
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
+use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
 use crate::engine::work::Holder;
 use crate::machine::MachineSpec;
@@ -32,6 +33,9 @@ pub struct Flight {
     /// The traversal unit that holds it.
     pub unit: u32,
     place: Place,
+    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    hit: u32,
+    siblings: u32,
 }
 
 impl Flight {
@@ -44,6 +48,8 @@ impl Flight {
         marked: false,
         unit: 0,
         place: Place { chunk: 0, index: 0 },
+        hit: 0,
+        siblings: 0,
     };
 
     /// The next step of what `holder` does; `None` after the last.
@@ -128,6 +134,7 @@ pub struct Dispatch {
     pub replayed: Totals,
     /// What was done otherwise than recorded since then.
     stores: StoreWork,
+    gathering: Gathering,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
     /// Whether something may be given that could not be.
@@ -159,6 +166,7 @@ impl Dispatch {
             busy: 0,
             replayed: Totals::default(),
             stores: StoreWork::default(),
+            gathering: Gathering::new(cores * machine.shadow_cache.gather.size()),
             rays_done: 0,
             freed: false,
         }
@@ -251,6 +259,9 @@ impl Dispatch {
             }
         }
         (flight.path_end, flight.next, flight.place) = (source.packed_path().len(), 0, place);
+        if self.gathering.is_there() {
+            (flight.hit, flight.siblings) = self.host.siblings(place, source.head.parent);
+        }
         let recorded = flight.steps.len();
         flight.steps.truncate(flight.path_end);
         flight.steps.extend(source.packed_policy().iter().filter(|&&word| self.words.performs(word)));
@@ -280,6 +291,13 @@ impl Dispatch {
     #[inline]
     pub fn performed(&mut self, id: u32) {
         self.flights[id as usize].next += 1;
+    }
+
+    /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
+    pub fn retire(&mut self, id: u32, layout: &Layout) {
+        let Flight { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.flights[id as usize];
+        let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
+        self.stores.gathered_writes += self.gathering.retire(ray, layout.stores());
     }
 
     /// The ray has left its traversal unit.

@@ -251,6 +251,7 @@ impl<W: Watch> Profile<W> {
             }
             Holder::Traversal => {
                 self.dispatch.left_slot(id);
+                self.dispatch.retire(id, &self.layout);
                 if self.dispatch.flights[id as usize].has_policy() {
                     ray.stage = Stage::Policy;
                     return self.agenda.put(now + 1, id);

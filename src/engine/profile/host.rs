@@ -6,7 +6,7 @@ use std::sync::Arc;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::source::{StreamFault, parents};
-use crate::stream::{Chunk, FrameInfo, Item, Ray, Totals};
+use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
 
 /// No ray.
 const NONE: u32 = u32::MAX;
@@ -123,6 +123,20 @@ impl Host {
     /// The chunk of a ray that is not done.
     pub fn chunk(&self, place: Place) -> &Chunk {
         &self.active(place).chunk
+    }
+
+    /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
+    pub fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
+        let active = self.active(place);
+        let hit = place.index - back;
+        let some = |child: u32| (child != NONE).then_some(child);
+        let first = some(active.first_child[hit as usize]);
+        let children = std::iter::successors(first, |&child| some(active.next_sibling[child as usize]));
+        let traced = |&child: &u32| {
+            let head = active.chunk.head(child as usize);
+            head.kind == RayKind::Shadow && head.decision != Decision::Skip
+        };
+        (hit, children.filter(traced).count() as u32)
     }
 
     /// The candidate was handed out.

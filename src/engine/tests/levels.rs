@@ -8,7 +8,7 @@ use super::recorded::{on, quickstart, shipped};
 use super::synthetic::header;
 use super::*;
 use crate::engine::tally::{BankTally, PerClass};
-use crate::engine::work::stores_as_recorded;
+use crate::engine::work::known_to_profile;
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
@@ -21,6 +21,7 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(200, (machines(), streams()), |(mut machine, stream)| {
         let unit = &mut machine.shadow_cache;
         (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+        // What is gathered hangs on time.
         (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
         // Of operations that begin at once, one cycle is busy.
         unit.width = num(1);
@@ -80,7 +81,7 @@ fn misses_are_those_of_the_rays_that_ask() {
     }
     check_many(100, (machines(), streams()), |(mut machine, stream)| {
         // Steps of a frame's end are no ray's: there are none.
-        machine.shadow_cache.frame_end = FrameEnd::List;
+        (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
         // Every other chunk, and the others.
         let marked = |odd: usize| -> Vec<Item> {
             let mut totals = Totals::default();
@@ -102,7 +103,7 @@ fn misses_are_those_of_the_rays_that_ask() {
         let header = header();
         let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
         let mut by = vec![("Event", streams.each_ref().map(event))];
-        if stores_as_recorded(&machine) {
+        if known_to_profile(&machine) {
             let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
             by.push(("Profile", streams.each_ref().map(profile)));
         }

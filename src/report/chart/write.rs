@@ -40,6 +40,7 @@ impl Report for ChartSummary {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::output::ResultsFolder;
     use crate::report::run::tests::sample;
     use crate::report::writer::{SUMMARY_FILE, write};
 
@@ -48,7 +49,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("chart");
         let chart = ChartSummary::new(&[sample::sample(&[0, 2]).summary]);
-        let pages = [(); 2].map(|()| write(&target, &chart).unwrap());
+        let pages = [(); 2].map(|()| write(&ResultsFolder::claim(&target).unwrap(), &chart).unwrap());
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<ChartSummary>(&text).unwrap(), chart);
         let page = std::fs::read_to_string(&pages[1]).unwrap();

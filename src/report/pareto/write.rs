@@ -92,6 +92,7 @@ mod tests {
     use super::super::run::{Found, Run};
     use super::super::timing::Timing;
     use super::*;
+    use crate::output::ResultsFolder;
     use crate::report::writer::{SUMMARY_FILE, write};
 
     #[test]
@@ -124,7 +125,8 @@ mod tests {
         assert_eq!((row[1].as_str(), row[2].as_str(), row[10].as_str()), ("\u{2013}", "\u{2013}", "2"));
         let folder = tempfile::tempdir().unwrap();
         assert_eq!(summary.frontier(&timings, |rung| rung.cycles), [false]);
-        write(&folder.path().join("pareto"), &ParetoReport { summary, timings }).unwrap();
+        write(&ResultsFolder::claim(&folder.path().join("pareto")).unwrap(), &ParetoReport { summary, timings })
+            .unwrap();
     }
 
     #[test]
@@ -133,7 +135,7 @@ mod tests {
         let target = folder.path().join("pareto");
         let (summary, timings) = summary();
         let report = ParetoReport { summary: summary.clone(), timings };
-        let pages = [(); 2].map(|()| write(&target, &report).unwrap());
+        let pages = [(); 2].map(|()| write(&ResultsFolder::claim(&target).unwrap(), &report).unwrap());
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<ParetoSummary>(&text).unwrap().runs, summary.runs);
         let page = std::fs::read_to_string(&pages[1]).unwrap();

@@ -5,11 +5,15 @@ use std::path::{Component, Path};
 
 use super::pictures::{Image, PictureInfo, png};
 use super::summary::{SCHEMA, Summary};
+use crate::input;
 use crate::report::error::ReportError;
 use crate::report::writer::SUMMARY_FILE;
 
 /// The experiment as run.
 pub(super) const CONFIG_FILE: &str = "config.ron";
+
+/// The largest summary that is read, in bytes.
+const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 
 /// A picture and its PNG file.
 pub(super) type PngPicture = (PictureInfo, Vec<u8>);
@@ -72,7 +76,8 @@ impl RunFiles {
 /// The file cannot be read, or holds no summary of this version.
 pub(crate) fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
-    let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
+    let read = input::read(path, MAX_SUMMARY_BYTES);
+    let text = read.map_err(|source| ReportError::Read { path: path.into(), source })?;
     let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;
     match value.get("schema") {
         Some(found) if *found != SCHEMA => {

@@ -46,6 +46,7 @@ pub(super) fn page(
         policies => grid(tables::policies(summary)),
         machine_figures => grid(tables::machines(summary)),
         saving => plots(&Section::Saving),
+        shadow_rays => summary.policies.iter().any(|(_, policy)| policy.counts.shadow_rays > 0),
         correctness => grid(correctness(summary)),
         lights => grid(lights(summary)),
         wrong => plots(&Section::Correctness),

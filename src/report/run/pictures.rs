@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Resolution;
+use crate::report::file_names::FileNamed;
 use crate::validate::PixelVerdict;
 
 /// Red, green and blue, 8 bits each, as on the screen.
@@ -33,8 +34,8 @@ pub(crate) struct PictureInfo {
 
 impl PictureInfo {
     /// A picture of the kind, with the file's name that follows from the rest.
-    pub(crate) fn new(kind: PictureKind, policy: Option<&str>, frame: u32) -> Self {
-        let whose = policy.map(|policy| format!("-{}", file_name(policy))).unwrap_or_default();
+    pub(crate) fn new(kind: PictureKind, policy: Option<&FileNamed<'_>>, frame: u32) -> Self {
+        let whose = policy.map(|policy| format!("-{}", policy.file)).unwrap_or_default();
         let what = match kind {
             PictureKind::Render => "render".into(),
             PictureKind::Reference => "reference".into(),
@@ -45,15 +46,10 @@ impl PictureInfo {
         Self {
             file: format!("pictures/frame{frame:04}{whose}-{what}.png"),
             kind,
-            policy: policy.map(Into::into),
+            policy: policy.map(|policy| policy.name.into()),
             frame,
         }
     }
-}
-
-/// A name as part of a file's name: what is no letter, digit or `-` becomes `_`.
-pub(crate) fn file_name(name: &str) -> String {
-    name.chars().map(|sign| if sign.is_ascii_alphanumeric() || sign == '-' { sign } else { '_' }).collect()
 }
 
 /// What a picture shows.
@@ -209,11 +205,5 @@ mod tests {
         assert_eq!((info.width, info.height), (6, 4));
         assert_eq!(pixels, image.pixels.as_flattened());
         assert!(png(&Image { resolution: SIZE, pixels: vec![[0; 3]; 23] }).is_err());
-    }
-
-    #[test]
-    fn names_become_safe_file_names() {
-        let info = PictureInfo::new(PictureKind::Words { light: 2 }, Some("a/b ../c"), 16);
-        assert_eq!(info.file, "pictures/frame0016-a_b____c-words-light2.png");
     }
 }

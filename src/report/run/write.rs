@@ -1,6 +1,6 @@
 //! What a run's report is written from, and how it is drawn again.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use serde::Serialize;
 
@@ -8,10 +8,11 @@ use super::files::{CONFIG_FILE, RunFiles};
 use super::frames_csv::frames_csv;
 use super::page::page;
 use super::plots::{self, Section};
+use crate::output::ResultsFolder;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing};
 use crate::report::error::ReportError;
-use crate::report::writer::{Report, ReportFile, draw_again};
+use crate::report::writer::{Report, ReportFile, write};
 
 impl Report for RunFiles {
     type Section = Section;
@@ -44,6 +45,6 @@ impl Report for RunFiles {
 ///
 /// # Errors
 /// A file cannot be read, made or written.
-pub(crate) fn redraw(folder: &Path) -> Result<PathBuf, ReportError> {
-    draw_again(folder, &RunFiles::read(folder)?)
+pub(crate) fn redraw(folder: &ResultsFolder) -> Result<PathBuf, ReportError> {
+    write(folder, &RunFiles::read(folder.path())?)
 }

@@ -90,14 +90,14 @@ impl Report for StressSummary {
 mod tests {
     use super::super::data::tests::summary;
     use super::*;
-    use crate::report::error::ReportError;
+    use crate::output::{FolderError, ResultsFolder};
     use crate::report::writer::{SUMMARY_FILE, write};
 
     #[test]
     fn the_report_holds_everything_and_replaces_itself_only() {
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("stress");
-        let pages = [(); 2].map(|()| write(&target, &summary()).unwrap());
+        let pages = [(); 2].map(|()| write(&ResultsFolder::claim(&target).unwrap(), &summary()).unwrap());
         let text = std::fs::read(target.join(SUMMARY_FILE)).unwrap();
         assert_eq!(serde_json::from_slice::<StressSummary>(&text).unwrap(), summary());
         let page = std::fs::read_to_string(&pages[1]).unwrap();
@@ -107,6 +107,6 @@ mod tests {
         let foreign = folder.path().join("foreign");
         std::fs::create_dir(&foreign).unwrap();
         std::fs::write(foreign.join("notes.txt"), "mine").unwrap();
-        assert!(matches!(write(&foreign, &summary()), Err(ReportError::Foreign { .. })));
+        assert!(matches!(ResultsFolder::claim(&foreign), Err(FolderError::Foreign { .. })));
     }
 }

@@ -8,7 +8,8 @@ use crate::scene::error::SceneError;
 use crate::scene::limits::{COORDINATE, Range};
 
 /// Takes a file apart. White space separates words, `{` and `}` are words of their own, a word that begins with `#` or
-/// `%` begins a comment that ends with its line; lines end in LF, CR LF or a lone CR. Bytes are not decoded: some BART files have Latin-1 comments.
+/// `%` begins a comment that ends with its line; lines end in LF, CR LF or a lone CR. Bytes are not decoded: some BART
+/// files have Latin-1 comments.
 #[derive(Clone, Debug)]
 pub struct Lexer<'a> {
     path: &'a Path,

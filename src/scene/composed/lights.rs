@@ -24,7 +24,8 @@ pub struct LightSpec {
     pub area: Option<AreaSpec>,
 }
 
-/// A rectangular light (or any parallelogram), which casts soft shadows: every hit sends a shadow ray to each of its points.
+/// A rectangular light (or any parallelogram), which casts soft shadows: every hit sends a shadow ray to each of its
+/// points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {

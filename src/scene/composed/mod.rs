@@ -99,8 +99,8 @@ struct Contents {
 /// The scene of `spec`, with paths relative to `base`.
 ///
 /// # Errors
-/// What cannot be read or is malformed (see the readers of the formats), cameras that look nowhere, too many lights, and
-/// what goes too far.
+/// What cannot be read or is malformed (see the readers of the formats), cameras that look nowhere, too many lights,
+/// and what goes too far.
 pub fn load(spec: &ComposedSpec, base: &Path) -> Result<Scene, SceneError> {
     let first = spec.files.first().map(|file| base.join(&file.path)).unwrap_or_default();
     let frame_count = spec.frame_count.get() as u32;

@@ -76,8 +76,8 @@ fn files_have_places() {
     fs::write(folder.path().join("a.obj"), format!("{SQUARE}vn 1 0 0\nf 1//1 2//1 3//1\n")).unwrap();
     fs::write(
         folder.path().join("b.ply"),
-        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
-         property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+         element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     )
     .unwrap();
     let load_files = |files: &str| {
@@ -85,7 +85,8 @@ fn files_have_places() {
         load(&spec, folder.path()).map_err(|error| error.to_string())
     };
     let scene = load_files(
-        "[\"a.obj\", (path: \"b.ply\", translate: (0, 0, 7)), (path: \"a.obj\", scale: 2, rotate: (0, 0, 90), translate: (5, 0, 0))]",
+        "[\"a.obj\", (path: \"b.ply\", translate: (0, 0, 7)), 
+         (path: \"a.obj\", scale: 2, rotate: (0, 0, 90), translate: (5, 0, 0))]",
     );
     let scene = scene.unwrap();
     assert_eq!((scene.name.as_str(), scene.statics.len(), scene.origin.sources.len()), ("a", 3, 2));

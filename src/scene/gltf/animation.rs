@@ -1,5 +1,5 @@
-//! Animations: tracks of translation, rotation and scale (section "Animations", appendix "Animation Sampler Interpolation
-//! Modes").
+//! Animations: tracks of translation, rotation and scale (section "Animations", appendix "Animation Sampler
+//! Interpolation Modes").
 
 use glam::{DQuat, DVec3, DVec4};
 use gltf_json::Root;
@@ -138,8 +138,8 @@ impl Rotations {
 /// The motions of all nodes by number: those of the animation called `wanted`, or of the only one.
 ///
 /// # Errors
-/// No animation of that name, several and no name, weights of morph targets, two channels of one node and property, keys that
-/// do not rise or are out of range.
+/// No animation of that name, several and no name, weights of morph targets, two channels of one node and property,
+/// keys that do not rise or are out of range.
 pub fn read(root: &Root, buffers: &Buffers, wanted: Option<&str>) -> Result<Vec<Motion>, String> {
     let mut motions: Vec<Motion> = root.nodes.iter().map(|_| Motion::default()).collect();
     let names =

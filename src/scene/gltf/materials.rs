@@ -1,7 +1,8 @@
 //! Materials: metallic-roughness as far as a Whitted renderer shows it.
 //!
-//! Our own choice: metal mirrors as far as it is smooth. With metal m, roughness r and base colour c, the diffuse colour is
-//! c (1 - m (1 - r)) and the specular one c m (1 - r). A blended surface lets 1 - alpha of the light through, unbent.
+//! Our own choice: metal mirrors as far as it is smooth. With metal m, roughness r and base colour c, the diffuse
+//! colour is c (1 - m (1 - r)) and the specular one c m (1 - r). A blended surface lets 1 - alpha of the light through,
+//! unbent.
 
 use std::path::Path;
 

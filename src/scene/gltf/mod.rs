@@ -1,12 +1,12 @@
 //! glTF 2.0 files (`.gltf` with its buffers, `.glb`).
 //!
 //! Source: The Khronos Group, "glTF 2.0 Specification", 2021, and its extension `KHR_lights_punctual`. The crate
-//! `gltf-json` gives the data model and checks it; indices, bounds and numbers are checked here, since the accessors of the
-//! crate `gltf` panic on indices that no validation reaches.
+//! `gltf-json` gives the data model and checks it; indices, bounds and numbers are checked here, since the accessors of
+//! the crate `gltf` panic on indices that no validation reaches.
 //!
-//! - Every mesh node of the scene becomes triangles of its own, placed by its node: an instance is stored as often as it is
-//!   placed. Nodes that an animation moves, and all below them, are dynamic; all else is static, also a node whose keys all
-//!   have the same value.
+//! - Every mesh node of the scene becomes triangles of its own, placed by its node: an instance is stored as often as
+//!   it is placed. Nodes that an animation moves, and all below them, are dynamic; all else is static, also a node
+//!   whose keys all have the same value.
 //! - Cameras go by the name of their node. Point lights shine without attenuation, as all lights here do.
 //! - Skins and morph targets are refused. A required extension that touches geometry is refused; others are told.
 
@@ -38,12 +38,12 @@ use super::loader::Loader;
 use super::material::MaterialId;
 use super::model::{FileCamera, FileLight, Model, append};
 
-/// What the glTF file at `path` holds, at `place`. Primitives without a material get `plain`; `animation` names the one of
-/// the file's animations that moves its nodes.
+/// What the glTF file at `path` holds, at `place`. Primitives without a material get `plain`; `animation` names the one
+/// of the file's animations that moves its nodes.
 ///
 /// # Errors
-/// A file that cannot be read or breaks the specification, an extension, skin or morph target that is not read, a picture
-/// that cannot be had, numbers out of range, a light that is no point, an animation that is not there.
+/// A file that cannot be read or breaks the specification, an extension, skin or morph target that is not read, a
+/// picture that cannot be had, numbers out of range, a light that is no point, an animation that is not there.
 pub fn read(
     path: &Path,
     animation: Option<&str>,

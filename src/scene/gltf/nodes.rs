@@ -37,8 +37,8 @@ enum Local {
 }
 
 impl Tree {
-    /// The nodes of the scene that the file shows; `motions` are the nodes' motions by number, and `place` puts the whole
-    /// into the world.
+    /// The nodes of the scene that the file shows; `motions` are the nodes' motions by number, and `place` puts the
+    /// whole into the world.
     ///
     /// # Errors
     /// No scene, a node that is not there, has two parents or is its own ancestor, a transform out of range.

@@ -30,7 +30,8 @@ impl UvMap {
 /// Takes the options from the front of `text`; what is left is the name of the file.
 ///
 /// # Errors
-/// An option that is not known, one that would change the picture in a way that is not read, and options without a name.
+/// An option that is not known, one that would change the picture in a way that is not read, and options without a
+/// name.
 pub fn options(text: &str) -> Result<(UvMap, &str), String> {
     let (mut map, mut rest) = (UvMap::default(), text);
     while rest.starts_with('-') {

@@ -1,7 +1,8 @@
 //! Wavefront OBJ files: polygons with materials.
 //!
-//! The reader is our own: the crate `tobj` gives no lines with its errors, passes over statements that it does not know,
-//! takes a polyline of three points for a triangle, cuts concave polygons wrongly and holds materials of one library only.
+//! The reader is our own: the crate `tobj` gives no lines with its errors, passes over statements that it does not
+//! know, takes a polyline of three points for a triangle, cuts concave polygons wrongly and holds materials of one
+//! library only.
 
 mod corner;
 mod libraries;
@@ -34,8 +35,9 @@ pub use self::libraries::Libraries;
 /// The triangles of the OBJ file at `path`. Faces without a material get `plain`.
 ///
 /// # Errors
-/// A file that cannot be read, a statement that is not known or not read, a number that is not finite or out of range, an
-/// index without its vertex, a material that no library of the file defines, no face at all; and what a library refuses.
+/// A file that cannot be read, a statement that is not known or not read, a number that is not finite or out of range,
+/// an index without its vertex, a material that no library of the file defines, no face at all; and what a library
+/// refuses.
 pub fn read(
     path: &Path,
     plain: MaterialId,

@@ -1,11 +1,11 @@
 //! Material libraries (MTL), and the pictures that they name.
 //!
-//! Source: Wavefront Technologies, "MTL material format (Lightwave, OBJ)", version 4.2; its sections are named beside the
-//! statements. `Tr`, `Ke` and the statements of "Physically based rendering extension to the MTL format" are later additions
-//! of exporters. Statements are read in any case of their letters, as exporters write them.
+//! Source: Wavefront Technologies, "MTL material format (Lightwave, OBJ)", version 4.2; its sections are named beside
+//! the statements. `Tr`, `Ke` and the statements of "Physically based rendering extension to the MTL format" are later
+//! additions of exporters. Statements are read in any case of their letters, as exporters write them.
 //!
-//! `Kd` colours the surface in point light and in ambient light, `Ks`, `Ns` and `Ni` are as in the specification, and the
-//! transmittance is 1 - `d`, or `Tr`.
+//! `Kd` colours the surface in point light and in ambient light, `Ks`, `Ns` and `Ni` are as in the specification, and
+//! the transmittance is 1 - `d`, or `Tr`.
 
 use std::path::Path;
 
@@ -66,8 +66,8 @@ const WITHOUT_EFFECT: &[&str] = &[
 /// The materials of the library at `path`, added to `loader`.
 ///
 /// # Errors
-/// A statement that is not known, one before the first `newmtl`, a name that is missing or defined twice, numbers that are
-/// malformed or out of range, a picture that cannot be had; each with its line.
+/// A statement that is not known, one before the first `newmtl`, a name that is missing or defined twice, numbers that
+/// are malformed or out of range, a picture that cannot be had; each with its line.
 pub fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Materials, SceneError> {
     let mut library = Library { materials: Materials::default(), open: None };
     each_line(bytes, |line| library.read(line, path, loader)).map_err(|(line, what)| SceneError::Syntax {

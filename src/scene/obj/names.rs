@@ -25,8 +25,8 @@ impl Entry {
 
 /// The materials of one library by name.
 ///
-/// A name can have spaces and `#`, as in `Material #25`, and a comment can follow a name. So the whole text counts first;
-/// if nothing has that name, the part before the comment does, if it tells one material from all others.
+/// A name can have spaces and `#`, as in `Material #25`, and a comment can follow a name. So the whole text counts
+/// first; if nothing has that name, the part before the comment does, if it tells one material from all others.
 #[derive(Debug, Default)]
 pub struct Materials {
     whole: BTreeMap<String, Entry>,

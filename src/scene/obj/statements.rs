@@ -35,7 +35,8 @@ pub fn refusal(word: &str) -> String {
     match REFUSED.iter().find(|(refused, _)| *refused == word) {
         Some((_, why)) => format!("`{word}` is not allowed: {why}"),
         None => format!(
-            "`{}` is no statement of an OBJ file: v, vt, vn, f, mtllib and usemtl are read, and these have no effect: {}",
+            "`{}` is no statement of an OBJ file: v, vt, vn, f, mtllib and usemtl are read, and these have no \
+             effect: {}",
             crate::scene::text::shortened(word).escape_debug(),
             WITHOUT_EFFECT.join(" ")
         ),

@@ -25,8 +25,8 @@ use super::polygon::{Cut, MAX_CORNERS};
 /// The triangles of the PLY file at `path`, all of the material `plain`.
 ///
 /// # Errors
-/// A file that cannot be read or is malformed, counts beyond the file's size, numbers that are not finite or out of range,
-/// an index without its vertex, no face at all.
+/// A file that cannot be read or is malformed, counts beyond the file's size, numbers that are not finite or out of
+/// range, an index without its vertex, no face at all.
 pub fn read(path: &Path, plain: MaterialId, loader: &mut Loader) -> Result<Geometry, SceneError> {
     let bytes = loader.files.read(path).map_err(|source| SceneError::Read { path: path.to_owned(), source })?;
     parse(path, &bytes, plain, loader)
@@ -86,7 +86,8 @@ fn one_line(error: &ParseError) -> String {
 
 fn check_header(header: &Header, size: usize) -> Result<(), String> {
     for element in header.elements.values() {
-        // Every element takes a byte or more: a count above the size is forged, and one without properties takes nothing.
+        // Every element takes a byte or more: a count above the size is forged, and one without properties takes
+        // nothing.
         if element.count > size || (element.properties.is_empty() && element.count > 0) {
             return Err(format!("{} elements `{}` are told, more than the file can hold", element.count, element.name));
         }

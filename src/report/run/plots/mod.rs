@@ -12,9 +12,9 @@ mod tradeoff;
 mod utilization;
 mod wrong;
 
-use super::pictures::file_name;
 use super::summary::Summary;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::file_names::file_names;
 use machine::{Machine, MachinePlot};
 
 pub(super) use section::Section;
@@ -29,11 +29,12 @@ const MACHINE_PLOTS: &[MachinePlot] = &[split::PLOT, bytes::PLOT, hit_rates::PLO
 pub(super) fn draw(summary: &Summary) -> Result<Vec<Drawing<Section>>, DrawError> {
     let mut drawings = draw_all(summary, RUN_PLOTS)?;
     for MachinePlot { name, draw } in MACHINE_PLOTS {
-        for (machine, found) in summary.machines.iter() {
-            let svg = draw(&Machine { name: machine, summary: found, baseline: summary.baseline.as_deref() })?;
-            drawings.extend(svg.map(|svg| Drawing {
-                name: format!("{name}-{}", file_name(machine)),
-                section: Section::Machine(machine.into()),
+        let names = file_names(summary.machines.iter().map(|(name, _)| name));
+        for (machine, (_, found)) in names.iter().zip(summary.machines.iter()) {
+            let of = Machine { name: machine.name, summary: found, baseline: summary.baseline.as_deref() };
+            drawings.extend(draw(&of)?.map(|svg| Drawing {
+                name: format!("{name}-{}", machine.file),
+                section: Section::Machine(machine.name.into()),
                 svg,
             }));
         }

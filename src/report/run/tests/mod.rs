@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 use self::sample::{frame, sample};
 use super::*;
 use crate::named::Named;
+use crate::output::{FolderError, ResultsFolder};
 use crate::report::error::ReportError;
-use crate::report::writer::{SUMMARY_FILE, check_target, write};
+use crate::report::writer::{self, SUMMARY_FILE};
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Totals;
 
@@ -20,6 +21,16 @@ fn place() -> (tempfile::TempDir, PathBuf) {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("reports/sample");
     (dir, target)
+}
+
+/// Writes a report at `target`.
+fn write(target: &Path, report: &RunFiles) -> Result<PathBuf, ReportError> {
+    writer::write(&ResultsFolder::claim(target)?, report)
+}
+
+/// Draws the report at `target` again.
+fn drawn_again(target: &Path) -> Result<PathBuf, ReportError> {
+    redraw(&ResultsFolder::claim(target)?)
 }
 
 /// All files below a directory, with their bytes.
@@ -270,7 +281,7 @@ fn the_same_run_gives_the_same_bytes_and_so_does_drawing_again() {
     for (name, _) in first.iter().filter(|(name, _)| name.ends_with("index.html") || name.starts_with("plots")) {
         fs::remove_file(target.join(name)).unwrap();
     }
-    redraw(&target).unwrap();
+    drawn_again(&target).unwrap();
     assert_eq!(files(&target), first);
 
     write(&target, &report).unwrap();
@@ -290,7 +301,7 @@ fn a_failure_leaves_the_place_as_it_was() {
     report.pictures[3].0.file = "pictures/frame0000-reference.png/words.png".into();
     let error = write(&target, &report).unwrap_err();
     assert!(matches!(&error, ReportError::Write { path, .. } if path.starts_with(&target)), "{error}");
-    assert_eq!(fs::read_dir(target.parent().unwrap()).unwrap().count(), 0);
+    assert!(!target.parent().unwrap().exists());
 
     write(&target, &sample(&[0])).unwrap();
     let earlier = files(&target);
@@ -308,10 +319,10 @@ fn what_is_no_report_is_not_overwritten() {
     let file = dir.path().join("file");
     fs::write(&file, "mine").unwrap();
     let error = write(&file, &sample(&[0])).unwrap_err();
-    assert!(matches!(error, ReportError::Foreign { .. }), "{error}");
+    assert!(matches!(error, ReportError::Folder(FolderError::Foreign { .. })), "{error}");
     assert_eq!(fs::read(&file).unwrap(), b"mine");
     let error = write(&file.join("below"), &sample(&[0])).unwrap_err();
-    assert!(matches!(error, ReportError::Foreign { .. }), "{error}");
+    assert!(matches!(error, ReportError::Folder(FolderError::Foreign { .. })), "{error}");
 
     let folder = dir.path().join("folder");
     fs::create_dir(&folder).unwrap();
@@ -319,14 +330,17 @@ fn what_is_no_report_is_not_overwritten() {
     let error = write(&folder, &sample(&[0])).unwrap_err();
     assert!(error.to_string().contains("folder is not an umbrasim report"), "{error}");
     fs::write(folder.join(SUMMARY_FILE), "{\"title\": \"of a book\"}").unwrap();
-    assert!(matches!(check_target(&folder), Err(ReportError::Foreign { .. })));
+    assert!(matches!(
+        ResultsFolder::claim(&folder).map_err(ReportError::from),
+        Err(ReportError::Folder(FolderError::Foreign { .. }))
+    ));
     assert_eq!(files(&folder).len(), 2);
 }
 
 #[test]
 fn a_broken_or_other_summary_is_not_drawn() {
     let (_dir, target) = place();
-    assert!(matches!(redraw(&target), Err(ReportError::Read { .. })));
+    assert!(matches!(drawn_again(&target), Err(ReportError::Read { .. })));
     write(&target, &sample(&[0, 16])).unwrap();
     let path = target.join(SUMMARY_FILE);
     let text = fs::read_to_string(&path).unwrap();
@@ -334,7 +348,7 @@ fn a_broken_or_other_summary_is_not_drawn() {
         assert!(text.contains(from), "{from}");
         fs::write(&path, text.replacen(from, to, 1)).unwrap();
         let before = files(&target);
-        let error = redraw(&target).unwrap_err();
+        let error = drawn_again(&target).unwrap_err();
         assert_eq!(files(&target), before, "drawn in spite of {error}");
         error
     };

@@ -6,6 +6,7 @@ use glam::Vec3;
 
 use crate::named::Named;
 use crate::quantity::{Bytes, Cycle, Resolution};
+use crate::report::file_names::FileNamed;
 use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::report::run::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
@@ -226,11 +227,15 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
         simulated_rays_per_wall_second: [("trace", 5.1e6), ("replay small", 20e6)].into_iter().collect(),
     };
     let config = "Experiment(\n    scene: Aff(\"kitchen.aff\"), // <a comment>\n)\n".into();
+    let shown_policy = FileNamed { name: "published", file: "published".into() };
     let images = vec![
-        (PictureInfo::new(PictureKind::Render, Some("published"), shown), render.clone()),
+        (PictureInfo::new(PictureKind::Render, Some(&shown_policy), shown), render.clone()),
         (PictureInfo::new(PictureKind::Reference, None, shown), render),
-        (PictureInfo::new(PictureKind::Difference { light: None }, Some("published"), shown), difference),
-        (PictureInfo::new(PictureKind::Words { light: 0 }, Some("published"), shown), pictures::words(SIZE, &words, 0)),
+        (PictureInfo::new(PictureKind::Difference { light: None }, Some(&shown_policy), shown), difference),
+        (
+            PictureInfo::new(PictureKind::Words { light: 0 }, Some(&shown_policy), shown),
+            pictures::words(SIZE, &words, 0),
+        ),
     ];
     (summary, config, images)
 }

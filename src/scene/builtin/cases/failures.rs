@@ -1,9 +1,10 @@
-//! Minimal scenes in which shadow culling by learned modes fails, and controls in which it does not: facts found with an
-//! independent model in double precision.
+//! Minimal scenes in which shadow culling by learned modes fails, and controls in which it does not: facts found with
+//! an independent model in double precision.
 //!
 //! A world unit is a pixel at scale 1; the picture has 16 x 16 pixels and a parallel camera. The sample of pixel (x, y)
-//! lies in the plane z = 0 at `((x + 0.5 + jitter) / scale + origin, (16 - y - 0.5 + jitter) / scale + origin)`; its ray
-//! runs along (tilt, -1), or (tilt, 1) from behind. The triangles at z = 50 lie outside the view and throw the shadow.
+//! lies in the plane z = 0 at `((x + 0.5 + jitter) / scale + origin, (16 - y - 0.5 + jitter) / scale + origin)`; its
+//! ray runs along (tilt, -1), or (tilt, 1) from behind. The triangles at z = 50 lie outside the view and throw the
+//! shadow.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -149,10 +150,10 @@ pub const C1B: Failure = Failure {
     views: &[FIRST, FIRST, View { jitter: [0.5, 0.0], ..FIRST }],
 };
 
-// In the model the long side runs through samples at both scales: at scale 1 they belong to the triangle, ten in all; of
-// those at scale 1.9 rounding puts all in the shadow outside. In `f32` it would do otherwise. So the corners are exact
-// here (the model has 6.1 and 9.9), which puts the first inside, and the window's corner is 3.79 instead of 8 - 8 / 1.9,
-// which puts the others outside.
+// In the model the long side runs through samples at both scales: at scale 1 they belong to the triangle, ten in all;
+// of those at scale 1.9 rounding puts all in the shadow outside. In `f32` it would do otherwise. So the corners are
+// exact here (the model has 6.1 and 9.9), which puts the first inside, and the window's corner is 3.79 instead of 8 - 8
+// / 1.9, which puts the others outside.
 pub const C2: Failure = Failure {
     triangles: &[
         matt([[6.125, 6.125, 0.0], [9.875, 6.125, 0.0], [6.125, 9.875, 0.0]]),

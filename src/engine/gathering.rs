@@ -2,9 +2,32 @@
 
 use rustc_hash::FxHashMap;
 
-use super::ray::Ray;
 use crate::machine::stores::Stores;
 use crate::stream::{RayKind, Step};
+
+/// A hit: its chunk by the host's number, and its place in the chunk.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct HitId {
+    /// The chunk.
+    pub chunk: u32,
+    /// The place of the ray that has the hit.
+    pub place: u32,
+}
+
+/// A ray that has done its path.
+#[derive(Debug)]
+pub struct Retiring<'a> {
+    /// What the ray is for.
+    pub kind: RayKind,
+    /// The hit that it starts on.
+    pub hit: HitId,
+    /// Traced shadow rays that start there.
+    pub siblings: u32,
+    /// The packed steps of the path, then those of the policy.
+    pub steps: &'a mut Vec<u32>,
+    /// Where the policy's steps begin.
+    pub path_end: usize,
+}
 
 /// A hit with several traced shadow rays, of which some are done with their paths.
 #[derive(Clone, Debug, Default)]
@@ -19,8 +42,7 @@ struct Hit {
 pub struct Gathering {
     entries: usize,
     in_use: usize,
-    /// By the hit's chunk and place in it.
-    hits: FxHashMap<(u32, u32), Hit>,
+    hits: FxHashMap<HitId, Hit>,
 }
 
 impl Gathering {
@@ -36,12 +58,11 @@ impl Gathering {
 
     /// The ray has done its path: leaves its updates in the table, or takes along what is there. Gives how many
     /// updates were merged with others.
-    pub fn retire(&mut self, ray: &mut Ray, stores: &Stores) -> u64 {
+    pub fn retire(&mut self, ray: Retiring<'_>, stores: &Stores) -> u64 {
         if ray.kind != RayKind::Shadow || ray.siblings < 2 || !self.is_there() {
             return 0;
         }
-        let key = (ray.chunk, ray.hit);
-        let hit = self.hits.entry(key).or_default();
+        let hit = self.hits.entry(ray.hit).or_default();
         hit.retired += 1;
         let is_last = hit.retired == ray.siblings;
         let is_gathered = |&word: &u32| Step::unpack(word).is_some_and(|step| stores.updates_word(step));
@@ -68,7 +89,7 @@ impl Gathering {
             }
         }
         if is_last {
-            self.hits.remove(&key);
+            self.hits.remove(&ray.hit);
         }
         merged
     }

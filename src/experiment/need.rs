@@ -1,0 +1,78 @@
+//! What an experiment takes in memory: bounded, and told before it begins.
+
+use std::fmt;
+
+use crate::quantity::Resolution;
+
+/// The most bytes that pictures, scene and machines may take together.
+const MOST: u128 = 1 << 32;
+
+/// Bytes of a pixel in a policy's frame: colour, hit and shadows.
+const TRACED_PIXEL: u128 = 36;
+/// Bytes of a pixel in a picture of the report.
+const SHOWN_PIXEL: u128 = 3;
+/// Bytes of a triangle with its attributes and its part of the tree, about.
+const TRIANGLE: u128 = 400;
+
+/// What an experiment is going to take.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Need {
+    what: String,
+    bytes: u128,
+}
+
+impl Need {
+    /// The need of so many frames of a size for so many policies, in a scene of so many lights and triangles, on machines
+    /// that take so many bytes each.
+    pub(super) fn new(
+        resolution: Resolution,
+        frames: usize,
+        policies: usize,
+        lights: usize,
+        triangles: usize,
+        machines: &[u128],
+    ) -> Self {
+        let what = format!("{frames} frames of {resolution}, {policies} policies, {} machines", machines.len());
+        let policies = policies as u128;
+        // The reference renderer's frame is one more; pictures are kept of two frames.
+        let shown = 2 * (1 + policies * (3 + lights as u128));
+        let pixel = TRACED_PIXEL * (policies + 2) + SHOWN_PIXEL * shown;
+        // Each stream is replayed on a machine as it is, and for the split.
+        let replays = 2 * policies * machines.iter().sum::<u128>();
+        let bytes = resolution.pixels() as u128 * pixel + replays + TRIANGLE * triangles as u128;
+        Self { what, bytes }
+    }
+
+    /// Refuses what is not payable.
+    pub(super) fn check(&self) -> Result<(), String> {
+        if self.bytes <= MOST {
+            return Ok(());
+        }
+        Err(format!("{} take about {} bytes of memory: up to {MOST} are allowed", self.what, self.bytes))
+    }
+}
+
+impl fmt::Display for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; about {} MB of memory", self.what, self.bytes.div_ceil(1_000_000))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_are_bounded_and_told() {
+        let need = |side, policies, machine| {
+            Need::new(Resolution { width: side, height: side }, 4, policies, 2, 100, &[machine])
+        };
+        let small = need(64, 2, 1 << 20);
+        assert_eq!(small.check(), Ok(()));
+        assert_eq!(small.to_string(), "4 frames of 64x64, 2 policies, 1 machines; about 6 MB of memory");
+        for large in [need(8192, 10, 0), need(64, 100, 1 << 28)] {
+            let told = large.check().unwrap_err();
+            assert!(told.contains(&large.bytes.to_string()) && told.contains("up to 4294967296"), "{told}");
+        }
+    }
+}

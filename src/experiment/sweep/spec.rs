@@ -1,0 +1,225 @@
+//! A sweep's file, and the machines that it makes of an experiment's.
+
+use std::path::{Path, PathBuf};
+
+use ron::value::RawValue;
+use rustc_hash::FxHashSet;
+use serde::Deserialize;
+use serde_json::Value;
+use xxhash_rust::xxh3::xxh3_128;
+
+use super::super::files::beside;
+use super::super::frames::FrameRange;
+use super::super::load::{Experiment, Overrides};
+use super::error::SweepError;
+use crate::machine::MachineSpec;
+use crate::named::Named;
+use crate::quantity::Resolution;
+use crate::report::sweep::Change;
+use crate::ron_file::{self, ConfigError};
+
+/// The most machines of a sweep: some years of replays.
+const MAX_MACHINES: u128 = 100_000;
+
+/// A sweep as its RON file says it.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct SweepSpec {
+    /// The experiment whose streams and machines are used, relative to this file.
+    experiment: PathBuf,
+    /// Other frames than the experiment's.
+    #[serde(default)]
+    frames: Option<FrameRange>,
+    /// Another size of the pictures.
+    #[serde(default)]
+    resolution: Option<Resolution>,
+    /// Paths of fields in a machine's file, each with the values to try.
+    vary: Named<Vec<Box<RawValue>>>,
+    /// Which combinations.
+    #[serde(default)]
+    points: Points,
+}
+
+/// Which combinations of values are tried.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+enum Points {
+    /// The machine as it is, and each value alone.
+    #[default]
+    Single,
+    /// All combinations.
+    All,
+}
+
+/// A sweep with everything that its files name.
+pub(super) struct Sweep {
+    pub(super) experiment: Experiment,
+    fields: Vec<Field>,
+    /// All machines, in the order of the files: no two of them are the same.
+    machines: Vec<Combination>,
+}
+
+/// A field of a machine's spec, and the values to try.
+struct Field {
+    path: String,
+    values: Vec<String>,
+}
+
+/// A machine of the experiment, and the places of the values that it gets.
+struct Combination {
+    base: usize,
+    /// A field, and one of its values.
+    values: Vec<(usize, usize)>,
+}
+
+/// A machine of the sweep.
+pub(super) struct Machine {
+    pub(super) name: String,
+    pub(super) changes: Vec<Change>,
+    pub(super) spec: MachineSpec,
+}
+
+impl Sweep {
+    /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
+    pub(super) fn load(path: &Path) -> Result<Self, SweepError> {
+        let spec: SweepSpec = ron_file::read(path)?;
+        let overrides = Overrides { frames: spec.frames, resolution: spec.resolution };
+        let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
+        let wrong = |what: String| ConfigError::Content { path: path.into(), what };
+        let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();
+        let fields = spec.vary.iter().map(|(path, tried)| Field { path: path.into(), values: values(tried) }).collect();
+        let mut sweep = Self { experiment, fields, machines: Vec::new() };
+        sweep.combine(spec.points).map_err(wrong)?;
+        Ok(sweep)
+    }
+
+    /// How many machines there are.
+    pub(super) fn len(&self) -> usize {
+        self.machines.len()
+    }
+
+    /// A machine. It was checked when the sweep was read.
+    pub(super) fn machine(&self, index: usize) -> Result<Machine, SweepError> {
+        let made = self.make(&self.machines[index]);
+        let path = &self.experiment.spec.name;
+        made.map_err(|what| ConfigError::Content { path: path.into(), what }.into())
+    }
+
+    /// Finds all machines. A value that a machine has already makes no machine of its own.
+    fn combine(&mut self, points: Points) -> Result<(), String> {
+        if let Some(field) = self.fields.iter().find(|field| field.values.is_empty()) {
+            return Err(format!("`vary` has no value for `{}`: at least one is needed", field.path));
+        }
+        if self.experiment.machines.is_empty() {
+            return Err(format!("the experiment `{}` has no machines", self.experiment.spec.name));
+        }
+        let values = self.fields.iter().map(|field| field.values.len() as u128);
+        let each = match points {
+            Points::Single => 1 + values.sum::<u128>(),
+            Points::All => values.fold(1, u128::saturating_mul),
+        };
+        let count = each.saturating_mul(self.experiment.machines.len() as u128);
+        if count > MAX_MACHINES {
+            return Err(format!("`vary` makes {count} machines: up to {MAX_MACHINES} are allowed"));
+        }
+        let mut seen = FxHashSet::default();
+        for base in 0..self.experiment.machines.len() {
+            for number in 0..each as usize {
+                let combination = Combination { base, values: self.values(points, number) };
+                let machine = self.make(&combination)?;
+                let spec = serde_json::to_vec(&machine.spec).expect("a spec is plain data, which JSON can hold");
+                if seen.insert((base, xxh3_128(&spec))) {
+                    self.machines.push(combination);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fields and values of combination `number`. The first field's value changes fastest.
+    fn values(&self, points: Points, number: usize) -> Vec<(usize, usize)> {
+        let mut rest = number;
+        match points {
+            Points::All => {
+                let value = |(field, of): (usize, &Field)| {
+                    let value = rest % of.values.len();
+                    rest /= of.values.len();
+                    (field, value)
+                };
+                self.fields.iter().enumerate().map(value).collect()
+            }
+            Points::Single => {
+                // 0 is the machine as it is.
+                let all = self.fields.iter().enumerate();
+                let mut all = all.flat_map(|(field, of)| (0..of.values.len()).map(move |value| (field, value)));
+                number.checked_sub(1).and_then(|number| all.nth(number)).into_iter().collect()
+            }
+        }
+    }
+
+    fn make(&self, combination: &Combination) -> Result<Machine, String> {
+        let all = self.experiment.machines.iter().nth(combination.base);
+        let (name, base) = all.ok_or("there is no such machine")?;
+        let values = combination.values.iter();
+        let changes: Vec<(&str, &str)> = values
+            .map(|&(field, value)| (self.fields[field].path.as_str(), self.fields[field].values[value].as_str()))
+            .collect();
+        let mut spec = base.clone();
+        for &(field, value) in &changes {
+            spec = with_field(&spec, field, value)?;
+        }
+        spec.check().map_err(|error| format!("machine `{name}` with {}: {error}", listed(&changes)))?;
+        let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });
+        Ok(Machine { name: name.into(), changes: changes.collect(), spec })
+    }
+}
+
+fn listed(changes: &[(&str, &str)]) -> String {
+    changes.iter().map(|(field, value)| format!("`{field}: {value}`")).collect::<Vec<_>>().join(", ")
+}
+
+/// The machine with another value of the field at `path`, such as `shadow_cache.cache.bytes`.
+fn with_field(spec: &MachineSpec, path: &str, value: &str) -> Result<MachineSpec, String> {
+    let mut all = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
+    let mut place = &mut all;
+    for (index, name) in path.split('.').enumerate() {
+        let Value::Object(fields) = place else {
+            let parent = path.split('.').take(index).collect::<Vec<_>>().join(".");
+            return Err(format!("`vary` names `{path}`, but `{parent}` has no fields of its own"));
+        };
+        let known = fields.keys().map(|field| format!("`{field}`")).collect::<Vec<_>>().join(", ");
+        place = fields.get_mut(name).ok_or_else(|| {
+            format!("`vary` names `{path}`, but a machine has no `{name}` there: {known} are allowed")
+        })?;
+    }
+    *place = plain(value).map_err(|error| format!("`vary` has the value `{value}` for `{path}`: {error}"))?;
+    serde_json::from_value(all).map_err(|error| format!("`vary` has the value `{value}` for `{path}`: {error}"))
+}
+
+/// A value of a RON file as data. A bare name is a variant's.
+fn plain(text: &str) -> Result<Value, String> {
+    let is_name = text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
+        && text.starts_with(|letter: char| letter.is_ascii_uppercase());
+    if is_name {
+        return Ok(Value::String(text.into()));
+    }
+    ron::from_str(text).map_err(|error| error.code.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::shadow_cache::Place;
+
+    #[test]
+    fn any_field_can_be_set_and_errors_say_what_is_allowed() {
+        let base = MachineSpec::default();
+        let set = |path, value| with_field(&base, path, value);
+        assert_eq!(set("shadow_cache.cache.bytes", "65536").unwrap().shadow_cache.cache.bytes.get(), 65536);
+        assert_eq!(set("shadow_cache.place", "L2").unwrap().shadow_cache.place, Place::L2);
+        let error = |path, value| set(path, value).unwrap_err();
+        assert!(error("shadow_cache.size", "1").contains("a machine has no `size` there: `count`, `latency`,"));
+        assert!(error("clock_mhz.x", "1").contains("`clock_mhz` has no fields of its own"));
+        assert!(error("shadow_cache.place", "Onw").contains("expected one of `Own`, `Triangle`, `L2`, `Free`"));
+        assert!(error("shadow_cache.count", "0").contains("0 is not allowed here: a whole number from 1 to 64 is"));
+    }
+}

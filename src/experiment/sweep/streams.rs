@@ -1,0 +1,148 @@
+//! The ray streams of an experiment, kept in files named by all that they depend on.
+
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use xxhash_rust::xxh3::xxh3_128;
+
+use super::super::load::Experiment;
+use super::super::progress;
+use super::error::SweepError;
+use crate::culling::Policy;
+use crate::stream::{Header, StreamReader, StreamWriter, Totals};
+use crate::tracer::Tracer;
+
+/// A hash of everything that the program is built from.
+pub(super) const BUILD: &str = env!("UMBRASIM_BUILD");
+
+/// All that a stream depends on, as a hash: its header, in which the specs and the files of the scene are, what the
+/// policies that are traced beside it need, and the program's build.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Identity(u128);
+
+impl Identity {
+    fn new(header: &Header, policies: &[Box<dyn Policy>]) -> Self {
+        // What one policy needs changes how all streams are cut into chunks.
+        let needs: Vec<String> = policies.iter().map(|policy| format!("{:?}", policy.needs())).collect();
+        let mut needs: Vec<&String> = needs.iter().collect();
+        needs.sort();
+        needs.dedup();
+        let all = serde_json::to_vec(&(BUILD, needs, header));
+        Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
+    }
+}
+
+impl fmt::Display for Identity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:032x}", self.0)
+    }
+}
+
+/// The streams of an experiment's policies, before they are read or recorded.
+pub(in super::super) struct Streams<'a> {
+    experiment: &'a Experiment,
+    tracer: Tracer<'a>,
+    policies: Vec<Box<dyn Policy>>,
+    headers: Vec<Header>,
+    paths: Vec<PathBuf>,
+    pub(super) identities: Vec<Identity>,
+}
+
+/// A recorded stream and what the tracer counted in it.
+pub(in super::super) struct Recorded {
+    pub(crate) path: PathBuf,
+    pub(crate) header: Header,
+    pub(crate) totals: Totals,
+}
+
+impl Recorded {
+    /// Its rays, skipped ones included.
+    pub(crate) fn rays(&self) -> u64 {
+        self.totals.primary_rays + self.totals.secondary_rays + self.totals.shadow_rays
+    }
+
+    fn new(path: &Path, reader: &StreamReader) -> Self {
+        let mut totals = Totals::default();
+        reader.frames().iter().for_each(|frame| totals += frame.totals);
+        Self { path: path.into(), header: reader.header().clone(), totals }
+    }
+}
+
+impl<'a> Streams<'a> {
+    /// The streams of an experiment, whose files lie in `folder`.
+    pub(in super::super) fn new(experiment: &'a Experiment, folder: &Path) -> Self {
+        let scene = &experiment.scene;
+        let first = scene.animation.frame(experiment.frames[0]);
+        let tracer = Tracer::new(scene, &first, experiment.spec.resolution, experiment.spec.tracer);
+        let policies = experiment.policies();
+        // Machines do not change a stream.
+        let spec = &experiment.spec;
+        let inputs =
+            format!("{:?}", (&experiment.scene_spec, experiment.scene_hashes(), spec.resolution, &spec.tracer));
+        let mut headers = Vec::new();
+        for ((name, spec), policy) in experiment.spec.policies.iter().zip(&policies) {
+            let inputs = format!("{inputs}{spec:?}");
+            headers.push(tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs));
+        }
+        let identities: Vec<Identity> = headers.iter().map(|header| Identity::new(header, &policies)).collect();
+        let paths = identities.iter().map(|identity| folder.join(format!("{identity}.rays"))).collect();
+        Self { experiment, tracer, policies, headers, paths, identities }
+    }
+
+    /// Takes the streams that are there, and records the others. Those that are `wanted`, by policy, are read whole first,
+    /// so that a damaged one is noticed before a replay.
+    pub(in super::super) fn have(
+        mut self,
+        wanted: impl Fn(usize) -> bool,
+        stop: &AtomicBool,
+    ) -> Result<Vec<Recorded>, SweepError> {
+        let is_missing: Vec<bool> =
+            (0..self.paths.len()).map(|policy| !self.is_there(policy, wanted(policy))).collect();
+        if is_missing.contains(&true) {
+            self.record(&is_missing, stop)?;
+        }
+        let read = |path: &PathBuf| StreamReader::open(path).map(|reader| Recorded::new(path, &reader));
+        Ok(self.paths.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Whether a policy's stream is there and what it should be; `whole` reads all of it.
+    fn is_there(&self, policy: usize, whole: bool) -> bool {
+        let (path, header) = (&self.paths[policy], &self.headers[policy]);
+        if path.symlink_metadata().is_err() {
+            return false;
+        }
+        let why = match StreamReader::open(path) {
+            Ok(reader) if reader.header() != header => "it is the stream of other inputs".into(),
+            Ok(mut reader) => match whole.then(|| reader.find_map(Result::err)).flatten() {
+                None => return true,
+                Some(error) => error.to_string(),
+            },
+            Err(error) => error.to_string(),
+        };
+        eprintln!("{}: {why}; the stream is recorded again", path.display());
+        false
+    }
+
+    /// Traces all frames and writes the streams of the policies for which `is_missing` is set.
+    fn record(&mut self, is_missing: &[bool], stop: &AtomicBool) -> Result<(), SweepError> {
+        let mut writers = Vec::new();
+        for ((path, header), &is_missing) in self.paths.iter().zip(&self.headers).zip(is_missing) {
+            writers.push(if is_missing { Some(StreamWriter::create(path, header)?) } else { None });
+        }
+        let frames = &self.experiment.frames;
+        let bar = progress::bar(frames.len(), "frames").with_message("tracing");
+        for &number in frames {
+            if stop.load(Ordering::Relaxed) {
+                return Err(SweepError::Stopped);
+            }
+            let frame = self.experiment.scene.animation.frame(number);
+            self.tracer.frame(&frame, &mut self.policies, |policy, item| {
+                writers[policy].as_mut().map_or(Ok(()), |writer| writer.write(&item))
+            })?;
+            bar.inc(1);
+        }
+        bar.finish_and_clear();
+        Ok(writers.into_iter().flatten().try_for_each(StreamWriter::finish)?)
+    }
+}

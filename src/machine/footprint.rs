@@ -1,0 +1,94 @@
+//! What the simulator takes in memory for a machine, before anything is allocated: each field of a spec is in its range, and
+//! their products need not be payable.
+
+use crate::memory::bank::BankedSpec;
+use crate::memory::cache::CacheSpec;
+use crate::memory::tags::Contents;
+
+/// The most that the parts of a machine may take, in bytes: tags of 1 GB of caches with lines of 64 B, and as much again.
+const MOST: u128 = 1 << 28;
+
+/// Bytes of a line's tag.
+const TAG: u128 = 8;
+/// Bytes of a place in a queue, a context or a ray in flight, about.
+const PLACE: u128 = 64;
+/// Bytes of an access that waits in a miss register.
+const TARGET: u128 = 8;
+
+/// Bytes of a machine's parts, by field of its spec.
+pub(super) struct Footprint {
+    cores: u128,
+    line: u64,
+    parts: Vec<(String, u128)>,
+}
+
+impl Footprint {
+    /// Nothing yet, of a machine of so many cores with lines of so many bytes.
+    pub(super) fn new(cores: u64, line: u64) -> Self {
+        Self { cores: cores.into(), line, parts: Vec::new() }
+    }
+
+    /// Adds units of a core: how many, the places in the queues and tables of each, and the cache of each.
+    pub(super) fn add(mut self, name: &str, count: u64, places: &[u64], cache: Option<&CacheSpec>) -> Self {
+        let places = PLACE * places.iter().map(|&places| u128::from(places)).sum::<u128>();
+        let cache = cache.map_or(0, |cache| {
+            let tags =
+                if cache.contents == Contents::Ideal { 0 } else { TAG * u128::from(cache.bytes.get() / self.line) };
+            tags + registers(cache.mshrs.get(), cache.targets.get(), cache.queue.get())
+        });
+        self.parts.push((name.into(), self.cores * u128::from(count) * (cache + places)));
+        self
+    }
+
+    /// Adds a cache of a core's L2.
+    pub(super) fn add_banked(mut self, name: String, cache: &BankedSpec) -> Self {
+        let registers = registers(cache.mshrs.get(), cache.targets.get(), cache.queue.get());
+        let tags = TAG * u128::from(cache.bytes.get() / self.line);
+        self.parts.push((name, self.cores * (tags + u128::from(cache.banks.get()) * registers)));
+        self
+    }
+
+    /// Bytes of all parts.
+    pub(super) fn bytes(&self) -> u128 {
+        self.parts.iter().map(|(_, bytes)| bytes).sum()
+    }
+
+    /// Refuses what is not payable; the error names the largest part.
+    pub(super) fn check(&self) -> Result<(), String> {
+        let all = self.bytes();
+        match self.parts.iter().max_by_key(|(_, bytes)| bytes) {
+            Some((largest, bytes)) if all > MOST => Err(format!(
+                "the machine's caches, queues and registers take {all} bytes of memory to simulate, {bytes} of them for \
+                 `{largest}`: up to {MOST} are allowed"
+            )),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Miss registers with their waiting accesses, and an out queue.
+fn registers(count: u64, targets: u64, queue: u64) -> u128 {
+    u128::from(count) * (PLACE + TARGET * u128::from(targets)) + PLACE * u128::from(queue)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ranged::Within;
+
+    #[test]
+    fn products_of_fields_are_bounded() {
+        let cache = CacheSpec::DEFAULT;
+        let of = |count, cache: &CacheSpec| Footprint::new(1, 64).add("list", count, &[8], Some(cache));
+        assert_eq!(of(4, &cache).check(), Ok(()));
+        let large = CacheSpec { bytes: Within::literal(0x1000_0000), ..cache };
+        let told = of(1024, &large).check().unwrap_err();
+        assert!(told.contains("34359") && told.contains("for `list`: up to 268435456 are allowed"), "{told}");
+        let registers = CacheSpec { mshrs: Within::literal(1024), targets: Within::literal(1024), ..cache };
+        assert!(of(64, &registers).check().is_err() && of(4, &registers).check().is_ok());
+        // Smaller lines are more tags, and an ideal cache has none.
+        assert!(Footprint::new(1, 32).add("list", 1, &[8], Some(&cache)).bytes() > of(1, &cache).bytes());
+        assert_eq!(of(1024, &CacheSpec { contents: Contents::Ideal, ..large }).check(), Ok(()));
+        assert!(Footprint::new(64, 64).add_banked("l2".into(), &BankedSpec::DEFAULT).check().is_ok());
+    }
+}

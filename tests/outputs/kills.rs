@@ -1,0 +1,96 @@
+//! Commands that are ended at any moment.
+
+use std::fs;
+use std::process::Command;
+use std::time::Duration;
+
+use super::common::{Desk, error_text};
+
+/// Names in a folder that a command may only have while it works.
+fn temporary(desk: &Desk) -> Vec<String> {
+    let names = desk.contents().into_iter().map(|(path, _)| path.display().to_string());
+    names.filter(|name| name.contains("/.umbrasim-")).collect()
+}
+
+fn signal(pid: u32, signal: &str) {
+    assert!(Command::new("kill").args([signal, &pid.to_string()]).status().unwrap().success());
+}
+
+#[test]
+fn signals_leave_nothing_behind() {
+    let desk = Desk::with_experiment();
+    desk.succeed(&["trace", "tiny.ron", "-o", "x.rays", "--frames", "0..400"]);
+    let before = desk.contents();
+    let commands: [&[&str]; 4] = [
+        &["trace", "tiny.ron", "-o", "y.rays", "--frames", "0..100000"],
+        &["run", "tiny.ron", "--out", "rep", "--frames", "0..100000"],
+        &["replay", "x.rays", "--machine", "small.ron", "--fidelity", "Cycle", "--json", "y.json"],
+        &["profile", "x.rays", "--machine", "small.ron", "--out", "new/profile"],
+    ];
+    for command in commands {
+        for name in ["-INT", "-TERM", "-HUP"] {
+            let mut child = desk.spawn(command);
+            std::thread::sleep(Duration::from_millis(300));
+            for _ in 0..2 {
+                if child.try_wait().unwrap().is_none() {
+                    signal(child.id(), name);
+                }
+                std::thread::sleep(Duration::from_millis(50));
+            }
+            child.wait().unwrap();
+            assert_eq!(temporary(&desk), Vec::<String>::new(), "{command:?} {name}");
+            for written in ["rep", "new", "y.rays", "y.json"] {
+                let _ = fs::remove_dir_all(desk.path(written));
+                let _ = fs::remove_file(desk.path(written));
+            }
+            assert!(desk.contents() == before, "{command:?} {name}");
+        }
+    }
+}
+
+#[test]
+fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
+    let desk = Desk::with_experiment();
+    desk.put("sweep.ron", "(experiment: \"tiny.ron\", frames: \"0..2\", vary: {\"clock_mhz\": [400, 600]})");
+    desk.succeed(&["trace", "tiny.ron", "-o", "in.rays", "--frames", "0..2"]);
+    let commands: [(&[&str], &str); 5] = [
+        (&["run", "tiny.ron", "--frames", "0..2", "--out", "rep"], "rep/summary.json"),
+        (&["trace", "tiny.ron", "--frames", "0..2", "-o", "x.rays"], "x.rays"),
+        (&["replay", "in.rays", "--machine", "small.ron", "--json", "x.json"], "x.json"),
+        (&["profile", "in.rays", "--machine", "small.ron", "--out", "pro"], "pro/reuse.csv"),
+        (&["sweep", "sweep.ron", "--out", "swe"], "swe/sweep.csv"),
+    ];
+    for (command, result) in commands {
+        let timings = |text: Vec<u8>| {
+            // Wall time is in the summary of a run.
+            String::from_utf8_lossy(&text).split("\"wall_seconds\"").next().unwrap().to_owned()
+        };
+        let read = || fs::read(desk.path(result)).ok().map(timings);
+        let begin = std::time::Instant::now();
+        desk.succeed(command);
+        let took = begin.elapsed();
+        let whole = read();
+        desk.put("notes.txt", "mine");
+        for moment in 0..8 {
+            if moment % 2 == 0 {
+                let top = desk.path(result.split('/').next().unwrap());
+                let _ = if top.is_dir() { fs::remove_dir_all(top) } else { fs::remove_file(top) };
+            }
+            let mut child = desk.spawn(command);
+            std::thread::sleep(took * moment / 8);
+            child.kill().unwrap();
+            child.wait().unwrap();
+            let found = read();
+            assert!(found.is_none() || found == whole, "{command:?}, moment {moment}: a part was taken for the whole");
+            assert!(moment % 2 == 0 || found == whole, "{command:?}, moment {moment}: the earlier result is lost");
+        }
+        // Two at once: one may be refused, and the result is whole.
+        let mut first = desk.spawn(command);
+        let second = desk.program(command).output().unwrap();
+        assert!(matches!(second.status.code(), Some(0 | 2)), "{}", error_text(&second));
+        first.wait().unwrap();
+        desk.succeed(command);
+        assert_eq!(read(), whole, "{command:?}");
+        assert_eq!(temporary(&desk), Vec::<String>::new(), "{command:?}");
+    }
+}
