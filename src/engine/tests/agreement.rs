@@ -17,23 +17,23 @@ use crate::ron_file;
 use crate::stream::StreamReader;
 
 fn counted(
-    engine: &mut impl Engine,
+    engine: &mut dyn Engine,
     machine: &MachineSpec,
     stream: &[Item],
 ) -> Result<(Tally, Vec<ChannelLog>), String> {
     engine.logs().into_iter().for_each(ChannelLog::keep);
-    let tally = replay(engine, machine, items(stream.to_vec()), None).map_err(|error| error.to_string())?;
+    let tally = replay(engine, machine, &mut items(stream.to_vec()), None).map_err(|error| error.to_string())?;
     Ok((tally, engine.logs().into_iter().map(|log| log.clone()).collect()))
 }
 
 /// What both engines counted, or where they differ.
-pub(super) fn agree(
+pub(crate) fn agree(
     machine: &MachineSpec,
     header: &Header,
     stream: &[Item],
 ) -> Result<(Tally, Vec<ChannelLog>), String> {
-    let event = counted(&mut event::Event::new(machine, header), machine, stream)?;
-    let cycle = counted(&mut cycle::Cycle::new(machine, header), machine, stream)?;
+    let event = counted(&mut Event::new(machine, header), machine, stream)?;
+    let cycle = counted(&mut Cycle::new(machine, header), machine, stream)?;
     for (channel, (event, cycle)) in event.1.iter().zip(&cycle.1).enumerate() {
         if let Some(at) = event.commands().iter().zip(cycle.commands()).position(|(event, cycle)| event != cycle) {
             let (event, cycle) = (event.commands()[at], cycle.commands()[at]);
@@ -58,7 +58,7 @@ pub(super) fn agree(
 
 /// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as many,
 /// always others. The message of a failure is short.
-pub(super) fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
+pub(crate) fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
     let long = std::env::var_os("UMBRASIM_LONG").is_some();
     let cases = if long { 20 * cases } else { cases };
     let config = Config { cases, failure_persistence: None, ..Config::default() };
@@ -189,9 +189,9 @@ fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
 #[test]
 fn waking_more_often_changes_nothing() {
     check_many(50, (machines(), streams()), |(machine, stream)| {
-        let mut engine = event::Event::new(&machine, &header());
+        let mut engine = Event::new(&machine, &header());
         let lazy = counted(&mut engine, &machine, &stream)?;
-        let mut engine = event::Event::new(&machine, &header());
+        let mut engine = Event::new(&machine, &header());
         engine.eager = true;
         let eager = counted(&mut engine, &machine, &stream)?;
         if lazy == eager { Ok(()) } else { Err("the eager run differs".into()) }
