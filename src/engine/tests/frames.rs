@@ -26,14 +26,18 @@ fn on(machine: &MachineSpec, level: Level, header: &Header, stream: &[Item]) -> 
 
 #[test]
 fn both_engines_count_the_same_in_every_frame() {
-    check_many(100, (machines(), streams(), 0..2u32), |(machine, stream, warmup)| {
-        let (header, stream) = numbered(&stream, warmup);
-        let [event, cycle] = [Level::Event, Level::Cycle].map(|level| on(&machine, level, &header, &stream));
-        if event != cycle {
-            return Err(format!("Event {event:#?}\nCycle {cycle:#?}"));
-        }
-        Ok(())
-    });
+    check_many(
+        100,
+        || (machines(), streams(), 0..2u32),
+        |(machine, stream, warmup)| {
+            let (header, stream) = numbered(&stream, warmup);
+            let [event, cycle] = [Level::Event, Level::Cycle].map(|level| on(&machine, level, &header, &stream));
+            if event != cycle {
+                return Err(format!("Event {event:#?}\nCycle {cycle:#?}"));
+            }
+            Ok(())
+        },
+    );
 }
 
 /// A stream whose frames ask for the same lines, and those of the first alone.

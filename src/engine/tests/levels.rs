@@ -18,30 +18,34 @@ use crate::stream::{Chunk, Totals};
 /// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
 #[test]
 fn profile_does_the_same_work_as_event_on_any_machine() {
-    check_many(200, (machines(), streams()), |(mut machine, stream)| {
-        let unit = &mut machine.shadow_cache;
-        (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
-        // What is gathered hangs on time.
-        (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
-        // Of operations that begin at once, one cycle is busy.
-        unit.width = num(1);
-        if unit.cache.contents == Contents::Ideal {
-            unit.writes = WritePolicy::Back;
-        }
-        let [profile, event] = ["Profile", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
-        let work = |stats: &MachineStats| {
-            let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();
-            let l1s = stats.caches.iter().filter(|(name, _)| name.starts_with("l1"));
-            let accesses: Vec<_> = l1s.flat_map(|(_, classes)| classes.values().map(|it| it.accesses)).collect();
-            let asked: Vec<_> = stats.bytes.iter().filter(|(name, _)| name.starts_with("l1")).collect();
-            format!("{:?}", (stats.rays, &busy[1..], accesses, asked))
-        };
-        if work(&profile) == work(&event) {
-            Ok(())
-        } else {
-            Err(format!("Profile {}\nEvent {}", work(&profile), work(&event)))
-        }
-    });
+    check_many(
+        200,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            let unit = &mut machine.shadow_cache;
+            (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+            // What is gathered hangs on time.
+            (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
+            // Of operations that begin at once, one cycle is busy.
+            unit.width = num(1);
+            if unit.cache.contents == Contents::Ideal {
+                unit.writes = WritePolicy::Back;
+            }
+            let [profile, event] = ["Profile", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
+            let work = |stats: &MachineStats| {
+                let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();
+                let l1s = stats.caches.iter().filter(|(name, _)| name.starts_with("l1"));
+                let accesses: Vec<_> = l1s.flat_map(|(_, classes)| classes.values().map(|it| it.accesses)).collect();
+                let asked: Vec<_> = stats.bytes.iter().filter(|(name, _)| name.starts_with("l1")).collect();
+                format!("{:?}", (stats.rays, &busy[1..], accesses, asked))
+            };
+            if work(&profile) == work(&event) {
+                Ok(())
+            } else {
+                Err(format!("Profile {}\nEvent {}", work(&profile), work(&event)))
+            }
+        },
+    );
 }
 
 #[test]
@@ -79,50 +83,54 @@ fn misses_are_those_of_the_rays_that_ask() {
             [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.marked[class])]],
         )
     }
-    check_many(100, (machines(), streams()), |(mut machine, stream)| {
-        // Steps of a frame's end are no ray's: there are none.
-        (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
-        // Every other chunk, and the others.
-        let marked = |odd: usize| -> Vec<Item> {
-            let mut totals = Totals::default();
-            let mark = |(at, item): (usize, &Item)| match item {
-                Item::Rays(chunk) => {
-                    chunk.rays().for_each(|ray| totals.count(&ray));
-                    let mut chunk = Chunk::clone(chunk);
-                    if at % 2 == odd {
-                        chunk.mark();
+    check_many(
+        100,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            // Steps of a frame's end are no ray's: there are none.
+            (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
+            // Every other chunk, and the others.
+            let marked = |odd: usize| -> Vec<Item> {
+                let mut totals = Totals::default();
+                let mark = |(at, item): (usize, &Item)| match item {
+                    Item::Rays(chunk) => {
+                        chunk.rays().for_each(|ray| totals.count(&ray));
+                        let mut chunk = Chunk::clone(chunk);
+                        if at % 2 == odd {
+                            chunk.mark();
+                        }
+                        Item::Rays(Arc::new(chunk))
                     }
-                    Item::Rays(Arc::new(chunk))
-                }
-                Item::End { .. } => Item::End { policy: Arc::default(), totals: std::mem::take(&mut totals) },
-                frame => frame.clone(),
+                    Item::End { .. } => Item::End { policy: Arc::default(), totals: std::mem::take(&mut totals) },
+                    frame => frame.clone(),
+                };
+                stream.iter().enumerate().map(mark).collect()
             };
-            stream.iter().enumerate().map(mark).collect()
-        };
-        let streams = [marked(0), marked(1)];
-        let header = header();
-        let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
-        let mut by = vec![("Event", streams.each_ref().map(event))];
-        if known_to_profile(&machine) {
-            let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
-            by.push(("Profile", streams.each_ref().map(profile)));
-        }
-        for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
-            // A register writes entries of stores out for no ray.
-            let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
-            let is_right = |class: TrafficClass, all: u64, sum: u64| {
-                sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(&class) && sum < all
-            };
-            let levels = levels.iter().zip(&same_levels);
-            let are_right = levels.clone().all(|([all, some], [same, others])| {
-                let sums = some.iter().zip(others).map(|(some, others)| some + others);
-                let mut classes = TrafficClass::ALL.into_iter().zip(all).zip(sums);
-                all == same && classes.all(|((class, &all), sum)| is_right(class, all, sum))
-            });
-            if cycles != as_many || !are_right {
-                return Err(format!("{engine}: {cycles} {as_many}, {:?}", levels.collect::<Vec<_>>()));
+            let streams = [marked(0), marked(1)];
+            let header = header();
+            let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
+            let mut by = vec![("Event", streams.each_ref().map(event))];
+            if known_to_profile(&machine) {
+                let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
+                by.push(("Profile", streams.each_ref().map(profile)));
             }
-        }
-        Ok(())
-    });
+            for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
+                // A register writes entries of stores out for no ray.
+                let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
+                let is_right = |class: TrafficClass, all: u64, sum: u64| {
+                    sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(&class) && sum < all
+                };
+                let levels = levels.iter().zip(&same_levels);
+                let are_right = levels.clone().all(|([all, some], [same, others])| {
+                    let sums = some.iter().zip(others).map(|(some, others)| some + others);
+                    let mut classes = TrafficClass::ALL.into_iter().zip(all).zip(sums);
+                    all == same && classes.all(|((class, &all), sum)| is_right(class, all, sum))
+                });
+                if cycles != as_many || !are_right {
+                    return Err(format!("{engine}: {cycles} {as_many}, {:?}", levels.collect::<Vec<_>>()));
+                }
+            }
+            Ok(())
+        },
+    );
 }

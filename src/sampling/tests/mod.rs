@@ -35,16 +35,20 @@ fn a_sample_of_everything_is_everything() {
 /// Whatever the machine: each window can be replayed by itself, and does what its rays ask for (which every replay checks).
 #[test]
 fn any_machine_can_be_sampled() {
-    check_many(100, (machines(), streams()), |(machine, stream)| {
-        let whole = on(&machine, &header(), "Event", &stream);
-        let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
-        let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
-        let header = header();
-        let sampler = Sampler::new(Sampled::Event, &machine, &header);
-        let pass = sampler.pass(&plan, 0, &mut items(stream)).map_err(|error| error.to_string())?;
-        let sampled = Findings::of(&sampler, pass).map_err(|error| error.to_string())?.estimate(&machine, 2);
-        if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
-    });
+    check_many(
+        100,
+        || (machines(), streams()),
+        |(machine, stream)| {
+            let whole = on(&machine, &header(), "Event", &stream);
+            let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
+            let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
+            let header = header();
+            let sampler = Sampler::new(Sampled::Event, &machine, &header);
+            let pass = sampler.pass(&plan, 0, &mut items(stream)).map_err(|error| error.to_string())?;
+            let sampled = Findings::of(&sampler, pass).map_err(|error| error.to_string())?.estimate(&machine, 2);
+            if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
+        },
+    );
 }
 
 /// Who replays what, and in which order windows are done, is chance.
