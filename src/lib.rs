@@ -83,6 +83,7 @@ pub mod ron_file;
 pub(crate) mod sampling;
 pub mod scene;
 pub(crate) mod shipped;
+pub(crate) mod size;
 pub(crate) mod spread;
 pub mod stats;
 pub mod stream;

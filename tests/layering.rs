@@ -15,8 +15,9 @@ use std::path::Path;
 const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
+    ("size", &[]),
     ("random", &[]),
-    ("ranged", &[]),
+    ("ranged", &["size"]),
     ("named", &[]),
     ("output", &[]),
     ("input", &["output"]),

@@ -1,10 +1,12 @@
 //! Which line of a full set goes.
 
-use crate::random::mix;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::random::mix;
+
 /// A replacement policy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Policy {
     /// The line that was used longest ago.
     #[default]

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::engine::retired::{self, WithoutRetired};
@@ -11,7 +12,7 @@ use crate::machine::SpecError;
 use crate::ranged::Share;
 
 /// How a machine is replayed, from the cheapest to the plainest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub enum Fidelity {
     /// Closed forms that no machine can beat.

@@ -176,13 +176,13 @@ fn engines_agree_where_fills_wait() {
         |(mut machine, stream)| {
             let line = machine.line_bytes.get();
             let cache = &mut machine.shadow_cache.cache;
-            (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (num(2 * line), num(2), num(1), num(4));
+            (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (size(2 * line), num(2), num(1), num(4));
             (cache.latency, cache.targets, cache.contents) = (num(20), num(4), Contents::Tags);
             machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
             machine.shadow_cache.contexts = num(6);
             let small = BankedSpec {
                 contents: Contents::Tags,
-                bytes: num(2 * line),
+                bytes: size(2 * line),
                 ways: num(2),
                 queue: num(1),
                 banks: pow(1),
@@ -205,7 +205,7 @@ fn engines_agree_where_hits_are_foreseen() {
             let caches = [&mut machine.traversal.cache, &mut machine.list.cache, &mut machine.intersection.cache];
             for cache in caches {
                 (cache.ports, cache.banks, cache.latency) = (num(1), None, num(1));
-                cache.bytes = num(cache.bytes.get() << (2 * more));
+                cache.bytes = size(cache.bytes.get() << (2 * more));
             }
             machine.traversal.interval = num(1);
             machine.list.interval = num(1);
