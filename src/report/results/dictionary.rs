@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::columns::{NAMES, VALUES, VARIED};
 use super::names::Metric;
-use super::table::{MEASURES, NAMES, VARIED};
 use crate::report::csv_table::CsvTable;
 use crate::report::error::ReportError;
 use crate::report::writer::ReportFile;
@@ -28,9 +28,9 @@ impl Dictionary {
     pub(super) fn file(&self, varied: &[&str]) -> Result<ReportFile, ReportError> {
         let row = |cells: [&str; 5]| cells.map(str::to_owned).to_vec();
         let column = |name, about| row(["column", name, "", about, ""]);
-        let columns = NAMES.iter().map(|(name, about)| column(name, about));
+        let columns = NAMES.iter().map(|it| column(it.name, it.about));
         let columns = columns.chain(varied.iter().map(|field| column(field, VARIED)));
-        let columns = columns.chain(MEASURES.iter().map(|(name, about)| column(name, about)));
+        let columns = columns.chain(VALUES.iter().map(|it| column(it.name, it.about)));
         let metrics =
             self.0.values().flat_map(BTreeMap::values).map(|it| row(["metric", &it.name, it.unit, it.about, &it.path]));
         let head = ["entry", "name", "unit", "meaning", "path_in_summary"];

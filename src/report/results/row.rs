@@ -1,10 +1,11 @@
-//! A row of `results.csv`.
+//! A row of `results.csv`, and who gives rows.
 
 use std::fmt;
 
 use serde_json::Number;
 
 use super::names::Metric;
+use crate::report::error::ReportError;
 
 /// What a row's number is summed over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,17 @@ impl Amount {
     }
 }
 
+#[cfg(feature = "parquet")]
+impl Amount {
+    /// The nearest `f64`.
+    pub(super) fn as_f64(self) -> f64 {
+        match self {
+            Self::Whole(count) => count as f64,
+            Self::Real(measure) => measure,
+        }
+    }
+}
+
 impl fmt::Display for Amount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -57,6 +69,10 @@ impl fmt::Display for Amount {
 /// What a number is of. What does not apply is absent.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::report) struct Subject<'a> {
+    /// The run's name.
+    pub run: &'a str,
+    /// The scene's name.
+    pub scene: &'a str,
     /// What the number is summed over.
     pub scope: Scope,
     /// The frame, if it is of one.
@@ -65,7 +81,7 @@ pub(in crate::report) struct Subject<'a> {
     pub policy: &'a str,
     /// The machine and its fidelity level; none of what the tracer counted.
     pub machine: Option<(&'a str, &'a str)>,
-    /// Values of the varied fields, in the order of [`super::Results::varied`]; absent is as in the machine's file.
+    /// Values of the varied fields, in the order of [`Results::varied`]; absent is as in the machine's file.
     pub varied: &'a [Option<&'a str>],
 }
 
@@ -84,4 +100,21 @@ pub(in crate::report) struct Row<'a> {
     pub value: Amount,
     /// Half the width of its 95 % interval: 0 of an exact number, absent where nobody knows.
     pub half_width: Option<f64>,
+}
+
+/// Takes a row.
+pub(in crate::report) type Take<'t> = dyn FnMut(&Row<'_>) -> Result<(), ReportError> + 't;
+
+/// A report whose numbers are rows.
+pub(in crate::report) trait Results {
+    /// Fields of machines that differ from row to row, each a column of its own.
+    fn varied(&self) -> Vec<&str> {
+        Vec::new()
+    }
+
+    /// Hands over all rows, in a fixed order.
+    ///
+    /// # Errors
+    /// A number has no form in JSON, or `take` fails.
+    fn rows(&self, take: &mut Take<'_>) -> Result<(), ReportError>;
 }

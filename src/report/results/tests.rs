@@ -148,3 +148,36 @@ fn a_sweep_has_a_column_a_varied_field() {
     let replays = results.iter().filter(|row| row["metric"] == "split.cycles").map(|row| row["class"].as_str());
     assert_eq!(replays.collect::<BTreeSet<_>>(), BTreeSet::from(["as_it_is", "free_words", "without_culling"]));
 }
+
+#[cfg(feature = "parquet")]
+#[test]
+fn parquet_holds_the_same_rows() {
+    use parquet::file::reader::{FileReader, SerializedFileReader};
+    use parquet::record::Field;
+
+    for results in [files(&sample(&[0, 16]).summary).unwrap(), files(&sweep()).unwrap()] {
+        let of = |name: &str| &results.iter().find(|(file, _)| file.to_str() == Some(name)).unwrap().1;
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("results.parquet");
+        std::fs::write(&path, of("results.parquet")).unwrap();
+        let reader = SerializedFileReader::new(std::fs::File::open(&path).unwrap()).unwrap();
+        let mut read = reader.get_row_iter(None).unwrap();
+        let mut csv = csv::Reader::from_reader(of("results.csv").as_slice());
+        let head = csv.headers().unwrap().clone();
+        for row in csv.records() {
+            let (row, found) = (row.unwrap(), read.next().unwrap().unwrap());
+            for ((name, text), (column, field)) in head.iter().zip(&row).zip(found.get_column_iter()) {
+                let same = match field {
+                    Field::Null => text.is_empty(),
+                    Field::Str(found) => found == text,
+                    Field::Long(found) => text.parse() == Ok(*found),
+                    Field::Double(found) => text.parse() == Ok(*found),
+                    other => panic!("{other:?}"),
+                };
+                assert!(same && name == column, "{name}: {text} and {field:?}");
+            }
+            assert_eq!(found.len(), head.len());
+        }
+        assert!(read.next().is_none());
+    }
+}

@@ -3,10 +3,9 @@
 use serde::Serialize;
 use serde_json::Value;
 
-use super::Take;
+use super::columns::RESULTS_FILE;
 use super::names::{Family, Metric, Node, Place};
-use super::row::{Amount, Row, Subject};
-use super::table::RESULTS_FILE;
+use super::row::{Amount, Row, Subject, Take};
 use crate::report::error::ReportError;
 
 /// Half the width of the interval of the number at a path.

@@ -32,25 +32,30 @@ fn exact(_: &str) -> Option<f64> {
 }
 
 impl Results for Summary {
-    fn run(&self) -> &str {
-        &self.experiment
-    }
-
-    fn scene(&self) -> &str {
-        &self.scene.name
-    }
-
     fn rows(&self, take: &mut Take<'_>) -> Result<(), ReportError> {
         let families = Families::new();
-        self.policies.iter().try_for_each(|(name, policy)| families.of_policy(name, policy, take))?;
-        self.machines.iter().try_for_each(|(name, machine)| families.of_machine(name, machine, take))
+        let run = Subject {
+            run: &self.experiment,
+            scene: &self.scene.name,
+            scope: Scope::Total,
+            frame: None,
+            policy: "",
+            machine: None,
+            varied: &[],
+        };
+        for (name, policy) in self.policies.iter() {
+            families.of_policy(Subject { policy: name, ..run }, policy, take)?;
+        }
+        for (name, machine) in self.machines.iter() {
+            families.of_machine(Subject { machine: Some((name, &machine.fidelity)), ..run }, machine, take)?;
+        }
+        Ok(())
     }
 }
 
 impl Families {
     /// What the tracer counted.
-    fn of_policy(&self, name: &str, policy: &PolicySummary, take: &mut Take<'_>) -> Result<(), ReportError> {
-        let of = Subject { scope: Scope::Total, frame: None, policy: name, machine: None, varied: &[] };
+    fn of_policy(&self, of: Subject<'_>, policy: &PolicySummary, take: &mut Take<'_>) -> Result<(), ReportError> {
         let walk = Walk { family: &self.policy, of, part: None, half_width: &exact };
         walk.rows(policy, take)?;
         for light in &policy.lights {
@@ -69,10 +74,9 @@ impl Families {
     }
 
     /// What a machine measured.
-    fn of_machine(&self, name: &str, machine: &MachineSummary, take: &mut Take<'_>) -> Result<(), ReportError> {
-        let named = Some((name, machine.fidelity.as_str()));
+    fn of_machine(&self, of: Subject<'_>, machine: &MachineSummary, take: &mut Take<'_>) -> Result<(), ReportError> {
         for (policy, run) in machine.policies.iter() {
-            let of = Subject { scope: Scope::Total, frame: None, policy, machine: named, varied: &[] };
+            let of = Subject { policy, ..of };
             let half_width = |path: &str| half_width(run, path);
             let walk = Walk { family: &self.machine, of, part: None, half_width: &half_width };
             walk.rows(run, take)?;

@@ -8,14 +8,6 @@ use crate::report::results::{Family, Results, Scope, Subject, Take, Walk};
 const EXACT: [&str; 2] = ["Event", "Cycle"];
 
 impl Results for SweepSummary {
-    fn run(&self) -> &str {
-        &self.experiment
-    }
-
-    fn scene(&self) -> &str {
-        &self.scene
-    }
-
     fn varied(&self) -> Vec<&str> {
         let mut fields: Vec<&str> = Vec::new();
         for change in self.points.iter().flat_map(|point| &point.changes) {
@@ -38,7 +30,15 @@ impl Results for SweepSummary {
             };
             let varied: Vec<Option<&str>> = fields.iter().map(value).collect();
             let machine = Some((point.machine.as_str(), self.fidelity.as_deref().unwrap_or_default()));
-            let of = Subject { scope: Scope::Total, frame: None, policy: &point.policy, machine, varied: &varied };
+            let of = Subject {
+                run: &self.experiment,
+                scene: &self.scene,
+                scope: Scope::Total,
+                frame: None,
+                policy: &point.policy,
+                machine,
+                varied: &varied,
+            };
             let walk = Walk { family: &split, of, part: None, half_width: &half_width };
             walk.rows(&point.split, take)?;
             Walk { family: &own, part: Some("dram"), ..walk }.rows(point, take)?;
