@@ -91,6 +91,7 @@ pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> R
     Ok(SweepSummary {
         experiment: experiment.spec.name.clone(),
         scene: experiment.scene.name.clone(),
+        fidelity: Some(fidelity.to_string()),
         frames: experiment.frames.clone(),
         resolution: experiment.spec.resolution,
         points: found,
