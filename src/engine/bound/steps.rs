@@ -129,7 +129,8 @@ impl StepWork {
     }
 
     fn tag(&self, steps: Steps, tag: usize, header: &Header) -> Tag {
-        let first = Step::of_tag(tag).filter(|step| step.entry().is_none() || self.stores_count);
+        let is_there = |(store, _)| self.stores_count && header.stores.of(store) > 0;
+        let first = Step::of_tag(tag).filter(|step| step.entry().is_none_or(is_there));
         let Some(first) = first else { return NOTHING };
         let by_policy = matches!(steps, Steps::Policy);
         let (named, dynamic) = match first {
