@@ -1,4 +1,5 @@
-//! Hits are foreseen: most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue.
+//! Hits are foreseen: most fetches are hits, and all that becomes of one is known when its ray is the first of the
+//! fetch queue.
 
 use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
@@ -8,7 +9,8 @@ use crate::memory::cache::Access;
 use crate::quantity::Bytes;
 
 impl Pipeline {
-    /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be replaced while it works.
+    /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be
+    /// replaced while it works.
     pub(crate) fn foresee_nothing(&mut self) {
         self.foresees = false;
     }
@@ -33,24 +35,27 @@ impl Pipeline {
         self.fetching.len() | self.hits.len() | self.ready.len() | self.released.len()
     }
 
-    /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's latency.
+    /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's
+    /// latency.
     #[inline]
     pub(super) fn first_unknown(&self, now: u64, links: &Links) -> u64 {
         let line = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
         line.min(now + self.answer_latency + 1)
     }
 
-    /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and all before it have left the
-    /// ready list: the port is free from cycle `access_at` on, a line is there in the cycle after its access, and the operation begins when those
-    /// before it have begun. So accesses are made at once, in their turn, from cycle `from` on, and the ray enters the pipeline, for a
-    /// later cycle. All that is before cycle `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes on
-    /// as others do.
+    /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and
+    /// all before it have left the ready list: the port is free from cycle `access_at` on, a line is there a hit's latency
+    /// after its access, and the operation begins when those before it have begun. So accesses are made at once, in
+    /// their turn, from cycle `from` on, and the ray enters the pipeline, for a later cycle. All that is before cycle
+    /// `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes on as others
+    /// do.
     #[inline]
     pub(super) fn foresee(&mut self, ray: RayId, fetch: &mut Fetch, from: u64, bound: u64) -> bool {
         let access = if fetch.write { Access::Write } else { Access::Read };
         loop {
             let access_at = from.max(self.access_at);
-            let begin = (access_at + 1).max(self.open_at);
+            let there_at = access_at + self.hit_latency;
+            let begin = there_at.max(self.open_at);
             if begin >= bound || !self.cache.hit(fetch.line, fetch.class, access) {
                 return false;
             }
@@ -69,8 +74,8 @@ impl Pipeline {
         }
     }
 
-    /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready list, hits that get their
-    /// lines in the next cycle, and the fetch queue up to the first line that is not there.
+    /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready
+    /// list, hits that get their lines in the next cycle, and the fetch queue up to the first line that is not there.
     pub(super) fn foresee_queued(&mut self, now: u64, links: &mut Links) {
         while let Some(ray) = self.ready.pop_front() {
             self.enter_ahead(ray, self.open_at.max(now + 1));
@@ -79,12 +84,16 @@ impl Pipeline {
         if bound <= now + 1 || !self.released.is_empty() {
             return;
         }
-        while let Some((_, ray)) = self.hits.pop_front() {
+        while let Some(&(at, ray)) = self.hits.front() {
+            if at >= bound {
+                return;
+            }
+            self.hits.drop_front();
             let fetch = &mut links.rays[ray as usize].fetch;
             fetch.missing -= 1;
             if fetch.missing == 0 && fetch.left == 0 {
                 self.waiting -= 1;
-                self.enter_ahead(ray, self.open_at.max(now + 1));
+                self.enter_ahead(ray, self.open_at.max(at));
             }
         }
         while let Some(&ray) = self.fetching.front().filter(|_| !self.stuck) {

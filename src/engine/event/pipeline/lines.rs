@@ -128,9 +128,9 @@ impl Pipeline {
         }
     }
 
-    /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it does if it is the first of
-    /// the ready list, and no other can begin beside it. `line` is the first to come from the L2: of those that
-    /// come in the next cycle all are known, since an answer takes the L2's latency.
+    /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it
+    /// does if it is the first of the ready list, and no other can begin beside it. `line` is the first to come from
+    /// the L2: of those that come in the next cycle all are known, since an answer takes the L2's latency.
     #[inline]
     pub(super) fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
         self.hit_latency == 1

@@ -97,7 +97,8 @@ impl Pipeline {
         }
     }
 
-    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation began.
+    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation
+    /// began.
     pub(crate) fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
         let at = self.end_crowded(now, links, leaving, true);
         if at != u64::MAX {
@@ -105,7 +106,8 @@ impl Pipeline {
         }
     }
 
-    /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is known.
+    /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is
+    /// known.
     pub(super) fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
         self.accessed = false;
         let stalled = self.access(now, links);
@@ -137,7 +139,8 @@ impl Pipeline {
         self.next_event(now, lines).min(access)
     }
 
-    /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first line comes.
+    /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first
+    /// line comes.
     #[inline]
     pub(super) fn next_event(&self, now: u64, lines: u64) -> u64 {
         let begin = if self.ready.is_empty() { u64::MAX } else { self.open_at.max(now + 1) };
@@ -147,7 +150,8 @@ impl Pipeline {
         begin.min(line).min(hit).min(stage)
     }
 
-    /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or elsewhere.
+    /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or
+    /// elsewhere.
     #[inline]
     pub(super) fn idle_cause(&self, held: bool) -> Cause {
         if held {
@@ -169,7 +173,8 @@ impl Pipeline {
         self.causes.cycle(now, idle);
     }
 
-    /// Counts the cycles up to that in which the last operation begins that is known to: until then, its ray waits for its line.
+    /// Counts the cycles up to that in which the last operation begins that is known to: until then, its ray waits for
+    /// its line.
     #[inline]
     pub(super) fn account_ahead(&mut self, now: u64, held: bool) {
         if self.begins_last > now {

@@ -66,10 +66,11 @@ pub(crate) struct Pipeline {
     pub(super) written_through: [Past; TrafficClass::ALL.len()],
     pub(super) causes: Causes,
     pub(super) filled: bool,
-    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes, it finds none.
+    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes,
+    /// it finds none.
     pub(super) stuck: bool,
-    /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
-    /// waits a place: a fill that waits can be made then.
+    /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or
+    /// given the line that waits a place: a fill that waits can be made then.
     pub(super) accessed: bool,
     /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
     pub(super) foresees: bool,
@@ -102,7 +103,7 @@ impl Pipeline {
     ) -> Self {
         let Memory { line, answer_latency } = memory;
         let one_a_cycle = cache.ports.get() == 1 && timing.interval == 1 && timing.width == 1;
-        let foresees = one_a_cycle && cache.latency.get() == 1 && writes == WritePolicy::Back;
+        let foresees = one_a_cycle && writes == WritePolicy::Back;
         Self {
             part,
             core,
