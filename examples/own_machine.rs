@@ -7,7 +7,7 @@ use std::path::Path;
 
 use umbrasim::engine::{self, Fidelity};
 use umbrasim::machine::MachineSpec;
-use umbrasim::ranged::Within;
+use umbrasim::ranged::{Size, Within};
 use umbrasim::stream::StreamReader;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for kibibytes in [4, 8, 16, 32] {
         // Every field has a default; a field's type knows which numbers it may hold.
         let mut machine = MachineSpec { name: format!("{kibibytes} KiB"), ..MachineSpec::default() };
-        machine.traversal.cache.bytes = Within::new(kibibytes * 1024)?;
+        machine.traversal.cache.bytes = Size::new(kibibytes * 1024)?;
         machine.dispatcher.rays = Within::new(256)?;
         // Checks what single fields cannot: here, that sets and ways fit the size.
         machine.check()?;

@@ -80,6 +80,7 @@ pub mod report;
 pub mod ron_file;
 pub mod scene;
 pub(crate) mod shipped;
+pub(crate) mod size;
 pub(crate) mod spread;
 pub mod stats;
 pub mod stream;

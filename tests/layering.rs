@@ -15,7 +15,8 @@ use std::path::Path;
 const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
-    ("ranged", &[]),
+    ("size", &[]),
+    ("ranged", &["size"]),
     ("named", &[]),
     ("output", &[]),
     ("input", &["output"]),

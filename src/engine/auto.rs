@@ -15,7 +15,7 @@ use crate::memory::dram::spec::Model;
 use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::quantity::Bytes;
-use crate::ranged::Within;
+use crate::ranged::{Size, Within};
 use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
 use crate::stream::{Chunk, Header, Item, RayKind, Totals};
 
@@ -56,7 +56,7 @@ const PARTS: [Part; 8] = [
         let part = &machine.dram.part;
         let clocks = part.timing.rcd.get() + part.timing.cl.get();
         let latency = machine.dram.clocks(machine.clock_mhz.get()).cycle_after(clocks).max(1);
-        let bytes_per_cycle = a_channel.and_then(|bytes| Within::new(bytes).ok());
+        let bytes_per_cycle = a_channel.and_then(|bytes| Size::new(bytes).ok());
         if let Ok(latency) = Within::new(latency) {
             machine.dram.model = Model::Flat { latency, bytes_per_cycle };
         }

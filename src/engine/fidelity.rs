@@ -3,14 +3,16 @@
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::retired::{self, WithoutRetired};
 
 /// A share above 0, up to 1.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, JsonSchema)]
 #[serde(transparent)]
+#[schemars(inline, extend("exclusiveMinimum" = 0, "maximum" = 1))]
 pub struct Share(f64);
 
 impl Share {
@@ -50,7 +52,7 @@ impl<'de> Deserialize<'de> for Share {
 }
 
 /// What a sample is replayed with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Self")]
 pub enum Sampled {
     /// As [`Fidelity::Profile`].
@@ -70,7 +72,7 @@ impl Sampled {
 }
 
 /// How a machine is replayed, from the cheapest to the plainest.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub enum Fidelity {
     /// Closed forms that no machine can beat.

@@ -11,7 +11,7 @@ use super::progress;
 use crate::engine::{self, Fidelity, ReuseOf, Share};
 use crate::machine::MachineSpec;
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
-use crate::ranged::Within;
+use crate::ranged::{Size, Within};
 use crate::report::ladder_map::{Axis, Covered, Figure, LadderMap, Point, Row};
 use crate::scene::builtin::shapes::hash;
 use crate::stats::{Accuracy, MachineStats};
@@ -155,6 +155,10 @@ fn within<const LEAST: u64, const MOST: u64>(value: u64) -> Within<LEAST, MOST> 
     Within::new(value).expect("the sweep stays within what is allowed")
 }
 
+fn bytes<const LEAST: u64, const MOST: u64>(value: u64) -> Size<LEAST, MOST> {
+    Size::new(value).expect("the sweep stays within what is allowed")
+}
+
 /// A point of an axis: its value in words, and the case.
 type Made = (String, Case);
 
@@ -175,8 +179,8 @@ fn axes() -> Vec<(&'static str, Vec<Made>)> {
         (
             "L1, kB",
             points(&[1, 2, 8, 32, 128], |case, size: u64| {
-                case.machine.traversal.cache.bytes = within(size << 10);
-                case.machine.intersection.cache.bytes = within(size << 10);
+                case.machine.traversal.cache.bytes = bytes(size << 10);
+                case.machine.intersection.cache.bytes = bytes(size << 10);
             }),
         ),
         (

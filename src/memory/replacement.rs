@@ -1,9 +1,10 @@
 //! Which line of a full set goes.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// A replacement policy.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Policy {
     /// The line that was used longest ago.
     #[default]

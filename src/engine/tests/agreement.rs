@@ -154,13 +154,13 @@ fn engines_agree_where_fills_wait() {
     check_many(300, (machines(), sweeps()), |(mut machine, stream)| {
         let line = machine.line_bytes.get();
         let cache = &mut machine.shadow_cache.cache;
-        (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (num(2 * line), num(2), num(1), num(4));
+        (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (size(2 * line), num(2), num(1), num(4));
         (cache.latency, cache.targets, cache.contents) = (num(20), num(4), Contents::Tags);
         machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
         machine.shadow_cache.contexts = num(6);
         let small = BankedSpec {
             contents: Contents::Tags,
-            bytes: num(2 * line),
+            bytes: size(2 * line),
             ways: num(2),
             queue: num(1),
             banks: pow(1),

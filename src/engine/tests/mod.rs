@@ -19,12 +19,20 @@ use crate::memory::bank::BankedSpec;
 use crate::memory::cache::Release;
 use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::quantity::ListId;
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Size, Within};
 use crate::stats::{Cause, TrafficClass};
 use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
 
 fn num<const LO: u64, const HI: u64>(value: u64) -> Within<LO, HI> {
     Within::new(value).unwrap()
+}
+
+fn size<const LO: u64, const HI: u64>(value: u64) -> Size<LO, HI> {
+    Size::new(value).unwrap()
+}
+
+fn pow_size<const LO: u64, const HI: u64>(value: u64) -> PowerOfTwoSize<LO, HI> {
+    PowerOfTwoSize::new(value).unwrap()
 }
 
 fn pow<const LO: u64, const HI: u64>(value: u64) -> PowerOfTwo<LO, HI> {
@@ -46,8 +54,8 @@ fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
 /// The machine with other lines, and as many of them in a row of the DRAM.
 fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
     let row = &mut machine.dram.part.row_bytes;
-    *row = pow(row.get() / machine.line_bytes.get() * line);
-    machine.line_bytes = pow(line);
+    *row = pow_size(row.get() / machine.line_bytes.get() * line);
+    machine.line_bytes = pow_size(line);
     machine
 }
 
@@ -335,12 +343,12 @@ fn tiny() -> MachineSpec {
     machine.shadow_cache.contexts = num(1);
     let MachineSpec { traversal, list, intersection, shadow_cache, .. } = &mut machine;
     for cache in [&mut traversal.cache, &mut list.cache, &mut intersection.cache, &mut shadow_cache.cache] {
-        (cache.bytes, cache.ways) = (num(64), num(1));
+        (cache.bytes, cache.ways) = (size(64), num(1));
         (cache.mshrs, cache.targets, cache.queue) = (num(1), num(1), num(1));
     }
     machine.l2 = L2Spec::Unified(BankedSpec {
         banks: pow(1),
-        bytes: num(64),
+        bytes: size(64),
         ways: num(1),
         mshrs: num(1),
         targets: num(1),

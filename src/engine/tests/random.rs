@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::synthetic::{STATIC, SyntheticRay, frame, triangle};
-use super::{num, pow};
+use super::{num, pow, pow_size, size};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
@@ -54,7 +54,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
             CacheSpec {
                 no_allocate: NoAllocate { reads, writes },
                 contents,
-                bytes: num((line << ways) << sets),
+                bytes: size((line << ways) << sets),
                 ways: num(1 << ways),
                 replacement,
                 latency: num(latency),
@@ -73,7 +73,7 @@ fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
     (cache(line), 0..3u32, latency(300)).prop_map(|(cache, banks, latency)| BankedSpec {
         contents: cache.contents,
         no_allocate: cache.no_allocate,
-        bytes: num(cache.bytes.get() << banks),
+        bytes: size(cache.bytes.get() << banks),
         ways: cache.ways,
         banks: pow(1 << banks),
         replacement: cache.replacement,
@@ -105,7 +105,7 @@ fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
 
 fn model() -> impl Strategy<Value = Model> {
     let flat = (latency(300), prop::option::of(prop_oneof![1..9u64, 1..400u64]))
-        .prop_map(|(latency, bytes)| Model::Flat { latency: num(latency), bytes_per_cycle: bytes.map(num) });
+        .prop_map(|(latency, bytes)| Model::Flat { latency: num(latency), bytes_per_cycle: bytes.map(size) });
     prop_oneof![4 => Just(Model::Banks), 1 => flat]
 }
 
@@ -122,8 +122,8 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
                 clock_mhz: num(clock_mhz),
                 bank_groups: pow(1 << groups),
                 banks: pow(1 << (groups + banks)),
-                row_bytes: pow(line << columns),
-                burst_bytes: pow(line >> burst),
+                row_bytes: pow_size(line << columns),
+                burst_bytes: pow_size(line >> burst),
                 burst_clocks: num(burst_clocks),
                 ..DramPart::default()
             };
@@ -224,7 +224,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     (counts, latencies, caches, dram(line).boxed(), rest).prop_map(
         move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
             let mut machine =
-                MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
+                MachineSpec { clock_mhz: num(clock), line_bytes: pow_size(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
             let mut interval = 100;
             machine.dram.part.timing.refi = num(interval);
