@@ -10,13 +10,10 @@ use super::error::SweepError;
 use super::log::Log;
 use super::plan::Point;
 use super::points::{self, Measured, Refused};
+use super::replay::replay;
 use super::spec::Sweep;
 use super::streams::Recorded;
-use crate::engine;
-use crate::machine::MachineSpec;
 use crate::output::Turn;
-use crate::stats::MachineStats;
-use crate::stream::StreamReader;
 
 /// How long a process waits for a point that another one makes before it looks again.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -90,27 +87,12 @@ impl Maker<'_> {
         if !matches!(points::read(self.folder, point.key), Ok(Some(_))) {
             let stream = &self.streams[point.policy];
             let machine = point.role.machine(&self.sweep.machine(point.machine)?.spec);
-            let stats = self.replay(&machine, stream)?;
+            let stats = replay(&machine, self.sweep.experiment.spec.fidelity, stream, self.stop)?;
             let measured = Measured { stats, totals: stream.totals };
             points::write(self.folder, point.key, measured)
                 .map_err(|source| SweepError::File { path: file, source })?;
         }
         self.log.done(point.cost);
         Ok(true)
-    }
-
-    fn replay(&self, machine: &MachineSpec, stream: &Recorded) -> Result<MachineStats, SweepError> {
-        let reader = StreamReader::open(&stream.path)?;
-        // A replay that is stopped ends as a stream that is cut off does, and is not kept.
-        let items = reader.take_while(|_| !self.stop.load(Ordering::Relaxed));
-        let stats = engine::run(machine, self.sweep.experiment.spec.fidelity, &stream.header, items);
-        if self.stop.load(Ordering::Relaxed) {
-            return Err(SweepError::Stopped);
-        }
-        stats.map_err(|source| SweepError::Machine {
-            machine: machine.name.clone(),
-            policy: stream.header.policy.clone(),
-            source: Box::new(source),
-        })
     }
 }
