@@ -26,7 +26,7 @@ fn report(desk: &Desk, folder: &str) -> Vec<(String, Vec<u8>)> {
 
 fn collect(desk: &Desk, folder: &str, others: &[&str]) {
     desk.succeed(&[&["sweep", "w.ron", "--out", folder, "--collect"], others].concat());
-    assert_eq!(report(desk, "one").len(), 4);
+    assert!(report(desk, "one").iter().any(|(file, _)| file == "sweep.csv"));
     assert!(report(desk, folder) == report(desk, "one"), "{folder} differs");
 }
 

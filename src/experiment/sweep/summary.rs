@@ -35,6 +35,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
     Ok(SweepSummary {
         experiment: experiment.spec.name.clone(),
         scene: experiment.scene.name.clone(),
+        fidelity: Some(experiment.spec.fidelity.to_string()),
         frames: experiment.frames.clone(),
         resolution: experiment.spec.resolution,
         points: found,
