@@ -92,7 +92,7 @@ mod tests {
             Ok::<_, String>((stats, std::fs::read_to_string(&path).map_err(|error| error.to_string())?))
         };
         check_many(
-            60,
+            40,
             || (machines(), streams(), 0..2u32, 1..300u64),
             |(machine, stream, warmup, interval)| {
                 let (header, stream) = numbered(&stream, warmup);

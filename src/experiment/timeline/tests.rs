@@ -164,7 +164,7 @@ fn slices_of_random_machines_sum_to_the_frames_causes_and_both_engines_write_the
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("timeline");
     check_many(
-        40,
+        24,
         || (machines(), streams(), 0..3u32),
         |(machine, stream, frame)| {
             let (header, stream) = numbered(&stream, 0);
@@ -192,7 +192,7 @@ fn slices_of_random_machines_sum_to_the_frames_causes_and_both_engines_write_the
 fn a_timeline_is_small_and_shows_queues_and_misses() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("timeline");
-    let rays = bvh_like(3, 2000, 20, 2);
+    let rays = bvh_like(3, 1000, 12, 2);
     let (header, stream) = numbered(&frame(FrameInfo::default(), &rays, &[], 64), 0);
     let machine = MachineSpec::default();
     timeline(&machine, Exact::Event, &header, &stream, 0, &path).unwrap();
