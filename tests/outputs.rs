@@ -10,3 +10,5 @@ mod kills;
 mod reports;
 #[path = "outputs/sweeps.rs"]
 mod sweeps;
+#[path = "outputs/versions.rs"]
+mod versions;
