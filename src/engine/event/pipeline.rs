@@ -67,6 +67,8 @@ pub(crate) struct Pipeline {
     requested: [Bytes; TrafficClass::ALL.len()],
     written_through: [Past; TrafficClass::ALL.len()],
     causes: Causes,
+    /// Operations that began beside the first of a cycle.
+    beside: u64,
     filled: bool,
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
@@ -124,6 +126,7 @@ impl Pipeline {
             requested: [Bytes(0); TrafficClass::ALL.len()],
             written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
+            beside: 0,
             filled: false,
             accessed: false,
             foresees,
@@ -336,7 +339,7 @@ impl Pipeline {
     pub(crate) fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = self.begin(now, rays);
         if began {
-            (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).for_each(drop);
+            self.beside += (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).count() as u64;
         }
         began
     }
@@ -640,6 +643,11 @@ impl Pipeline {
     /// The unit's cycles.
     pub(crate) fn causes(&self) -> &Causes {
         &self.causes
+    }
+
+    /// Operations that began in a run of `cycles`.
+    pub(crate) fn operations(&self, cycles: u64) -> u64 {
+        self.causes.until(cycles)[Cause::Busy as usize].div_ceil(self.timing.interval) + self.beside
     }
 
     /// The state of the queues, for the report of a deadlock.

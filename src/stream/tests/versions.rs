@@ -22,7 +22,7 @@ fn today(word: u32) -> Result<u32, Fault> {
 
 #[test]
 fn packed_steps_get_the_tags_of_today() {
-    for id in [0, 1, 0x1234_567, Step::MAX_INDEX] {
+    for id in [0, 1, 0x123_4567, Step::MAX_INDEX] {
         for (tag, step) in steps(id) {
             assert_eq!(today(tag << 28 | id), Ok(step.pack()), "{step:?}");
         }
