@@ -1,5 +1,6 @@
 mod agreement;
 mod allocation;
+mod anomalies;
 mod frames;
 mod ideal;
 mod ladder;
