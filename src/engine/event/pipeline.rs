@@ -70,6 +70,8 @@ pub(crate) struct Pipeline {
     /// Operations that began beside the first of a cycle.
     beside: u64,
     filled: bool,
+    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes, it finds none.
+    stuck: bool,
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
     accessed: bool,
@@ -128,6 +130,7 @@ impl Pipeline {
             causes: Causes::default(),
             beside: 0,
             filled: false,
+            stuck: false,
             accessed: false,
             foresees,
             answer_latency,
@@ -159,6 +162,7 @@ impl Pipeline {
     #[inline]
     pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
         self.filled = links.line_is_there(self.part, now) && self.fill(links);
+        self.stuck &= !self.filled;
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
@@ -290,7 +294,7 @@ impl Pipeline {
                 self.enter_ahead(ray, self.open_at.max(now + 1));
             }
         }
-        while let Some(&ray) = self.fetching.front() {
+        while let Some(&ray) = self.fetching.front().filter(|_| !self.stuck) {
             let fetch = &mut links.rays[ray as usize].fetch;
             if !self.foresee(ray, fetch, now + 1, bound) {
                 return;
@@ -484,6 +488,9 @@ impl Pipeline {
         if now < self.access_at {
             return false;
         }
+        if self.stuck {
+            return true;
+        }
         self.banks.clear();
         for _ in 0..self.ports {
             let Some(&id) = self.fetching.front() else { return false };
@@ -491,6 +498,7 @@ impl Pipeline {
             let Fetch { line, class, write, straight, .. } = ray.fetch;
             if straight {
                 if !self.ask_straight(id, ray) {
+                    self.stuck = true;
                     return true;
                 }
                 continue;
@@ -501,6 +509,7 @@ impl Pipeline {
             let access = if write { self.writes.access(class, true) } else { Access::Read };
             let hit = self.cache.hit(line, class, access);
             if !hit && !self.miss(id, ray, access) {
+                self.stuck = true;
                 return true;
             }
             self.accessed = true;
@@ -591,6 +600,7 @@ impl Pipeline {
         let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.drop_front();
+            self.stuck = false;
         }
         sent
     }
@@ -602,6 +612,7 @@ impl Pipeline {
 
     /// The L1 holds from now on what `cache` does.
     pub(crate) fn hold(&mut self, cache: &Cache) {
+        self.stuck = false;
         self.cache.hold(cache);
     }
 

@@ -1,12 +1,12 @@
 //! Timing anomalies: changes of a machine that look like improvements and can make it slower, and the laws that hold all the
 //! same. `docs/model/anomalies.md` has the table that these tests print with `--nocapture`.
 
-use std::cell::RefCell;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::agreement::check_many;
 use super::random::{machines, streams};
 use super::*;
+use crate::engine::lines::LineStream;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::spec::Model;
@@ -45,7 +45,7 @@ const CHANGES: [(&str, Change); 12] = [
     ("twice as many ways in all L1s, with as many sets", |machine| {
         for cache in l1s(machine) {
             twice(&mut cache.ways);
-            twice(&mut cache.bytes);
+            cache.bytes = size(2 * cache.bytes.get());
         }
         true
     }),
@@ -125,22 +125,26 @@ impl Found {
 
 #[test]
 fn what_looks_better_can_be_slower() {
-    let found = RefCell::new(CHANGES.map(|_| Found::default()));
-    check_many(CASES, (machines(), streams()), |(machine, stream)| {
-        let before = replayed(&machine, stream.clone());
-        for ((what, change), found) in CHANGES.into_iter().zip(found.borrow_mut().iter_mut()) {
-            let mut changed = machine.clone();
-            if change(&mut changed) && changed.check().is_ok() {
-                found.cases += 1;
-                let after = replayed(&changed, stream.clone());
-                found.ratios.push(after.cycles.0 as f64 / before.cycles.0 as f64);
-                check_work(&before, &after, &machine).map_err(|why| format!("{what}: {why}"))?;
+    let found = Mutex::new(CHANGES.map(|_| Found::default()));
+    check_many(
+        CASES,
+        || (machines(), streams()),
+        |(machine, stream)| {
+            let before = replayed(&machine, stream.clone());
+            for ((what, change), found) in CHANGES.into_iter().zip(found.lock().unwrap().iter_mut()) {
+                let mut changed = machine.clone();
+                if change(&mut changed) && changed.check().is_ok() {
+                    found.cases += 1;
+                    let after = replayed(&changed, stream.clone());
+                    found.ratios.push(after.cycles.0 as f64 / before.cycles.0 as f64);
+                    check_work(&before, &after, &machine).map_err(|why| format!("{what}: {why}"))?;
+                }
             }
-        }
-        Ok(())
-    });
+            Ok(())
+        },
+    );
     println!("| change | machines | slower | worst | mean |\n|---|---|---|---|---|");
-    for ((what, _), found) in CHANGES.into_iter().zip(found.into_inner()) {
+    for ((what, _), found) in CHANGES.into_iter().zip(found.into_inner().unwrap()) {
         println!("{}", found.row(what));
         assert!(found.cases > 20, "{what}: {} machines only", found.cases);
     }
@@ -167,40 +171,44 @@ fn check_work(before: &MachineStats, after: &MachineStats, machine: &MachineSpec
 /// more in more ways. Rays in another order are other accesses, so the law is one of a line stream, not of a machine.
 #[test]
 fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
-    let compared = RefCell::new(0);
-    check_many(2 * CASES, (machines(), streams()), |(machine, stream)| {
-        for cache in Kind::ALL.map(|kind| kind.names().1) {
-            let mut machine = machine.clone();
-            machine.shadow_cache = ShadowCacheSpec::default();
-            let mut lines = LineStream::new(&machine, &header(), cache).map_err(|error| error.to_string())?;
-            let line = machine.line_bytes.get();
-            let of = |ways: u64| CacheSpec {
-                contents: Contents::Tags,
-                bytes: num(4 * ways * line),
-                ways: num(ways),
-                replacement: Policy::Lru,
-                ..CacheSpec::DEFAULT
-            };
-            let mut caches = [1, 2, 3, 4, 8].map(|ways| (of(ways).tags(line), 0u64));
-            for item in &stream {
-                lines.item(item, |line, write| {
-                    for (tags, misses) in &mut caches {
-                        if !tags.access(line, write) {
-                            *misses += 1;
-                            tags.fill(line, TrafficClass::Node, write);
+    let compared = Mutex::new(0);
+    check_many(
+        2 * CASES,
+        || (machines(), streams()),
+        |(machine, stream)| {
+            for cache in Kind::ALL.map(|kind| kind.names().1) {
+                let mut machine = machine.clone();
+                machine.shadow_cache = ShadowCacheSpec::default();
+                let mut lines = LineStream::new(&machine, &header(), cache).map_err(|error| error.to_string())?;
+                let line = machine.line_bytes.get();
+                let of = |ways: u64| CacheSpec {
+                    contents: Contents::Tags,
+                    bytes: size(4 * ways * line),
+                    ways: num(ways),
+                    replacement: Policy::Lru,
+                    ..CacheSpec::DEFAULT
+                };
+                let mut caches = [1, 2, 3, 4, 8].map(|ways| (of(ways).tags(line), 0u64));
+                for item in &stream {
+                    lines.item(item, |line, write| {
+                        for (tags, misses) in &mut caches {
+                            if !tags.access(line, write) {
+                                *misses += 1;
+                                tags.fill(line, TrafficClass::Node, write);
+                            }
                         }
-                    }
-                });
+                    });
+                }
+                let misses = caches.map(|(_, misses)| misses);
+                *compared.lock().unwrap() += usize::from(misses[0] > misses[4]);
+                if !misses.is_sorted_by(|fewer, more| fewer >= more) {
+                    return Err(format!("{cache}: {misses:?} misses"));
+                }
             }
-            let misses = caches.map(|(_, misses)| misses);
-            *compared.borrow_mut() += usize::from(misses[0] > misses[4]);
-            if !misses.is_sorted_by(|fewer, more| fewer >= more) {
-                return Err(format!("{cache}: {misses:?} misses"));
-            }
-        }
-        Ok(())
-    });
-    let compared = compared.into_inner();
+            Ok(())
+        },
+    );
+    let compared = compared.into_inner().unwrap();
     assert!(compared > 40, "more ways matter in {compared} cases only");
 }
 
@@ -212,23 +220,27 @@ const ORDERLY: [&str; 2] = ["traversal units that take half as long", "ideal L1s
 /// open or closed.)
 #[test]
 fn one_ray_at_a_time_knows_no_anomaly() {
-    check_many(CASES, (machines(), streams()), |(mut machine, stream)| {
-        let stream = without_policy(&stream);
-        machine.cores = num(1);
-        machine.dispatcher.rays = num(1);
-        machine.dram.model = Model::Flat { latency: num(40), bytes_per_cycle: Some(num(8)) };
-        let before = replayed(&machine, stream.clone());
-        for (what, change) in CHANGES.into_iter().filter(|(what, _)| ORDERLY.contains(what)) {
-            let mut changed = machine.clone();
-            if change(&mut changed) && changed.check().is_ok() {
-                let after = replayed(&changed, stream.clone());
-                if after.cycles > before.cycles {
-                    return Err(format!("{what}: {} cycles become {}", before.cycles.0, after.cycles.0));
+    check_many(
+        CASES,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            let stream = without_policy(&stream);
+            machine.cores = num(1);
+            machine.dispatcher.rays = num(1);
+            machine.dram.model = Model::Flat { latency: num(40), bytes_per_cycle: Some(size(8)) };
+            let before = replayed(&machine, stream.clone());
+            for (what, change) in CHANGES.into_iter().filter(|(what, _)| ORDERLY.contains(what)) {
+                let mut changed = machine.clone();
+                if change(&mut changed) && changed.check().is_ok() {
+                    let after = replayed(&changed, stream.clone());
+                    if after.cycles > before.cycles {
+                        return Err(format!("{what}: {} cycles become {}", before.cycles.0, after.cycles.0));
+                    }
                 }
             }
-        }
-        Ok(())
-    });
+            Ok(())
+        },
+    );
 }
 
 /// The stream without what the policy does, which goes on beside the next ray.

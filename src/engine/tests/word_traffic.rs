@@ -132,7 +132,7 @@ fn a_wider_unit_begins_as_many_operations() {
         (unit.width, unit.interval, unit.latency, unit.contexts) = (num(width), num(interval), num(8), num(32));
         let tally = tally(&machine, &rays);
         let busy = tally.units[Kind::ShadowCache as usize][0].causes[Cause::Busy as usize];
-        let stats = run(&machine, Fidelity::Event, &header(), items(one_frame(&rays))).unwrap();
+        let stats = replayed(&machine, one_frame(&rays));
         assert_eq!(stats.operations["shadow_cache"], operations(&tally));
         let energy = stats.energy.unwrap().by["shadow_cache"];
         let expected = machine.energy.shadow_cache.typical * 1e-12 * operations(&tally) as f64;
