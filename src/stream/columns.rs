@@ -19,7 +19,7 @@
 
 use super::chunk::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
 use super::fault::Fault;
-use super::format::{field, put_words};
+use super::format::{field, put_words, words};
 use super::version::Version;
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
@@ -95,7 +95,7 @@ pub(super) fn chunk(payload: &[u8], version: Version) -> Result<Chunk, Fault> {
         let head = RayHead { kind, light, decision, outcome, pixel, parent };
         Ok((head, [paths[ray], policies[ray]]))
     });
-    Chunk::from_columns(rays, version.steps(packed)?)?.ok_or(Fault::Steps { steps })
+    Chunk::from_columns(rays, version.steps(words(packed))?)?.ok_or(Fault::Steps { steps })
 }
 
 /// The numbers of a column of 4-byte numbers, which stands in four planes.

@@ -221,7 +221,7 @@ pub(crate) fn end(payload: &[u8], version: Version) -> Result<(Vec<u32>, Totals)
         return Err(Fault::Length { found: payload.len(), expected });
     }
     let (counters, steps) = payload.split_at(front);
-    Ok((version.steps(steps)?, totals(counters)))
+    Ok((version.steps(words(steps))?, totals(counters)))
 }
 
 /// A frame in the index.

@@ -6,7 +6,6 @@
 //! - Updates of mode words do not say what they change ([`super::Header::unjudged_updates`]).
 
 use super::fault::Fault;
-use super::format;
 use super::step::Step;
 use super::totals::Totals;
 
@@ -46,9 +45,8 @@ impl Version {
         }
     }
 
-    /// The packed steps that `bytes` hold, 4 bytes each, with today's tags.
-    pub(super) fn steps(self, bytes: &[u8]) -> Result<Vec<u32>, Fault> {
-        let words = format::words(bytes);
+    /// The packed steps that stand as `words` in a file, with today's tags.
+    pub(super) fn steps(self, words: Vec<u32>) -> Result<Vec<u32>, Fault> {
         match self {
             Self::Two => words.into_iter().map(Self::today).collect(),
             Self::Three => Ok(words),
