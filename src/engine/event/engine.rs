@@ -276,6 +276,7 @@ impl Engine for Event {
     fn tally(&self, cycles: u64) -> Tally {
         let unit = |unit: &Pipeline| UnitTally {
             causes: unit.causes().until(cycles),
+            operations: unit.operations(cycles),
             cache: *unit.cache().counts(),
             l1: *unit.l1_counts(),
             requested: *unit.requested(),
