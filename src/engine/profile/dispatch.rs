@@ -7,13 +7,15 @@ use super::host::{Host, Place, Pulled};
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
+use crate::engine::register::{Kept, Register};
 use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
+use crate::engine::store_steps::StoreSteps;
 use crate::engine::work::Holder;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, RayKind, Step, Totals};
+use crate::stream::{Decision, Header, RayKind, Step, Store, Totals};
 
 /// A ray in flight, or a step of a frame's end.
 #[derive(Clone, Debug)]
@@ -32,6 +34,10 @@ pub(crate) struct Flight {
     pub marked: bool,
     /// The traversal unit that holds it.
     pub unit: u32,
+    /// How many of its next steps set modes at a first touch.
+    evaluating: u8,
+    /// Whether it is an update that waited in a register, so that no data is needed for it.
+    operand: bool,
     place: Place,
     /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
     hit: u32,
@@ -47,6 +53,8 @@ impl Flight {
         decision: Decision::Trace,
         marked: false,
         unit: 0,
+        evaluating: 0,
+        operand: false,
         place: Place { chunk: 0, index: 0 },
         hit: 0,
         siblings: 0,
@@ -94,14 +102,26 @@ pub(crate) enum Given {
     Ending(u32, u64),
 }
 
+/// How the entry of a step is accessed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EntryAccess {
+    /// Not at all: a register took the step.
+    Merged,
+    /// By an operation.
+    Performed {
+        /// Whether an update sets modes, and so needs the entry's data.
+        sets_modes: bool,
+    },
+}
+
 /// Where the stream stands.
 #[derive(Clone, Debug)]
 enum Phase {
     Between,
     Open,
     Closing(Arc<Vec<u32>>, Totals),
-    /// So many of the end's steps are begun, so many done.
-    Ending(Arc<Vec<u32>>, Totals, usize, usize),
+    /// The end's steps to begin, each with whether it is an operand, and how many are not done.
+    Ending(VecDeque<(Step, bool)>, Totals, usize),
     Finished,
 }
 
@@ -134,6 +154,10 @@ pub(crate) struct Dispatch {
     pub replayed: Totals,
     /// What was done otherwise than recorded since then.
     stores: StoreWork,
+    /// Which steps of the policy's stores are performed.
+    store_steps: StoreSteps,
+    /// Of each shadow-cache unit.
+    registers: Vec<Register>,
     gathering: Gathering,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
@@ -143,9 +167,10 @@ pub(crate) struct Dispatch {
 
 impl Dispatch {
     /// The dispatcher of `machine`, before the stream begins.
-    pub(crate) fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
-        let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
+        let units = cores * machine.shadow_cache.count.size();
+        let entries = units * machine.shadow_cache.contexts.size();
         Self {
             spec: machine.dispatcher,
             words: machine.shadow_cache,
@@ -166,6 +191,8 @@ impl Dispatch {
             busy: 0,
             replayed: Totals::default(),
             stores: StoreWork::default(),
+            store_steps: StoreSteps::new(&machine.shadow_cache, header),
+            registers: vec![Register::new(machine.shadow_cache.register.size()); units],
             gathering: Gathering::new(cores * machine.shadow_cache.gather.size()),
             rays_done: 0,
             freed: false,
@@ -217,22 +244,28 @@ impl Dispatch {
                 Phase::Closing(steps, totals)
                     if self.host.is_empty() && self.waiting.is_empty() && self.free.len() == self.pool =>
                 {
-                    self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
+                    let (recorded, totals) = (Arc::clone(steps), *totals);
+                    check_steps(&recorded, layout)?;
+                    let planned = self.store_steps.end(&recorded, layout, (&mut self.stores, &mut self.replayed));
+                    let waiting = self.registers.iter_mut().flat_map(Register::drain).map(|step| (step, true));
+                    let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
+                    let left = steps.len();
+                    self.phase = Phase::Ending(steps, totals, left);
                 }
-                Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
+                Phase::Ending(_, totals, 0) => {
                     let machine = std::mem::take(&mut self.replayed);
                     let stores = std::mem::take(&mut self.stores);
                     feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
                     self.phase = Phase::Between;
                 }
-                Phase::Ending(steps, _, begun, _) => {
-                    let Some(&step) = steps.get(*begun) else { return Ok(None) };
-                    let Some(id) = self.free_entries.pop_front() else { return Ok(None) };
-                    *begun += 1;
+                Phase::Ending(steps, ..) => {
+                    let Some(&id) = self.free_entries.front() else { return Ok(None) };
+                    let Some((step, operand)) = steps.pop_front() else { return Ok(None) };
+                    self.free_entries.pop_front();
                     let flight = &mut self.flights[id as usize];
-                    (flight.path_end, flight.next) = (0, 0);
+                    (flight.path_end, flight.next, flight.evaluating, flight.operand) = (0, 0, 0, operand);
                     flight.steps.clear();
-                    flight.steps.push(step);
+                    flight.steps.push(step.pack());
                     return Ok(Some(Given::Ending(id, at + 1)));
                 }
                 _ => return Ok(self.hand_out(at, layout)?),
@@ -267,10 +300,9 @@ impl Dispatch {
         if self.gathering.is_there() {
             (flight.hit, flight.siblings) = self.host.siblings(place, source.head.parent);
         }
-        let recorded = flight.steps.len();
-        flight.steps.truncate(flight.path_end);
-        flight.steps.extend(source.packed_policy().iter().filter(|&&word| self.words.performs(word)));
-        self.stores.dropped_writes += (recorded - flight.steps.len()) as u64;
+        let counts = (&mut self.stores, &mut self.replayed);
+        self.store_steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
+        (flight.evaluating, flight.operand) = (0, false);
         (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);
@@ -295,7 +327,50 @@ impl Dispatch {
     /// The flight's next step was performed.
     #[inline]
     pub(crate) fn performed(&mut self, id: u32) {
-        self.flights[id as usize].next += 1;
+        let flight = &mut self.flights[id as usize];
+        flight.next += 1;
+        flight.evaluating = flight.evaluating.saturating_sub(1);
+    }
+
+    /// How an access to the entry of the flight's next step, at its owner `unit`, goes.
+    pub(crate) fn access(&mut self, id: u32, unit: usize, layout: &Layout) -> EntryAccess {
+        let Self { flights, store_steps, stores, registers, pool, .. } = self;
+        let (flight, is_ray) = (&mut flights[id as usize], (id as usize) < *pool);
+        let first = if is_ray { store_steps.first_touch(&mut flight.steps, flight.next, layout, stores) } else { None };
+        flight.evaluating = first.unwrap_or(flight.evaluating);
+        let sets_modes = flight.evaluating > 0 || !is_ray && !flight.operand;
+        let step = Step::unpack(flight.steps[flight.next]).expect("steps are checked at hand-over");
+        let (register, entry) = (&mut registers[unit], step.entry());
+        let Some((store, index)) = entry.filter(|(store, _)| is_ray && *store != Store::OccluderId) else {
+            return EntryAccess::Performed { sets_modes };
+        };
+        let addr = layout.entry(store, index, false).addr;
+        if sets_modes || !register.is_there() {
+            return EntryAccess::Performed { sets_modes };
+        }
+        let merged = if matches!(step, Step::Read { .. }) {
+            let answered = register.answers(addr);
+            stores.merged_reads += u64::from(answered);
+            register.was_read(addr);
+            answered
+        } else {
+            match register.keep(addr, step) {
+                Kept::Merged => {
+                    stores.merged_writes += 1;
+                    true
+                }
+                Kept::Waits => true,
+                Kept::InPlaceOf(other) => {
+                    flight.steps[flight.next] = other.pack();
+                    false
+                }
+            }
+        };
+        if !merged {
+            return EntryAccess::Performed { sets_modes };
+        }
+        flight.steps.remove(flight.next);
+        EntryAccess::Merged
     }
 
     /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
@@ -317,8 +392,8 @@ impl Dispatch {
         self.flights[id as usize].count(&mut self.replayed);
         if id as usize >= self.pool() {
             self.free_entries.push_back(id);
-            if let Phase::Ending(_, _, _, done) = &mut self.phase {
-                *done += 1;
+            if let Phase::Ending(.., left) = &mut self.phase {
+                *left -= 1;
             }
             return;
         }
@@ -353,13 +428,13 @@ impl Dispatch {
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
-        let Self { spec, host, words, stores, replayed, .. } = self;
+        let Self { spec, host, words, store_steps, stores, replayed, .. } = self;
         host.shaded(now, spec.shading_cycles.get(), |ray| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {
                 stores.answered_rays += 1;
-                stores.dropped_writes += ray.packed_policy().len() as u64;
+                ray.packed_policy().iter().for_each(|&word| store_steps.count_left_out(word, stores, replayed));
                 replayed.shadow_rays += 1;
                 replayed.shadow_rays_skipped += 1;
             }
