@@ -36,8 +36,8 @@ pub(crate) fn reuse(
     source: &dyn Source,
 ) -> Result<(MachineStats, Vec<ReuseLevel>), RunError> {
     if !entries_as_recorded(machine) {
-        let what = "reuse distances are known with `place: Own`, `register: 0`, `frame_end: List` and `latched: Free` or `Wide` of \
-                    `shadow_cache` only";
+        let what = "reuse distances are known only with `place: Own`, `register: 0`, `frame_end: List` and no \
+                    `latched: Buffers` of `shadow_cache`";
         return Err(SpecError::new(what).into());
     }
     let sample = match of {

@@ -1,5 +1,5 @@
-//! Which steps of a policy's stores a machine performs: as the stream records them, or otherwise, by the layout, the frame end and
-//! the latched copies of its spec. No step here has a time.
+//! Which steps of a policy's stores a machine performs: as the stream records them, or otherwise, by the layout, the
+//! frame end and the latched copies of its spec. No step here has a time.
 
 use std::collections::BTreeSet;
 
@@ -69,7 +69,7 @@ impl StoreSteps {
         }
     }
 
-    /// Changes the steps of a ray whose step `next` is a first touch that sets modes: then its next steps are those that do.
+    /// Changes the steps of a ray whose step `next` is a first touch that sets modes: its next steps are those that do.
     /// Returns how many these are; none if the step is no such touch.
     pub(super) fn first_touch(
         &mut self,

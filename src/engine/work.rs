@@ -33,8 +33,8 @@ pub(crate) fn stores_as_recorded(machine: &MachineSpec) -> bool {
     unit.gather.get() == 0 && entries_as_recorded(machine)
 }
 
-/// Whether entries are accessed as the stream records it, but for updates gathered by hits: by the shadow-cache units' own L1s, step
-/// by step.
+/// Whether entries are accessed as the stream records it, but for updates gathered by hits: by the shadow-cache units'
+/// own L1s, step by step.
 pub(crate) fn entries_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;

@@ -226,7 +226,7 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
     vec![
         // A short stream has few windows to sample, and ends before caches are warm.
         ("stream, rays", points(effort, &[1024, 4096, 16_384], |case, rays| case.rays = rays)),
-        // The unit's intake is one ray a cycle, and each update an operation: from some number on it holds up all others.
+        // The unit takes one ray a cycle, and each update is an operation: from some number on it holds up all others.
         ("updates a ray, one unit", points(effort, &[0, 2, 8, 32], |case, updates| case.updates = updates)),
         (
             "pool beyond the units",

@@ -175,8 +175,8 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may have no window: what the others find is told all the same. `Profile` knows words in triangle
-    /// records.
+    /// A sample of a short stream may have no window: what the others find is told all the same. `Profile` knows words
+    /// in triangle records.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
         let folder = tempfile::tempdir().unwrap();

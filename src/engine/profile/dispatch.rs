@@ -3,91 +3,18 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::entries::{Entries, EntryAccess};
+use super::flight::Flight;
 use super::host::{Host, Place, Pulled};
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
-use crate::engine::register::{Kept, Register};
-use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
-use crate::engine::store_steps::StoreSteps;
-use crate::engine::work::Holder;
+use crate::engine::source::{FrameCounts, StreamFault, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, Header, RayKind, Step, Store, Totals};
-
-/// A ray in flight, or a step of a frame's end.
-#[derive(Clone, Debug)]
-pub(crate) struct Flight {
-    /// The packed steps of the path, then those of the policy, all of them checked.
-    pub steps: Vec<u32>,
-    /// Where the policy's steps begin.
-    pub path_end: usize,
-    /// The next step.
-    pub next: usize,
-    /// What it is for.
-    pub kind: RayKind,
-    /// What the policy decided.
-    pub decision: Decision,
-    /// Whether what it asks for is counted apart.
-    pub marked: bool,
-    /// The traversal unit that holds it.
-    pub unit: u32,
-    /// How many of its next steps set modes at a first touch.
-    evaluating: u8,
-    /// Whether it is an update that waited in a register, so that no data is needed for it.
-    operand: bool,
-    place: Place,
-    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
-    hit: u32,
-    siblings: u32,
-}
-
-impl Flight {
-    const IDLE: Self = Self {
-        steps: Vec::new(),
-        path_end: 0,
-        next: 0,
-        kind: RayKind::Primary,
-        decision: Decision::Trace,
-        marked: false,
-        unit: 0,
-        evaluating: 0,
-        operand: false,
-        place: Place { chunk: 0, index: 0 },
-        hit: 0,
-        siblings: 0,
-    };
-
-    /// The next step of what `holder` does; `None` after the last.
-    #[inline]
-    pub(crate) fn step(&self, holder: Holder) -> Option<Step> {
-        let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
-        (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
-    }
-
-    /// Counts the steps that were performed.
-    fn count(&self, totals: &mut Totals) {
-        let performed = &self.steps[..self.next];
-        let (path, policy) = performed.split_at(self.path_end.min(self.next));
-        let nodes = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::Node(_)))).count() as u64;
-        let lists = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::List(_)))).count() as u64;
-        let triangles = path.len() as u64 - nodes - lists;
-        totals.list_reads += lists;
-        let (visits, tests) = match self.kind {
-            RayKind::Shadow => (&mut totals.shadow_node_visits, &mut totals.shadow_triangle_tests),
-            _ => (&mut totals.node_visits, &mut totals.triangle_tests),
-        };
-        (*visits, *tests) = (*visits + nodes, *tests + triangles);
-        totals.count_policy(Step::unpack_all(policy));
-    }
-
-    /// Whether the policy has steps on the ray's account.
-    pub(crate) fn has_policy(&self) -> bool {
-        self.path_end < self.steps.len()
-    }
-}
+use crate::stream::{Decision, Header, RayKind, Step, Totals};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
@@ -100,18 +27,6 @@ pub(crate) enum Given {
     Skipped(u32, u64),
     /// The step of a frame's end comes to a shadow-cache unit in that cycle.
     Ending(u32, u64),
-}
-
-/// How the entry of a step is accessed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum EntryAccess {
-    /// Not at all: a register took the step.
-    Merged,
-    /// By an operation.
-    Performed {
-        /// Whether an update sets modes, and so needs the entry's data.
-        sets_modes: bool,
-    },
 }
 
 /// Where the stream stands.
@@ -152,12 +67,8 @@ pub(crate) struct Dispatch {
     pub busy: u64,
     /// What was performed since the frame began.
     pub replayed: Totals,
-    /// What was done otherwise than recorded since then.
-    stores: StoreWork,
-    /// Which steps of the policy's stores are performed.
-    store_steps: StoreSteps,
-    /// Of each shadow-cache unit.
-    registers: Vec<Register>,
+    /// The policy's stores since then.
+    entries: Entries,
     gathering: Gathering,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
@@ -169,8 +80,7 @@ impl Dispatch {
     /// The dispatcher of `machine`, before the stream begins.
     pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
-        let units = cores * machine.shadow_cache.count.size();
-        let entries = units * machine.shadow_cache.contexts.size();
+        let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
         Self {
             spec: machine.dispatcher,
             words: machine.shadow_cache,
@@ -190,9 +100,7 @@ impl Dispatch {
             given_then: 0,
             busy: 0,
             replayed: Totals::default(),
-            stores: StoreWork::default(),
-            store_steps: StoreSteps::new(&machine.shadow_cache, header),
-            registers: vec![Register::new(machine.shadow_cache.register.size()); units],
+            entries: Entries::new(machine, header),
             gathering: Gathering::new(cores * machine.shadow_cache.gather.size()),
             rays_done: 0,
             freed: false,
@@ -246,15 +154,16 @@ impl Dispatch {
                 {
                     let (recorded, totals) = (Arc::clone(steps), *totals);
                     check_steps(&recorded, layout)?;
-                    let planned = self.store_steps.end(&recorded, layout, (&mut self.stores, &mut self.replayed));
-                    let waiting = self.registers.iter_mut().flat_map(Register::drain).map(|step| (step, true));
+                    let counts = (&mut self.entries.work, &mut self.replayed);
+                    let planned = self.entries.steps.end(&recorded, layout, counts);
+                    let waiting = self.entries.drain().map(|step| (step, true));
                     let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
                     let left = steps.len();
                     self.phase = Phase::Ending(steps, totals, left);
                 }
                 Phase::Ending(_, totals, 0) => {
                     let machine = std::mem::take(&mut self.replayed);
-                    let stores = std::mem::take(&mut self.stores);
+                    let stores = std::mem::take(&mut self.entries.work);
                     feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
                     self.phase = Phase::Between;
                 }
@@ -300,8 +209,8 @@ impl Dispatch {
         if self.gathering.is_there() {
             (flight.hit, flight.siblings) = self.host.siblings(place, source.head.parent);
         }
-        let counts = (&mut self.stores, &mut self.replayed);
-        self.store_steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
+        let counts = (&mut self.entries.work, &mut self.replayed);
+        self.entries.steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
         (flight.evaluating, flight.operand) = (0, false);
         (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
         if self.last_at < at {
@@ -334,50 +243,14 @@ impl Dispatch {
 
     /// How an access to the entry of the flight's next step, at its owner `unit`, goes.
     pub(crate) fn access(&mut self, id: u32, unit: usize, layout: &Layout) -> EntryAccess {
-        let Self { flights, store_steps, stores, registers, pool, .. } = self;
-        let (flight, is_ray) = (&mut flights[id as usize], (id as usize) < *pool);
-        let first = if is_ray { store_steps.first_touch(&mut flight.steps, flight.next, layout, stores) } else { None };
-        flight.evaluating = first.unwrap_or(flight.evaluating);
-        let sets_modes = flight.evaluating > 0 || !is_ray && !flight.operand;
-        let step = Step::unpack(flight.steps[flight.next]).expect("steps are checked at hand-over");
-        let (register, entry) = (&mut registers[unit], step.entry());
-        let Some((store, index)) = entry.filter(|(store, _)| is_ray && *store != Store::OccluderId) else {
-            return EntryAccess::Performed { sets_modes };
-        };
-        let addr = layout.entry(store, index, false).addr;
-        if sets_modes || !register.is_there() {
-            return EntryAccess::Performed { sets_modes };
-        }
-        let merged = if matches!(step, Step::Read { .. }) {
-            let answered = register.answers(addr);
-            stores.merged_reads += u64::from(answered);
-            register.was_read(addr);
-            answered
-        } else {
-            match register.keep(addr, step) {
-                Kept::Merged => {
-                    stores.merged_writes += 1;
-                    true
-                }
-                Kept::Waits => true,
-                Kept::InPlaceOf(other) => {
-                    flight.steps[flight.next] = other.pack();
-                    false
-                }
-            }
-        };
-        if !merged {
-            return EntryAccess::Performed { sets_modes };
-        }
-        flight.steps.remove(flight.next);
-        EntryAccess::Merged
+        self.entries.access(&mut self.flights[id as usize], (id as usize) < self.pool, unit, layout)
     }
 
     /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
     pub(crate) fn retire(&mut self, id: u32, layout: &Layout) {
         let Flight { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.flights[id as usize];
         let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
-        self.stores.gathered_writes += self.gathering.retire(ray, layout.stores());
+        self.entries.work.gathered_writes += self.gathering.retire(ray, layout.stores());
     }
 
     /// The ray has left its traversal unit.
@@ -428,13 +301,13 @@ impl Dispatch {
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
-        let Self { spec, host, words, store_steps, stores, replayed, .. } = self;
+        let Self { spec, host, words, entries: Entries { steps, work, .. }, replayed, .. } = self;
         host.shaded(now, spec.shading_cycles.get(), |ray| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {
-                stores.answered_rays += 1;
-                ray.packed_policy().iter().for_each(|&word| store_steps.count_left_out(word, stores, replayed));
+                work.answered_rays += 1;
+                ray.packed_policy().iter().for_each(|&word| steps.count_left_out(word, work, replayed));
                 replayed.shadow_rays += 1;
                 replayed.shadow_rays_skipped += 1;
             }

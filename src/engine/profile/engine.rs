@@ -2,10 +2,12 @@
 
 use super::agenda::Agenda;
 use super::crossing::{Crossing, Taken};
-use super::dispatch::{Dispatch, EntryAccess, Given};
+use super::dispatch::{Dispatch, Given};
+use super::entries::EntryAccess;
 use super::memory::Memory;
 use super::unit::Unit;
 use super::watch::Watch;
+use super::whereabouts::{Stage, Way, Whereabouts};
 use crate::engine::contract::Engine;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
@@ -18,62 +20,6 @@ use crate::machine::layout::{Element, Layout};
 use crate::machine::shadow_cache::Place;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::{Header, Step};
-
-/// What a ray does when it acts next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// Its holder looks at its next step.
-    Step,
-    /// The first operation of its step begins, at a unit that its holder sent it to.
-    First,
-    /// The second does.
-    Second,
-    /// It comes back from a unit that its holder sent it to.
-    Back,
-    /// It comes to a shadow-cache unit.
-    Policy,
-    /// Its shadow-cache unit, which owns the entry of its next step, accesses that.
-    Entry,
-}
-
-/// Where a ray is.
-#[derive(Clone, Copy, Debug)]
-struct Whereabouts {
-    stage: Stage,
-    holder: Holder,
-    /// The shadow-cache unit that holds it, and the unit that it was sent to.
-    policy_unit: u32,
-    away: u32,
-    /// Whether the shadow-cache unit's decision is still to come.
-    undecided: bool,
-    /// Whether an update of the next step's entry sets modes.
-    sets_modes: bool,
-    /// Whether an intersection unit has accessed that entry, and the shadow-cache unit's operation is still to come.
-    fetched: bool,
-}
-
-impl Whereabouts {
-    const IDLE: Self = Self {
-        stage: Stage::Step,
-        holder: Holder::Traversal,
-        policy_unit: 0,
-        away: 0,
-        undecided: false,
-        sets_modes: false,
-        fetched: false,
-    };
-}
-
-/// How a unit accesses an element.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Way {
-    /// Through its L1.
-    Cached,
-    /// From the L2, past the L1.
-    Past,
-    /// Not at all: what is written goes down with the operation.
-    Operand,
-}
 
 /// The machine, simplified.
 pub(crate) struct Profile<W = ()> {
@@ -195,7 +141,7 @@ impl<W: Watch> Profile<W> {
         }
         let unit = holder - self.crossing.of_kind(Kind::ShadowCache).start;
         match self.dispatch.access(id, unit, &self.layout) {
-            EntryAccess::Merged => self.step(id, now),
+            EntryAccess::Taken => self.step(id, now),
             EntryAccess::Performed { sets_modes } => {
                 self.rays[id as usize].sets_modes = sets_modes;
                 self.access(id, now);

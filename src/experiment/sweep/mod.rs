@@ -1,7 +1,7 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their inputs. So
-//! a sweep that was stopped goes on where it was, and ends with the same bytes. Processes share the work without talking
+//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their inputs:
+//! a sweep that was stopped goes on, and ends with the same bytes. Processes share the work without talking
 //! to each other: each reads the same files, has the same plan, and makes its shard of the plan.
 
 mod collect;
