@@ -19,9 +19,11 @@ mod lines;
 mod observe;
 mod part_set;
 mod profile;
+mod register;
 pub(crate) mod retired;
 mod reuse;
 pub(crate) mod source;
+mod store_steps;
 pub(crate) mod tally;
 #[cfg(test)]
 pub(crate) mod tests;

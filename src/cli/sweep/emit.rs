@@ -31,11 +31,18 @@ const ENGINES: [Engine; 3] = [
 pub(super) struct Script(String);
 
 impl Script {
-    /// The script of an engine for the sweep `config` with so many points, whose folder is `out`.
+    /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many points, whose
+    /// folder is `out`.
     ///
     /// # Errors
     /// There is no such engine, it takes fewer shards, or a path is none.
-    pub(super) fn new(engine: &Path, config: &Path, out: &Path, points: usize, shards: Option<u16>) -> Result<Self> {
+    pub(super) fn new(
+        engine: &Path,
+        (config, level): (&Path, &str),
+        out: &Path,
+        points: usize,
+        shards: Option<u16>,
+    ) -> Result<Self> {
         let Some(engine) = ENGINES.iter().find(|known| Path::new(known.name) == engine) else {
             bail!("there is no engine `{}` for `--emit`: hq, slurm and snakemake are allowed", engine.display());
         };
@@ -53,6 +60,8 @@ impl Script {
         let name: String =
             name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' }).collect();
         let script = engine.script.replace("@NAME@", &name).replace("@SHARDS@", &shards.to_string());
+        let level = if engine.name == "snakemake" { python(Path::new(level)) } else { level.into() };
+        let script = script.replace("@LEVEL@", &level);
         let script = script.replace("@PROGRAM@", &(engine.quoted)(&program));
         let script = script.replace("@CONFIG@", &(engine.quoted)(&config));
         Ok(Self(script.replace("@OUT@", &(engine.quoted)(&absolute(out)?))))
@@ -82,7 +91,13 @@ mod tests {
     use super::*;
 
     fn script(engine: &str, points: usize, shards: Option<u16>) -> Result<String> {
-        let script = Script::new(Path::new(engine), Path::new("/a b/words.ron"), Path::new("/out"), points, shards);
+        let script = Script::new(
+            Path::new(engine),
+            (Path::new("/a b/words.ron"), " --fidelity Profile"),
+            Path::new("/out"),
+            points,
+            shards,
+        );
         script.map(|script| script.0)
     }
 
@@ -91,7 +106,7 @@ mod tests {
         for engine in &ENGINES {
             let script = script(engine.name, 500, Some(7)).unwrap();
             assert!(!script.contains('@'), "{script}");
-            for told in ["/a b/words.ron", "/out", "7", "--shard", "--collect"] {
+            for told in ["/a b/words.ron", "/out", "7", "--shard", "--collect", "--fidelity Profile"] {
                 assert!(script.contains(told), "{told}: {script}");
             }
         }

@@ -68,11 +68,19 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// An L1 of core `core` asks for a line in cycle `at`, for a ray that is marked or not; gives when it comes.
-    pub(super) fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
+    /// A unit of core `core` asks for so many bytes of a line in cycle `at`, for a ray that is marked or not; gives when they
+    /// come.
+    pub(super) fn read(
+        &mut self,
+        core: usize,
+        (line, bytes): (LineAddr, Bytes),
+        class: TrafficClass,
+        marked: bool,
+        at: u64,
+    ) -> u64 {
         let Accessed { bank, ready, missed } = self.access(core, line, class, false, at);
         let bank = &mut self.banks[bank];
-        bank.served.read(class, self.line, missed, marked);
+        bank.served.read(class, bytes, missed, marked);
         ready + bank.latency + 1
     }
 

@@ -3,6 +3,7 @@ mod allocation;
 pub(crate) mod frames;
 mod ideal;
 mod levels;
+mod profile_words;
 pub(crate) mod random;
 pub(crate) mod recorded;
 pub(crate) mod synthetic;
