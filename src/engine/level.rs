@@ -10,7 +10,7 @@ use super::cycle::Cycle;
 use super::event::Event;
 use super::profile::Profile;
 use super::retired::WithoutRetired;
-use crate::machine::{MachineSpec, SpecError};
+use crate::machine::MachineSpec;
 use crate::stream::Header;
 
 /// A level that replays a stream whole, in one pass, from the cheapest to the plainest.

@@ -12,7 +12,7 @@ use super::plan::Plan;
 use super::windows::{Job, Windows};
 use crate::engine::contract::Engine;
 use crate::engine::{self, ItemStream, RunError, Sampled};
-use crate::machine::{MachineSpec, SpecError};
+use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 

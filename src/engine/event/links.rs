@@ -16,7 +16,7 @@ use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{self, Header, Step, Store, Totals};
+use crate::stream::{self, Header, Step, Totals};
 
 /// A queue with a place for everything that can come.
 pub(super) type Inbox<T> = Ring<(u64, T)>;

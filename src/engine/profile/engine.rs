@@ -179,7 +179,7 @@ impl<W: Watch> Profile<W> {
         let Self { units, memory, layout, agenda, dispatch, .. } = self;
         let performer = &mut units[unit];
         let waited = performer.stalled.front() == Some(&id);
-        if !waited && !performer.stalled.is_empty() {
+        if !waited && !performer.stalled.is_empty() && way != Way::Operand {
             performer.stalled.push_back(id);
             return None;
         }

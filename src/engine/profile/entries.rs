@@ -10,7 +10,7 @@ use crate::stream::{Header, Step, Store};
 
 /// How the entry of a step is accessed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum EntryAccess {
+pub(crate) enum EntryAccess {
     /// Not at all: a register took the step.
     Taken,
     /// By an operation.

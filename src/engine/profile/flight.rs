@@ -6,7 +6,7 @@ use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.
 #[derive(Clone, Debug)]
-pub(super) struct Flight {
+pub(crate) struct Flight {
     /// The packed steps of the path, then those of the policy, all of them checked.
     pub steps: Vec<u32>,
     /// Where the policy's steps begin.
@@ -33,7 +33,7 @@ pub(super) struct Flight {
 }
 
 impl Flight {
-    pub const IDLE: Self = Self {
+    pub(super) const IDLE: Self = Self {
         steps: Vec::new(),
         path_end: 0,
         next: 0,

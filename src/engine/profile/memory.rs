@@ -41,7 +41,6 @@ pub(super) struct Memory<W> {
     of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
     dram: Dram,
-    line: Bytes,
 }
 
 impl<W: Watch> Memory<W> {
@@ -64,7 +63,6 @@ impl<W: Watch> Memory<W> {
             of_core: machine.l2.banks() as usize,
             homes: machine.l2.homes(),
             dram: Dram::new(&machine.dram, machine.clock_mhz.get(), line),
-            line: Bytes(line),
         }
     }
 

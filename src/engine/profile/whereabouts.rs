@@ -39,7 +39,7 @@ pub(super) struct Whereabouts {
 }
 
 impl Whereabouts {
-    pub const IDLE: Self = Self {
+    pub(super) const IDLE: Self = Self {
         stage: Stage::Step,
         holder: Holder::Traversal,
         policy_unit: 0,
