@@ -26,7 +26,7 @@ pub(crate) struct Flight {
     /// Whether it is an update that waited in a register, so that no data is needed for it.
     pub operand: bool,
     /// Where it is in the stream.
-    pub place: Place,
+    pub(super) place: Place,
     /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
     pub hit: u32,
     pub siblings: u32,

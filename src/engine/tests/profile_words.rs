@@ -38,15 +38,17 @@ fn profile_is_close_wherever_words_are_and_whatever_sets_them() {
         }),
     ];
     let mut told = Vec::new();
-    for (name, change) in changes {
-        let mut machine = shipped("small");
-        change(&mut machine.shadow_cache);
-        let [profile, event] = ["Profile", "Event"].map(|level| on(&machine, &header, level, &stream));
-        let off = |of: fn(&MachineStats) -> u64| of(&profile) as f64 / of(&event) as f64 - 1.0;
-        let errors = [off(|it| it.cycles.0), off(|it| it.moved("l2").0), off(|it| it.moved("dram").0)];
-        told.push((name, errors));
+    // On `small` the DRAM's bus is busy for six tenths of the time here: that is where `Profile` is weakest.
+    for (base, most) in [("small", 0.14), ("desktop", 0.1)] {
+        for (name, change) in changes {
+            let mut machine = shipped(base);
+            change(&mut machine.shadow_cache);
+            let [profile, event] = ["Profile", "Event"].map(|level| on(&machine, &header, level, &stream));
+            let off = |of: fn(&MachineStats) -> u64| of(&profile) as f64 / of(&event) as f64 - 1.0;
+            let errors = [off(|it| it.cycles.0), off(|it| it.moved("l2").0), off(|it| it.moved("dram").0)];
+            let [cycles, l2, dram] = errors.map(f64::abs);
+            told.push((cycles < most && l2 < 0.03 && dram < 0.03, base, name, errors));
+        }
     }
-    let is_close =
-        |(_, [cycles, l2, dram]): &(&str, [f64; 3])| cycles.abs() < 0.1 && l2.abs() < 0.03 && dram.abs() < 0.03;
-    assert!(told.iter().all(is_close), "{told:#?}");
+    assert!(told.iter().all(|(is_close, ..)| *is_close), "{told:?}");
 }
