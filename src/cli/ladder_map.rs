@@ -14,7 +14,8 @@ use crate::report;
 /// Map where each fidelity level breaks, on synthetic streams
 ///
 /// The streams are swept over what the levels assume: length, updates that one unit takes, the pool, skew, footprint,
-/// coherence, caches, rays in flight, miss registers and bursts: how far each level is from Event, as a table of the worst, `ladder.csv` and a heat map.
+/// coherence, caches, rays in flight, miss registers and bursts: how far each level is from Event, as a table of the
+/// worst, `ladder.csv` and a heat map.
 #[derive(Args)]
 pub(super) struct LadderMap {
     /// Where the map goes

@@ -20,7 +20,8 @@ struct Engine {
     quoted: fn(&Path) -> String,
 }
 
-/// Slurm's own limit on arrays is 1001 where nobody has raised it (`MaxArraySize`), and many queues refuse more than 999.
+/// Slurm's own limit on arrays is 1001 where nobody has raised it (`MaxArraySize`), and many queues refuse more than
+/// 999.
 const ENGINES: [Engine; 3] = [
     Engine { name: "hq", script: include_str!("hq.sh"), shards: 400, most: 60_000, quoted: shell },
     Engine { name: "slurm", script: include_str!("slurm.sh"), shards: 100, most: 999, quoted: shell },
@@ -31,8 +32,8 @@ const ENGINES: [Engine; 3] = [
 pub(super) struct Script(String);
 
 impl Script {
-    /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many points, whose
-    /// folder is `out`.
+    /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many
+    /// points, whose folder is `out`.
     ///
     /// # Errors
     /// There is no such engine, it takes fewer shards, or a path is none.
@@ -50,7 +51,8 @@ impl Script {
         if shards > engine.most {
             bail!("`--shards` is {shards}: `--emit {}` takes up to {}", engine.name, engine.most);
         }
-        // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not merge.
+        // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not
+        // merge.
         let absolute =
             |path: &Path| std::path::absolute(path).with_context(|| format!("cannot find {}", path.display()));
         let is_name = config.to_str().is_some_and(|name| shipped::path(Kind::Experiment, name).is_some());

@@ -92,7 +92,8 @@ pub(crate) struct Links {
     pub shadow_cache: ShadowCacheSpec,
     /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
     pub mail: Vec<u64>,
-    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is over.
+    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is
+    /// over.
     pub lines: Vec<Ring<Answer>>,
     /// The L2.
     pub l2: L2,

@@ -66,8 +66,8 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// A unit of core `core` asks for so many bytes of a line in cycle `at`, for a ray that is marked or not; gives when they
-    /// come.
+    /// A unit of core `core` asks for so many bytes of a line in cycle `at`, for a ray that is marked or not; gives
+    /// when they come.
     pub(super) fn read(
         &mut self,
         core: usize,

@@ -8,7 +8,8 @@ use super::*;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::word_traffic::LatchedCopy;
 
-/// Any machine is replayed within the laws that every run keeps: counts as recorded, bytes conserved between levels, bounds.
+/// Any machine is replayed within the laws that every run keeps: counts as recorded, bytes conserved between levels,
+/// bounds.
 #[test]
 fn profile_replays_any_machine_within_the_laws() {
     check_many(

@@ -1,8 +1,8 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their inputs:
-//! a sweep that was stopped goes on, and ends with the same bytes. Processes share the work without talking
-//! to each other: each reads the same files, has the same plan, and makes its shard of the plan.
+//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their
+//! inputs: a sweep that was stopped goes on, and ends with the same bytes. Processes share the work without talking to
+//! each other: each reads the same files, has the same plan, and makes its shard of the plan.
 
 mod collect;
 mod error;
