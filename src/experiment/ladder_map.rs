@@ -150,6 +150,7 @@ impl Case {
             static_slots: lines.div_ceil(3),
             static_list_entries: 0,
             stores: if self.updates > 0 { words } else { StoreEntries::default() },
+            unjudged_updates: false,
             input_hash: 0,
             records: Vec::new().into(),
         }
