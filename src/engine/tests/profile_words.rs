@@ -21,11 +21,14 @@ fn profile_replays_any_machine_within_the_laws() {
     );
 }
 
+/// What differs from a shipped machine, with a name.
+type Change = (&'static str, fn(&mut ShadowCacheSpec));
+
 /// What the recorded stream takes on machines of one change each.
 #[test]
 fn profile_is_close_wherever_words_are_and_whatever_sets_them() {
     let (header, stream) = quickstart();
-    let changes: [(&str, fn(&mut ShadowCacheSpec)); 9] = [
+    let changes: [Change; 9] = [
         ("as in its file", |_| {}),
         ("free words", |unit| unit.place = Place::Free),
         ("words at the L2", |unit| unit.place = Place::L2),
