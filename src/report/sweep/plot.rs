@@ -2,16 +2,16 @@
 
 use super::data::{SweepPoint, SweepSummary};
 use crate::quantity::Bytes;
-use crate::report::draw::Plot;
 use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
-use crate::report::draw::canvas::{DrawError, class_color};
+use crate::report::draw::palette::class_color;
+use crate::report::draw::{Figure, Plot};
 use crate::report::format::{change, or_absent, percent, words};
 use crate::stats::TrafficClass;
 
 pub(super) const PLOT: Plot<SweepSummary> =
-    Plot { name: "sweep", section: (), draw: |summary| draw(summary).map(Some) };
+    Plot { name: "sweep", section: (), figure: |summary| Some(figure(summary)) };
 
-fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
+fn figure(summary: &SweepSummary) -> Figure<'_> {
     let of_off = |point: &SweepPoint, bytes: u64| bytes as f64 / point.split.dram[0].0.max(1) as f64;
     let mut groups: Vec<Group> = Vec::new();
     let mut seen: Vec<TrafficClass> = Vec::new();
@@ -21,7 +21,7 @@ fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
             if !seen.contains(&class) {
                 seen.push(class);
             }
-            Segment { length: of_off(point, bytes.0), color: class_color(class) }
+            Segment { part: words(class.name()), value: of_off(point, bytes.0), color: class_color(class) }
         };
         let note = format!(
             "{}, cycles {}, hits {}",
@@ -32,19 +32,20 @@ fn draw(summary: &SweepSummary) -> Result<String, DrawError> {
         let bar = Bar { name: point.label(), segments: point.bytes.iter().map(segment).collect(), note };
         match groups.iter_mut().find(|group| group.name == name) {
             Some(group) => group.bars.push(bar),
-            None => groups.push(Group { name, bars: vec![bar] }),
+            None => groups.push(Group { name, whole: 1.0, bars: vec![bar] }),
         }
     }
     seen.sort();
     let most = summary.points.iter().map(|point| of_off(point, point.split.dram[2].0)).fold(1.0, f64::max);
     let chart = BarChart {
         title: format!("DRAM traffic at every point, {}", summary.scene),
-        subtitle: "bars: bytes by class; at their ends: change of bytes and of cycles against no culling, hit rate of words and counters".into(),
-        legend: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
+        about: "Bars: bytes by class. At their ends: change of bytes and of cycles against no culling, hit rate of words and counters.".into(),
+        key: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
         axis: "DRAM bytes, share of the same machine's without culling",
+        unit: "share",
         max: most,
         tick: |share| format!("{:.0} %", share * 100.0),
         groups,
     };
-    chart.draw()
+    chart.figure()
 }

@@ -231,6 +231,7 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
             .map(|(name, value)| (name, value.to_owned()))
             .into_iter()
             .collect(),
+        made: [("command line", "umbrasim run kitchen".to_owned())].into_iter().collect(),
         wall_seconds: [("trace", 12.5), ("replay small", 3.25)].into_iter().collect(),
         simulated_rays_per_wall_second: [("trace", 5.1e6), ("replay small", 20e6)].into_iter().collect(),
     };
