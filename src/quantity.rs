@@ -4,6 +4,7 @@ use std::fmt;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Sub};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 macro_rules! quantity {
@@ -94,7 +95,7 @@ quantity! {
 }
 
 /// Width and height of a picture in pixels, each from 1 to 8192.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Sides")]
 pub struct Resolution {
     /// Pixels in a row.
@@ -104,7 +105,7 @@ pub struct Resolution {
 }
 
 /// Both sides as a file has them.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(rename = "Resolution", deny_unknown_fields)]
 struct Sides {
     width: u32,

@@ -3,10 +3,11 @@
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The lowest, the typical and the highest value that a figure may have, each at least 0 and none below the one before.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Values")]
 pub struct Spread {
     /// The lowest.
@@ -21,7 +22,7 @@ pub struct Spread {
 impl Eq for Spread {}
 
 /// The values as a file has them.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(rename = "Spread", deny_unknown_fields)]
 struct Values {
     low: f64,

@@ -1,12 +1,13 @@
 //! Which structure is built: settings.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::ranged::Within;
 use crate::stream::Structure;
 
 /// Which structure is built, and how well.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AccelSpec {
     /// The kind of tree.
@@ -39,7 +40,7 @@ impl Default for AccelSpec {
 
 /// How well a tree is built. For BVHs, presets of obvhs without pre-splits, so that each triangle has one record; for
 /// kd-trees, how exactly triangles are cut at planes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Quality {
     /// For trees that live one frame.
     Fast,
@@ -50,7 +51,7 @@ pub enum Quality {
 }
 
 /// The order of a kd-tree's nodes in memory. Both are depth-first: a child follows its parent.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum KdLayout {
     /// The left child follows.
     DepthFirst,

@@ -12,6 +12,7 @@ use std::collections::BTreeSet;
 
 use glam::Vec3;
 use rustc_hash::FxHashMap;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use smallvec::SmallVec;
 
@@ -28,7 +29,7 @@ use crate::scene::Light;
 use crate::stream::{Store, StoreEntries};
 
 /// When proofs are asked for, and how many are kept.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
     /// Rays from a cell to a light (of an area: hits), in one band of the picture and all with the same answer, before a

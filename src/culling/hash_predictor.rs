@@ -6,6 +6,7 @@
 //! One access reads a set.
 
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::facts::SceneFacts;
@@ -18,7 +19,7 @@ use crate::ranged::{PowerOfTwo, Within};
 use crate::stream::{Store, StoreEntries};
 
 /// The predictor's table and hash; the defaults are those of the paper.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HashPredictorSpec {
     /// Sets of the table.

@@ -6,6 +6,7 @@
 //! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test is
 //! not watertight, and a ray may slip between them in the tracer.)
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::cells::Cell;
@@ -22,7 +23,7 @@ use crate::scene::Light;
 use crate::stream::StoreEntries;
 
 /// Settings of certificates and hints. They hold for every scene: nothing is in units of length.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridSpec {
     /// When proofs are asked for, and how many are kept.

@@ -1,9 +1,10 @@
 //! How fresh the memory is that a decision reads.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What of what was learned a decision can read. No choice depends on the number of threads.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Knowledge {
     /// What was there at the frame's start.
     Latched,

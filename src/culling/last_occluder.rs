@@ -1,5 +1,6 @@
 //! The last blocker of each primitive and light, tested first: the shadow cache of ray tracers, kept over frames.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::facts::SceneFacts;
@@ -10,7 +11,7 @@ use crate::accel::Ray;
 use crate::quantity::LightId;
 
 /// The last static blocker of each primitive and light.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LastOccluderSpec {
     /// What of what was learned a decision can read.

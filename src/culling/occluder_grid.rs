@@ -2,6 +2,7 @@
 //! (Haines and Greenberg 1986) has, with one blocker a cell.
 
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::facts::SceneFacts;
@@ -13,7 +14,7 @@ use crate::quantity::LightId;
 use crate::ranged::Within;
 
 /// The last static blocker of each light and cell of directions.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OccluderGridSpec {
     /// Cells along a side of each of a cube's six faces.

@@ -1,5 +1,6 @@
 //! The table of policies: what a config can name.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::facts::SceneFacts;
@@ -10,7 +11,7 @@ use super::{
 };
 
 /// A culling policy as a config names it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum PolicySpec {
     /// No culling: what every saving is measured against.
     Off,

@@ -1,12 +1,13 @@
 //! The published algorithm with occlusion tests in both directions: the current pixel's ray against the other pixel's
 //! primitive, and the other way round.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::published::rules::{Directions, Preset, PublishedRules, References};
 
 /// The published algorithm, tested both ways.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SymmetricSpec {
     /// Which pixels are compared.
@@ -16,7 +17,7 @@ pub struct SymmetricSpec {
 }
 
 /// Which neighbours of a pixel it is compared with, sooner or later.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Neighbours {
     /// Those beside, above and below.
     #[default]

@@ -3,10 +3,12 @@
 use std::fmt;
 use std::str::FromStr;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
 /// Frames `first`, `first + step`, ... below `end`, written `FIRST..END:STEP`; `:STEP` may be left out for 1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema)]
+#[schemars(inline, with = "String")]
 pub struct FrameRange {
     first: u32,
     end: u32,
@@ -98,7 +100,7 @@ impl Replayed {
 }
 
 /// A choice among the traced frames.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum FrameChoice {
     /// All of them.
     All,

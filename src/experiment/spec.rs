@@ -2,20 +2,21 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::de::{Deserializer, Error};
 use serde::{Deserialize, Serialize};
 
 use super::frames::{FrameChoice, FrameRange};
 use crate::culling::PolicySpec;
-use crate::engine::Fidelity;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::replay::Fidelity;
 use crate::ron_file::{self, ConfigError};
 use crate::tracer::TracerSpec;
 
 /// An experiment: a scene, traced for several policies, replayed on several machines. Paths are relative to the folder
 /// of the file that names them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentSpec {
     /// The name of the report's folder: letters, digits, `-` and `_`.

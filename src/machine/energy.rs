@@ -6,14 +6,16 @@
 //! in an L2 of 4 MB, tags 0.66 and 7.6 pJ; they leak 7.2 and 185 mW a bank. TI: Nah et al., "T&I Engine", SIGGRAPH Asia
 //! 2011, table 4, operators a unit. What has no source is marked as assumed.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::spread::Spread;
 use crate::stream::Structure;
 
 /// Constants of a machine's energy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
+#[schemars(extend("unit" = "pJ"))]
 pub struct EnergySpec {
     /// An operation of a traversal unit on a node of a BVH2, in pJ.
     pub bvh2_node: Spread,
@@ -36,20 +38,24 @@ pub struct EnergySpec {
     /// A read or write of a line in a cache.
     pub cache: CacheEnergy,
     /// Leakage of a unit of any kind, in mW.
+    #[schemars(extend("unit" = "mW"))]
     pub unit_leakage: Spread,
 }
 
 /// The law of a cache's energy: an access costs `byte_pj x bytes of a line x (size / 64 KB) ^ exponent` and a tag for each way.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheEnergy {
     /// A byte of a line in a cache of 64 KB, in pJ.
+    #[schemars(extend("unit" = "pJ"))]
     pub byte_pj: Spread,
     /// How the energy of a byte grows with the cache's size.
     pub exponent: Spread,
     /// A tag of a way in a cache of 64 KB, in pJ; it grows as a byte does.
+    #[schemars(extend("unit" = "pJ"))]
     pub tag_pj: Spread,
     /// Leakage of a KB, in mW.
+    #[schemars(extend("unit" = "mW"))]
     pub leakage: Spread,
 }
 

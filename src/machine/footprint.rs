@@ -74,14 +74,14 @@ fn registers(count: u64, targets: u64, queue: u64) -> u128 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ranged::Within;
+    use crate::ranged::{Size, Within};
 
     #[test]
     fn products_of_fields_are_bounded() {
         let cache = CacheSpec::DEFAULT;
         let of = |count, cache: &CacheSpec| Footprint::new(1, 64).add("list", count, &[8], Some(cache));
         assert_eq!(of(4, &cache).check(), Ok(()));
-        let large = CacheSpec { bytes: Within::literal(0x1000_0000), ..cache };
+        let large = CacheSpec { bytes: Size::literal(0x1000_0000), ..cache };
         let told = of(1024, &large).check().unwrap_err();
         // 2^35 bytes of tags, and 1,536 of a cache's registers and places, 1024 times.
         assert!(

@@ -1,20 +1,23 @@
 //! The spec of the intersection units.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::memory::cache::CacheSpec;
-use crate::ranged::Within;
+use crate::ranged::{Size, Within};
 
 /// Intersection units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 18 stages, 16 KB of 4 ways
 /// each), two of them; the queue and the number of tests are assumed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct IntersectionSpec {
     /// Units a core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Cycles from an operation to the next.
+    #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
     /// Tests that a unit works on at once, those at a division unit included.
     pub tests: Within<1, 4096>,
@@ -32,7 +35,7 @@ impl Default for IntersectionSpec {
             interval: const { Within::literal(1) },
             tests: const { Within::literal(32) },
             queue: const { Within::literal(8) },
-            cache: const { CacheSpec { bytes: Within::literal(16 << 10), ways: Within::literal(4), ..CacheSpec::DEFAULT } },
+            cache: const { CacheSpec { bytes: Size::literal(16 << 10), ways: Within::literal(4), ..CacheSpec::DEFAULT } },
         }
     }
 }

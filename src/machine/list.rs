@@ -1,20 +1,23 @@
 //! The spec of the list units.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::memory::cache::CacheSpec;
-use crate::ranged::Within;
+use crate::ranged::{Size, Within};
 
 /// List units. The defaults are the T&I engine's (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each), one of its six;
 /// latency, contexts and queue are assumed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ListSpec {
     /// Units a core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Cycles from an operation to the next.
+    #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
     /// Rays that a unit works on at once, those at an intersection unit included.
     pub lists: Within<1, 4096>,
@@ -32,7 +35,7 @@ impl Default for ListSpec {
             interval: const { Within::literal(1) },
             lists: const { Within::literal(32) },
             queue: const { Within::literal(8) },
-            cache: const { CacheSpec { bytes: Within::literal(4 << 10), ..CacheSpec::DEFAULT } },
+            cache: const { CacheSpec { bytes: Size::literal(4 << 10), ..CacheSpec::DEFAULT } },
         }
     }
 }

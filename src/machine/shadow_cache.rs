@@ -1,16 +1,17 @@
 //! The spec of the shadow-cache units: where a policy's stores lie, and which way accesses to them go.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::stores::StoreLayout;
 use super::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
-use crate::ranged::Within;
+use crate::ranged::{Size, Within};
 use crate::stream::Step;
 
 /// Which way accesses to a policy's stores go.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Place {
     /// Through an L1 of the unit.
     #[default]
@@ -24,7 +25,7 @@ pub enum Place {
 }
 
 /// What happens to words and counters at a frame's end, of a policy that keeps counters.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum FrameEnd {
     /// Those that the frame touched are set: the recorded steps.
     #[default]
@@ -37,14 +38,16 @@ pub enum FrameEnd {
 
 /// Shadow-cache units. No such hardware is published: all defaults are assumed, sized like the T&I engine's list unit (4 KB
 /// of 2 ways).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShadowCacheSpec {
     /// Units a core.
     pub count: Within<1, 64>,
     /// Stages of the pipeline.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Cycles from an operation to the next.
+    #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
     /// Rays that a unit works on at once.
     pub contexts: Within<1, 4096>,
@@ -106,7 +109,7 @@ impl Default for ShadowCacheSpec {
             writes: WritePolicy::Back,
             register: const { Within::literal(0) },
             frame_end: FrameEnd::List,
-            cache: const { CacheSpec { bytes: Within::literal(4 << 10), ..CacheSpec::DEFAULT } },
+            cache: const { CacheSpec { bytes: Size::literal(4 << 10), ..CacheSpec::DEFAULT } },
         }
     }
 }

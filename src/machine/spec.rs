@@ -1,5 +1,6 @@
 //! The spec of a whole machine: composes the specs of its parts and checks them together.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::dispatcher::DispatcherSpec;
@@ -16,20 +17,21 @@ use super::writes::WritePolicy;
 use crate::memory::dram::spec::DramSpec;
 use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwoSize, Within};
 use crate::stats::TrafficClass;
 use crate::stream::{Header, Step};
 
 /// A machine.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MachineSpec {
     /// The machine's name in reports.
     pub name: String,
     /// The clock of all units and caches.
+    #[schemars(extend("unit" = "MHz"))]
     pub clock_mhz: Within<1, 10_000>,
     /// Bytes of a line, in all caches.
-    pub line_bytes: PowerOfTwo<32, 128>,
+    pub line_bytes: PowerOfTwoSize<32, 128>,
     /// Cores: each has all units of the other fields and an L2; dispatcher and DRAM serve all.
     pub cores: Within<1, 64>,
     /// The dispatcher.
@@ -57,7 +59,7 @@ impl Default for MachineSpec {
         Self {
             name: "default".into(),
             clock_mhz: const { Within::literal(500) },
-            line_bytes: const { PowerOfTwo::literal(64) },
+            line_bytes: const { PowerOfTwoSize::literal(64) },
             cores: const { Within::literal(1) },
             dispatcher: DispatcherSpec::default(),
             traversal: TraversalSpec::default(),

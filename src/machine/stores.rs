@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::word_traffic::LatchedCopy;
@@ -21,7 +22,7 @@ const RECORD_STEP: u64 = 16;
 
 /// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream says: one up
 /// to 15 lights, another for each further 16.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StoreLayout {
     /// An array of 32-bit words, and one of counters, 8 bytes a primitive.
     #[default]

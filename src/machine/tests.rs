@@ -5,7 +5,7 @@ use super::layout::{Layout, TRIANGLE_BYTES};
 use super::stores::StoreLayout;
 use super::word_traffic::LatchedCopy;
 use crate::quantity::{Resolution, TriangleSlot};
-use crate::ranged::PowerOfTwo;
+use crate::ranged::PowerOfTwoSize;
 use crate::stream::{Header, Step, Store, StoreEntries, Structure};
 
 const LAYOUTS: [StoreLayout; 5] =
@@ -43,7 +43,7 @@ fn layout(header: &Header, stores: StoreLayout, line: u64) -> Layout {
 }
 
 fn layout_with(header: &Header, stores: StoreLayout, copy: LatchedCopy, line: u64) -> Layout {
-    let mut machine = MachineSpec { line_bytes: PowerOfTwo::new(line).unwrap(), ..MachineSpec::default() };
+    let mut machine = MachineSpec { line_bytes: PowerOfTwoSize::new(line).unwrap(), ..MachineSpec::default() };
     (machine.shadow_cache.layout, machine.shadow_cache.latched) = (stores, copy);
     Layout::new(header, &machine)
 }

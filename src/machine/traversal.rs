@@ -1,5 +1,6 @@
 //! The spec of the traversal units.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::memory::cache::CacheSpec;
@@ -7,14 +8,16 @@ use crate::ranged::Within;
 
 /// Traversal units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 8 stages, one ray a cycle, 20 resident rays, 8 KB
 /// of 2 ways each), four of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TraversalSpec {
     /// Units a core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Cycles from an operation to the next.
+    #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
     /// Slots: rays that a unit holds.
     pub rays: Within<1, 4096>,

@@ -1,5 +1,6 @@
 //! What of a policy's recorded work reaches the shadow-cache units: which updates are sent, and where decisions fall.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::stream::{Decision, Effect, Step};
@@ -7,7 +8,7 @@ use crate::stream::{Decision, Effect, Step};
 /// Which updates of mode words are sent to a shadow-cache unit. Nearly all of them change no bit: a word is learned
 /// once and then confirmed by every ray. (Silent stores of processors are the same case: Lepak and Lipasti, "On the
 /// value locality of store instructions", ISCA 2000.)
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SilentUpdates {
     /// All.
     #[default]
@@ -33,7 +34,7 @@ impl SilentUpdates {
 }
 
 /// Where the decision on a shadow ray falls.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Decide {
     /// In a shadow-cache unit, to which a culled ray is sent.
     #[default]
@@ -56,7 +57,7 @@ impl Decide {
 
 /// How the word as latched at the frame's start, which decisions read, and the bits that the frame learns are kept
 /// apart. It matters for policies that keep counters: the others change no word before the frame's end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum LatchedCopy {
     /// One word stands for both values and costs no more than one. A limit.
     #[default]

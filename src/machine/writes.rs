@@ -1,5 +1,6 @@
 //! What becomes of writes in an L1.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::memory::allocation::Classes;
@@ -7,7 +8,7 @@ use crate::memory::cache::Access;
 use crate::stats::TrafficClass;
 
 /// What becomes of writes.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WritePolicy {
     /// A write makes its line dirty; dirty lines go down when they are displaced.
     #[default]

@@ -1,11 +1,12 @@
 //! Which accesses give a line a place in a cache, by class of traffic.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::stats::TrafficClass;
 
 /// A set of classes of traffic; in files, a list of their names.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Vec<TrafficClass>", into = "Vec<TrafficClass>")]
 pub struct Classes(u8);
 
@@ -29,7 +30,7 @@ impl From<Classes> for Vec<TrafficClass> {
 }
 
 /// Accesses that do not allocate: the line is fetched, if the access needs its data, but not kept.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoAllocate {
     /// Classes whose reads don't.

@@ -1,5 +1,6 @@
 //! A cache of the L2, shared by all L1s, by its banks.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::allocation::NoAllocate;
@@ -12,18 +13,18 @@ use super::ring::Ring;
 use super::tags::{Contents, TagArray};
 use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::stats::TrafficClass;
 
 /// A cache of the L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20
 /// cycles); registers and queues are assumed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankedSpec {
     /// What it holds.
     pub contents: Contents,
     /// Size in bytes, all banks together.
-    pub bytes: Within<32, 0x1_0000_0000>,
+    pub bytes: Size<32, 0x1_0000_0000>,
     /// Lines a set.
     pub ways: Within<1, 64>,
     /// Banks.
@@ -33,6 +34,7 @@ pub struct BankedSpec {
     /// Which accesses don't give their line a place: they go past, to and from the DRAM.
     pub no_allocate: NoAllocate,
     /// Cycles from an access that hits, or a fill, to the answer.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Miss registers a bank.
     pub mshrs: Within<1, 1024>,
@@ -46,7 +48,7 @@ impl BankedSpec {
     /// The defaults.
     pub const DEFAULT: Self = Self {
         contents: Contents::Tags,
-        bytes: Within::literal(128 << 10),
+        bytes: Size::literal(128 << 10),
         ways: Within::literal(2),
         banks: PowerOfTwo::literal(8),
         replacement: Policy::Lru,

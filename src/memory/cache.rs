@@ -1,5 +1,6 @@
 //! A non-blocking cache: tags, miss registers, counts, and the spec of the L1s.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::allocation::NoAllocate;
@@ -7,11 +8,11 @@ use super::mshr::{Fate, MshrFile};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::{Bytes, LineAddr};
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::stats::{CacheCounts, L1Counts, TrafficClass};
 
 /// How accesses that wait in a miss register get their line when it has come.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Release {
     /// All at once, and the register is free.
     #[default]
@@ -22,13 +23,13 @@ pub enum Release {
 
 /// An L1 cache. The defaults are the T&I engine's traversal cache (Nah et al. 2011, section 5: 8 KB, 2 ways, latency 1, one
 /// port; 8 rows of 4 rays wait for lines).
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSpec {
     /// What it holds.
     pub contents: Contents,
     /// Size in bytes.
-    pub bytes: Within<32, 0x1000_0000>,
+    pub bytes: Size<32, 0x1000_0000>,
     /// Lines a set.
     pub ways: Within<1, 64>,
     /// Which line of a full set goes.
@@ -36,6 +37,7 @@ pub struct CacheSpec {
     /// Which accesses don't give their line a place.
     pub no_allocate: NoAllocate,
     /// Cycles from an access that hits to its data.
+    #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
     /// Accesses a cycle.
     pub ports: Within<1, 16>,
@@ -55,7 +57,7 @@ impl CacheSpec {
     /// The defaults.
     pub const DEFAULT: Self = Self {
         contents: Contents::Tags,
-        bytes: Within::literal(8192),
+        bytes: Size::literal(8192),
         ways: Within::literal(2),
         replacement: Policy::Lru,
         no_allocate: NoAllocate::NONE,

@@ -1,5 +1,6 @@
 //! The L2: one cache for all classes of traffic, or several, each the home of some.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::bank::{Bank, BankedSpec};
@@ -9,7 +10,7 @@ use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
 /// The L2.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum L2Spec {
     /// One cache for all classes.
     Unified(BankedSpec),
@@ -18,7 +19,7 @@ pub enum L2Spec {
 }
 
 /// A cache of a split L2.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HomeSpec {
     /// The classes of traffic that go there.

@@ -1,5 +1,6 @@
 //! The tag array of a set-associative cache: what is in it, and what goes. It knows no time; engines share it.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::replacement::{Policy, State};
@@ -36,7 +37,7 @@ pub struct Victim {
 }
 
 /// What a cache holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Contents {
     /// The lines that its tags name.
     #[default]

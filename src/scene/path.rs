@@ -7,11 +7,12 @@
 use std::ops::{Add, Mul, Sub};
 
 use glam::{DAffine3, DQuat, DVec3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use super::camera::Camera;
 use super::fields;
-use super::limits::check_reach;
+use super::limits::{self, check_reach};
 
 /// A quantity given at increasing key frames.
 #[derive(Clone, Debug)]
@@ -61,18 +62,24 @@ fn check_frames(frames: impl Iterator<Item = u32> + Clone) -> Result<(), String>
 }
 
 /// How wide a camera sees.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum FieldOfView {
     /// From the bottom to the top of the picture, in degrees.
-    Vertical(#[serde(deserialize_with = "fields::angle_of_view")] f64),
+    Vertical(
+        #[serde(deserialize_with = "fields::angle_of_view")]
+        #[schemars(extend("unit" = "degrees", "exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
+        f64,
+    ),
     /// From the left to the right of a picture of the given shape. A picture of another shape keeps the height of what
     /// is seen, as pixels are square.
     Horizontal {
         /// The angle in degrees.
+        #[schemars(extend("unit" = "degrees", "exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
         #[serde(deserialize_with = "fields::angle_of_view")]
         degrees: f64,
         /// The picture's width over its height.
+        #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
         #[serde(deserialize_with = "fields::positive")]
         aspect: f64,
     },
@@ -89,7 +96,7 @@ impl FieldOfView {
 }
 
 /// Where a camera looks.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Look {
     /// At a point.
@@ -117,26 +124,28 @@ impl Look {
 }
 
 /// A camera's key frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
     /// The frame.
     pub frame: u32,
     /// Where the camera stands.
     #[serde(deserialize_with = "fields::point")]
+    #[schemars(with = "[f64; 3]")]
     pub eye: DVec3,
     /// Where it looks.
     pub look: Look,
 }
 
 /// A camera that stands still or moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum CameraPath {
     /// The same in every frame.
     Still {
         /// Where the camera stands.
         #[serde(deserialize_with = "fields::point")]
+        #[schemars(with = "[f64; 3]")]
         eye: DVec3,
         /// Where it looks.
         look: Look,
@@ -152,13 +161,14 @@ fn camera_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<CameraKey>, D::
 }
 
 /// A camera as RON gives it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSpec {
     /// How wide it sees.
     pub fov: FieldOfView,
     /// What is upwards in the picture.
     #[serde(default = "y_axis", deserialize_with = "fields::nonzero")]
+    #[schemars(with = "[f64; 3]")]
     pub up: DVec3,
     /// Where it is.
     pub path: CameraPath,
@@ -210,19 +220,21 @@ impl CameraTrack {
 }
 
 /// A moving object's key frame.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PoseKey {
     /// The frame.
     pub frame: u32,
     /// Where the object's origin is.
     #[serde(deserialize_with = "fields::point")]
+    #[schemars(with = "[f64; 3]")]
     pub position: DVec3,
     /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a
     /// turn.
     #[serde(default, deserialize_with = "fields::coordinate")]
     pub rotation: f64,
     /// How much larger it is than its shape. The curve between two keys can overshoot them.
+    #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "unscaled", deserialize_with = "fields::positive")]
     pub scale: f64,
 }

@@ -2,6 +2,7 @@
 //! nothing else.
 
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::frame::{Frame, Scene};
@@ -9,11 +10,12 @@ use super::limits::MAX_REACH;
 use crate::quantity::{PrimitiveId, Resolution};
 
 /// How pictures are traced.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderSpec {
     /// Rays in a row from the camera on, the primary ray included: 1 traces no secondary rays. GI09 uses 10.
     #[serde(deserialize_with = "depth")]
+    #[schemars(range(min = 1, max = 32))]
     pub depth: u32,
     /// For which lights a hit asks for a shadow ray.
     pub shadow_rays: ShadowRays,
@@ -21,6 +23,7 @@ pub struct RenderSpec {
     pub offset: Offset,
     /// Secondary rays whose weight in the picture is below this are not traced (Hall and Greenberg 1983).
     #[serde(deserialize_with = "weight")]
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub min_weight: f32,
 }
 
@@ -49,7 +52,7 @@ fn weight<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
 }
 
 /// For which lights a hit asks for a shadow ray.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum ShadowRays {
     /// Lights on the viewer's side of the surface: the others cannot light what is seen.
     ViewerSide,
@@ -58,7 +61,7 @@ pub enum ShadowRays {
 }
 
 /// How far from its surface a ray starts. A positive number.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum Offset {
     /// In world units.
     Absolute(#[serde(deserialize_with = "length")] f64),

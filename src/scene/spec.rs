@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::aff;
@@ -11,7 +12,7 @@ use super::error::SceneError;
 use super::frame::Scene;
 
 /// Where a scene comes from. Paths are relative to the folder of the config.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum SceneSpec {
     /// An AFF file of the BART suite.

@@ -1,9 +1,10 @@
 //! Classes of memory traffic, and causes of a unit's cycles.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// What memory traffic is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TrafficClass {
     /// Nodes of the acceleration structure.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::step::Store;
@@ -78,7 +79,7 @@ impl StoreEntries {
 }
 
 /// Acceleration structures that a stream can be of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 pub enum Structure {
     /// Binary BVH; a node is the boxes of both its children and two references.
     Bvh2,

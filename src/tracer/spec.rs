@@ -1,12 +1,13 @@
 //! How frames become rays: settings.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::accel::AccelSpec;
 use crate::scene::RenderSpec;
 
 /// How frames become rays.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TracerSpec {
     /// How pictures are traced.
@@ -18,7 +19,7 @@ pub struct TracerSpec {
 }
 
 /// The order of pixels in a stream.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum PixelOrder {
     /// Row by row from the top, as the published algorithm goes.
     #[default]

@@ -1,5 +1,6 @@
 //! Everything that the text of GI09 leaves open, as options. MODEL.md lists the holes by the numbers H1 to H10 used here.
 
+use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -11,7 +12,7 @@ macro_rules! answers {
         pub struct PublishedRules { $($(#[$doc])* pub $field: $kind),* }
 
         /// A preset, and the answers that depart from it. It is written with all answers, the preset's included.
-        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
         #[serde(default, deny_unknown_fields)]
         pub struct PublishedSpec {
             /// Gives all answers that are not given below.
@@ -72,7 +73,7 @@ answers! {
 }
 
 /// A set of answers.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Preset {
     /// What the text must have meant.
     #[default]
@@ -113,8 +114,9 @@ impl Preset {
 }
 
 /// A number of at least 1; the paper says "more than the quadruple".
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct ResetRatio(pub f64);
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(inline)]
+pub struct ResetRatio(#[schemars(range(min = 1.0))] pub f64);
 
 impl<'de> Deserialize<'de> for ResetRatio {
     fn deserialize<D: serde::Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
@@ -130,7 +132,7 @@ impl<'de> Deserialize<'de> for ResetRatio {
 macro_rules! choices {
     ($($(#[$doc:meta])* $name:ident { $($(#[$vdoc:meta])* $variant:ident),* $(,)? })*) => {$(
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
         pub enum $name { $($(#[$vdoc])* $variant),* }
     )*};
 }

@@ -46,7 +46,7 @@ fn a_class_does_not_displace_those_that_allocate() {
     // The L1 holds two lines of a set: node 0 stays while others stream past it.
     let mut machine = MachineSpec::default();
     let cache = &mut machine.shadow_cache.cache;
-    (cache.bytes, cache.ways) = (num(128), num(2));
+    (cache.bytes, cache.ways) = (size(128), num(2));
     cache.no_allocate.reads = only(ModeWord);
     let read = |index| Step::Read { store: Store::ModeWord, index };
     let policy = [vec![Step::Node(crate::quantity::NodeId(0))], (0..10).map(|i| read(16 * i)).collect()].concat();

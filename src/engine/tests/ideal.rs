@@ -19,10 +19,10 @@ fn ideal(latency: u64) -> MachineSpec {
 
 /// On every rung that runs a whole stream; `Event`'s.
 fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
-    let on = |rung| run(machine, rung, &header(), items(stream.to_vec())).unwrap_or_else(|error| panic!("{error}"));
-    let [event, cycle, profile] = [Fidelity::Event, Fidelity::Cycle, Fidelity::Profile].map(on);
+    let on = |rung| run(machine, rung, &header(), stream).unwrap_or_else(|error| panic!("{error}"));
+    let [event, cycle, profile] = [Level::Event, Level::Cycle, Level::Profile].map(on);
     assert_eq!(event, cycle);
-    let bound = on(Fidelity::Bound);
+    let bound = on(Level::Bound);
     assert_eq!((bound.accuracy, bound.bounds), (Accuracy::Bounded, event.bounds));
     // `Profile` knows no banks of L1s.
     let accesses = |stats: &MachineStats| {
@@ -70,7 +70,7 @@ fn ports_limit_an_ideal_l1() {
     let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();
     for (ports, cycles_a_node) in [(1, 2), (2, 1)] {
         let mut machine = ideal(3);
-        machine.line_bytes = pow(32);
+        machine.line_bytes = pow_size(32);
         machine.traversal.count = num(1);
         machine.traversal.cache.ports = num(ports);
         let stats = on_all_rungs(&machine, &one_frame(&rays));
@@ -97,7 +97,7 @@ fn a_miss_to_an_ideal_l2_is_there_and_back() {
 fn a_miss_to_a_flat_dram_takes_the_transfer_and_the_latency() {
     for (bytes_per_cycle, transfer) in [(None, 0), (Some(16), 4), (Some(24), 3), (Some(200), 1)] {
         let mut machine = MachineSpec::default();
-        machine.dram.model = Model::Flat { latency: num(70), bytes_per_cycle: bytes_per_cycle.map(num) };
+        machine.dram.model = Model::Flat { latency: num(70), bytes_per_cycle: bytes_per_cycle.map(size) };
         let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(nodes([0]))]));
         let l2 = machine.l2.caches()[0].1.latency.get();
         // To the L2, to the DRAM, back to the L2, back to the L1: a cycle each.
@@ -150,7 +150,7 @@ fn banks_limit_ports() {
     let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();
     for (banks, cycles_a_node) in [(1, 2), (2, 1)] {
         let mut machine = ideal(3);
-        machine.line_bytes = pow(32);
+        machine.line_bytes = pow_size(32);
         machine.traversal.count = num(1);
         (machine.traversal.cache.ports, machine.traversal.cache.banks) = (num(2), Some(pow(banks)));
         let stats = on_all_rungs(&machine, &one_frame(&rays));

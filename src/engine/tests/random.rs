@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::synthetic::{STATIC, SyntheticRay, frame, triangle};
-use super::{num, pow};
+use super::{num, pow, pow_size, size};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
@@ -54,7 +54,7 @@ fn cache(line: u64) -> impl Strategy<Value = CacheSpec> {
             CacheSpec {
                 no_allocate: NoAllocate { reads, writes },
                 contents,
-                bytes: num((line << ways) << sets),
+                bytes: size((line << ways) << sets),
                 ways: num(1 << ways),
                 replacement,
                 latency: num(latency),
@@ -73,7 +73,7 @@ fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
     (cache(line), 0..3u32, latency(300)).prop_map(|(cache, banks, latency)| BankedSpec {
         contents: cache.contents,
         no_allocate: cache.no_allocate,
-        bytes: num(cache.bytes.get() << banks),
+        bytes: size(cache.bytes.get() << banks),
         ways: cache.ways,
         banks: pow(1 << banks),
         replacement: cache.replacement,
@@ -105,7 +105,7 @@ fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
 
 fn model() -> impl Strategy<Value = Model> {
     let flat = (latency(300), prop::option::of(prop_oneof![1..9u64, 1..400u64]))
-        .prop_map(|(latency, bytes)| Model::Flat { latency: num(latency), bytes_per_cycle: bytes.map(num) });
+        .prop_map(|(latency, bytes)| Model::Flat { latency: num(latency), bytes_per_cycle: bytes.map(size) });
     prop_oneof![4 => Just(Model::Banks), 1 => flat]
 }
 
@@ -122,8 +122,8 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
                 clock_mhz: num(clock_mhz),
                 bank_groups: pow(1 << groups),
                 banks: pow(1 << (groups + banks)),
-                row_bytes: pow(line << columns),
-                burst_bytes: pow(line >> burst),
+                row_bytes: pow_size(line << columns),
+                burst_bytes: pow_size(line >> burst),
                 burst_clocks: num(burst_clocks),
                 ..DramPart::default()
             };
@@ -206,7 +206,7 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
 }
 
 /// Lights of a scene: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
-pub(super) fn lights() -> impl Strategy<Value = u32> {
+pub(crate) fn lights() -> impl Strategy<Value = u32> {
     prop_oneof![Just(1), Just(2), Just(6), Just(8), Just(9), Just(14), Just(20), Just(40)]
 }
 
@@ -224,7 +224,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     (counts, latencies, caches, dram(line).boxed(), rest).prop_map(
         move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
             let mut machine =
-                MachineSpec { clock_mhz: num(clock), line_bytes: pow(line), dram, ..MachineSpec::default() };
+                MachineSpec { clock_mhz: num(clock), line_bytes: pow_size(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
             let mut interval = 100;
             machine.dram.part.timing.refi = num(interval);
@@ -277,12 +277,12 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
 }
 
 /// Any machine.
-pub(super) fn machines() -> impl Strategy<Value = MachineSpec> {
+pub(crate) fn machines() -> impl Strategy<Value = MachineSpec> {
     prop_oneof![machine(32), machine(64), machine(128)]
 }
 
 /// Any stream of a scene of [`super::synthetic::header`].
-pub(super) fn streams() -> impl Strategy<Value = Vec<Item>> {
+pub(crate) fn streams() -> impl Strategy<Value = Vec<Item>> {
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
     let store = (0..3usize, prop_oneof![2 => 0..STATIC, 2 => 0..64u32, 3 => 0..3u32], 0..3u8).prop_map(
         move |(store, index, kind)| match kind {
@@ -352,7 +352,7 @@ fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
 }
 
 /// Streams of a frame's end alone, with stores of a few lines.
-pub(super) fn sweeps() -> impl Strategy<Value = Vec<Item>> {
+pub(crate) fn sweeps() -> impl Strategy<Value = Vec<Item>> {
     let step = (0..96u32, 0..10u8).prop_map(|(index, kind)| match kind {
         0..7 => Step::Read { store: Store::ModeWord, index },
         _ => Step::Write { store: Store::ModeWord, index },

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use ron::value::RawValue;
 use rustc_hash::FxHashSet;
+use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
@@ -22,7 +23,7 @@ use crate::ron_file::{self, ConfigError};
 const MAX_MACHINES: u128 = 100_000;
 
 /// A sweep as its RON file says it.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct SweepSpec {
     /// The experiment whose streams and machines are used, relative to this file.
@@ -34,6 +35,7 @@ struct SweepSpec {
     #[serde(default)]
     resolution: Option<Resolution>,
     /// Paths of fields in a machine's file, each with the values to try.
+    #[schemars(with = "Named<Vec<Value>>")]
     vary: Named<Vec<Box<RawValue>>>,
     /// Which combinations.
     #[serde(default)]
@@ -41,7 +43,7 @@ struct SweepSpec {
 }
 
 /// Which combinations of values are tried.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 enum Points {
     /// The machine as it is, and each value alone.
     #[default]

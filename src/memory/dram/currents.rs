@@ -1,28 +1,33 @@
 //! What a DRAM part's file says of its energy: the currents of its data sheet, or a published figure a bit.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::spread::Spread;
 
 /// How the energy of a part is known.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum DramEnergy {
     /// By currents: energy a command and background power.
     Currents(Currents),
     /// By a figure for all that a bit costs between the cells and the pins of the other side, background included.
     PerBit {
         /// Picojoules a bit.
+        #[schemars(extend("unit" = "pJ a bit"))]
         pj: Spread,
     },
 }
 
 /// The currents of one device, in mA, and what else makes energy of them. Idle power-down is not modelled.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("unit" = "mA"))]
 pub struct Currents {
     /// Supply voltage in V.
+    #[schemars(extend("unit" = "V"))]
     pub volt: f64,
     /// Devices that make up a channel.
+    #[schemars(extend("unit" = "devices"))]
     pub devices: u32,
     /// Activate and precharge of one bank, again and again.
     pub idd0: f64,
@@ -37,8 +42,10 @@ pub struct Currents {
     /// Refreshes one after another.
     pub idd5: f64,
     /// Factors on all currents: data sheets give maxima, and those of vendors differ.
+    #[schemars(extend("unit" = "factor"))]
     pub factor: Spread,
     /// Picojoules a bit for drivers and termination, which these currents leave out.
+    #[schemars(extend("unit" = "pJ a bit"))]
     pub io_pj_per_bit: Spread,
 }
 

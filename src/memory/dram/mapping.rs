@@ -2,13 +2,14 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::part::DramPart;
 use crate::quantity::LineAddr;
 
 /// A field of the address mapping.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Field {
     /// So many bits of the channel.
     Channel(u32),
@@ -23,7 +24,7 @@ pub enum Field {
 }
 
 /// The fields of a line's number, from its least significant bit on.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Mapping(pub Vec<Field>);
 

@@ -1,30 +1,33 @@
 //! DRAM parts: organisation and timing as a data sheet has them, a file each in `configs/dram`.
 
+use schemars::JsonSchema;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::currents::{Currents, DramEnergy};
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Within};
 use crate::spread::Spread;
 
 /// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
 /// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at the line.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub struct DramPart {
     /// The part's name in reports.
     pub name: String,
     /// The clock that commands are given in and timing is counted in.
+    #[schemars(extend("unit" = "MHz"))]
     pub clock_mhz: Within<1, 20_000>,
     /// Bank groups; 1 for a part without.
     pub bank_groups: PowerOfTwo<1, 16>,
     /// Banks, all groups together.
     pub banks: PowerOfTwo<1, 64>,
     /// Bytes of a row of a bank.
-    pub row_bytes: PowerOfTwo<32, 65_536>,
+    pub row_bytes: PowerOfTwoSize<32, 65_536>,
     /// Bytes of a burst: bus width times burst length.
-    pub burst_bytes: PowerOfTwo<8, 256>,
+    pub burst_bytes: PowerOfTwoSize<8, 256>,
     /// Clocks that a burst occupies the data bus.
+    #[schemars(extend("unit" = "clocks of the DRAM"))]
     pub burst_clocks: Within<1, 64>,
     /// Timing.
     pub timing: Timing,
@@ -49,8 +52,9 @@ impl Serialize for DramPart {
 
 /// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l` between
 /// banks of one group.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
+#[schemars(extend("unit" = "clocks of the DRAM"))]
 pub struct Timing {
     /// Read command to data.
     pub cl: Within<1, 1000>,
@@ -112,8 +116,8 @@ impl Default for DramPart {
             clock_mhz: const { Within::literal(1600) },
             bank_groups: const { PowerOfTwo::literal(1) },
             banks: const { PowerOfTwo::literal(8) },
-            row_bytes: const { PowerOfTwo::literal(2048) },
-            burst_bytes: const { PowerOfTwo::literal(32) },
+            row_bytes: const { PowerOfTwoSize::literal(2048) },
+            burst_bytes: const { PowerOfTwoSize::literal(32) },
             burst_clocks: const { Within::literal(8) },
             timing: const {
                 Timing {

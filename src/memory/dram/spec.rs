@@ -2,16 +2,17 @@
 
 use std::fmt;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::mapping::{Field, Mapping, Place};
 use super::part::DramPart;
 use crate::quantity::LineAddr;
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::ron_file;
 
 /// What becomes of a row after a request.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Page {
     /// It stays open until another row or a refresh needs its bank.
     #[default]
@@ -21,7 +22,7 @@ pub enum Page {
 }
 
 /// How a DRAM is modelled.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Model {
     /// Banks with open rows and refresh, in the timing of the part.
     #[default]
@@ -29,15 +30,16 @@ pub enum Model {
     /// A fixed latency and a data bus: for bounds. Part, pages and mapping then say nothing; line `l` lies in channel `l` modulo the channels.
     Flat {
         /// Cycles of the machine from the end of a line's transfer to the line being there.
+        #[schemars(extend("unit" = "cycles"))]
         latency: Within<1, 100_000>,
         /// Bytes that a channel's data bus moves in a cycle of the machine; without it, transfers take no time.
         #[serde(default)]
-        bytes_per_cycle: Option<Within<1, 65_536>>,
+        bytes_per_cycle: Option<Size<1, 65_536>>,
     },
 }
 
 /// A DRAM. The default is one channel of the default part.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DramSpec {
     /// How it is modelled.

@@ -9,6 +9,7 @@ mod notices;
 mod page;
 pub(crate) mod pictures;
 mod plots;
+mod results;
 mod steady;
 mod summary;
 mod tables;

@@ -9,6 +9,7 @@ mod room;
 mod street;
 mod thicket;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::frame::Scene;
@@ -19,7 +20,7 @@ use made::Frames;
 /// A number of lights.
 pub type Lights = Within<1, 6>;
 /// A scene made in code. Motion is a frame at a time, whatever the number of frames: more frames show more of it.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum BuiltInSpec {
     /// A furnished room with lamps, in which a toy train runs.

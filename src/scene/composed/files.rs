@@ -4,12 +4,14 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DQuat, DVec3, EulerRot};
+use schemars::JsonSchema;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};
 
 use crate::scene::error::SceneError;
 use crate::scene::fields;
+use crate::scene::limits;
 use crate::scene::loader::Loader;
 use crate::scene::material::MaterialId;
 use crate::scene::model::Model;
@@ -17,19 +19,22 @@ use crate::scene::obj::{self, Libraries};
 use crate::scene::{gltf, ply};
 
 /// A file and where its contents are: scaled first, then turned, then moved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FileSpec {
     /// The file: OBJ (`.obj`), PLY (`.ply`) or glTF 2.0 (`.gltf`, `.glb`).
     pub path: PathBuf,
     /// How much larger it becomes.
+    #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "unscaled", deserialize_with = "fields::positive")]
     pub scale: f64,
     /// How far it is turned about x, then y, then z, in degrees.
     #[serde(default, deserialize_with = "fields::vector")]
+    #[schemars(with = "[f64; 3]")]
     pub rotate: DVec3,
     /// How far it is moved.
     #[serde(default, deserialize_with = "fields::vector")]
+    #[schemars(with = "[f64; 3]")]
     pub translate: DVec3,
     /// Which of a glTF file's animations moves its nodes. May be left out if there is one at most.
     #[serde(default)]

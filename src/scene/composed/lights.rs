@@ -1,6 +1,7 @@
 //! Lights as a config gives them.
 
 use glam::{DVec3, Vec3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, de::Error};
 
 use crate::ranged::Within;
@@ -10,14 +11,16 @@ use crate::scene::light::{Light, MAX_LIGHTS};
 use crate::scene::limits::LENGTH;
 
 /// A light: a point, or a rectangle.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LightSpec {
     /// Where it is, or its middle.
     #[serde(deserialize_with = "fields::point")]
+    #[schemars(with = "[f64; 3]")]
     pub position: DVec3,
     /// Its colour and strength; white if left out.
     #[serde(default = "white", deserialize_with = "fields::color")]
+    #[schemars(with = "[f32; 3]")]
     pub color: Vec3,
     /// What makes it a rectangle.
     #[serde(default)]
@@ -26,14 +29,16 @@ pub struct LightSpec {
 
 /// A rectangular light (or any parallelogram), which casts soft shadows: every hit sends a shadow ray to each of its
 /// points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {
     /// Half of one edge.
     #[serde(deserialize_with = "fields::nonzero")]
+    #[schemars(with = "[f64; 3]")]
     pub u: DVec3,
     /// Half of the other.
     #[serde(deserialize_with = "fields::nonzero")]
+    #[schemars(with = "[f64; 3]")]
     pub v: DVec3,
     /// Points along each edge.
     pub points: Within<1, 8>,

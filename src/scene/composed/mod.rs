@@ -10,6 +10,7 @@ mod tests;
 use std::path::Path;
 
 use glam::Vec3;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use self::cameras::CameraChoice;
@@ -22,6 +23,7 @@ use super::frame::Scene;
 use super::geometry::Geometry;
 use super::lamps::Lamps;
 use super::light::Light;
+use super::limits;
 use super::loader::Loader;
 use super::material::Material;
 use super::model::{FileCamera, FileLight, append};
@@ -30,7 +32,7 @@ use super::parts::{Part, Parts};
 use crate::ranged::Within;
 
 /// A scene of files. Paths are relative to the folder of the config.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComposedSpec {
     /// The files of what stays, and of what glTF animations move. The first one names the scene.
@@ -54,18 +56,21 @@ pub struct ComposedSpec {
     #[serde(default = "one_frame")]
     pub frame_count: Within<1, 1_000_000>,
     /// Frames a second of the files' animations.
+    #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "frame_rate", deserialize_with = "fields::positive")]
     pub frame_rate: f64,
     /// Colour of rays that hit nothing.
     #[serde(default, deserialize_with = "fields::color")]
+    #[schemars(with = "[f32; 3]")]
     pub background: Vec3,
     /// Ambient light.
     #[serde(default = "dim", deserialize_with = "fields::color")]
+    #[schemars(with = "[f32; 3]")]
     pub ambient: Vec3,
 }
 
 /// Whether a part of the files is taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Wanted {
     /// It is taken; what is missing is an error.
     #[default]

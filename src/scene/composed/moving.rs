@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use glam::{DAffine3, DVec3, Vec3};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::files::FileSpec;
@@ -19,13 +20,14 @@ use crate::scene::parts::Part;
 use crate::scene::path::{PoseKey, PoseTrack, pose_keys};
 
 /// An object that moves.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MovingSpec {
     /// What it is.
     pub shape: ShapeSpec,
     /// Its colour. If left out, the colours of its file, or grey.
     #[serde(default, deserialize_with = "fields::optional_surface")]
+    #[schemars(with = "Option<[f32; 3]>")]
     pub color: Option<Vec3>,
     /// Where it is, at least at one frame.
     #[serde(deserialize_with = "pose_keys")]
@@ -33,7 +35,7 @@ pub struct MovingSpec {
 }
 
 /// The shape of a moving object, around its origin.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum ShapeSpec {
     /// The triangles of a file: OBJ, PLY or glTF without an animation.
@@ -42,6 +44,7 @@ pub enum ShapeSpec {
     /// A sphere around the origin.
     Sphere {
         /// Its radius.
+        #[schemars(range(min = LENGTH.low, max = LENGTH.high))]
         #[serde(deserialize_with = "fields::positive")]
         radius: f64,
         /// Its parts around the equator; half as many lie from pole to pole.
@@ -52,6 +55,7 @@ pub enum ShapeSpec {
     Box {
         /// Its three sizes.
         #[serde(deserialize_with = "fields::size")]
+        #[schemars(with = "[f64; 3]")]
         size: DVec3,
     },
 }

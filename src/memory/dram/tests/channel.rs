@@ -6,7 +6,7 @@ use crate::memory::dram::mapping::{Field, Mapping};
 use crate::memory::dram::spec::{DramSpec, Page};
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
-use crate::ranged::{PowerOfTwo, Within};
+use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Within};
 use crate::stats::TrafficClass;
 
 /// A DRAM whose clock is the machine's, so that its parameters are cycles; lines of 64 B, two bursts each.
@@ -228,7 +228,7 @@ fn a_full_queue_refuses() {
 fn grouped() -> DramSpec {
     let mut spec = with(&[("ccd_s", 4), ("ccd_l", 8), ("rrd_s", 5), ("rrd_l", 9), ("wtr_s", 3), ("wtr_l", 14)]);
     spec.part.bank_groups = PowerOfTwo::new(2).unwrap();
-    (spec.part.burst_bytes, spec.part.burst_clocks) = (PowerOfTwo::new(64).unwrap(), Within::new(4).unwrap());
+    (spec.part.burst_bytes, spec.part.burst_clocks) = (PowerOfTwoSize::new(64).unwrap(), Within::new(4).unwrap());
     spec.mapping = Mapping(vec![Field::BankGroup(1), Field::Bank(2), Field::Column(5), Field::Row]);
     spec
 }

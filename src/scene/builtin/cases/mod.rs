@@ -4,6 +4,7 @@ mod failures;
 mod film;
 mod stress;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use self::stress::{CameraPath, Pieces, Recipe};
@@ -16,7 +17,7 @@ macro_rules! cases {
     (failures { $($failure:ident $data:ident $failure_title:literal,)* }
      stress { $($stress:ident $stress_title:literal $recipe:expr,)* }) => {
         /// A small scene to test culling with.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
         pub enum Case {
             $(#[doc = $failure_title] $failure,)*
             $(#[doc = $stress_title] $stress,)*
