@@ -140,7 +140,7 @@ impl Diagram {
         canvas.frame((l2.0, first + LINE - 6), (l2.1, last - 8), FAINT, 1)?;
         let middle = (l2.0 + l2.1) / 2;
         canvas.text("L2", (middle, (first + last) / 2 - 9), Text::LABEL.bold().centered())?;
-        let hits = self.l2_hits.map(|rate| percent(rate)).unwrap_or_default();
+        let hits = self.l2_hits.map(percent).unwrap_or_default();
         canvas.text(&hits, (middle, (first + last) / 2 + 9), Text::NOTE.centered())?;
         for (row, it) in (1..).zip(&self.units) {
             block(canvas, it, unit, row * ROW)?;
