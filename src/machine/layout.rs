@@ -176,6 +176,17 @@ impl Layout {
         Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
     }
 
+    /// The same part of the element that comes `places` after that of `step` in its array, of which both are.
+    pub(crate) fn places_on(&self, element: &Element, step: Step, places: u64) -> Element {
+        let array = match step {
+            Step::Node(_) => &self.nodes,
+            Step::List(_) => &self.lists,
+            Step::Triangle { .. } => &self.triangles,
+            Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => return *element,
+        };
+        Element { addr: Addr(element.addr.0 + places * array.element), ..*element }
+    }
+
     /// An entry of a store.
     pub(crate) fn entry(&self, store: Store, index: u32, write: bool) -> Element {
         let class = match store {

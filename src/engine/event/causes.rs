@@ -13,6 +13,9 @@ struct Ahead {
 /// Cycles that operations occupy, one right after another: from the first to before the second.
 type Run = (u64, u64);
 
+/// Runs that have passed may stay in the list up to this length.
+const MOST_RUNS: usize = 16;
+
 /// A unit's cycles by cause.
 #[derive(Clone, Debug)]
 pub(crate) struct Causes {
@@ -51,6 +54,16 @@ impl Causes {
     /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no operation occupies the unit.
     #[inline]
     pub(crate) fn cycle(&mut self, now: u64, idle: Cause) {
+        let stays = idle == self.idle && self.ahead.is_none_or(|ahead| ahead.at > now || ahead.idle == idle);
+        if stays && self.runs.len() < MOST_RUNS {
+            self.ahead.take_if(|ahead| ahead.at <= now);
+            return;
+        }
+        self.cycle_that_changes(now, idle);
+    }
+
+    /// As [`Causes::cycle`], where the cause may be another one than before.
+    fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
         if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
             self.change(ahead.at, ahead.idle);
         }

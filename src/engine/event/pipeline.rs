@@ -68,6 +68,8 @@ pub(crate) struct Pipeline {
     written_through: [Past; TrafficClass::ALL.len()],
     causes: Causes,
     filled: bool,
+    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes, it finds none.
+    stuck: bool,
     /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or given the line that
     /// waits a place: a fill that waits can be made then.
     accessed: bool,
@@ -125,6 +127,7 @@ impl Pipeline {
             written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
             filled: false,
+            stuck: false,
             accessed: false,
             foresees,
             answer_latency,
@@ -156,6 +159,7 @@ impl Pipeline {
     #[inline]
     pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
         self.filled = links.line_is_there(self.part, now) && self.fill(links);
+        self.stuck &= !self.filled;
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
@@ -287,7 +291,7 @@ impl Pipeline {
                 self.enter_ahead(ray, self.open_at.max(now + 1));
             }
         }
-        while let Some(&ray) = self.fetching.front() {
+        while let Some(&ray) = self.fetching.front().filter(|_| !self.stuck) {
             let fetch = &mut links.rays[ray as usize].fetch;
             if !self.foresee(ray, fetch, now + 1, bound) {
                 return;
@@ -481,6 +485,9 @@ impl Pipeline {
         if now < self.access_at {
             return false;
         }
+        if self.stuck {
+            return true;
+        }
         self.banks.clear();
         for _ in 0..self.ports {
             let Some(&id) = self.fetching.front() else { return false };
@@ -488,6 +495,7 @@ impl Pipeline {
             let Fetch { line, class, write, straight, .. } = ray.fetch;
             if straight {
                 if !self.ask_straight(id, ray) {
+                    self.stuck = true;
                     return true;
                 }
                 continue;
@@ -498,6 +506,7 @@ impl Pipeline {
             let access = if write { self.writes.access(class, true) } else { Access::Read };
             let hit = self.cache.hit(line, class, access);
             if !hit && !self.miss(id, ray, access) {
+                self.stuck = true;
                 return true;
             }
             self.accessed = true;
@@ -588,6 +597,7 @@ impl Pipeline {
         let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.drop_front();
+            self.stuck = false;
         }
         sent
     }
@@ -599,6 +609,7 @@ impl Pipeline {
 
     /// The L1 holds from now on what `cache` does.
     pub(crate) fn hold(&mut self, cache: &Cache) {
+        self.stuck = false;
         self.cache.hold(cache);
     }
 
