@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
+use super::changed::changed;
 use super::frames::Replayed;
 use super::load::Experiment;
 use super::progress;
@@ -409,6 +410,7 @@ impl Gathered {
             machines,
             pictures: Vec::new(),
             provenance,
+            changed: changed(experiment),
             made: made(),
             wall_seconds,
             simulated_rays_per_wall_second: speeds,

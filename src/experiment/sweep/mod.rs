@@ -94,6 +94,7 @@ pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> R
         fidelity: Some(fidelity.to_string()),
         frames: experiment.frames.clone(),
         resolution: experiment.spec.resolution,
+        own: sweep.own_values(),
         points: found,
     })
 }

@@ -4,7 +4,6 @@ use minijinja::HtmlEscape;
 
 use super::canvas::{Canvas, DrawError, LEFT, LINE, NARROW, Painted, Text, WIDE, sheet};
 use super::palette::Color;
-use crate::report::csv_table::CsvTable;
 use crate::report::grid::Grid;
 
 /// What a colour stands for.
@@ -89,11 +88,6 @@ impl<S> Drawing<S> {
         };
         let Figure { title, about, key, data, .. } = figure;
         Ok(Self { wide, narrow, name, section, title, about, key, data, file })
-    }
-
-    /// The numbers as a file.
-    pub(crate) fn table(&self) -> CsvTable {
-        CsvTable { file: "a plot's data", head: self.data.head.clone(), rows: self.data.rows.clone() }
     }
 }
 
@@ -199,6 +193,5 @@ mod tests {
         assert!(drawing.file.contains("<title>a &lt; b</title>") && drawing.file.contains("<desc>how to read</desc>"));
         assert!(drawing.wide.contains("viewBox=\"0 0 960 240\" role=\"img\" aria-labelledby=\"it-title\""));
         assert!(drawing.narrow.contains("viewBox=\"0 0 360 90\"") && drawing.narrow.contains("cx=\"180\""));
-        assert_eq!(drawing.table().bytes().unwrap(), b"x\n1\n");
     }
 }

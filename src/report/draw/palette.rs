@@ -72,7 +72,12 @@ pub(crate) fn series_color(index: usize) -> Color {
 
 /// A colour less than half as strong.
 pub(crate) fn pale(color: Color) -> Color {
-    RGBAColor(color.0, color.1, color.2, 0.42)
+    faded(color, 0.42)
+}
+
+/// A colour of some strength, from 0 to 1.
+pub(crate) fn faded(color: Color, strength: f64) -> Color {
+    RGBAColor(color.0, color.1, color.2, strength)
 }
 
 /// A colour as style sheets have it; ink is the text's.

@@ -42,6 +42,9 @@ pub(crate) struct Summary {
     pub pictures: Vec<PictureInfo>,
     /// What the run was made of: versions, seeds, hashes of inputs, by name.
     pub provenance: Named<String>,
+    /// Paths in the configuration as run of what differs from the defaults of machines and tracer.
+    #[serde(default)]
+    pub changed: Vec<String>,
     /// How and where the run was made: command line, date, host. Differs from run to run.
     #[serde(default)]
     pub made: Named<String>,

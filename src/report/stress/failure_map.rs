@@ -24,12 +24,16 @@ pub(super) fn look(outcome: Outcome) -> Color {
     pale(color)
 }
 
+/// How a case ended, in a few signs.
+pub(super) fn text(outcome: Outcome) -> String {
+    match outcome {
+        Outcome::Right => "0".into(),
+        Outcome::Healed { frames, worst } | Outcome::Wrong { frames, worst } => format!("{} ({frames})", exact(worst)),
+    }
+}
+
 /// Case by policy: how each case ended, the most wrong decisions in a frame, and the frames with any.
 fn figure(summary: &StressSummary) -> Figure<'_> {
-    let text = |outcome| match outcome {
-        Outcome::Right => "0".to_owned(),
-        Outcome::Healed { frames, worst } | Outcome::Wrong { frames, worst } => format!("{} ({frames})", exact(worst)),
-    };
     let row = |case: &CaseSummary| -> Vec<String> {
         let outcomes = case.policies.iter().map(|frames| text(Outcome::of(frames)));
         std::iter::once(case.name.clone()).chain(outcomes).collect()

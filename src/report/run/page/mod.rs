@@ -1,6 +1,7 @@
 //! `index.html`: one file that holds the whole report, pictures and plots included.
 
 mod compare;
+mod config;
 mod tables;
 mod verdict;
 
@@ -54,7 +55,8 @@ pub(super) fn page(
         word_colors => word_colors(),
         no_word => css(NO_WORD),
         machines => summary.machines.iter().map(|it| machine(it, drawings)).collect::<Vec<_>>(),
-        config,
+        config => config::lines(config, &summary.changed),
+        changed => summary.changed.len(),
         schema => summary.schema,
         provenance => pairs(&summary.provenance),
         made => pairs(&summary.made),

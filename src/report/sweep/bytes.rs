@@ -8,10 +8,15 @@ use crate::report::draw::{Figure, Plot};
 use crate::report::format::{change, or_absent, percent, words};
 use crate::stats::TrafficClass;
 
-pub(super) const PLOT: Plot<SweepSummary> =
-    Plot { name: "sweep", section: (), figure: |summary| Some(figure(summary)) };
+pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "sweep", section: (), figure };
 
-fn figure(summary: &SweepSummary) -> Figure<'_> {
+/// More bars than these are no picture.
+const MOST: usize = 60;
+
+fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
+    if summary.points.len() > MOST {
+        return None;
+    }
     let of_off = |point: &SweepPoint, bytes: u64| bytes as f64 / point.split.dram[0].0.max(1) as f64;
     let mut groups: Vec<Group> = Vec::new();
     let mut seen: Vec<TrafficClass> = Vec::new();
@@ -38,7 +43,7 @@ fn figure(summary: &SweepSummary) -> Figure<'_> {
     seen.sort();
     let most = summary.points.iter().map(|point| of_off(point, point.split.dram[2].0)).fold(1.0, f64::max);
     let chart = BarChart {
-        title: format!("DRAM traffic at every point, {}", summary.scene),
+        title: format!("{}: DRAM bytes at every point", summary.scene),
         about: "Bars: bytes by class. At their ends: change of bytes and of cycles against no culling, hit rate of words and counters.".into(),
         key: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
         axis: "DRAM bytes, share of the same machine's without culling",
@@ -47,5 +52,5 @@ fn figure(summary: &SweepSummary) -> Figure<'_> {
         tick: |share| format!("{:.0} %", share * 100.0),
         groups,
     };
-    chart.figure()
+    Some(chart.figure())
 }
