@@ -1,5 +1,5 @@
-//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were done before
-//! the next one began. It depends on the machine's memory layout, on no cache and no time.
+//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were
+//! done before the next one began. It depends on the machine's memory layout, on no cache and no time.
 
 use super::work::{Holder, Work, known_to_profile, stores_as_recorded};
 use crate::machine::kinds::Kind;

@@ -1,4 +1,5 @@
-//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of it.
+//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of
+//! it.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;

@@ -16,8 +16,8 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::stats::TrafficClass;
 
-/// A cache of the L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20
-/// cycles); registers and queues are assumed.
+/// A cache of the L2. Latency and banks default to the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2
+/// ways, 8 banks, 20 cycles); registers and queues are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankedSpec {
@@ -194,8 +194,8 @@ impl Bank {
         let filled = self.fill(now, wake, &mut answer);
         let accessed = self.access(now, wake, &mut answer);
         let sent = self.send(now, dram, wake);
-        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to go: whatever
-        // stalled may go on.
+        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to
+        // go: whatever stalled may go on.
         let stalled_may_go_on =
             (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
         let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();

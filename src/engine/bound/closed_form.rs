@@ -22,8 +22,8 @@ impl Bound {
         sum
     }
 
-    /// The bounds of all frames but those of `warmup`. A line that no frame touched before is fetched in any case; a line
-    /// that was written in a frame of `warmup` may be written back later.
+    /// The bounds of all frames but those of `warmup`. A line that no frame touched before is fetched in any case; a
+    /// line that was written in a frame of `warmup` may be written back later.
     pub(in crate::engine) fn bounds(&self, warmup: &[u32]) -> Bounds {
         let (measured, all) = (self.sum(warmup), self.sum(&[]));
         let line = self.machine.line_bytes.get();
@@ -41,7 +41,8 @@ impl Bound {
         }
     }
 
-    /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come before it.
+    /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come
+    /// before it.
     fn serial_cycles(&self, sums: &Sums, left_out: u64, requests: u64) -> u64 {
         let operations: u64 = self
             .steps

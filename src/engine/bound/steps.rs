@@ -1,5 +1,5 @@
-//! What steps ask for. Steps with one tag differ only in which element they name: how many there are is counted, and what
-//! they ask for is worked out once a phase. Only an element that was not named yet touches lines.
+//! What steps ask for. Steps with one tag differ only in which element they name: how many there are is counted, and
+//! what they ask for is worked out once a phase. Only an element that was not named yet touches lines.
 
 use fixedbitset::FixedBitSet;
 
@@ -65,15 +65,16 @@ struct Tag {
     named: Named,
     /// The first element of the dynamic part.
     dynamic: u32,
-    /// Lines of the elements of a step that names an array's element, by its number from the array's beginning on; none where
-    /// that does not tell it.
+    /// Lines of the elements of a step that names an array's element, by its number from the array's beginning on; none
+    /// where that does not tell it.
     lines: Option<[u8; PERIOD]>,
 }
 
 /// A tag that is of no step, or of steps that are left out: nothing is known without looking at the step.
 const NOTHING: Tag = Tag { stay: 0, named: Named::Nodes, dynamic: 0, lines: None };
 
-/// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at least.
+/// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at
+/// least.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct KindWork {
     pub operations: u64,
@@ -150,7 +151,8 @@ impl StepWork {
             },
         };
         let work = steps.work(first, &self.layout);
-        // Arrays begin at multiples of a page: where their elements lie in lines repeats after as many as a line has bytes.
+        // Arrays begin at multiples of a page: where their elements lie in lines repeats after as many as a line has
+        // bytes.
         let lines = |place: usize| {
             let of = |element: Element| self.layout.lines(&self.layout.places_on(&element, first, place as u64)).1;
             work.elements().map(of).sum::<u64>() as u8

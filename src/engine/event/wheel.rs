@@ -3,8 +3,8 @@
 use crate::engine::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
-/// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to do, sets it
-/// again.
+/// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to
+/// do, sets it again.
 const HORIZON: u64 = 1024;
 
 /// The wheel.

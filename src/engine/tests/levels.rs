@@ -15,7 +15,8 @@ use crate::memory::tags::Contents;
 use crate::stats::Accuracy;
 use crate::stream::{Chunk, StoreEntries, Totals};
 
-/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
+/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation
+/// and bounds.
 #[test]
 fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(
@@ -66,7 +67,8 @@ fn profile_is_close_on_the_recorded_stream() {
     }
 }
 
-/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and those of the others are all.
+/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and
+/// those of the others are all.
 #[test]
 fn misses_are_those_of_the_rays_that_ask() {
     /// Cycles, and misses of L1s and of the L2 by reads: all and those of marked rays.

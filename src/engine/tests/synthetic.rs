@@ -13,7 +13,8 @@ pub(crate) const STATIC: u32 = 4096;
 /// Static primitives of [`header`].
 const STATIC_PRIMITIVES: u32 = 48;
 
-/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them static.
+/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them
+/// static.
 pub(crate) fn header() -> Header {
     Header {
         scene: "synthetic".into(),
