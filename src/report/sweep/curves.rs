@@ -15,12 +15,13 @@ const BELOW: i32 = 40;
 const AXIS: i32 = 62;
 
 /// A panel: its heading, and the figure of a point beside the one that it is compared with.
-type Metric = (&'static str, fn(&SweepPoint) -> Option<f64>);
+type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<f64>);
 
-/// Changes against the same machine without culling.
-const METRICS: [Metric; 2] = [
-    ("Cycles, change by culling", |point| share(point.split.cycles[2], point.split.cycles[0])),
-    ("DRAM bytes, change by culling", |point| share(point.split.dram[2].0, point.split.dram[0].0)),
+/// Changes against the machine as it is, and against the same machine without culling.
+const METRICS: [Metric; 3] = [
+    ("Cycles with culling, against the machine as it is", |it, own| share(it.split.cycles[2], own?.split.cycles[2])),
+    ("Cycles, change by culling", |it, _| share(it.split.cycles[2], it.split.cycles[0])),
+    ("DRAM bytes, change by culling", |it, _| share(it.split.dram[2].0, it.split.dram[0].0)),
 ];
 
 fn share(with: u64, without: u64) -> Option<f64> {
@@ -40,8 +41,15 @@ pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError
 /// A machine under a policy: its name, and its points along a field.
 struct Curve<'a> {
     name: String,
-    machine: &'a str,
     points: Vec<(usize, &'a SweepPoint)>,
+    /// The point of the machine as it is.
+    own: Option<&'a SweepPoint>,
+}
+
+impl Curve<'_> {
+    fn figure(&self, (_, of): Metric, point: &SweepPoint) -> Option<f64> {
+        of(point, self.own)
+    }
 }
 
 fn curves<'a>(summary: &'a SweepSummary, field: &Field<'a>) -> Vec<Curve<'a>> {
@@ -53,17 +61,24 @@ fn curves<'a>(summary: &'a SweepSummary, field: &Field<'a>) -> Vec<Curve<'a>> {
         let name = format!("{}, {}", point.machine, point.policy);
         match curves.iter_mut().find(|curve| curve.name == name) {
             Some(curve) => curve.points.push((place, point)),
-            None => curves.push(Curve { name, machine: &point.machine, points: vec![(place, point)] }),
+            None => curves.push(Curve { name, points: vec![(place, point)], own: None }),
         }
     }
-    curves.iter_mut().for_each(|curve| curve.points.sort_by_key(|(place, _)| *place));
+    for curve in &mut curves {
+        curve.points.sort_by_key(|(place, _)| *place);
+        let own = curve
+            .points
+            .iter()
+            .find(|(_, point)| value(summary, point, field.path) == own(summary, &point.machine, field.path));
+        curve.own = own.map(|(_, point)| *point);
+    }
     curves
 }
 
 fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
     let curves = curves(summary, &field);
     let row = |curve: &Curve<'_>, place: usize, point: &SweepPoint| -> Vec<String> {
-        let metrics = METRICS.iter().map(|(_, of)| of(point).map_or_else(String::new, number));
+        let metrics = METRICS.iter().map(|metric| curve.figure(*metric, point).map_or_else(String::new, number));
         [curve.name.clone(), field.values[place].to_owned()].into_iter().chain(metrics).collect()
     };
     let rows = curves.iter().flat_map(|curve| curve.points.iter().map(|(place, point)| row(curve, *place, point)));
@@ -73,8 +88,7 @@ fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
     Figure {
         title: finding(&field, &curves),
         about: format!(
-            "`{}` along the axis, all else as in the machine's file. Ring: the machine's own value. Changes are against the \
-             same machine without culling.",
+            "`{}` along the axis, all else as in the machine's file. Ring: the machine's own value.",
             field.path
         ),
         key: Vec::new(),
@@ -83,7 +97,7 @@ fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
         height: Box::new(move |_| METRICS.len() as i32 * (ABOVE + PANEL + BELOW) + labels),
         paint: Box::new(move |canvas| {
             for (index, metric) in (0..).zip(METRICS) {
-                panel(canvas, summary, (&field, &curves), metric, index * (ABOVE + PANEL + BELOW) + ABOVE)?;
+                panel(canvas, (&field, &curves), metric, index * (ABOVE + PANEL + BELOW) + ABOVE)?;
             }
             let top = METRICS.len() as i32 * (ABOVE + PANEL + BELOW) + LINE / 2;
             for (index, curve) in curves.iter().enumerate() {
@@ -123,14 +137,13 @@ fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
 
 fn panel(
     canvas: &Canvas<'_>,
-    summary: &SweepSummary,
     (field, curves): (&Field<'_>, &[Curve<'_>]),
-    (heading, of): Metric,
+    metric: Metric,
     top: i32,
 ) -> Result<(), DrawError> {
     let (end, bottom) = (canvas.width() - 34, top + PANEL);
-    canvas.text(heading, (LEFT, top - 20), Text::LABEL.bold())?;
-    let all = curves.iter().flat_map(|curve| curve.points.iter().filter_map(|(_, point)| of(point)));
+    canvas.text(metric.0, (LEFT, top - 20), Text::LABEL.bold())?;
+    let all = curves.iter().flat_map(|curve| curve.points.iter().filter_map(|(_, it)| curve.figure(metric, it)));
     let (low, high) = all.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
     let step = tick_step((high - low).max(0.01), 4);
     let (low, high) = ((low / step).floor() * step, ((high / step).ceil() * step).max(low + step));
@@ -155,15 +168,15 @@ fn panel(
     }
     for (index, curve) in curves.iter().enumerate() {
         let color = series_color(index);
-        let placed = || curve.points.iter().filter_map(|(place, point)| Some((*place, (xs[*place], y(of(point)?)))));
+        let at = |place: usize, point: &SweepPoint| Some((xs[place], y(curve.figure(metric, point)?)));
+        let placed = || curve.points.iter().filter_map(|(place, point)| Some((*point, at(*place, point)?)));
         let line: Vec<(i32, i32)> = placed().map(|(_, at)| at).collect();
         if line.len() > 1 {
             canvas.line(line, color, 2)?;
         }
-        let own = own(summary, curve.machine, field.path);
-        for (place, at) in placed() {
+        for (point, at) in placed() {
             mark(canvas, index, at, color, true)?;
-            if own == Some(field.values[place]) {
+            if curve.own == Some(point) {
                 canvas.ring(at, 9, INK, 2)?;
             }
         }

@@ -1,6 +1,6 @@
 //! The fields that a sweep varies, and the values of points along them.
 
-use super::data::{SweepPoint, SweepSummary};
+use super::data::{Own, SweepPoint, SweepSummary};
 use crate::report::format::tick;
 
 /// A field that was varied.
@@ -24,7 +24,12 @@ pub(super) fn fields(summary: &SweepSummary) -> Vec<Field<'_>> {
         }
     }
     for field in &mut fields {
-        for own in summary.own.iter().filter(|own| own.field == field.path) {
+        // A machine's own value is one of the sweep's where a point leaves the field as it is.
+        let kept = |own: &Own| {
+            let left = |point: &SweepPoint| point.changes.iter().all(|change| change.field != own.field);
+            summary.points.iter().any(|point| point.machine == own.machine && left(point))
+        };
+        for own in summary.own.iter().filter(|own| own.field == field.path && kept(own)) {
             if !field.values.contains(&own.value.as_str()) {
                 field.values.insert(0, &own.value);
             }

@@ -98,7 +98,7 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
     let height = bars as i32 * BAR + groups.len() as i32 * (LINE + 10) + AXIS;
     Some(Figure {
         title: format!(
-            "{} moves cycles most: {} to {} on {name}",
+            "{} moves cycles most, from {} to {} on {name}",
             widest.field,
             signed(widest.least.1),
             signed(widest.most.1)

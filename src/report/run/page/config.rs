@@ -14,7 +14,7 @@ pub(super) fn lines(config: &str, changed: &[String]) -> Vec<Value> {
         full.push(name.to_owned());
         full.retain(|name| !name.is_empty());
         let full = full.join(".");
-        let differs = !name.is_empty() && changed.iter().any(|changed| *changed == full);
+        let differs = !name.is_empty() && changed.contains(&full);
         if text.starts_with([')', ']', '}']) {
             path.pop();
         }
