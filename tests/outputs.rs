@@ -12,3 +12,5 @@ mod reports;
 mod shards;
 #[path = "outputs/sweeps.rs"]
 mod sweeps;
+#[path = "outputs/versions.rs"]
+mod versions;

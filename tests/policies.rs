@@ -98,6 +98,7 @@ impl<'a> Setting<'a> {
                     static_slots: tracer.accel().static_slots(),
                     static_list_entries: 0,
                     stores: policy.stores(),
+                    unjudged_updates: false,
                     input_hash: 0,
                     records: tracer.accel().static_records().into(),
                 },

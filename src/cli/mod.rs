@@ -20,6 +20,7 @@ mod print;
 mod profile;
 mod replay;
 mod replay_exports;
+mod replay_views;
 mod run;
 mod stress;
 mod sweep;

@@ -11,7 +11,8 @@ use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
-use crate::experiment::dram_export::DramExport;
+use super::replay_views::ViewArgs;
+use crate::experiment::exports::Exports;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
 use crate::replay::{Fidelity, Share};
@@ -38,6 +39,8 @@ pub(super) struct Replay {
     dram: DramArgs,
     #[command(flatten)]
     lines: LineArgs,
+    #[command(flatten)]
+    views: ViewArgs,
 }
 
 impl Replay {
@@ -45,6 +48,7 @@ impl Replay {
         claim_files([("--json", self.json.as_deref())])?;
         self.dram.claim()?;
         self.lines.claim()?;
+        self.views.claim()?;
         let (stream, machine) = (&self.input.stream, self.input.machine()?);
         let fidelity = match self.target_error {
             Some(target) => self.fidelity.with_target_error(target).map_err(anyhow::Error::msg)?,
@@ -52,12 +56,20 @@ impl Replay {
         };
         let header = StreamReader::open(stream)?.header().clone();
         let json = JsonFile::begin(self.json)?;
-        let (mut dram, mut lines) = (self.dram.begin(&machine)?, self.lines.begin(&machine, &header)?);
-        let stats = replay_file(&machine, fidelity, stream, dram.as_mut(), lines.as_mut())?;
-        dram.map_or(Ok(()), DramExport::finish)?;
+        let mut lines = self.lines.begin(&machine, &header)?;
+        let mut exports = Exports {
+            dram: self.dram.begin(&machine)?,
+            timeline: self.views.timeline(&machine, &header)?,
+            interval: self.views.interval(&header)?,
+        };
+        let stats = replay_file(&machine, fidelity, stream, &mut exports, lines.as_mut())?;
+        let told = exports.finish()?;
         lines.map_or(Ok(()), LineExport::finish)?;
         json.finish(&stats)?;
         print(replayed(&machine.name, &header.policy, &stats))?;
+        if let Some(told) = told {
+            print(told)?;
+        }
         Ok(Outcome::Done)
     }
 }

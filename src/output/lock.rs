@@ -2,13 +2,17 @@
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use super::links::folder_of;
 use super::names::{LOCK_SUFFIX, PREFIX};
 use super::registry::{absolute, is_at, live};
+
+/// How often the name of a lock's holder is looked for, and the wait between two looks.
+const NAME_ATTEMPTS: u32 = 20;
+const NAME_WAIT: Duration = Duration::from_millis(5);
 
 /// Why a lock is not had.
 #[derive(Debug)]
@@ -63,10 +67,8 @@ impl Lock {
             match locked {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    let mut holder = String::new();
-                    let _ = file.take(4096).read_to_string(&mut holder);
-                    let unknown = "another process".to_owned();
-                    return Err(LockError::Held(if holder.is_empty() { unknown } else { holder }));
+                    drop(live);
+                    return Err(LockError::Held(named(&mut file).unwrap_or_else(|| "another process".to_owned())));
                 }
                 Err(TryLockError::Error(error)) => {
                     // A file system without locks: the file is of no use there.
@@ -103,6 +105,19 @@ impl Drop for Lock {
     }
 }
 
+/// The holder's name as the lock file has it. A holder writes it as soon as it has the lock: a few attempts see it.
+fn named(file: &mut File) -> Option<String> {
+    (0..NAME_ATTEMPTS).find_map(|attempt| {
+        if attempt > 0 {
+            std::thread::sleep(NAME_WAIT);
+        }
+        let mut holder = String::new();
+        file.rewind().ok()?;
+        file.take(4096).read_to_string(&mut holder).ok()?;
+        (!holder.is_empty()).then_some(holder)
+    })
+}
+
 /// This process, in words.
 fn holder() -> String {
     #[cfg(unix)]
@@ -129,6 +144,31 @@ mod tests {
         drop(first);
         assert!(!folder.path().join(".umbrasim-rep.lock").exists());
         Lock::acquire(&target).unwrap();
+    }
+
+    #[test]
+    fn a_holder_that_writes_its_name_late_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(".umbrasim-rep.lock");
+        let mut file = File::create(&path).unwrap();
+        file.try_lock().unwrap();
+        let holder = std::thread::spawn(move || {
+            std::thread::sleep(2 * NAME_WAIT);
+            file.write_all(b"process 7 on earth").unwrap();
+            file
+        });
+        let Err(LockError::Held(named)) = Lock::acquire(&folder.path().join("rep")) else {
+            panic!("it was locked twice")
+        };
+        assert_eq!(named, "process 7 on earth");
+        drop(holder.join().unwrap());
+        // One that never does so is another process.
+        let silent = File::create(&path).unwrap();
+        silent.try_lock().unwrap();
+        let Err(LockError::Held(named)) = Lock::acquire(&folder.path().join("rep")) else {
+            panic!("it was locked twice")
+        };
+        assert_eq!(named, "another process");
     }
 
     #[test]

@@ -97,6 +97,7 @@ impl Bound {
             stats.bytes.insert(level.into(), present(&sums.requested[kind as usize]));
             let busy = (sums.operations[kind as usize] * unit.interval).div_ceil(unit.width);
             stats.units.insert(name.into(), [(Cause::Busy, busy)].into());
+            stats.operations.insert(name.into(), sums.operations[kind as usize]);
             stats.unit_counts.insert(name.into(), unit.count);
         }
         stats

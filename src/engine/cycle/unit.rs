@@ -165,11 +165,12 @@ impl Unit {
         if self.is_occupied(now) {
             return false;
         }
-        let began = (0..self.pace.width).take_while(|_| self.begin_one(now, layout)).count() > 0;
-        if began {
+        let began = (0..self.pace.width).take_while(|_| self.begin_one(now, layout)).count();
+        self.tally.operations += began as u64;
+        if began > 0 {
             self.last_began = Some(now);
         }
-        began
+        began > 0
     }
 
     /// The first ray of the ready list begins its operation, if nothing is missing.
@@ -291,6 +292,11 @@ impl Unit {
     /// Whether nothing is on its way to or from memory.
     pub(super) fn memory_is_empty(&self) -> bool {
         self.out.is_empty() && self.cache.on_their_way() == 0 && self.asked.is_empty()
+    }
+
+    /// Misses of its L1 under way.
+    pub(super) fn misses_under_way(&self) -> usize {
+        self.cache.on_their_way()
     }
 
     /// What was counted.

@@ -166,6 +166,7 @@ impl Unit {
     pub(super) fn tally(&self) -> UnitTally {
         UnitTally {
             causes: busy((self.operations * self.interval).div_ceil(self.width)),
+            operations: self.operations,
             cache: *self.level.counts(),
             l1: Default::default(),
             requested: self.requested,

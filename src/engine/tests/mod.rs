@@ -1,5 +1,6 @@
 pub(crate) mod agreement;
 mod allocation;
+mod anomalies;
 pub(crate) mod frames;
 mod ideal;
 mod levels;

@@ -36,6 +36,7 @@ pub(crate) fn header() -> Header {
             pixel_counters: STATIC,
             occluder_ids: STATIC,
         },
+        unjudged_updates: false,
         input_hash: 0,
         records: (0..STATIC_PRIMITIVES).rev().map(TriangleSlot).collect(),
     }

@@ -16,6 +16,7 @@ mod tables;
 mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
+pub(crate) use machine_columns::{CountedColumn, counted_columns};
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };

@@ -42,9 +42,14 @@ impl Pipeline {
     pub(crate) fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = self.begin(now, rays);
         if began {
-            (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).for_each(drop);
+            self.beside += (1..self.timing.width).take_while(|_| self.begin_first(now, rays)).count() as u64;
         }
         began
+    }
+
+    /// Operations that began in a run of `cycles`.
+    pub(crate) fn operations(&self, cycles: u64) -> u64 {
+        self.causes.until(cycles)[Cause::Busy as usize].div_ceil(self.timing.interval) + self.beside
     }
 
     /// The first ray of the ready list begins its operation, if nothing is missing.

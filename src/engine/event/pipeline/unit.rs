@@ -65,6 +65,8 @@ pub(crate) struct Pipeline {
     pub(super) requested: [Bytes; TrafficClass::ALL.len()],
     pub(super) written_through: [Past; TrafficClass::ALL.len()],
     pub(super) causes: Causes,
+    /// Operations that began beside the first of a cycle.
+    pub(super) beside: u64,
     pub(super) filled: bool,
     /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes,
     /// it finds none.
@@ -125,6 +127,7 @@ impl Pipeline {
             requested: [Bytes(0); TrafficClass::ALL.len()],
             written_through: [Past::default(); TrafficClass::ALL.len()],
             causes: Causes::default(),
+            beside: 0,
             filled: false,
             stuck: false,
             accessed: false,
