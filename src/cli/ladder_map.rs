@@ -8,24 +8,28 @@ use clap::Args;
 use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use crate::experiment::ladder_map;
+use crate::experiment::ladder_map::{self, Effort};
 use crate::report;
 
 /// Map where each fidelity level breaks, on synthetic streams
 ///
-/// The streams are swept over what the levels assume: skew, footprint, coherence, caches, rays in flight, miss
-/// registers and bursts: how far each level is from Event, as a table of the worst, `ladder.csv` and a heat map.
+/// The streams are swept over what the levels assume: length, updates that one unit takes, the pool, skew, footprint,
+/// coherence, caches, rays in flight, miss registers and bursts: how far each level is from Event, as a table of the
+/// worst, `ladder.csv` and a heat map.
 #[derive(Args)]
 pub(super) struct LadderMap {
     /// Where the map goes
     #[arg(long, value_name = "DIR", default_value = "reports/ladder_map")]
     out: PathBuf,
+    /// Every other point, on streams an eighth as long: less than a minute
+    #[arg(long)]
+    quick: bool,
 }
 
 impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = results_folder(&self.out)?;
-        let map = ladder_map::run();
+        let map = ladder_map::run(if self.quick { Effort::Quick } else { Effort::Full });
         let plot = report::write(&out, &map)?;
         print(report::drawn(&report::ladder_map::grid(&map)))?;
         print(plot.display())?;

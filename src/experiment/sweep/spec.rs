@@ -16,7 +16,8 @@ use super::error::SweepError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
-use crate::report::sweep::Change;
+use crate::replay::{Fidelity, Share};
+use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError};
 
 /// The most machines of a sweep: some years of replays.
@@ -34,12 +35,24 @@ struct SweepSpec {
     /// Another size of the pictures.
     #[serde(default)]
     resolution: Option<Resolution>,
+    /// Another fidelity level than the experiment's.
+    #[serde(default)]
+    fidelity: Option<Fidelity>,
     /// Paths of fields in a machine's file, each with the values to try.
     #[schemars(with = "Named<Vec<Value>>")]
     vary: Named<Vec<Box<RawValue>>>,
     /// Which combinations.
     #[serde(default)]
     points: Points,
+}
+
+/// What the command line sets in place of a sweep's file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ChosenLevel {
+    /// The fidelity level.
+    pub(crate) fidelity: Option<Fidelity>,
+    /// Sample until the intervals are within this share.
+    pub(crate) target_error: Option<Share>,
 }
 
 /// Which combinations of values are tried.
@@ -82,16 +95,33 @@ pub(super) struct Machine {
 
 impl Sweep {
     /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
-    pub(super) fn load(path: &Path) -> Result<Self, SweepError> {
+    pub(super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
         let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, warmup: None };
-        let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
+        let mut experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
+        let fidelity = level.fidelity.or(spec.fidelity).unwrap_or(experiment.spec.fidelity);
+        let sampled = level.target_error.map_or(Ok(fidelity), |target| fidelity.with_target_error(target));
+        experiment.spec.fidelity = sampled.map_err(wrong)?;
         let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();
         let fields = spec.vary.iter().map(|(path, tried)| Field { path: path.into(), values: values(tried) }).collect();
         let mut sweep = Self { experiment, fields, machines: Vec::new() };
         sweep.combine(spec.points).map_err(wrong)?;
         Ok(sweep)
+    }
+
+    /// The values that the varied fields have in the machines' files.
+    pub(super) fn own_values(&self) -> Vec<Own> {
+        let of_machine = |(name, spec): (&str, &MachineSpec)| -> Vec<Own> {
+            let spec = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
+            let own = |field: &Field| {
+                let value = field.path.split('.').try_fold(&spec, |place, name| place.get(name))?;
+                let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                Some(Own { machine: name.into(), field: field.path.clone(), value: text })
+            };
+            self.fields.iter().filter_map(own).collect()
+        };
+        self.experiment.machines.iter().flat_map(of_machine).collect()
     }
 
     /// Paths of the fields that vary.
