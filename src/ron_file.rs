@@ -11,6 +11,7 @@ use serde::Deserializer;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
+pub(crate) use crate::shipped::Kind;
 use crate::{input, shipped};
 
 /// Why a config cannot be used.
@@ -61,11 +62,19 @@ impl fmt::Display for Place {
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
-    let failed = |source| ConfigError::Read { path: path.into(), source };
-    match shipped::text(path) {
-        Some(text) => parse(text.map_err(failed)?, path),
-        None => parse(&input::read_text(path, input::MAX_CONFIG_BYTES).map_err(failed)?, path),
-    }
+    parse(&text(path)?, path)
+}
+
+/// The text of the config at `path`.
+///
+/// # Errors
+/// The file cannot be read.
+pub(crate) fn text(path: &Path) -> Result<String, ConfigError> {
+    let text = match shipped::text(path) {
+        Some(text) => text.map(str::to_owned),
+        None => input::read_text(path, input::MAX_CONFIG_BYTES),
+    };
+    text.map_err(|source| ConfigError::Read { path: path.into(), source })
 }
 
 /// Reads `text`, which came from `path`, as RON.
@@ -82,10 +91,13 @@ thread_local! {
     static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
 }
 
-/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it.
-/// Written back, it is its values.
-pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<T, D::Error> {
-    struct ValuesOrFile<T>(PhantomData<T>);
+/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it, or
+/// of a shipped config of that kind. Written back, it is its values.
+pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
+    from: D,
+    kind: Kind,
+) -> Result<T, D::Error> {
+    struct ValuesOrFile<T>(Kind, PhantomData<T>);
 
     impl<'de, T: DeserializeOwned> Visitor<'de> for ValuesOrFile<T> {
         type Value = T;
@@ -95,7 +107,7 @@ pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -
         }
 
         fn visit_str<E: Error>(self, file: &str) -> Result<T, E> {
-            let file = FOLDER.with_borrow(|folder| folder.join(file));
+            let file = FOLDER.with_borrow(|folder| shipped::named(self.0, folder, Path::new(file)));
             read(&file).map_err(|error| match error {
                 ConfigError::Read { source, .. } => E::custom(format!("cannot read {}: {source}", file.display())),
                 error => E::custom(error),
@@ -107,7 +119,7 @@ pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -
         }
     }
 
-    from.deserialize_any(ValuesOrFile(PhantomData))
+    from.deserialize_any(ValuesOrFile(kind, PhantomData))
 }
 
 /// What all files may use beyond plain RON: no `Some` around optional values, no second brackets in `Variant((a: 1))`.

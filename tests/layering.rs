@@ -15,6 +15,7 @@ use std::path::Path;
 const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
+    ("alike", &[]),
     ("size", &[]),
     ("ranged", &["size"]),
     ("named", &[]),
@@ -52,6 +53,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "output",
             "input",
             "ron_file",
+            "shipped",
             "stats",
             "stream",
             "scene",
@@ -66,7 +68,23 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "shipped", "output", "stream", "machine", "engine", "report", "experiment"]),
+    ("fields", &["alike", "size", "memory", "machine", "scene", "experiment"]),
+    (
+        "cli",
+        &[
+            "alike",
+            "quantity",
+            "shipped",
+            "output",
+            "ron_file",
+            "stream",
+            "machine",
+            "engine",
+            "report",
+            "experiment",
+            "fields",
+        ],
+    ),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

@@ -4,25 +4,21 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Result, bail};
 
+use crate::alike;
 use crate::shipped::{self, Kind};
-
-/// How alike two names must be for one to be proposed in place of the other, from 0 to 1.
-const ALIKE: f64 = 0.7;
 
 /// The path of the config that `argument` names: a file, or the shipped config of that name.
 ///
 /// # Errors
 /// `argument` looks like a name, and there is neither a file nor a shipped config of that name.
 pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
-    let name = argument.to_str().filter(|text| !text.contains(['.', '/', '\\']));
+    let name = argument.to_str().filter(|text| shipped::is_name(text));
     let Some(name) = name.filter(|_| !argument.exists()) else { return Ok(argument.into()) };
     if let Some(path) = shipped::path(kind, name) {
         return Ok(path);
     }
     let names = shipped::names(kind);
-    let alike = names.iter().map(|other| (strsim::jaro_winkler(name, other), other));
-    let closest = alike.filter(|(alike, _)| *alike >= ALIKE).max_by(|(one, _), (other, _)| one.total_cmp(other));
-    let proposal = closest.map(|(_, other)| format!("; did you mean `{other}`?")).unwrap_or_default();
+    let proposal = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?")).unwrap_or_default();
     let known = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let kind = kind.name();
     bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")

@@ -3,26 +3,35 @@
 
 mod arguments;
 mod chart;
+mod check;
 mod command;
+mod completions;
 mod config_path;
+mod describe;
 mod destinations;
+mod diff;
 mod explain;
 mod help;
 mod identities;
 mod inspect;
 mod json_file;
 mod ladder_map;
+mod man;
+mod new;
 mod outcome;
 mod paper_table;
 mod pareto;
 mod plot;
 mod print;
 mod profile;
+mod program;
 mod replay;
 mod replay_exports;
 mod run;
+mod schema;
 mod stress;
 mod sweep;
+mod text_file;
 mod trace;
 mod validate;
 
@@ -57,7 +66,7 @@ Exit status: 0 done; 1 stopped by Ctrl-C, or a simulation failed; 2 a wrong comm
 pub fn main() -> ExitCode {
     #[cfg(unix)]
     outlive_size_limits();
-    let matches = help::grouped(Cli::command()).get_matches();
+    let matches = program::set(help::grouped(Cli::command())).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = signals::watch().context("cannot watch for signals");
     match done.and_then(|()| execute(cli)) {

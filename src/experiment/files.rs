@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use crate::machine::MachineSpec;
-use crate::ron_file::{self, ConfigError};
+use crate::memory::dram::part::DramPart;
+use crate::ron_file::{self, ConfigError, Kind};
+use crate::shipped;
 
 /// Reads a machine's file and checks what single fields cannot.
 ///
@@ -15,7 +17,15 @@ pub fn read_machine(path: &Path) -> Result<MachineSpec, ConfigError> {
     Ok(machine)
 }
 
-/// `named`, seen from the folder of the file that names it.
-pub(super) fn beside(file: &Path, named: &Path) -> PathBuf {
-    file.parent().unwrap_or(Path::new("")).join(named)
+/// Reads the file of a part of DRAM.
+///
+/// # Errors
+/// The file cannot be read, or is no part's.
+pub(crate) fn read_dram_part(path: &Path) -> Result<DramPart, ConfigError> {
+    ron_file::read(path)
+}
+
+/// The config that the one at `file` names: a path from the folder of that, or the name of a shipped config.
+pub(super) fn named(kind: Kind, file: &Path, name: &Path) -> PathBuf {
+    shipped::named(kind, file.parent().unwrap_or(Path::new("")), name)
 }

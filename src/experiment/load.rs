@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::files::{beside, read_machine};
+use super::files::{named, read_machine};
 use super::frames::{FrameChoice, FrameRange, Replayed};
 use super::need::Need;
 use super::spec::ExperimentSpec;
@@ -12,7 +12,7 @@ use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
@@ -64,6 +64,21 @@ struct AsRun<'a> {
     machines: &'a Named<MachineSpec>,
 }
 
+/// Reads a scene's file and all files that it names.
+///
+/// # Errors
+/// A file cannot be read or is wrong.
+pub(crate) fn read_scene(path: &Path) -> Result<(SceneSpec, Scene), ExperimentError> {
+    let spec: SceneSpec = ron_file::read(path)?;
+    let scene = spec.load(path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+        SceneError::Read { path: file, source } => {
+            ron_file::named_in(path, ConfigError::Read { path: file, source }).into()
+        }
+        other => ExperimentError::Scene(other),
+    })?;
+    Ok((spec, scene))
+}
+
 impl Experiment {
     /// Reads an experiment and all files that it names.
     ///
@@ -78,20 +93,16 @@ impl Experiment {
 
         let mut machines = Named::default();
         for file in &spec.machines {
-            let file = beside(path, file);
+            let file = named(Kind::Machine, path, file);
             let machine = read_machine(&file).map_err(|error| ron_file::named_in(path, error))?;
             if machines.get(&machine.name).is_some() {
                 return Err(wrong(format!("`machines` names two machines called `{}`", machine.name)).into());
             }
             machines.insert(machine.name.clone(), machine);
         }
-        let scene_path = beside(path, &spec.scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(|error| ron_file::named_in(path, error))?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
-            SceneError::Read { path, source } => {
-                ron_file::named_in(&scene_path, ConfigError::Read { path, source }).into()
-            }
-            other => ExperimentError::Scene(other),
+        let (scene_spec, scene) = read_scene(&named(Kind::Scene, path, &spec.scene)).map_err(|error| match error {
+            ExperimentError::Config(error) => ron_file::named_in(path, error).into(),
+            other => other,
         })?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(

@@ -25,5 +25,7 @@ mod text_file;
 pub(crate) mod trace;
 pub(crate) mod validation;
 
+pub(crate) use files::read_dram_part;
 pub use files::read_machine;
+pub(crate) use load::read_scene;
 pub use load::{Experiment, ExperimentError, Overrides};

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
-use super::files::{beside, read_machine};
+use super::files::{named, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
@@ -17,7 +17,7 @@ use crate::machine::MachineSpec;
 use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 use crate::stats::MachineStats;
 use crate::stream::StreamReader;
 
@@ -73,7 +73,7 @@ impl Comparison {
             return Err(wrong(format!("`truth` is {truth}: Event and Cycle are allowed")).into());
         }
         let experiments = spec.experiments.iter().map(|source| source.load(path)).collect::<Result<Vec<_>, _>>()?;
-        let machines = spec.machines.iter().map(|file| read_machine(&beside(path, file)));
+        let machines = spec.machines.iter().map(|file| read_machine(&named(Kind::Machine, path, file)));
         let machines = machines.collect::<Result<Vec<_>, _>>()?;
         for (count, what) in
             [(experiments.len(), "experiments"), (machines.len(), "machines"), (spec.rungs.len(), "rungs")]
@@ -145,7 +145,7 @@ pub(crate) fn pareto(
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: None };
-        let mut experiment = Experiment::load(&beside(path, &self.file), overrides)?;
+        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &self.file), overrides)?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {
             let known: Vec<_> = policies.iter().map(|(name, _)| format!("`{name}`")).collect();

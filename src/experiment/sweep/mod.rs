@@ -17,6 +17,7 @@ use rayon::prelude::*;
 pub use self::error::SweepError;
 use self::points::Key;
 use self::spec::Sweep;
+pub(crate) use self::spec::SweepSpec;
 use self::streams::Streams as Kept;
 pub(super) use self::streams::{Recorded, Streams};
 use super::progress;

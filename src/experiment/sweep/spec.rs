@@ -9,7 +9,7 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::super::files::beside;
+use super::super::files::named;
 use super::super::frames::FrameRange;
 use super::super::load::{Experiment, Overrides};
 use super::error::SweepError;
@@ -17,7 +17,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::sweep::Change;
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 
 /// The most machines of a sweep: some years of replays.
 const MAX_MACHINES: u128 = 100_000;
@@ -25,7 +25,7 @@ const MAX_MACHINES: u128 = 100_000;
 /// A sweep as its RON file says it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct SweepSpec {
+pub(crate) struct SweepSpec {
     /// The experiment whose streams and machines are used, relative to this file.
     experiment: PathBuf,
     /// Other frames than the experiment's.
@@ -85,7 +85,7 @@ impl Sweep {
     pub(super) fn load(path: &Path) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
         let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, warmup: None };
-        let experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
+        let experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
         let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();
         let fields = spec.vary.iter().map(|(path, tried)| Field { path: path.into(), values: values(tried) }).collect();
