@@ -135,27 +135,27 @@ mod tests {
     fn a_table_fits_by_its_headers_first_and_goes_on_below_then() {
         insta::assert_snapshot!(fitted(&grid(), 80), @r"
         policy     nodes saved  tests/pixel  triangles saved
-        ─────────────────────────────────────────────────────
+        ────────────────────────────────────────────────────
         Off             31.7 %        1,234           52.1 %
         Published       31.7 %        1,234           52.1 %
         ");
         insta::assert_snapshot!(fitted(&grid(), 44), @r"
         policy      nodes  tests/pixel  triangles
                     saved                   saved
-        ──────────────────────────────────────────
+        ─────────────────────────────────────────
         Off        31.7 %        1,234     52.1 %
         Published  31.7 %        1,234     52.1 %
         ");
         insta::assert_snapshot!(fitted(&grid(), 30), @r"
         policy      nodes  tests/pixel
                     saved
-        ───────────────────────────────
+        ──────────────────────────────
         Off        31.7 %        1,234
         Published  31.7 %        1,234
 
         policy     triangles
                        saved
-        ─────────────────────
+        ────────────────────
         Off           52.1 %
         Published     52.1 %
         ");
