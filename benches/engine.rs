@@ -3,13 +3,12 @@
 //!
 //! `cargo bench --bench engine` prints a line a machine. Wall times are the best of three runs of `Event`, and one of `Cycle`.
 
-use std::convert::Infallible;
 use std::path::Path;
 use std::time::Instant;
 
-use umbrasim::engine::{self, Fidelity};
 use umbrasim::experiment::read_machine;
 use umbrasim::machine::MachineSpec;
+use umbrasim::replay::{Fidelity, Replay, RunError};
 use umbrasim::stats::MachineStats;
 use umbrasim::stream::{Header, Item, StreamReader};
 
@@ -23,7 +22,8 @@ fn replay(
 ) -> (MachineStats, f64) {
     let run = |_| {
         let start = Instant::now();
-        let stats = engine::run(machine, fidelity, header, items.iter().cloned().map(Ok::<_, Infallible>));
+        let replay = Replay::new(machine, header).map_err(RunError::from);
+        let stats = replay.and_then(|replay| replay.fidelity(fidelity).run(&items));
         (stats.unwrap_or_else(|error| panic!("{error}")), start.elapsed().as_secs_f64())
     };
     (0..times).map(run).min_by(|a, b| a.1.total_cmp(&b.1)).expect("at least one run")

@@ -5,9 +5,9 @@
 use std::error::Error;
 use std::path::Path;
 
-use umbrasim::engine::{self, Fidelity};
 use umbrasim::machine::MachineSpec;
 use umbrasim::ranged::{Size, Within};
+use umbrasim::replay::{Replay, StreamFile};
 use umbrasim::stream::StreamReader;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -20,9 +20,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         // Checks what single fields cannot: here, that sets and ways fit the size.
         machine.check()?;
 
-        let items = StreamReader::open(&stream)?;
-        let header = items.header().clone();
-        let stats = engine::run(&machine, Fidelity::Event, &header, items)?;
+        let header = StreamReader::open(&stream)?.header().clone();
+        let stats = Replay::new(&machine, &header)?.run(&StreamFile(&stream))?;
         let nodes = stats.caches.get("l1_traversal").into_iter().flatten();
         for (class, counts) in nodes {
             let hits = counts.hit_rate().map_or_else(|| "no accesses".into(), |rate| format!("{:.1} %", rate * 100.0));

@@ -5,8 +5,8 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use umbrasim::engine::{self, Fidelity};
 use umbrasim::experiment::read_machine;
+use umbrasim::replay::{Fidelity, Replay, StreamFile};
 use umbrasim::stream::StreamReader;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -15,11 +15,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stream = paths.next().unwrap_or_else(|| root.join("traces/quickstart.rays"));
     let machine = read_machine(&paths.next().unwrap_or_else(|| root.join("configs/machines/small.ron")))?;
 
+    // The header says what the stream is of: a machine must fit it.
+    let header = StreamReader::open(&stream)?.header().clone();
+    let replay = Replay::new(&machine, &header)?;
     for fidelity in [Fidelity::Event, Fidelity::Profile] {
-        // A reader is an iterator over the stream's items; its header says what they are of.
-        let items = StreamReader::open(&stream)?;
-        let header = items.header().clone();
-        let stats = engine::run(&machine, fidelity, &header, items)?;
+        let stats = replay.fidelity(fidelity).run(&StreamFile(&stream))?;
         println!("{fidelity} on {}: {} rays in {} cycles", machine.name, stats.rays, stats.cycles);
         for (class, bytes) in stats.bytes.get("dram").into_iter().flatten() {
             println!("  {:>13}  {bytes} bytes", class.name());

@@ -4,7 +4,7 @@
 //! # Flow
 //!
 //! ```text
-//!  scene, animation ──> tracer ──> ray stream ──> engine ──> statistics ──> report
+//!  scene, animation ──> tracer ──> ray stream ──> replay ──> statistics ──> report
 //!                         ^  │      (a file)        ^
 //!        culling policies ┘  └> pictures      machine's spec
 //!                                  │
@@ -23,7 +23,7 @@
 //! |---|---|
 //! | common ground | [`quantity`], [`ranged`], [`named`], [`ron_file`], [`stats`], [`stream`] |
 //! | functional wing | [`scene`], [`reference`](mod@reference), [`accel`], [`culling`], [`tracer`] |
-//! | timing wing | [`memory`], [`machine`], [`engine`] |
+//! | timing wing | [`memory`], [`machine`], engines, sampling, [`replay`](mod@replay) |
 //! | above both | [`validate`], reports, [`experiment`], the command line ([`cli`]) |
 //!
 //! # Reading order
@@ -32,7 +32,7 @@
 //! 2. [`culling`]: what a policy keeps and decides, then one policy, such as [`culling::last_occluder`].
 //! 3. [`tracer`]: how one tracing of a frame serves all policies.
 //! 4. [`machine`]: what a machine is made of; MODEL.md has the rules that engines follow.
-//! 5. [`engine`]: how a stream is replayed, and at which fidelity levels.
+//! 5. [`replay`](mod@replay): how a stream is replayed, and at which fidelity levels.
 //! 6. [`experiment`]: scene, policies and machines together.
 //!
 //! `examples/` has a program for each of: replaying a stream, a culling policy of one's own, a machine built in code.
@@ -42,15 +42,15 @@
 //! Replays a recorded stream on a shipped machine, and prints the DRAM bytes of each class of traffic:
 //!
 //! ```
-//! use umbrasim::engine::{self, Fidelity};
 //! use umbrasim::experiment::read_machine;
+//! use umbrasim::replay::{Fidelity, Replay, StreamFile};
 //! use umbrasim::stream::StreamReader;
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let machine = read_machine("configs/machines/small.ron".as_ref())?;
-//! let stream = StreamReader::open("traces/quickstart.rays".as_ref())?;
-//! let header = stream.header().clone();
-//! let stats = engine::run(&machine, Fidelity::Event, &header, stream)?;
+//! let stream = "traces/quickstart.rays".as_ref();
+//! let header = StreamReader::open(stream)?.header().clone();
+//! let stats = Replay::new(&machine, &header)?.fidelity(Fidelity::Event).run(&StreamFile(stream))?;
 //! for (class, bytes) in &stats.bytes["dram"] {
 //!     println!("{:>13}  {bytes}", class.name());
 //! }
@@ -67,7 +67,7 @@ pub mod cli;
 pub(crate) mod counters;
 pub mod culling;
 pub(crate) mod energy;
-pub mod engine;
+pub(crate) mod engine;
 pub mod experiment;
 pub(crate) mod fields;
 pub(crate) mod input;
@@ -76,10 +76,13 @@ pub mod memory;
 pub mod named;
 pub(crate) mod output;
 pub mod quantity;
+pub(crate) mod random;
 pub mod ranged;
 pub mod reference;
+pub mod replay;
 pub mod report;
 pub mod ron_file;
+pub(crate) mod sampling;
 pub mod scene;
 pub(crate) mod shipped;
 pub(crate) mod size;

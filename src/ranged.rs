@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::str::FromStr;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
@@ -103,3 +104,54 @@ checked!(Within, "a whole number", u64::deserialize, number, value => true);
 checked!(PowerOfTwo, "a power of two", u64::deserialize, number, value => value.is_power_of_two());
 checked!(Size, "a whole number", size::deserialize, bytes, value => true);
 checked!(PowerOfTwoSize, "a power of two", size::deserialize, bytes, value => value.is_power_of_two());
+
+/// A share above 0, up to 1.
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, JsonSchema)]
+#[serde(transparent)]
+#[schemars(inline, extend("exclusiveMinimum" = 0, "maximum" = 1))]
+pub struct Share(f64);
+
+impl Share {
+    /// The checked share.
+    ///
+    /// # Errors
+    /// The error says what is allowed.
+    pub fn new(share: f64) -> Result<Self, String> {
+        if share > 0.0 && share <= 1.0 {
+            Ok(Self(share))
+        } else {
+            Err(format!("{share} is not allowed here: a number above 0, up to 1, is"))
+        }
+    }
+
+    /// A share that is known to be allowed: others do not compile, where this is a constant.
+    pub const fn literal(share: f64) -> Self {
+        assert!(share > 0.0 && share <= 1.0);
+        Self(share)
+    }
+
+    /// The number.
+    pub const fn get(self) -> f64 {
+        self.0
+    }
+}
+
+impl FromStr for Share {
+    type Err = String;
+
+    /// Reads `0.01` or `1%`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let number =
+            |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{text}` is no number, such as 0.01 or 1%"));
+        Self::new(match text.strip_suffix('%') {
+            Some(percent) => number(percent)? / 100.0,
+            None => number(text)?,
+        })
+    }
+}
+
+impl<'de> Deserialize<'de> for Share {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::new(f64::deserialize(from)?).map_err(D::Error::custom)
+    }
+}

@@ -17,6 +17,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("quantity", &[]),
     ("alike", &[]),
     ("size", &[]),
+    ("random", &[]),
     ("ranged", &["size"]),
     ("named", &[]),
     ("output", &[]),
@@ -28,16 +29,18 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("stats", &["quantity", "counters"]),
     ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
-    ("scene", &["quantity", "ranged", "input"]),
+    ("scene", &["quantity", "random", "ranged", "input"]),
     ("reference", &["quantity", "scene"]),
     ("accel", &["quantity", "ranged", "stream", "scene"]),
-    ("culling", &["quantity", "ranged", "stream", "scene", "accel"]),
+    ("culling", &["quantity", "random", "ranged", "stream", "scene", "accel"]),
     ("tracer", &["quantity", "stream", "scene", "accel", "culling"]),
     // The timing wing.
-    ("memory", &["quantity", "ranged", "named", "ron_file", "spread", "stats"]),
+    ("memory", &["quantity", "random", "ranged", "named", "ron_file", "spread", "stats"]),
     ("machine", &["quantity", "ranged", "ron_file", "spread", "stats", "stream", "memory"]),
     ("energy", &["spread", "stats", "stream::Structure", "memory", "machine"]),
     ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
+    ("sampling", &["quantity", "random", "ranged", "stats", "stream", "memory", "machine", "energy", "engine"]),
+    ("replay", &["ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
     // Above both.
     ("validate", &["quantity", "scene"]),
     (
@@ -63,7 +66,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "tracer",
             "memory",
             "machine",
-            "engine",
+            "replay",
             "validate",
             "report",
         ],
@@ -79,7 +82,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "ron_file",
             "stream",
             "machine",
-            "engine",
+            "replay",
             "report",
             "experiment",
             "fields",
@@ -88,7 +91,7 @@ const ROOMS: &[(&str, &[&str])] = &[
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];
-const TIMING: [&str; 4] = ["memory", "machine", "energy", "engine"];
+const TIMING: [&str; 6] = ["memory", "machine", "energy", "engine", "sampling", "replay"];
 
 /// A file of the library: its path in `src`, with `/`, and its text.
 struct Source {

@@ -2,11 +2,10 @@
 
 use std::process::ExitCode;
 
-use crate::engine::RunError;
 use crate::experiment::run::RunFailure;
 use crate::experiment::sweep::SweepError;
 use crate::experiment::trace::TraceError;
-use crate::stream::StreamError;
+use crate::replay::RunError;
 
 /// How a command ended that met no error.
 pub(super) enum Outcome {
@@ -33,7 +32,7 @@ impl From<Outcome> for ExitCode {
 
 /// 1 for what was stopped or went wrong inside a simulation, 2 for what the user can mend.
 pub(super) fn exit_code(error: &anyhow::Error) -> ExitCode {
-    let replay_failed = error.downcast_ref::<RunError<StreamError>>().is_some_and(|error| {
+    let replay_failed = error.downcast_ref::<RunError>().is_some_and(|error| {
         matches!(
             error,
             RunError::Counts { .. } | RunError::Invariant(_) | RunError::Illegal { .. } | RunError::Deadlock { .. }

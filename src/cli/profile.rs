@@ -9,8 +9,8 @@ use super::arguments::StreamAndMachine;
 use super::destinations::results_folder;
 use super::outcome::Outcome;
 use super::print::print;
-use crate::engine::{ReuseOf, Share};
 use crate::experiment::reuse::reuse;
+use crate::replay::{ReuseOf, Share};
 use crate::report;
 
 /// Measure how a recorded ray stream misses in caches of all sizes

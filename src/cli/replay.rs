@@ -11,10 +11,10 @@ use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
-use crate::engine::{Fidelity, Share};
 use crate::experiment::dram_export::DramExport;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
+use crate::replay::{Fidelity, Share};
 use crate::report::run::replayed;
 use crate::stream::StreamReader;
 

@@ -71,7 +71,7 @@ impl RayCounts {
 
     /// Fibonacci hashing (Knuth, "The Art of Computer Programming" 3, section 6.4).
     fn slot(&self, cell: Cell, light: LightId) -> u32 {
-        const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
+        use crate::random::GOLDEN;
         let cell_bits = u64::from(cell.primitive.0) << 32 | u64::from(cell.place);
         let hash = (cell_bits.wrapping_mul(GOLDEN) ^ u64::from(light.0)).wrapping_mul(GOLDEN);
         (hash >> (64 - self.bits)) as u32

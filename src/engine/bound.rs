@@ -5,7 +5,8 @@
 
 use std::ops::AddAssign;
 
-use super::RunError;
+use super::error::RunError;
+use super::items::ItemStream;
 use super::tally::PerClass;
 use super::work::{Holder, Work, stores_as_recorded};
 use crate::energy;
@@ -409,14 +410,14 @@ impl Bound {
 }
 
 /// The `Bound` rung: what no machine can beat on this stream, and on one whose shadow rays' answers are all known.
-pub(super) fn run<E>(
+pub(super) fn run(
     machine: &MachineSpec,
     header: &Header,
-    items: impl Iterator<Item = Result<Item, E>>,
-) -> Result<MachineStats, RunError<E>> {
+    items: &mut ItemStream<'_>,
+) -> Result<MachineStats, RunError> {
     let (mut bound, mut oracle) = (Bound::new(machine, header, false), Bound::new(machine, header, true));
     for item in items {
-        let item = item.map_err(RunError::Source)?;
+        let item = item?;
         bound.add(&item);
         oracle.add(&item);
     }

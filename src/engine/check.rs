@@ -1,6 +1,6 @@
 //! The identities that every run must keep.
 
-use super::RunError;
+use super::error::RunError;
 use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum};
 use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
@@ -12,7 +12,7 @@ use crate::stats::{Bounds, MachineStats, TrafficClass};
 
 /// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec does not
 /// say.
-pub(super) fn frame<E>(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError<E>> {
+pub(crate) fn frame(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError> {
     let FrameCounts { frame, tracer, machine, stores } = counts;
     let StoreWork {
         merged_reads,
@@ -72,7 +72,7 @@ fn equal(what: impl FnOnce() -> String, left: u64, right: u64) -> Result<(), Str
 }
 
 /// Checks that the run lies within bounds that hold for every machine and stream.
-pub(super) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String> {
+pub(crate) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String> {
     let cycles = [bounds.cycles.least.0, bounds.cycles.most.0];
     let [l2, dram] = [bounds.l2_bytes, bounds.dram_bytes].map(|bytes| [bytes.least.0, bytes.most.0]);
     let levels = stats.bytes.keys().filter(|level| level.starts_with("l2"));
@@ -86,7 +86,7 @@ pub(super) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String
 }
 
 /// Checks the run's identities; the error names the numbers.
-pub(super) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
+pub(crate) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     for (name, classes) in &tally.stats(machine).caches {
         for (class, counts) in classes {
             let what =

@@ -2,9 +2,10 @@
 
 use std::io;
 
+use super::contract::Engine;
+use super::error::RunError;
 use super::feed::Feed;
 use super::tally::Tally;
-use super::{Engine, RunError};
 use crate::engine::source::FrameCounts;
 use crate::machine::MachineSpec;
 use crate::memory::dram::command::{ChannelLog, LoggedCommand, LoggedRequest};
@@ -22,12 +23,12 @@ pub trait DramObserver {
 }
 
 /// Runs `engine` on `feed` while `observer` is told; the number of cycles.
-pub(super) fn run<E>(
-    engine: &mut impl Engine,
+pub(super) fn run(
+    engine: &mut dyn Engine,
     machine: &MachineSpec,
-    feed: &mut impl Feed<E>,
+    feed: &mut dyn Feed,
     observer: &mut dyn DramObserver,
-) -> Result<u64, RunError<E>> {
+) -> Result<u64, RunError> {
     engine.logs().into_iter().for_each(ChannelLog::keep);
     let checker = TimingChecker::new(&machine.dram, machine.line_bytes.get());
     let checkers = vec![checker; machine.dram.channels.size()];
@@ -41,8 +42,8 @@ pub(super) fn run<E>(
 }
 
 /// A feed with an observer of the DRAM.
-struct Observed<'a, F> {
-    feed: &'a mut F,
+struct Observed<'a> {
+    feed: &'a mut dyn Feed,
     checkers: Vec<TimingChecker>,
     observer: &'a mut dyn DramObserver,
     /// Of one cycle, with their channels.
@@ -50,12 +51,12 @@ struct Observed<'a, F> {
     commands: Vec<(usize, LoggedCommand)>,
 }
 
-impl<E, F: Feed<E>> Feed<E> for Observed<'_, F> {
-    fn next(&mut self) -> Result<Option<Item>, RunError<E>> {
+impl Feed for Observed<'_> {
+    fn next(&mut self) -> Result<Option<Item>, RunError> {
         self.feed.next()
     }
 
-    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<E>> {
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError> {
         self.feed.frame_over(counts)
     }
 
@@ -71,7 +72,7 @@ impl<E, F: Feed<E>> Feed<E> for Observed<'_, F> {
         true
     }
 
-    fn heard(&mut self, logs: &mut [&mut ChannelLog]) -> Result<(), RunError<E>> {
+    fn heard(&mut self, logs: &mut [&mut ChannelLog]) -> Result<(), RunError> {
         for (channel, log) in logs.iter_mut().enumerate() {
             let (requests, commands) = log.drain();
             self.requests.extend(requests.map(|request| (channel, request)));
@@ -93,9 +94,7 @@ impl<E, F: Feed<E>> Feed<E> for Observed<'_, F> {
 
 #[cfg(test)]
 mod tests {
-    use std::convert::Infallible;
-
-    use super::super::feed::Whole;
+    use super::super::whole::Whole;
     use super::*;
     use crate::memory::dram::command::Command;
 
@@ -115,7 +114,7 @@ mod tests {
     struct Wrong(ChannelLog);
 
     impl Engine for Wrong {
-        fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
+        fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
             for (clock, command) in [
                 (5, Command::Activate { bank: 0, row: 0 }),
                 (73, Command::Precharge { bank: 0 }),
@@ -139,8 +138,8 @@ mod tests {
     #[test]
     fn an_illegal_command_ends_the_run_with_its_numbers() {
         let machine = MachineSpec::default();
-        let items = std::iter::empty::<Result<Item, Infallible>>();
-        let mut feed = Whole::new(&machine, items);
+        let mut items = std::iter::empty();
+        let mut feed = Whole::new(&machine, &mut items);
         let error = run(&mut Wrong(ChannelLog::default()), &machine, &mut feed, &mut Nobody).unwrap_err();
         let told = "channel 0 of the DRAM, clock 106: `rc` is violated, which allows it from clock 107 on";
         assert_eq!(error.to_string(), told);

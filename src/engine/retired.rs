@@ -3,11 +3,11 @@
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, Visitor};
 
 /// What a config or command line that names the level `Functional` is told.
-pub(super) const FUNCTIONAL: &str = "the level Functional is gone: Event is exact for about the same time, \
+pub(crate) const FUNCTIONAL: &str = "the level Functional is gone: Event is exact for about the same time, \
      Profile is faster; use Event or Profile";
 
 /// A deserializer of an enum of levels, or its visitor, or its access: `Functional` is refused.
-pub(super) struct WithoutRetired<T>(pub T);
+pub(crate) struct WithoutRetired<T>(pub T);
 
 impl<'de, D: Deserializer<'de>> Deserializer<'de> for WithoutRetired<D> {
     type Error = D::Error;

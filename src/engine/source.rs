@@ -33,7 +33,7 @@ pub enum StreamFault {
 
 /// A frame that is over, as counted by both sides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FrameCounts {
+pub(crate) struct FrameCounts {
     /// The frame's number.
     pub frame: u32,
     /// What the tracer counted.
@@ -48,7 +48,7 @@ counters! {
     /// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are
     /// performed, merged or raised; writes (updates included), recorded or added, are performed, merged, deferred or
     /// covered.
-    pub(super) struct StoreWork {
+    pub(crate) struct StoreWork {
         merged_reads: "reads", "reads that a register answered";
         merged_writes: "writes", "writes that a register merged with one that waited";
         raised_reads: "reads", "reads performed as updates: first touches";
@@ -63,7 +63,7 @@ counters! {
 }
 
 /// The parent of every ray of a chunk, by its place; a primary ray is its own.
-pub(super) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
+pub(crate) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
     let mut group = None;
     let parent = |(index, ray): (usize, crate::stream::Ray<'_>)| {
         let fault = |fault| StreamFault::Ray { index, fault };
@@ -86,7 +86,7 @@ pub(super) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
 
 /// The step that `word` stands for, if it is one and what it names exists.
 #[inline]
-pub(super) fn check_step(word: u32, layout: &Layout) -> Result<Step, StreamFault> {
+pub(crate) fn check_step(word: u32, layout: &Layout) -> Result<Step, StreamFault> {
     let step = Step::unpack(word).ok_or(StreamFault::NotAStep(word))?;
     layout.check(step)?;
     Ok(step)

@@ -15,12 +15,12 @@ use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, Machine
 use crate::stream::RayKind;
 
 /// Something a class of traffic, in the order of [`TrafficClass::ALL`].
-pub(super) type PerClass<T> = [T; TrafficClass::ALL.len()];
+pub(crate) type PerClass<T> = [T; TrafficClass::ALL.len()];
 /// Cycles a cause, at the places of their discriminants.
-pub(super) type PerCause = [u64; Cause::ALL.len()];
+pub(crate) type PerCause = [u64; Cause::ALL.len()];
 
 /// So many busy cycles; of others nothing is known.
-pub(super) fn busy(cycles: u64) -> PerCause {
+pub(crate) fn busy(cycles: u64) -> PerCause {
     let mut causes = PerCause::default();
     causes[Cause::Busy as usize] = cycles;
     causes
@@ -28,7 +28,7 @@ pub(super) fn busy(cycles: u64) -> PerCause {
 
 /// What a unit with an L1 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct UnitTally {
+pub(crate) struct UnitTally {
     /// Cycles by cause.
     pub causes: PerCause,
     /// Accesses to its L1.
@@ -47,7 +47,7 @@ pub(super) struct UnitTally {
 
 /// What a bank of the L2 counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct BankTally {
+pub(crate) struct BankTally {
     /// Accesses.
     pub cache: PerClass<CacheCounts>,
     /// What it did for L1s.
@@ -56,7 +56,7 @@ pub(super) struct BankTally {
 
 /// What a channel of the DRAM counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct ChannelTally {
+pub(crate) struct ChannelTally {
     /// Commands.
     pub counts: DramCounts,
     /// Bytes moved.
@@ -67,7 +67,7 @@ pub(super) struct ChannelTally {
 
 /// Who takes from a queue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum QueueKind {
+pub(crate) enum QueueKind {
     /// The dispatcher, from the in FIFO.
     Dispatcher,
     /// The host, from the out FIFO.
@@ -86,11 +86,11 @@ pub(super) enum QueueKind {
 
 impl QueueKind {
     /// All kinds.
-    pub(super) const ALL: [Self; 7] =
+    pub(crate) const ALL: [Self; 7] =
         [Self::Dispatcher, Self::Host, Self::List, Self::Intersection, Self::Division, Self::L2, Self::Dram];
 
     /// The kind's name in reports.
-    pub(super) fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Dispatcher => "in_fifo",
             Self::Host => "out_fifo",
@@ -105,7 +105,7 @@ impl QueueKind {
 
 /// What a whole run counted.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Tally {
+pub(crate) struct Tally {
     /// Cycles that the run took.
     pub cycles: u64,
     /// Whether every cycle of a unit has a cause; else the busy ones alone are counted.
@@ -132,7 +132,7 @@ pub(super) struct Tally {
 
 impl Tally {
     /// Cycles in which operations occupied any part: what the watchdog looks at.
-    pub(super) fn operations(&self) -> u64 {
+    pub(crate) fn operations(&self) -> u64 {
         let busy = |causes: &PerCause| causes[Cause::Busy as usize];
         let columns = |channel: &ChannelTally| channel.counts.reads + channel.counts.writes;
         busy(&self.dispatcher)
@@ -142,18 +142,18 @@ impl Tally {
     }
 
     /// Cycles that operations occupied units of each kind.
-    pub(super) fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
+    pub(crate) fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
         let busy = |units: &Vec<UnitTally>| units.iter().map(|unit| unit.causes[Cause::Busy as usize]).sum();
         std::array::from_fn(|kind| busy(&self.units[kind]))
     }
 
     /// The commands of all channels.
-    pub(super) fn commands(&self) -> DramCounts {
+    pub(crate) fn commands(&self) -> DramCounts {
         self.channels.iter().map(|channel| channel.counts).sum()
     }
 
     /// The run as reports have it.
-    pub(super) fn stats(&self, machine: &MachineSpec) -> MachineStats {
+    pub(crate) fn stats(&self, machine: &MachineSpec) -> MachineStats {
         let mut stats = MachineStats {
             cycles: Cycle(self.cycles),
             clock_mhz: machine.clock_mhz.get() as f64,
@@ -206,7 +206,7 @@ impl Tally {
 }
 
 /// The sum of what several parts counted, by class.
-pub(super) fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
+pub(crate) fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
     let mut sum = PerClass::default();
     parts.for_each(|part| sum.iter_mut().zip(part).for_each(|(sum, &counted)| *sum += counted));
     sum

@@ -63,7 +63,7 @@ impl Unloaded {
 
 /// Latencies of all kinds of rays, in the order of [`RayKind::ALL`], and how many were shorter than they can be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct RayLatencies {
+pub(crate) struct RayLatencies {
     /// By kind.
     pub kinds: [LatencyCounts; RayKind::ALL.len()],
     /// Rays that took less than [`Unloaded`] says: an error in the simulator.

@@ -10,7 +10,7 @@ use crate::stream::{RayKind, Step, Stop};
 
 /// Who holds a ray while a step of it is performed, which may be by another unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Holder {
+pub(crate) enum Holder {
     /// A traversal unit: the step is of the ray's path.
     Traversal,
     /// The shadow-cache unit: the step is of the policy.
@@ -19,7 +19,7 @@ pub(super) enum Holder {
 
 impl Holder {
     /// The kind of units that it is.
-    pub(super) fn kind(self) -> Kind {
+    pub(crate) fn kind(self) -> Kind {
         match self {
             Self::Traversal => Kind::Traversal,
             Self::ShadowCache => Kind::ShadowCache,
@@ -28,13 +28,13 @@ impl Holder {
 }
 
 /// Whether stores are accessed as the stream records it: by the shadow-cache units' own L1s, step by step.
-pub(super) fn stores_as_recorded(machine: &MachineSpec) -> bool {
+pub(crate) fn stores_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     unit.gather.get() == 0 && known_to_profile(machine)
 }
 
 /// Whether `Profile` knows the machine's way to access stores: as recorded, or with updates gathered by hits.
-pub(super) fn known_to_profile(machine: &MachineSpec) -> bool {
+pub(crate) fn known_to_profile(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;
     unit.place == Place::Own && unit.register.get() == 0 && !adds
@@ -42,7 +42,7 @@ pub(super) fn known_to_profile(machine: &MachineSpec) -> bool {
 
 /// What a step asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Work {
+pub(crate) struct Work {
     /// Who performs it.
     pub kind: Kind,
     /// What is fetched for the first operation.
@@ -56,7 +56,7 @@ pub(super) struct Work {
 impl Work {
     /// What `step` of a ray of kind `ray` asks for while `holder` has the ray.
     #[inline(always)]
-    pub(super) fn of(step: Step, holder: Holder, ray: RayKind, layout: &Layout) -> Self {
+    pub(crate) fn of(step: Step, holder: Holder, ray: RayKind, layout: &Layout) -> Self {
         let one = |kind, first| Self { kind, first, second: None, divides: false };
         let holders = holder.kind();
         match (step, holder) {
@@ -77,12 +77,12 @@ impl Work {
     }
 
     /// Operations begun for the step.
-    pub(super) fn operations(&self) -> u64 {
+    pub(crate) fn operations(&self) -> u64 {
         1 + u64::from(self.second.is_some())
     }
 
     /// The elements in order.
-    pub(super) fn elements(&self) -> impl Iterator<Item = Element> + use<> {
+    pub(crate) fn elements(&self) -> impl Iterator<Item = Element> + use<> {
         [Some(self.first), self.second].into_iter().flatten()
     }
 }

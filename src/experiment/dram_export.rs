@@ -6,10 +6,10 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::text_file::TextFile;
-use crate::engine::DramObserver;
 use crate::machine::MachineSpec;
 use crate::memory::dram::command::{Column, Command, LoggedCommand, LoggedRequest};
 use crate::memory::dram::part::DramPart;
+use crate::replay::DramObserver;
 
 /// Who is to read a trace of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]

@@ -1,7 +1,6 @@
 //! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to
 //! throughput and hit rates to traffic.
 
-use std::convert::Infallible;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,9 +10,9 @@ use super::files::{named, read_machine};
 use super::load::ExperimentError;
 use super::progress;
 use crate::accel::AccelSpec;
-use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
+use crate::replay::{Replay, RunError};
 use crate::report::Grid;
 use crate::report::format::percent;
 use crate::ron_file::{self, ConfigError, Kind};
@@ -108,7 +107,7 @@ pub enum IdentitiesError {
     Experiment(#[from] ExperimentError),
     /// A replay failed.
     #[error(transparent)]
-    Run(#[from] RunError<Infallible>),
+    Run(#[from] RunError),
 }
 
 /// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation
@@ -138,8 +137,7 @@ pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured
             }
             let (header, items) = tracer.alone(&frame, *number, kind);
             let work = Work::of(&items, kind);
-            let stream = items.into_iter().map(Ok::<_, Infallible>);
-            let stats = engine::run(&machine, Fidelity::Event, &header, stream)?;
+            let stats = Replay::new(&machine, &header).map_err(RunError::from)?.run(&items)?;
             let name = format!("{}, {}", scene.name, format!("{kind:?}").to_lowercase());
             rows.push(measured(name, &work, &stats, &machine));
             bar.inc(1);
@@ -294,6 +292,7 @@ pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::replay::Fidelity;
 
     /// All rows of the room, on each of the shipped machines with a kd-tree's units.
     #[test]
@@ -311,10 +310,9 @@ mod tests {
                 let (header, items) = tracer.alone(&frame, 3, kind);
                 let work = Work::of(&items, kind);
                 assert!(work.rays > 1000.0 && work.operations.list > work.rays / 2.0, "{kind:?}");
-                let [event, cycle] = [Fidelity::Event, Fidelity::Cycle].map(|fidelity| {
-                    let stream = items.iter().cloned().map(Ok::<_, Infallible>);
-                    engine::run(&machine, fidelity, &header, stream).unwrap()
-                });
+                let replay = Replay::new(&machine, &header).unwrap();
+                let [event, cycle] =
+                    [Fidelity::Event, Fidelity::Cycle].map(|fidelity| replay.fidelity(fidelity).run(&items).unwrap());
                 assert_eq!(event, cycle, "{name}, {kind:?}");
                 let found = measured(String::new(), &work, &event, &machine);
                 assert!(found.utilization_gap <= MOST_GAP, "{name}, {kind:?}: {}", found.utilization_gap);

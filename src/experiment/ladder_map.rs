@@ -1,17 +1,16 @@
 //! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from
 //! `Event`.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
 use indicatif::ProgressBar;
 use rayon::prelude::*;
 
 use super::progress;
-use crate::engine::{self, Fidelity, ReuseOf, Share};
 use crate::machine::MachineSpec;
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 use crate::ranged::{Size, Within};
+use crate::replay::{Fidelity, Replay, ReuseOf, Sampled, Share};
 use crate::report::ladder_map::{Axis, Covered, Figure, LadderMap, Point, Row};
 use crate::scene::builtin::shapes::hash;
 use crate::stats::{Accuracy, MachineStats};
@@ -229,10 +228,10 @@ fn rows() -> Vec<String> {
 
 fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
     let (header, items) = (case.header(), case.stream());
-    let read = || items.iter().cloned().map(Ok::<_, Infallible>);
-    let on = |fidelity| {
-        engine::run(&case.machine, fidelity, &header, read())
-            .unwrap_or_else(|error| panic!("{fidelity} cannot replay what was made to order: {error}"))
+    let replay = Replay::new(&case.machine, &header).unwrap_or_else(|error| panic!("a machine made to order: {error}"));
+    let on = |fidelity: Fidelity| {
+        let stats = replay.fidelity(fidelity).run(&items);
+        stats.unwrap_or_else(|error| panic!("{fidelity} cannot replay what was made to order: {error}"))
     };
     let share = |share| Share::new(share).expect("a share");
     let event = on(Fidelity::Event);
@@ -241,7 +240,7 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
     let sampled = || {
         let (mut worst, mut covered) = ([None; Figure::ALL.len()], Covered::default());
         for seed in 0..SEEDS {
-            let engine = engine::Sampled::Event;
+            let engine = Sampled::Event;
             let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None });
             for (worst, figure) in worst.iter_mut().zip(Figure::ALL) {
                 let error = figure.error(&stats, &event);
@@ -257,8 +256,8 @@ fn point(value: &str, case: &Case, bar: &ProgressBar) -> Point {
         Row { errors: worst, covered: Some(covered) }
     };
     let reuse = |of| {
-        let (_, levels) = engine::reuse(&case.machine, of, &header, || Ok::<_, Infallible>(read()))
-            .unwrap_or_else(|error| panic!("reuse of what was made to order: {error}"));
+        let found = replay.reuse(of, &items);
+        let (_, levels) = found.unwrap_or_else(|error| panic!("reuse of what was made to order: {error}"));
         let level = levels.iter().find(|level| level.name == "l1_traversal");
         let misses = level.and_then(|level| level.miss_ratio_in_sets());
         let errors = Figure::ALL.map(|figure| misses.and_then(|ratio| figure.error_of_ratio(ratio, &event)));

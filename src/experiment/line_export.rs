@@ -4,8 +4,8 @@ use std::io;
 use std::path::Path;
 
 use super::text_file::TextFile;
-use crate::engine::LineStream;
 use crate::machine::{MachineSpec, SpecError};
+use crate::replay::LineStream;
 use crate::stream::{Header, Item};
 
 /// Writes the line stream of an L1 in Dinero's form: `0 ADDRESS` for a read, `1 ADDRESS` for a write, in hexadecimal.

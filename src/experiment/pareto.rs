@@ -1,7 +1,7 @@
 //! Speed against accuracy: every rung of the ladder replays the same streams, and is held to the truth.
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use serde::Deserialize;
@@ -10,16 +10,14 @@ use super::files::{named, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
-use super::sweep::{Recorded, Streams, SweepError};
+use super::sweep::{Streams, SweepError, replay};
 use crate::culling::PolicySpec;
-use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
+use crate::replay::{Fidelity, RunError};
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError, Kind};
-use crate::stats::MachineStats;
-use crate::stream::StreamReader;
 
 /// A comparison as its RON file says it.
 #[derive(Deserialize)]
@@ -170,29 +168,6 @@ fn refusal(error: SweepError) -> Result<String, SweepError> {
         }
         error => Err(error),
     }
-}
-
-fn replay(
-    machine: &MachineSpec,
-    rung: Fidelity,
-    stream: &Recorded,
-    stop: &AtomicBool,
-) -> Result<MachineStats, SweepError> {
-    // A replay that is stopped ends as a stream that is cut off does, and is thrown away.
-    let open = |frame| {
-        let mut reader = StreamReader::open(&stream.path)?;
-        reader.seek_frame(frame)?;
-        Ok(reader.take_while(|_| !stop.load(Ordering::Relaxed)))
-    };
-    let stats = engine::run_passes(machine, rung, &stream.header, open);
-    if stop.load(Ordering::Relaxed) {
-        return Err(SweepError::Stopped);
-    }
-    stats.map_err(|source| SweepError::Machine {
-        machine: machine.name.clone(),
-        policy: stream.header.policy.clone(),
-        source: Box::new(source),
-    })
 }
 
 #[cfg(test)]

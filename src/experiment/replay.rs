@@ -1,18 +1,20 @@
 //! Machines at work on streams while these are traced: a thread each, fed through a short queue.
 
 use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
+
+use indicatif::ProgressBar;
 
 use super::dram_export::DramExport;
 use super::line_export::LineExport;
 use super::progress;
 use super::split::Role;
-use crate::engine::{self, Fidelity, RunError};
 use crate::machine::MachineSpec;
 use crate::output::TemporaryFolder;
+use crate::replay::{Fidelity, Items, Replay, RunError, Source, StreamFile};
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
@@ -26,15 +28,15 @@ const WAITING: usize = 8;
 /// Machines that replay the streams of several policies.
 #[derive(Default)]
 pub(crate) struct Replays<'scope> {
-    runs: Vec<Replay<'scope>>,
+    runs: Vec<Running<'scope>>,
 }
 
-struct Replay<'scope> {
+struct Running<'scope> {
     policy: usize,
     machine: String,
     role: Role,
     items: SyncSender<Item>,
-    thread: ScopedJoinHandle<'scope, Result<Replayed, RunError<StreamError>>>,
+    thread: ScopedJoinHandle<'scope, Result<Replayed, RunError>>,
 }
 
 /// What a machine measured, and how long that took.
@@ -54,7 +56,7 @@ pub(crate) struct Finished {
     /// What it was replayed for.
     pub role: Role,
     /// The result.
-    pub result: Result<Replayed, RunError<StreamError>>,
+    pub result: Result<Replayed, RunError>,
 }
 
 impl<'scope> Replays<'scope> {
@@ -71,16 +73,19 @@ impl<'scope> Replays<'scope> {
         let (items, received): (_, Receiver<Item>) = sync_channel(WAITING);
         let thread = scope.spawn(move || {
             let begin = Instant::now();
-            let stats = if fidelity.takes_passes() {
-                let folder = TemporaryFolder::create().map_err(temporary).map_err(RunError::Source)?;
-                let file = record(&header, received, &folder.path().join("stream.rays")).map_err(RunError::Source)?;
-                engine::run_passes(&spec, fidelity, &header, |frame| open_at(&file, frame))?
-            } else {
-                engine::run(&spec, fidelity, &header, received.into_iter().map(Ok))?
+            let replay = Replay::new(&spec, &header)?;
+            let stats = match fidelity.one_pass() {
+                Some(fidelity) => replay.fidelity(fidelity).run(received.into_iter().map(Ok))?,
+                None => {
+                    let folder = TemporaryFolder::create().map_err(temporary)?;
+                    let file = folder.path().join("stream.rays");
+                    record(&header, received, &file)?;
+                    replay.fidelity(fidelity).run(&StreamFile(&file))?
+                }
             };
             Ok(Replayed { stats, wall: begin.elapsed() })
         });
-        self.runs.push(Replay { policy, machine: machine.name.clone(), role, items, thread });
+        self.runs.push(Running { policy, machine: machine.name.clone(), role, items, thread });
     }
 
     /// Hands the next item of a policy's stream to all machines that replay it; waits while they are busy.
@@ -109,18 +114,11 @@ fn temporary(source: std::io::Error) -> StreamError {
     StreamError::Io { path: std::env::temp_dir(), doing: "write", source }
 }
 
-fn open_at(path: &Path, frame: usize) -> Result<StreamReader, StreamError> {
-    let mut reader = StreamReader::open(path)?;
-    reader.seek_frame(frame)?;
-    Ok(reader)
-}
-
 /// Writes a stream that is to be read more than once at `path`.
-fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<PathBuf, StreamError> {
+fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<(), StreamError> {
     let mut writer = StreamWriter::create(path, header)?;
     items.into_iter().try_for_each(|item| writer.write(&item))?;
-    writer.finish()?;
-    Ok(path.into())
+    writer.finish()
 }
 
 /// Replays the recorded stream `path` on a machine, while what its DRAM and a cache are asked for goes to files if they
@@ -131,29 +129,37 @@ pub(crate) fn replay_file(
     path: &Path,
     dram: Option<&mut DramExport>,
     lines: Option<&mut LineExport>,
-) -> Result<MachineStats, RunError<StreamError>> {
-    let header = StreamReader::open(path).map_err(RunError::Source)?.header().clone();
+) -> Result<MachineStats, RunError> {
+    let header = StreamReader::open(path)?.header().clone();
     let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
-    let lines = RefCell::new(lines);
-    let open = |first| {
-        bar.reset();
-        let told = |item: &Result<Item, StreamError>| {
-            if matches!(item, Ok(Item::End { .. })) {
-                bar.inc(1);
-            }
-            if let (Some(lines), Ok(item)) = (lines.borrow_mut().as_mut(), item) {
-                lines.item(item);
-            }
-        };
-        Ok(open_at(path, first)?.inspect(told))
-    };
+    let told = Told { file: StreamFile(path), bar: &bar, lines: RefCell::new(lines) };
+    let replay = Replay::new(machine, &header)?;
     let stats = match dram {
-        None => engine::run_passes(machine, fidelity, &header, open),
-        Some(dram) => {
-            let items = open(0).map_err(RunError::Source)?;
-            engine::run_observed(machine, fidelity, &header, items, dram)
-        }
+        None => replay.fidelity(fidelity).run(&told),
+        Some(dram) => replay.fidelity(fidelity.exact()?).observe(dram)?.run(told.open(0)?),
     };
     bar.finish_and_clear();
     stats
+}
+
+/// A recorded stream, while a bar shows how far it is read, and its lines go to a file if they are wanted.
+struct Told<'a> {
+    file: StreamFile<'a>,
+    bar: &'a ProgressBar,
+    lines: RefCell<Option<&'a mut LineExport>>,
+}
+
+impl Source for Told<'_> {
+    fn open(&self, frame: usize) -> Result<Items<'_>, StreamError> {
+        self.bar.reset();
+        let told = |item: &Result<Item, StreamError>| {
+            if matches!(item, Ok(Item::End { .. })) {
+                self.bar.inc(1);
+            }
+            if let (Some(lines), Ok(item)) = (self.lines.borrow_mut().as_mut(), item) {
+                lines.item(item);
+            }
+        };
+        Ok(Box::new(self.file.open(frame)?.inspect(told)))
+    }
 }

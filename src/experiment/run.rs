@@ -12,10 +12,10 @@ use super::replay::{Finished, Replays};
 use super::split::Role;
 use super::validation::{self, Validated, Words};
 use crate::culling::Policy;
-use crate::engine::RunError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::reference::Reference;
+use crate::replay::RunError;
 use crate::report::ReportError;
 use crate::report::run::pictures::{Image, PictureInfo};
 use crate::report::run::{
@@ -23,7 +23,7 @@ use crate::report::run::{
 };
 use crate::report::split::Split;
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item, Step, StreamError, Totals};
+use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
 /// Why a run ended without a result.
@@ -37,7 +37,7 @@ pub(crate) enum RunFailure {
         /// The policy's name.
         policy: String,
         /// What happened.
-        source: Box<RunError<StreamError>>,
+        source: Box<RunError>,
     },
     /// A stream's records don't give the tracer's counts: an error in the simulator.
     #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]

@@ -8,9 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use super::frames::{FrameChoice, FrameRange};
 use crate::culling::PolicySpec;
-use crate::engine::Fidelity;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::replay::Fidelity;
 use crate::ron_file::{self, ConfigError};
 use crate::tracer::TracerSpec;
 

@@ -1,9 +1,7 @@
 //! Timing models under stress: each must replay what the failure cases recorded, and say how far it is from the truth.
 
-use std::convert::Infallible;
-
-use crate::engine::{self, Fidelity};
 use crate::machine::MachineSpec;
+use crate::replay::{Fidelity, Replay, RunError};
 use crate::report::stress::ModelVerdict;
 use crate::stream::{Header, Item};
 
@@ -19,8 +17,8 @@ pub(super) struct Recorded {
 /// What each of [`MODELS`] makes of a case's streams on the default machine.
 pub(super) fn verdicts(streams: &[Recorded]) -> Vec<ModelVerdict> {
     let machine = MachineSpec::default();
-    let replay = |model, Recorded { header, items }: &Recorded| {
-        engine::run(&machine, model, header, items.iter().cloned().map(Ok::<_, Infallible>))
+    let replay = |model: Fidelity, Recorded { header, items }: &Recorded| {
+        Replay::new(&machine, header).map_err(RunError::from)?.fidelity(model).run(items)
     };
     let truth: Vec<_> = streams.iter().map(|stream| replay(MODELS[0], stream)).collect();
     let verdict = |model: Fidelity| {

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use rustc_hash::FxHashSet;
 
 use super::paged::Paged;
-use super::replacement::mix;
+use crate::random::mix;
 
 /// Touches of a word of bits, and of a block of words.
 const WORD: usize = 64;

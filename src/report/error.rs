@@ -78,6 +78,15 @@ pub(crate) enum ReportError {
         /// Why not.
         source: csv::Error,
     },
+    /// Rows cannot be written as Parquet.
+    #[cfg(feature = "parquet")]
+    #[error("cannot make {file}")]
+    Parquet {
+        /// The file.
+        file: &'static str,
+        /// Why not.
+        source: parquet::errors::ParquetError,
+    },
     /// A plot cannot be made.
     #[error("cannot make the plots")]
     Plot(#[from] DrawError),

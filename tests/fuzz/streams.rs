@@ -3,8 +3,8 @@
 use std::io::Cursor;
 use std::path::Path;
 
-use umbrasim::engine::{Fidelity, run};
 use umbrasim::machine::MachineSpec;
+use umbrasim::replay::{Level, OnePass, Replay};
 use umbrasim::stream::StreamReader;
 
 use super::is_limited;
@@ -16,14 +16,14 @@ const STREAM: &[u8] = include_bytes!("../../traces/quickstart.rays");
 const CASES: usize = 400;
 
 /// Reads a stream and replays what can be read.
-fn replay(bytes: &[u8], fidelities: &[Fidelity]) -> usize {
+fn replay(bytes: &[u8], levels: &[Level]) -> usize {
     let Ok(reader) = StreamReader::new(Cursor::new(bytes), Path::new("fuzz.rays")) else { return 0 };
     let header = reader.header().clone();
     let machine = MachineSpec::default();
-    for &fidelity in fidelities {
+    for &level in levels {
         let items = StreamReader::new(Cursor::new(bytes), Path::new("fuzz.rays")).into_iter().flatten();
         // An error is as good as a result; a panic is not.
-        let _ = run(&machine, fidelity, &header, items);
+        let _ = Replay::new(&machine, &header).map(|replay| replay.fidelity(OnePass::Whole(level)).run(items));
     }
     1
 }
@@ -38,9 +38,9 @@ fn changed_bytes() {
     for _ in 0..CASES {
         let mut bytes = small.clone();
         random.change_bytes(&mut bytes);
-        replay(&bytes, &[Fidelity::Bound]);
+        replay(&bytes, &[Level::Bound]);
     }
-    replay(&small, &[Fidelity::Bound, Fidelity::Event]);
+    replay(&small, &[Level::Bound, Level::Event]);
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn changed_contents_with_right_checksums() {
             let block = random.below(parts.blocks.len());
             random.change_bytes(&mut parts.blocks[block].1);
         }
-        opened += replay(&parts.sealed(), &[Fidelity::Bound, Fidelity::Profile]);
+        opened += replay(&parts.sealed(), &[Level::Bound, Level::Profile]);
     }
     assert!(opened > CASES / 4, "only {opened} of {CASES} could be opened");
 }

@@ -1,10 +1,12 @@
 //! The engine itself: the machine in motion, and whose turn it is.
 
+use super::super::contract::Engine;
+use super::super::error::RunError;
 use super::super::feed::Feed;
 use super::super::part_set::PartSet;
-use super::super::sampling::WarmCaches;
 use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
-use super::super::{Engine, RunError, patience};
+use super::super::warm::WarmCaches;
+use super::super::watchdog::patience;
 use super::dispatcher::Dispatcher;
 use super::division::Division;
 use super::intersection::Intersection;
@@ -192,7 +194,7 @@ impl Event {
             && self.links.dram.is_idle()
     }
 
-    fn watch<E>(&mut self, now: u64) -> Result<(), RunError<E>> {
+    fn watch(&mut self, now: u64) -> Result<(), RunError> {
         if now < self.watch_at {
             return Ok(());
         }
@@ -225,7 +227,8 @@ impl Event {
 }
 
 impl Engine for Event {
-    fn run<E>(&mut self, feed: &mut impl Feed<E>) -> Result<u64, RunError<E>> {
+    fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
+        let hears = feed.hears();
         let mut due = PartSet::default();
         if feed.marks() {
             self.pipelines_mut().for_each(Pipeline::foresee_nothing);
@@ -259,7 +262,7 @@ impl Engine for Event {
                 feed.frame_counted(&self.tally(now + 1));
                 self.dispatcher.latencies.forget_longest();
             }
-            if feed.hears() {
+            if hears {
                 feed.heard(&mut self.logs())?;
             }
             if self.dispatcher.is_finished() && self.is_idle() {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::host::{Host, Place, Pulled};
-use crate::engine::RunError;
+use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
@@ -188,12 +188,12 @@ impl Dispatch {
     }
 
     /// What can be given in cycle `at`, if anything can: the stream is read on as far as that takes.
-    pub(crate) fn next<E>(
+    pub(crate) fn next(
         &mut self,
         at: u64,
-        feed: &mut impl Feed<E>,
+        feed: &mut dyn Feed,
         layout: &mut Layout,
-    ) -> Result<Option<Given>, RunError<E>> {
+    ) -> Result<Option<Given>, RunError> {
         feed.rays_over(std::mem::take(&mut self.host.rays_over));
         loop {
             match &mut self.phase {

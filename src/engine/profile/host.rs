@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::engine::RunError;
+use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::source::{StreamFault, parents};
 use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
@@ -73,7 +73,7 @@ pub(super) struct Host {
 
 impl Host {
     /// Takes the stream's next item. There is no ray to hand out.
-    pub(super) fn pull<E>(&mut self, feed: &mut impl Feed<E>) -> Result<Pulled, RunError<E>> {
+    pub(super) fn pull(&mut self, feed: &mut dyn Feed) -> Result<Pulled, RunError> {
         let item = feed.next()?;
         let found = match &item {
             None => "its end",

@@ -1,7 +1,7 @@
 //! Both engines give the same numbers.
 
-use std::cell::RefCell;
 use std::path::Path;
+use std::sync::Mutex;
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
@@ -10,6 +10,7 @@ use super::random::{lights, machines, streams, sweeps};
 use super::synthetic::{header, header_of};
 use super::*;
 use crate::machine::shadow_cache::ShadowCacheSpec;
+use crate::machine::writes::WritePolicy;
 use crate::memory::dram::command::ChannelLog;
 use crate::memory::dram::legality::violations;
 use crate::memory::tags::Contents;
@@ -17,23 +18,23 @@ use crate::ron_file;
 use crate::stream::StreamReader;
 
 fn counted(
-    engine: &mut impl Engine,
+    engine: &mut dyn Engine,
     machine: &MachineSpec,
     stream: &[Item],
 ) -> Result<(Tally, Vec<ChannelLog>), String> {
     engine.logs().into_iter().for_each(ChannelLog::keep);
-    let tally = replay(engine, machine, items(stream.to_vec()), None).map_err(|error| error.to_string())?;
+    let tally = replay(engine, machine, &mut items(stream.to_vec()), None).map_err(|error| error.to_string())?;
     Ok((tally, engine.logs().into_iter().map(|log| log.clone()).collect()))
 }
 
 /// What both engines counted, or where they differ.
-pub(super) fn agree(
+pub(crate) fn agree(
     machine: &MachineSpec,
     header: &Header,
     stream: &[Item],
 ) -> Result<(Tally, Vec<ChannelLog>), String> {
-    let event = counted(&mut event::Event::new(machine, header), machine, stream)?;
-    let cycle = counted(&mut cycle::Cycle::new(machine, header), machine, stream)?;
+    let event = counted(&mut Event::new(machine, header), machine, stream)?;
+    let cycle = counted(&mut Cycle::new(machine, header), machine, stream)?;
     for (channel, (event, cycle)) in event.1.iter().zip(&cycle.1).enumerate() {
         if let Some(at) = event.commands().iter().zip(cycle.commands()).position(|(event, cycle)| event != cycle) {
             let (event, cycle) = (event.commands()[at], cycle.commands()[at]);
@@ -56,35 +57,53 @@ pub(super) fn agree(
     Ok(event)
 }
 
+/// Bytes of stack for a test of random machines: without optimisation the generators' own frames take more than a thread has.
+const STACK: usize = 64 << 20;
+
 /// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as many,
 /// always others. The message of a failure is short.
-pub(super) fn check_many<S: Strategy>(cases: u32, strategy: S, test: impl Fn(S::Value) -> Result<(), String>) {
+pub(crate) fn check_many<S: Strategy>(
+    cases: u32,
+    strategy: impl Fn() -> S + Sync,
+    test: impl Fn(S::Value) -> Result<(), String> + Sync,
+) {
     let long = std::env::var_os("UMBRASIM_LONG").is_some();
     let cases = if long { 20 * cases } else { cases };
-    let config = Config { cases, failure_persistence: None, ..Config::default() };
-    let mut runner = if long {
-        TestRunner::new(config)
-    } else {
-        TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
+    let check = || {
+        let config = Config { cases, failure_persistence: None, ..Config::default() };
+        let mut runner = if long {
+            TestRunner::new(config)
+        } else {
+            TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha))
+        };
+        match runner.run(&strategy(), |value| test(value).map_err(TestCaseError::fail)) {
+            Ok(()) => {}
+            Err(TestError::Fail(why, value)) => panic!("{why}\nfor {value:#?}"),
+            Err(TestError::Abort(why)) => panic!("{why}"),
+        }
     };
-    let result = runner.run(&strategy, |value| test(value).map_err(TestCaseError::fail));
-    match result {
-        Ok(()) => {}
-        Err(TestError::Fail(why, value)) => panic!("{why}\nfor {value:#?}"),
-        Err(TestError::Abort(why)) => panic!("{why}"),
-    }
+    std::thread::scope(|scope| {
+        let checked = std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, check).unwrap().join();
+        if let Err(panic) = checked {
+            std::panic::resume_unwind(panic);
+        }
+    });
 }
 
 #[test]
 fn engines_agree_on_any_machine_and_stream() {
-    let all = RefCell::new(Vec::new());
-    check_many(600, (machines(), lights(), streams()), |(machine, lights, stream)| {
-        let (tally, _) = agree(&machine, &header_of(lights), &stream)?;
-        all.borrow_mut().push(tally);
-        Ok(())
-    });
+    let all = Mutex::new(Vec::new());
+    check_many(
+        600,
+        || (machines(), lights(), streams()),
+        |(machine, lights, stream)| {
+            let (tally, _) = agree(&machine, &header_of(lights), &stream)?;
+            all.lock().unwrap().push(tally);
+            Ok(())
+        },
+    );
     // The random cases must reach every count, or their agreement says little.
-    let all = all.into_inner();
+    let all = all.into_inner().unwrap();
     for cause in Cause::ALL {
         for kind in Kind::ALL {
             let has = |tally: &&Tally| tally.units[kind as usize].iter().any(|unit| unit.causes[cause as usize] > 0);
@@ -151,25 +170,50 @@ fn first_l2(machine: &MachineSpec) -> BankedSpec {
 /// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to go.
 #[test]
 fn engines_agree_where_fills_wait() {
-    check_many(300, (machines(), sweeps()), |(mut machine, stream)| {
-        let line = machine.line_bytes.get();
-        let cache = &mut machine.shadow_cache.cache;
-        (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (size(2 * line), num(2), num(1), num(4));
-        (cache.latency, cache.targets, cache.contents) = (num(20), num(4), Contents::Tags);
-        machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
-        machine.shadow_cache.contexts = num(6);
-        let small = BankedSpec {
-            contents: Contents::Tags,
-            bytes: size(2 * line),
-            ways: num(2),
-            queue: num(1),
-            banks: pow(1),
-            ..first_l2(&machine)
-        };
-        machine.l2 = L2Spec::Unified(small);
-        machine.dram.queue = num(1);
-        agree(&machine, &header(), &stream).map(drop)
-    });
+    check_many(
+        300,
+        || (machines(), sweeps()),
+        |(mut machine, stream)| {
+            let line = machine.line_bytes.get();
+            let cache = &mut machine.shadow_cache.cache;
+            (cache.bytes, cache.ways, cache.queue, cache.mshrs) = (size(2 * line), num(2), num(1), num(4));
+            (cache.latency, cache.targets, cache.contents) = (num(20), num(4), Contents::Tags);
+            machine.shadow_cache = ShadowCacheSpec { cache: machine.shadow_cache.cache, ..ShadowCacheSpec::default() };
+            machine.shadow_cache.contexts = num(6);
+            let small = BankedSpec {
+                contents: Contents::Tags,
+                bytes: size(2 * line),
+                ways: num(2),
+                queue: num(1),
+                banks: pow(1),
+                ..first_l2(&machine)
+            };
+            machine.l2 = L2Spec::Unified(small);
+            machine.dram.queue = num(1);
+            agree(&machine, &header(), &stream).map(drop)
+        },
+    );
+}
+
+/// Units whose hits `Event` foresees: one access and one operation a cycle, and hits of one cycle. Lines are many or few.
+#[test]
+fn engines_agree_where_hits_are_foreseen() {
+    check_many(
+        400,
+        || (machines(), 0..4u32, streams()),
+        |(mut machine, more, stream)| {
+            let caches = [&mut machine.traversal.cache, &mut machine.list.cache, &mut machine.intersection.cache];
+            for cache in caches {
+                (cache.ports, cache.banks, cache.latency) = (num(1), None, num(1));
+                cache.bytes = size(cache.bytes.get() << (2 * more));
+            }
+            machine.traversal.interval = num(1);
+            machine.list.interval = num(1);
+            machine.intersection.interval = num(1);
+            machine.shadow_cache.writes = WritePolicy::Back;
+            agree(&machine, &header(), &stream).map(drop)
+        },
+    );
 }
 
 /// What was recorded of the quickstart, on the shipped machines.
@@ -188,12 +232,16 @@ fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
 /// The same result when all parts act in all cycles.
 #[test]
 fn waking_more_often_changes_nothing() {
-    check_many(50, (machines(), streams()), |(machine, stream)| {
-        let mut engine = event::Event::new(&machine, &header());
-        let lazy = counted(&mut engine, &machine, &stream)?;
-        let mut engine = event::Event::new(&machine, &header());
-        engine.eager = true;
-        let eager = counted(&mut engine, &machine, &stream)?;
-        if lazy == eager { Ok(()) } else { Err("the eager run differs".into()) }
-    });
+    check_many(
+        50,
+        || (machines(), streams()),
+        |(machine, stream)| {
+            let mut engine = Event::new(&machine, &header());
+            let lazy = counted(&mut engine, &machine, &stream)?;
+            let mut engine = Event::new(&machine, &header());
+            engine.eager = true;
+            let eager = counted(&mut engine, &machine, &stream)?;
+            if lazy == eager { Ok(()) } else { Err("the eager run differs".into()) }
+        },
+    );
 }

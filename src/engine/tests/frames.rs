@@ -7,7 +7,7 @@ use super::*;
 use crate::stats::{Bounds, FrameStats};
 
 /// The stream with its frames numbered from 0 on, and its header, whose first `warmup` frames warm up.
-fn numbered(stream: &[Item], warmup: u32) -> (Header, Vec<Item>) {
+pub(crate) fn numbered(stream: &[Item], warmup: u32) -> (Header, Vec<Item>) {
     let mut frames = 0;
     let number = |item: &Item| match item {
         Item::Frame(info) => {
@@ -20,20 +20,24 @@ fn numbered(stream: &[Item], warmup: u32) -> (Header, Vec<Item>) {
     (Header { frames: (0..frames).collect(), warmup: (0..warmup.min(frames)).collect(), ..header() }, stream)
 }
 
-fn on(machine: &MachineSpec, fidelity: Fidelity, header: &Header, stream: &[Item]) -> Result<MachineStats, String> {
-    run(machine, fidelity, header, items(stream.to_vec())).map_err(|error| error.to_string())
+fn on(machine: &MachineSpec, level: Level, header: &Header, stream: &[Item]) -> Result<MachineStats, String> {
+    run(machine, level, header, stream).map_err(|error| error.to_string())
 }
 
 #[test]
 fn both_engines_count_the_same_in_every_frame() {
-    check_many(100, (machines(), streams(), 0..2u32), |(machine, stream, warmup)| {
-        let (header, stream) = numbered(&stream, warmup);
-        let [event, cycle] = [Fidelity::Event, Fidelity::Cycle].map(|level| on(&machine, level, &header, &stream));
-        if event != cycle {
-            return Err(format!("Event {event:#?}\nCycle {cycle:#?}"));
-        }
-        Ok(())
-    });
+    check_many(
+        100,
+        || (machines(), streams(), 0..2u32),
+        |(machine, stream, warmup)| {
+            let (header, stream) = numbered(&stream, warmup);
+            let [event, cycle] = [Level::Event, Level::Cycle].map(|level| on(&machine, level, &header, &stream));
+            if event != cycle {
+                return Err(format!("Event {event:#?}\nCycle {cycle:#?}"));
+            }
+            Ok(())
+        },
+    );
 }
 
 /// A stream whose frames ask for the same lines, and those of the first alone.
@@ -47,7 +51,7 @@ fn twice() -> (Header, Vec<Item>) {
 fn warm_up_frames_are_told_and_left_out() {
     let machine = MachineSpec::default();
     let (header, stream) = twice();
-    for level in [Fidelity::Bound, Fidelity::Profile, Fidelity::Event, Fidelity::Cycle] {
+    for level in [Level::Bound, Level::Profile, Level::Event, Level::Cycle] {
         let whole = on(&machine, level, &Header { warmup: Vec::new(), ..header.clone() }, &stream).unwrap();
         let warm = on(&machine, level, &header, &stream).unwrap();
         let sum = |of: &dyn Fn(&FrameStats) -> u64, stats: &MachineStats, all: bool| {
@@ -79,7 +83,7 @@ fn warm_up_frames_are_told_and_left_out() {
 fn energy_is_told_by_every_level_and_its_parts_sum_to_it() {
     let machine = MachineSpec::default();
     let (header, stream) = twice();
-    for level in [Fidelity::Bound, Fidelity::Profile, Fidelity::Event, Fidelity::Cycle] {
+    for level in [Level::Bound, Level::Profile, Level::Event, Level::Cycle] {
         let stats = on(&machine, level, &header, &stream).unwrap();
         let energy = stats.energy.clone().unwrap();
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * a.abs().max(b.abs());
@@ -91,19 +95,4 @@ fn energy_is_told_by_every_level_and_its_parts_sum_to_it() {
         assert!(near(frames.clone().map(|energy| energy.joules).sum(), energy.joules), "{level}");
         assert!(near(frames.map(|energy| energy.high).sum(), energy.high), "{level}");
     }
-}
-
-#[test]
-fn a_sample_leaves_warm_up_frames_out() {
-    let machine = MachineSpec::default();
-    let rays = bvh_like(3, 4096, 9, 1);
-    let frames = [0, 1].map(|number| frame(FrameInfo { number, ..FrameInfo::default() }, &rays, &[], 1024));
-    let (header, stream) = numbered(&frames.concat(), 1);
-    let truth = on(&machine, Fidelity::Event, &header, &stream).unwrap();
-    let sampled: Fidelity = "Sampled(engine: Event, rate: 0.5)".parse().unwrap();
-    let estimate = on(&machine, sampled, &header, &stream).unwrap();
-    assert_eq!(estimate.rays, truth.rays);
-    let error = estimate.cycles.0 as f64 / truth.cycles.0 as f64 - 1.0;
-    assert!(error.abs() < 0.1, "{error}");
-    assert!(estimate.frames.is_empty());
 }

@@ -19,10 +19,10 @@ fn ideal(latency: u64) -> MachineSpec {
 
 /// On every rung that runs a whole stream; `Event`'s.
 fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
-    let on = |rung| run(machine, rung, &header(), items(stream.to_vec())).unwrap_or_else(|error| panic!("{error}"));
-    let [event, cycle, profile] = [Fidelity::Event, Fidelity::Cycle, Fidelity::Profile].map(on);
+    let on = |rung| run(machine, rung, &header(), stream).unwrap_or_else(|error| panic!("{error}"));
+    let [event, cycle, profile] = [Level::Event, Level::Cycle, Level::Profile].map(on);
     assert_eq!(event, cycle);
-    let bound = on(Fidelity::Bound);
+    let bound = on(Level::Bound);
     assert_eq!((bound.accuracy, bound.bounds), (Accuracy::Bounded, event.bounds));
     // `Profile` knows no banks of L1s.
     let accesses = |stats: &MachineStats| {

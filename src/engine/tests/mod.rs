@@ -1,18 +1,25 @@
-mod agreement;
+pub(crate) mod agreement;
 mod allocation;
-mod frames;
+pub(crate) mod frames;
 mod ideal;
-mod ladder;
-mod random;
-pub(super) mod synthetic;
+mod levels;
+pub(crate) mod random;
+pub(crate) mod recorded;
+pub(crate) mod synthetic;
 mod word_traffic;
 mod words;
 
-use std::convert::Infallible;
-
 use self::synthetic::{STATIC, SyntheticRay, bvh_like, frame, header, nodes, triangle};
-use super::tally::{QueueKind, UnitTally};
-use super::*;
+use super::bound::Bound;
+use super::check;
+use super::contract::Engine;
+use super::cycle::Cycle;
+use super::event::Event;
+use super::profile::Profile;
+use super::tally::{QueueKind, Tally, UnitTally};
+use super::whole::{replay, whole};
+use super::{Level, RunError};
+use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::writes::WritePolicy;
 use crate::memory::bank::BankedSpec;
@@ -20,10 +27,11 @@ use crate::memory::cache::Release;
 use crate::memory::l2::{HomeSpec, L2Spec};
 use crate::quantity::ListId;
 use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Size, Within};
-use crate::stats::{Cause, TrafficClass};
-use crate::stream::{Decision, FrameInfo, Step, Stop, Store};
+use crate::replay::OnePass;
+use crate::stats::{Cause, MachineStats, TrafficClass};
+use crate::stream::{Decision, FrameInfo, Header, Item, Step, Stop, Store, StreamError};
 
-fn num<const LO: u64, const HI: u64>(value: u64) -> Within<LO, HI> {
+pub(crate) fn num<const LO: u64, const HI: u64>(value: u64) -> Within<LO, HI> {
     Within::new(value).unwrap()
 }
 
@@ -39,12 +47,17 @@ fn pow<const LO: u64, const HI: u64>(value: u64) -> PowerOfTwo<LO, HI> {
     PowerOfTwo::new(value).unwrap()
 }
 
-fn items(items: Vec<Item>) -> impl Iterator<Item = Result<Item, Infallible>> {
+pub(crate) fn items(items: Vec<Item>) -> impl Iterator<Item = Result<Item, StreamError>> {
     items.into_iter().map(Ok)
 }
 
+/// Replays `stream` by a level, as every run does.
+fn run(machine: &MachineSpec, level: Level, header: &Header, stream: &[Item]) -> Result<MachineStats, RunError> {
+    crate::replay::Replay::new(machine, header)?.fidelity(OnePass::Whole(level)).run(items(stream.to_vec()))
+}
+
 fn replayed(machine: &MachineSpec, stream: Vec<Item>) -> MachineStats {
-    run(machine, Fidelity::Event, &header(), items(stream)).unwrap_or_else(|error| panic!("{error}"))
+    run(machine, Level::Event, &header(), &stream).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
@@ -306,7 +319,7 @@ fn an_empty_stream_takes_one_cycle() {
 fn wrong_streams_are_refused() {
     let machine = MachineSpec::default();
     let good = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = |stream: Vec<Item>| run(&machine, Fidelity::Event, &header(), items(stream)).unwrap_err().to_string();
+    let error = |stream: Vec<Item>| run(&machine, Level::Event, &header(), &stream).unwrap_err().to_string();
     assert_eq!(error(good[..2].to_vec()), "the stream has its end where rays or a frame's end belongs");
     assert_eq!(error(good[1..].to_vec()), "the stream has rays where a frame's beginning belongs");
     let beyond = one_frame(&[SyntheticRay::primary(nodes([STATIC]))]);
@@ -322,11 +335,10 @@ fn wrong_streams_are_refused() {
 
 #[test]
 fn an_error_of_the_source_comes_through() {
-    let stream = one_frame(&[]).into_iter().take(1).map(Ok).chain([Err("disk on fire")]);
-    assert!(matches!(
-        run(&MachineSpec::default(), Fidelity::Event, &header(), stream),
-        Err(RunError::Source("disk on fire"))
-    ));
+    let fire = || StreamError::Io { path: "x.rays".into(), doing: "read", source: std::io::Error::other("on fire") };
+    let mut stream = one_frame(&[]).into_iter().take(1).map(Ok).chain([Err(fire())]);
+    let found = whole(Level::Event, &MachineSpec::default(), &header(), &mut stream, None);
+    assert!(matches!(found, Err(RunError::Source(error)) if error.to_string() == fire().to_string()));
 }
 
 /// A machine with everything as small as it can be.
@@ -391,15 +403,15 @@ fn chunks_are_dropped_when_their_rays_are_done() {
     let total = stream.len();
     let mut chunks = Vec::new();
     let mut most = 0;
-    let watched = stream.into_iter().map(|item| {
+    let mut watched = stream.into_iter().map(|item| {
         if let Item::Rays(chunk) = &item {
             chunks.push(std::sync::Arc::downgrade(chunk));
         }
         chunks.retain(|chunk| chunk.strong_count() > 0);
         most = most.max(chunks.len());
-        Ok::<_, Infallible>(item)
+        Ok(item)
     });
-    run(&MachineSpec::default(), Fidelity::Event, &header(), watched).unwrap();
+    whole(Level::Event, &MachineSpec::default(), &header(), &mut watched, None).unwrap();
     // 128 rays are in flight and hits are shaded: some 400 rays are begun and not done, of 64 a chunk.
     assert!(total > 60 && most <= 10, "{most} of {total} chunks at once");
 }
@@ -407,10 +419,10 @@ fn chunks_are_dropped_when_their_rays_are_done() {
 #[test]
 fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     let machine = MachineSpec::default();
-    let mut engine = event::Event::new(&machine, &header());
+    let mut engine = Event::new(&machine, &header());
     engine.dispatcher.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
+    let error = replay(&mut engine, &machine, &mut items(stream), None).unwrap_err().to_string();
     assert!(error.contains("dispatcher: rays in flight 0/128, in FIFO 1/16, ready 0"), "{error}");
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
@@ -419,10 +431,10 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
 #[test]
 fn a_machine_that_does_not_move_is_reported_by_profile() {
     let machine = MachineSpec::default();
-    let mut engine = profile::Profile::new(&machine, &header());
+    let mut engine = Profile::new(&machine, &header());
     engine.dispatch.take_all_slots();
     let stream = one_frame(&[SyntheticRay::primary(nodes([0]))]);
-    let error = replay(&mut engine, &machine, items(stream), None).unwrap_err().to_string();
+    let error = replay(&mut engine, &machine, &mut items(stream), None).unwrap_err().to_string();
     assert!(error.contains("nothing has moved up to cycle 0:\nrays in flight 0"), "{error}");
 }
 
@@ -430,7 +442,7 @@ fn a_machine_that_does_not_move_is_reported_by_profile() {
 fn violated_identities_are_found() {
     let machine = MachineSpec::default();
     let good =
-        replay(&mut event::Event::new(&machine, &header()), &machine, items(one_frame(&bvh_like(1, 50, 12, 2))), None)
+        replay(&mut Event::new(&machine, &header()), &machine, &mut items(one_frame(&bvh_like(1, 50, 12, 2))), None)
             .unwrap();
     type Breakage = fn(&mut Tally);
     let broken: [(&str, Breakage); 8] = [

@@ -206,7 +206,7 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
 }
 
 /// Lights of a scene: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
-pub(super) fn lights() -> impl Strategy<Value = u32> {
+pub(crate) fn lights() -> impl Strategy<Value = u32> {
     prop_oneof![Just(1), Just(2), Just(6), Just(8), Just(9), Just(14), Just(20), Just(40)]
 }
 
@@ -277,12 +277,12 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
 }
 
 /// Any machine.
-pub(super) fn machines() -> impl Strategy<Value = MachineSpec> {
+pub(crate) fn machines() -> impl Strategy<Value = MachineSpec> {
     prop_oneof![machine(32), machine(64), machine(128)]
 }
 
 /// Any stream of a scene of [`super::synthetic::header`].
-pub(super) fn streams() -> impl Strategy<Value = Vec<Item>> {
+pub(crate) fn streams() -> impl Strategy<Value = Vec<Item>> {
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
     let store = (0..3usize, prop_oneof![2 => 0..STATIC, 2 => 0..64u32, 3 => 0..3u32], 0..3u8).prop_map(
         move |(store, index, kind)| match kind {
@@ -352,7 +352,7 @@ fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
 }
 
 /// Streams of a frame's end alone, with stores of a few lines.
-pub(super) fn sweeps() -> impl Strategy<Value = Vec<Item>> {
+pub(crate) fn sweeps() -> impl Strategy<Value = Vec<Item>> {
     let step = (0..96u32, 0..10u8).prop_map(|(index, kind)| match kind {
         0..7 => Step::Read { store: Store::ModeWord, index },
         _ => Step::Write { store: Store::ModeWord, index },

@@ -149,12 +149,12 @@ fn lights_that_leave_no_room_for_the_tag_are_refused() {
     let mut machine = MachineSpec::default();
     machine.shadow_cache.frame_end = FrameEnd::Epoch;
     let header = Header { lights: 15, ..header() };
-    let error = run(&machine, Fidelity::Event, &header, items(one_frame(&[]))).unwrap_err().to_string();
+    let error = run(&machine, Level::Event, &header, &one_frame(&[])).unwrap_err().to_string();
     assert_eq!(
         error,
         "`shadow_cache.frame_end` is Epoch, which needs 2 bits beside the modes of the stream's 15 lights, and these fill \
          1 word(s) of 32 bits: `List`, `Sweep`, or `layout: Tagged` is allowed"
     );
     machine.shadow_cache.layout = StoreLayout::Tagged;
-    assert!(run(&machine, Fidelity::Event, &header, items(one_frame(&[]))).is_ok());
+    assert!(run(&machine, Level::Event, &header, &one_frame(&[])).is_ok());
 }

@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use super::super::load::ExperimentError;
-use crate::engine::RunError;
 use crate::output::FolderError;
+use crate::replay::RunError;
 use crate::ron_file::ConfigError;
 use crate::stream::StreamError;
 
@@ -31,7 +31,7 @@ pub enum SweepError {
         /// The policy.
         policy: String,
         /// What happened.
-        source: Box<RunError<StreamError>>,
+        source: Box<RunError>,
     },
     /// A file of the sweep cannot be read or written.
     #[error("cannot read or write {}", path.display())]

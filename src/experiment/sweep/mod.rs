@@ -5,29 +5,29 @@
 
 mod error;
 mod points;
+mod replay;
 mod spec;
 mod streams;
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
 pub use self::error::SweepError;
 use self::points::Key;
+pub(super) use self::replay::replay;
 use self::spec::Sweep;
 pub(crate) use self::spec::SweepSpec;
-use self::streams::Streams as Kept;
-pub(super) use self::streams::{Recorded, Streams};
+pub(super) use self::streams::Streams;
+use self::streams::{Recorded, Streams as Kept};
 use super::progress;
 use super::split::Role;
-use crate::engine;
 use crate::machine::MachineSpec;
 use crate::output::ResultsFolder;
 use crate::report::sweep::{SweepPoint, SweepSummary};
 use crate::stats::MachineStats;
-use crate::stream::StreamReader;
 
 /// A replay of a policy's stream on a machine in a role.
 #[derive(Clone, Copy)]
@@ -92,6 +92,7 @@ pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> R
     Ok(SweepSummary {
         experiment: experiment.spec.name.clone(),
         scene: experiment.scene.name.clone(),
+        fidelity: Some(fidelity.to_string()),
         frames: experiment.frames.clone(),
         resolution: experiment.spec.resolution,
         points: found,
@@ -123,24 +124,12 @@ fn run_all(
     let fidelity = sweep.experiment.spec.fidelity;
     let bar = progress::bar(replays.len(), "replays").with_message("replaying");
     replays.into_par_iter().try_for_each(|(key, Replay { policy, machine, role })| {
-        let stream = &streams[policy];
         let machine = role.machine(&sweep.machine(machine)?.spec);
-        let reader = StreamReader::open(&stream.path)?;
-        // A replay that is stopped ends as a stream that is cut off does, and is not kept.
-        let items = reader.take_while(|_| !stop.load(Ordering::Relaxed));
-        let stats = engine::run(&machine, fidelity, &stream.header, items);
-        if stop.load(Ordering::Relaxed) {
-            return Err(SweepError::Stopped);
-        }
-        let stats = stats.map_err(|source| SweepError::Machine {
-            machine: machine.name,
-            policy: stream.header.policy.clone(),
-            source: Box::new(source),
-        })?;
+        let stats = replay(&machine, fidelity, &streams[policy], stop)?;
         let file = |source| SweepError::File { path: key.file(points), source };
         points::write(points, key, &stats).map_err(file)?;
         bar.inc(1);
-        Ok(())
+        Ok::<_, SweepError>(())
     })?;
     bar.finish_and_clear();
     Ok(())

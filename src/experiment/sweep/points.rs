@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::streams::{BUILD, Identity};
-use crate::engine::Fidelity;
 use crate::input;
 use crate::machine::MachineSpec;
 use crate::output::write_whole;
+use crate::replay::Fidelity;
 use crate::stats::MachineStats;
 
 /// The largest file of a point, in bytes.

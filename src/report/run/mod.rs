@@ -7,6 +7,7 @@ mod machine_columns;
 mod page;
 pub(crate) mod pictures;
 mod plots;
+mod results;
 mod steady;
 mod summary;
 mod tables;

@@ -12,6 +12,7 @@ use crate::output::ResultsFolder;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing};
 use crate::report::error::ReportError;
+use crate::report::results;
 use crate::report::writer::{Report, ReportFile, write};
 
 impl Report for RunFiles {
@@ -28,7 +29,8 @@ impl Report for RunFiles {
     fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
         let config = (CONFIG_FILE.into(), self.config.clone().into_bytes());
         let pictures = self.pictures.iter().map(|(info, png)| (PathBuf::from(&info.file), png.clone()));
-        Ok(std::iter::once(config).chain(pictures).collect())
+        let results = results::files(&self.summary)?;
+        Ok(std::iter::once(config).chain(results).chain(pictures).collect())
     }
 
     fn plots(&self) -> Result<Vec<Drawing<Section>>, DrawError> {

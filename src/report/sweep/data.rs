@@ -18,6 +18,9 @@ pub(crate) struct SweepSummary {
     pub experiment: String,
     /// The scene's name.
     pub scene: String,
+    /// The fidelity level of the replays.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub fidelity: Option<String>,
     /// Numbers of the frames.
     pub frames: Vec<u32>,
     /// Size of the pictures.

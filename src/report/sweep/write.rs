@@ -7,9 +7,11 @@ use super::data::{NAMES, SweepSummary, grid, hit_rates};
 use super::plot;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::error::ReportError;
+use crate::report::results;
 use crate::report::split::Split;
 use crate::report::template;
-use crate::report::writer::Report;
+use crate::report::writer::{Report, ReportFile};
 
 const PLOTS: &[Plot<SweepSummary>] = &[plot::PLOT];
 
@@ -27,6 +29,10 @@ impl Report for SweepSummary {
             .iter()
             .map(|point| point.names().into_iter().chain(Split::FIELDS.map(|(_, text)| text(&point.split))).collect());
         vec![CsvTable::new("sweep.csv", head, rows.collect())]
+    }
+
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        results::files(self)
     }
 
     fn plots(&self) -> Result<Vec<Drawing>, DrawError> {

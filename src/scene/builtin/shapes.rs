@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::{DAffine3, DQuat, DVec2, DVec3};
 
+use crate::random;
 use crate::scene::geometry::{Attributes, Geometry, Triangle};
 use crate::scene::material::MaterialId;
 
@@ -153,14 +154,9 @@ impl Shapes {
     }
 }
 
-/// A number from 0 to 1 that is always the same for the same seed: the finaliser of SplitMix64 (Steele, Lea and Flood
-/// 2014).
+/// A number from 0 to 1 that is always the same for the same seed.
 pub(crate) fn hash(seed: u64) -> f64 {
-    let mut bits = seed.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    bits = (bits ^ (bits >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    bits = (bits ^ (bits >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    bits ^= bits >> 31;
-    (bits >> 11) as f64 / (1u64 << 53) as f64
+    random::unit(random::mix(seed.wrapping_mul(random::GOLDEN)))
 }
 
 #[cfg(test)]

@@ -257,6 +257,7 @@ pub(crate) fn sweep() -> SweepSummary {
     SweepSummary {
         experiment: "kitchen <sample>".into(),
         scene: "kitchen".into(),
+        fidelity: Some("Event".into()),
         frames: vec![0, 16],
         resolution: SIZE,
         points: vec![point(Vec::new()), point(vec![change])],

@@ -1,89 +1,24 @@
-//! The rungs below the engines: what they must share with them on any machine, and how far they are off on a recorded stream.
+//! Samples: what any machine and stream must give, how far windows by themselves are off, and how often intervals hold.
 
-use std::convert::Infallible;
-use std::path::Path;
-use std::sync::Arc;
-
-use super::random::{machines, streams};
-use super::synthetic::header;
-use super::*;
-use crate::engine::sampling::axis::Axis;
-use crate::engine::sampling::estimate::{Population, Total, Window, estimate};
-use crate::engine::sampling::known::{Columns, Span};
-use crate::engine::sampling::strata::Strata;
-use crate::engine::sampling::{Cut, TELLING};
-use crate::engine::tally::{BankTally, PerClass};
-use crate::machine::shadow_cache::{FrameEnd, Place};
-use crate::machine::word_traffic::LatchedCopy;
-use crate::memory::tags::Contents;
-use crate::ron_file;
-use crate::stats::Accuracy;
-use crate::stream::{Chunk, StreamReader, Totals};
-
-use super::agreement::check_many;
-
-fn on(machine: &MachineSpec, header: &Header, fidelity: &str, stream: &[Item]) -> MachineStats {
-    let fidelity = fidelity.parse().unwrap();
-    run(machine, fidelity, header, items(stream.to_vec())).unwrap_or_else(|error| panic!("{fidelity}: {error}"))
-}
-
-fn quickstart() -> (Header, Vec<Item>) {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/quickstart.rays");
-    let reader = StreamReader::open(&file).unwrap();
-    let header = reader.header().clone();
-    (header, reader.collect::<Result<_, _>>().unwrap())
-}
-
-fn shipped(name: &str) -> MachineSpec {
-    ron_file::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("configs/machines/{name}.ron"))).unwrap()
-}
-
-/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
-#[test]
-fn profile_does_the_same_work_as_event_on_any_machine() {
-    check_many(200, (machines(), streams()), |(mut machine, stream)| {
-        let unit = &mut machine.shadow_cache;
-        (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
-        // What is gathered hangs on time.
-        (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
-        // Of operations that begin at once, one cycle is busy.
-        unit.width = num(1);
-        if unit.cache.contents == Contents::Ideal {
-            unit.writes = WritePolicy::Back;
-        }
-        let [profile, event] = ["Profile", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
-        let work = |stats: &MachineStats| {
-            let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();
-            let l1s = stats.caches.iter().filter(|(name, _)| name.starts_with("l1"));
-            let accesses: Vec<_> = l1s.flat_map(|(_, classes)| classes.values().map(|it| it.accesses)).collect();
-            let asked: Vec<_> = stats.bytes.iter().filter(|(name, _)| name.starts_with("l1")).collect();
-            format!("{:?}", (stats.rays, &busy[1..], accesses, asked))
-        };
-        if work(&profile) == work(&event) {
-            Ok(())
-        } else {
-            Err(format!("Profile {}\nEvent {}", work(&profile), work(&event)))
-        }
-    });
-}
-
-#[test]
-fn profile_is_close_on_the_recorded_stream() {
-    let (header, stream) = quickstart();
-    for name in ["small", "desktop"] {
-        let machine = shipped(name);
-        let event = on(&machine, &header, "Event", &stream);
-        // On `small` the DRAM's bus is busy for six tenths of the time here: that is where `Profile` is weakest.
-        let found = on(&machine, &header, "Profile", &stream);
-        assert_eq!(found.accuracy, Accuracy::Bounded);
-        let apart = |a: u64, b: u64| (a as f64 / b as f64 - 1.0).abs();
-        assert!(apart(found.cycles.0, event.cycles.0) < 0.1, "{name}: {} {}", found.cycles, event.cycles);
-        for level in ["l2", "dram"] {
-            let [ours, theirs] = [&found, &event].map(|stats| stats.moved(level).0);
-            assert!(apart(ours, theirs) < 0.03, "{name}, {level}: {ours} {theirs}");
-        }
-    }
-}
+use super::auto::auto;
+use super::axis::Axis;
+use super::estimate::{Population, Total, Window, estimate};
+use super::findings::{Findings, TELLING};
+use super::known::{Columns, Span};
+use super::pass::Sampler;
+use super::plan::{Cut, Plan};
+use super::strata::Strata;
+use crate::engine::tests::agreement::check_many;
+use crate::engine::tests::frames::numbered;
+use crate::engine::tests::random::{machines, streams};
+use crate::engine::tests::recorded::{on, quickstart, shipped};
+use crate::engine::tests::synthetic::{bvh_like, frame, header};
+use crate::engine::tests::{items, num};
+use crate::engine::{Level, Sampled};
+use crate::machine::MachineSpec;
+use crate::replay::{Fidelity, Replay};
+use crate::stats::{Accuracy, MachineStats};
+use crate::stream::FrameInfo;
 
 #[test]
 fn a_sample_of_everything_is_everything() {
@@ -100,16 +35,20 @@ fn a_sample_of_everything_is_everything() {
 /// Whatever the machine: each window can be replayed by itself, and does what its rays ask for (which every replay checks).
 #[test]
 fn any_machine_can_be_sampled() {
-    check_many(100, (machines(), streams()), |(machine, stream)| {
-        let whole = on(&machine, &header(), "Event", &stream);
-        let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
-        let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
-        let header = header();
-        let sampler = Sampler::new(Sampled::Event, &machine, &header);
-        let pass = sampler.pass(&plan, 0, items(stream)).map_err(|error| error.to_string())?;
-        let sampled = Findings::of(&sampler, pass).estimate(&machine, 2);
-        if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
-    });
+    check_many(
+        100,
+        || (machines(), streams()),
+        |(machine, stream)| {
+            let whole = on(&machine, &header(), "Event", &stream);
+            let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
+            let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
+            let header = header();
+            let sampler = Sampler::new(Sampled::Event, &machine, &header);
+            let pass = sampler.pass(&plan, 0, &mut items(stream)).map_err(|error| error.to_string())?;
+            let sampled = Findings::of(&sampler, pass).map_err(|error| error.to_string())?.estimate(&machine, 2);
+            if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
+        },
+    );
 }
 
 /// Who replays what, and in which order windows are done, is chance.
@@ -121,15 +60,16 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
         let cut = Cut { pixels: 32, before: 2, own: 2, behind: 1 };
         let mut plan = Plan { cut, ..Plan::new(0.25, &machine, 5) };
         let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &machine, &header) };
-        let mut pass = sampler.pass(&plan, 4, items(stream.clone())).unwrap();
+        let mut pass = sampler.pass(&plan, 4, &mut items(stream.clone())).unwrap();
         let mut kept = std::mem::take(&mut pass.kept);
-        let mut findings = Findings::of(&sampler, pass);
+        let mut findings = Findings::of(&sampler, pass).unwrap();
         plan.draws = 2..3;
-        findings.add(sampler.replay::<Infallible>(kept.take(&plan.draws).unwrap()).unwrap());
+        findings.add(sampler.replay(kept.take(&plan.draws).unwrap()).unwrap());
         // What was kept is what another pass would measure.
-        let again = sampler.pass(&plan, 4, items(stream.clone())).unwrap();
+        let again = sampler.pass(&plan, 4, &mut items(stream.clone())).unwrap();
         let mut passed =
-            Findings::of(&sampler, sampler.pass(&Plan { draws: 0..2, ..plan }, 4, items(stream.clone())).unwrap());
+            Findings::of(&sampler, sampler.pass(&Plan { draws: 0..2, ..plan }, 4, &mut items(stream.clone())).unwrap())
+                .unwrap();
         passed.add(again.found);
         assert!(passed == findings);
         findings
@@ -144,7 +84,9 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
 fn a_sample_without_windows_is_refused() {
     let (header, stream) = quickstart();
     let fidelity = "Sampled(engine: Event, rate: 0.0001)".parse().unwrap();
-    let error = run(&shipped("desktop"), fidelity, &header, items(stream)).unwrap_err().to_string();
+    let machine = shipped("desktop");
+    let replay = Replay::new(&machine, &header).unwrap().fidelity::<Fidelity>(fidelity);
+    let error = replay.run(&stream).unwrap_err().to_string();
     assert_eq!(
         error,
         "none of the stream's 4 windows of 8192 pixels is in the sample of 0.0001 of them: a higher `rate` is needed"
@@ -188,11 +130,11 @@ fn windows_by_themselves_add_up() {
     for name in ["small", "desktop"] {
         let machine = shipped(name);
         for engine in [Sampled::Event, Sampled::Profile] {
-            let whole = on(&machine, &header, &engine.whole().to_string(), &stream);
+            let whole = on(&machine, &header, &Level::from(engine).to_string(), &stream);
             // So many points that all but the smallest windows have some.
             let plan = Plan { draws: 0..200, ..Plan::new(1.0, &machine, 0) };
             let sampler = Sampler::new(engine, &machine, &header);
-            let found = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream.clone())).unwrap());
+            let found = Findings::of(&sampler, sampler.pass(&plan, 0, &mut items(stream.clone())).unwrap()).unwrap();
             let sampled = found.estimate(&machine, 200);
             let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
             let moved = |stats: &MachineStats, level| stats.moved(level).0;
@@ -209,85 +151,14 @@ fn windows_by_themselves_add_up() {
     }
 }
 
-/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and those of the others are all.
-#[test]
-fn misses_are_those_of_the_rays_that_ask() {
-    /// Cycles, and misses of L1s and of the L2 by reads: all and those of marked rays.
-    fn missed(engine: &mut impl Engine, machine: &MachineSpec, items: &[Item]) -> (u64, [[PerClass<u64>; 2]; 2]) {
-        let tally = replay(engine, machine, items.iter().cloned().map(Ok::<_, Infallible>), None).unwrap();
-        let units = || tally.units.iter().flatten();
-        let sum = |of: fn(&UnitTally, usize) -> u64| std::array::from_fn(|class| units().map(|it| of(it, class)).sum());
-        let banks = |of: fn(&BankTally, usize) -> u64| {
-            std::array::from_fn(|class| tally.banks.iter().map(|it| of(it, class)).sum())
-        };
-        let l1s = [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.marked[class])];
-        (
-            tally.cycles,
-            [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.marked[class])]],
-        )
-    }
-    check_many(100, (machines(), streams()), |(mut machine, stream)| {
-        // Steps of a frame's end are no ray's: there are none.
-        (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
-        // Every other chunk, and the others.
-        let marked = |odd: usize| -> Vec<Item> {
-            let mut totals = Totals::default();
-            let mark = |(at, item): (usize, &Item)| match item {
-                Item::Rays(chunk) => {
-                    chunk.rays().for_each(|ray| totals.count(&ray));
-                    let mut chunk = Chunk::clone(chunk);
-                    if at % 2 == odd {
-                        chunk.mark();
-                    }
-                    Item::Rays(Arc::new(chunk))
-                }
-                Item::End { .. } => Item::End { policy: Arc::default(), totals: std::mem::take(&mut totals) },
-                frame => frame.clone(),
-            };
-            stream.iter().enumerate().map(mark).collect()
-        };
-        let streams = [marked(0), marked(1)];
-        let header = header();
-        let event = |items: &Vec<Item>| missed(&mut event::Event::new(&machine, &header), &machine, items);
-        let mut by = vec![("Event", streams.each_ref().map(event))];
-        if known_to_profile(&machine) {
-            let profile = |items: &Vec<Item>| missed(&mut profile::Profile::new(&machine, &header), &machine, items);
-            by.push(("Profile", streams.each_ref().map(profile)));
-        }
-        for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
-            // A register writes entries of stores out for no ray.
-            let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
-            let is_right = |class: TrafficClass, all: u64, sum: u64| {
-                sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(&class) && sum < all
-            };
-            let levels = levels.iter().zip(&same_levels);
-            let are_right = levels.clone().all(|([all, some], [same, others])| {
-                let sums = some.iter().zip(others).map(|(some, others)| some + others);
-                let mut classes = TrafficClass::ALL.into_iter().zip(all).zip(sums);
-                all == same && classes.all(|((class, &all), sum)| is_right(class, all, sum))
-            });
-            if cycles != as_many || !are_right {
-                return Err(format!("{engine}: {cycles} {as_many}, {:?}", levels.collect::<Vec<_>>()));
-            }
-        }
-        Ok(())
-    });
-}
-
 #[test]
 fn auto_is_as_close_as_was_asked_and_says_what_it_took() {
     let (header, stream) = quickstart();
-    let open = |frame: usize| {
-        let begins = |(_, item): &(usize, &Item)| matches!(item, Item::Frame(_));
-        let first = stream.iter().enumerate().filter(begins).nth(frame).map_or(stream.len(), |(at, _)| at);
-        Ok::<_, Infallible>(stream[first..].iter().cloned().map(Ok))
-    };
     for name in ["small", "desktop"] {
         let machine = shipped(name);
         let event = on(&machine, &header, "Event", &stream);
         for (target, least_taken) in [("0.000001", "Event"), ("0.05", "")] {
-            let auto = format!("Auto(error: {target})").parse().unwrap();
-            let found = run_passes(&machine, auto, &header, open).unwrap();
+            let found = auto(&machine, target.parse().unwrap(), &header, &stream).unwrap();
             let needs = found.needs.as_ref().unwrap();
             let taken = needs.models.last().unwrap();
             println!("{name}: {needs:#?}");
@@ -302,9 +173,6 @@ fn auto_is_as_close_as_was_asked_and_says_what_it_took() {
             );
             assert!(apart(found.moved("dram").0, event.moved("dram").0) <= limit, "{name}, {target}");
         }
-        // A stream that can be read once is refused.
-        let auto = Fidelity::Auto { error: Share::new(0.02).unwrap() };
-        assert!(matches!(run(&machine, auto, &header, items(stream.clone())), Err(RunError::Passes)));
     }
 }
 
@@ -322,7 +190,7 @@ fn census() -> Census {
     machine.dispatcher.rays = num(16);
     let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..1000, cut: CUT };
     let sampler = Sampler::new(Sampled::Event, &machine, &header);
-    let mut windows = Findings::of(&sampler, sampler.pass(&plan, 0, items(stream)).unwrap()).measured;
+    let mut windows = Findings::of(&sampler, sampler.pass(&plan, 0, &mut items(stream)).unwrap()).unwrap().measured;
     let mut sums = Span::ALL.map(|_| Population::default());
     for window in &mut windows {
         // Groups overlap: here each counts as it is.
@@ -417,4 +285,18 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
         println!("target {target}: {covered} of {stopped} that stopped");
         assert!(f64::from(covered) >= 0.93 * f64::from(stopped), "target {target}: {covered} of {stopped}");
     }
+}
+
+#[test]
+fn a_sample_leaves_warm_up_frames_out() {
+    let machine = MachineSpec::default();
+    let rays = bvh_like(3, 4096, 9, 1);
+    let frames = [0, 1].map(|number| frame(FrameInfo { number, ..FrameInfo::default() }, &rays, &[], 1024));
+    let (header, stream) = numbered(&frames.concat(), 1);
+    let truth = on(&machine, &header, "Event", &stream);
+    let estimate = on(&machine, &header, "Sampled(engine: Event, rate: 0.5)", &stream);
+    assert_eq!(estimate.rays, truth.rays);
+    let error = estimate.cycles.0 as f64 / truth.cycles.0 as f64 - 1.0;
+    assert!(error.abs() < 0.1, "{error}");
+    assert!(estimate.frames.is_empty());
 }

@@ -6,6 +6,9 @@ use serde_json::Value;
 
 use crate::stats::MachineStats;
 
+/// Figures by name.
+pub(crate) type Figures = BTreeMap<String, f64>;
+
 /// Fields that are no counters of the run.
 const FIXED: [&str; 7] = ["unit_counts", "bounds", "oracle", "accuracy", "half_widths", "needs", "most"];
 

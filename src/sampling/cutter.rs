@@ -5,9 +5,10 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::known::Known;
-use super::l1_tags::{L1Tags, L1s, Passed};
+use super::l1_tags::{L1Tags, Passed};
 use super::l2_tags::Request;
 use super::plan::Cut;
+use crate::engine::warm::L1s;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, FrameInfo, Header, Item, RayKind};
 

@@ -1,26 +1,24 @@
 //! Replays one job: a window and the pieces beside it, or a frame's end, by an engine of its own.
 
 use std::collections::{BTreeMap, VecDeque};
-use std::convert::Infallible;
 use std::sync::Arc;
 
-use super::super::feed::Feed;
-use super::super::tally::{BankTally, PerClass, Tally, UnitTally};
-use super::super::work::stores_as_recorded;
-use super::super::{Engine, RunError, check};
 use super::estimate::{Part, Window};
-use super::figures;
+use super::figures::{self, Figures};
 use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
-use super::warm::WarmCaches;
 use super::windows::{Job, JobWork, WindowWork};
+use crate::engine::RunError;
+use crate::engine::check;
+use crate::engine::contract::Engine;
+use crate::engine::feed::Feed;
 use crate::engine::source::{FrameCounts, StoreWork};
+use crate::engine::tally::{BankTally, PerClass, Tally, UnitTally};
+use crate::engine::warm::WarmCaches;
+use crate::engine::work::stores_as_recorded;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, Step, Totals};
-
-/// Figures by name.
-pub(super) type Figures = BTreeMap<String, f64>;
 
 /// Latencies by kind of rays, as [`MachineStats`] has them.
 pub(super) type Latencies = BTreeMap<String, LatencyCounts>;
@@ -35,7 +33,7 @@ pub(crate) enum Found {
 }
 
 /// Replays `job` with `engine`, which is new.
-pub(super) fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError<Infallible>> {
+pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) -> Result<Found, RunError> {
     let Job { info, warm, work, .. } = job;
     let mut feed = JobFeed::new(machine, warm);
     feed.items.push_back(Item::Frame(*info));
@@ -44,7 +42,7 @@ pub(super) fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) 
             let mut totals = Totals::default();
             totals.count_policy(Step::unpack_all(policy));
             feed.items.push_back(Item::End { policy: Arc::clone(policy), totals });
-            finished(&mut engine, machine, &mut feed)?;
+            finished(engine, machine, &mut feed)?;
             let end = feed.marks.pop().map(|mark| mark.figures);
             Ok(Found::End(end.unwrap_or_default()))
         }
@@ -63,7 +61,7 @@ pub(super) fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) 
             }
             let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
-            let tally = finished(&mut engine, machine, &mut feed)?;
+            let tally = finished(engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
@@ -83,11 +81,7 @@ pub(super) fn replay(mut engine: impl Engine, machine: &MachineSpec, job: &Job) 
 }
 
 /// Replays all items; what was counted, whose identities are checked as those of a whole run are.
-fn finished(
-    engine: &mut impl Engine,
-    machine: &MachineSpec,
-    feed: &mut JobFeed<'_>,
-) -> Result<Tally, RunError<Infallible>> {
+fn finished(engine: &mut dyn Engine, machine: &MachineSpec, feed: &mut JobFeed<'_>) -> Result<Tally, RunError> {
     let cycles = engine.run(feed)?;
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
@@ -224,12 +218,12 @@ impl<'a> JobFeed<'a> {
     }
 }
 
-impl Feed<Infallible> for JobFeed<'_> {
-    fn next(&mut self) -> Result<Option<Item>, RunError<Infallible>> {
+impl Feed for JobFeed<'_> {
+    fn next(&mut self) -> Result<Option<Item>, RunError> {
         Ok(self.items.pop_front())
     }
 
-    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError<Infallible>> {
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError> {
         self.frame_over = true;
         self.stores += counts.stores;
         check::frame(counts, &self.machine.shadow_cache)

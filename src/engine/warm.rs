@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use super::l1_tags::L1s;
 use crate::machine::kinds::Kind;
 use crate::memory::cache::Cache;
+
+/// The L1s of each kind of units, core by core.
+pub(crate) type L1s = [Vec<Cache>; Kind::ALL.len()];
 
 /// What the caches of a machine hold.
 #[derive(Clone, Debug)]

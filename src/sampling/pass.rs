@@ -1,6 +1,5 @@
 //! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others replay what is measured.
 
-use std::convert::Infallible;
 use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
@@ -11,8 +10,9 @@ use super::job::{self, Found};
 use super::kept::{Kept, KeptJob};
 use super::plan::Plan;
 use super::windows::{Job, Windows};
-use crate::engine::{Engine, RunError, Sampled, event, profile};
-use crate::machine::MachineSpec;
+use crate::engine::contract::Engine;
+use crate::engine::{self, ItemStream, RunError, Sampled};
+use crate::machine::{MachineSpec, SpecError};
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
@@ -57,12 +57,10 @@ impl<'a> Sampler<'a> {
 
     /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same for all passes whose findings are added:
     /// a window that is measured for its first point must know the later ones.
-    pub(crate) fn pass<E>(
-        &self,
-        plan: &Plan,
-        keep: usize,
-        items: impl Iterator<Item = Result<Item, E>>,
-    ) -> Result<Pass, RunError<E>> {
+    ///
+    /// # Errors
+    /// The stream cannot be read, or a replay fails.
+    pub(crate) fn pass(&self, plan: &Plan, keep: usize, items: &mut ItemStream<'_>) -> Result<Pass, RunError> {
         let mut cutter = Cutter::new(self.machine, self.header, plan.cut);
         let later = plan.draws.end..keep.min(KEPT * plan.draws.end).max(plan.draws.end);
         let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep, later.end);
@@ -105,7 +103,7 @@ impl<'a> Sampler<'a> {
                         }
                     }
                     Err(error) => {
-                        read = Err(RunError::Source(error));
+                        read = Err(error);
                         break;
                     }
                 }
@@ -120,7 +118,10 @@ impl<'a> Sampler<'a> {
     }
 
     /// Replays `jobs` that were kept.
-    pub(crate) fn replay<E>(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError<E>> {
+    ///
+    /// # Errors
+    /// A replay fails.
+    pub(crate) fn replay(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
@@ -139,33 +140,33 @@ impl<'a> Sampler<'a> {
     }
 
     fn replay_one(&self, job: &Job) -> Numbered {
-        let Self { engine, machine, header, .. } = *self;
-        let found = match engine {
-            Sampled::Profile => job::replay(profile::Profile::new(machine, header), machine, job),
-            Sampled::Event => job::replay(event::Event::new(machine, header), machine, job),
-        };
-        (job.number, found)
+        let found = self.engine().map_err(RunError::Spec);
+        (job.number, found.and_then(|mut engine| job::replay(engine.as_mut(), self.machine, job)))
     }
 
     /// The statistics of a run in which nothing happens.
-    pub(crate) fn nothing(&self) -> MachineStats {
-        let Self { engine, machine, header, .. } = *self;
-        let tally = match engine {
-            Sampled::Profile => profile::Profile::new(machine, header).tally(1),
-            Sampled::Event => event::Event::new(machine, header).tally(1),
-        };
-        tally.stats(machine)
+    ///
+    /// # Errors
+    /// The engine refuses the machine.
+    pub(crate) fn nothing(&self) -> Result<MachineStats, SpecError> {
+        Ok(self.engine()?.tally(1).stats(self.machine))
+    }
+
+    /// A new engine.
+    fn engine(&self) -> Result<Box<dyn Engine>, SpecError> {
+        let engine = engine::engine(self.engine.into(), self.machine, self.header)?;
+        Ok(engine.expect("all that replay samples have machines in motion"))
     }
 }
 
 /// What a job found, and its number.
-type Numbered = (usize, Result<Found, RunError<Infallible>>);
+type Numbered = (usize, Result<Found, RunError>);
 
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-fn in_order<E>(mut found: Vec<Numbered>) -> Result<Vec<Found>, RunError<E>> {
+fn in_order(mut found: Vec<Numbered>) -> Result<Vec<Found>, RunError> {
     found.sort_by_key(|(number, _)| *number);
-    found.into_iter().map(|(_, found)| found.map_err(RunError::of_any_source)).collect()
+    found.into_iter().map(|(_, found)| found).collect()
 }

@@ -4,72 +4,12 @@ use std::fmt;
 use std::str::FromStr;
 
 use schemars::JsonSchema;
-use serde::de::{Deserializer, Error};
-use serde::{Deserialize, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::retired::{self, WithoutRetired};
-
-/// A share above 0, up to 1.
-#[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Serialize, JsonSchema)]
-#[serde(transparent)]
-#[schemars(inline, extend("exclusiveMinimum" = 0, "maximum" = 1))]
-pub struct Share(f64);
-
-impl Share {
-    /// The checked share; the error says what is allowed.
-    pub fn new(share: f64) -> Result<Self, String> {
-        if share > 0.0 && share <= 1.0 {
-            Ok(Self(share))
-        } else {
-            Err(format!("{share} is not allowed here: a number above 0, up to 1, is"))
-        }
-    }
-
-    /// The number.
-    pub fn get(self) -> f64 {
-        self.0
-    }
-}
-
-impl FromStr for Share {
-    type Err = String;
-
-    /// Reads `0.01` or `1%`.
-    fn from_str(text: &str) -> Result<Self, String> {
-        let number =
-            |text: &str| text.trim().parse::<f64>().map_err(|_| format!("`{text}` is no number, such as 0.01 or 1%"));
-        Self::new(match text.strip_suffix('%') {
-            Some(percent) => number(percent)? / 100.0,
-            None => number(text)?,
-        })
-    }
-}
-
-impl<'de> Deserialize<'de> for Share {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Self::new(f64::deserialize(from)?).map_err(D::Error::custom)
-    }
-}
-
-/// What a sample is replayed with.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-#[serde(remote = "Self")]
-pub enum Sampled {
-    /// As [`Fidelity::Profile`].
-    Profile,
-    /// As [`Fidelity::Event`].
-    Event,
-}
-
-impl Sampled {
-    /// The rung that replays everything as this one does a sample.
-    pub fn whole(self) -> Fidelity {
-        match self {
-            Self::Profile => Fidelity::Profile,
-            Self::Event => Fidelity::Event,
-        }
-    }
-}
+use crate::engine::retired::{self, WithoutRetired};
+use crate::engine::{Exact, Level, Sampled};
+use crate::machine::SpecError;
+use crate::ranged::Share;
 
 /// How a machine is replayed, from the cheapest to the plainest.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -114,14 +54,17 @@ impl Fidelity {
     }
 
     /// Where sampling towards a target begins.
-    const FIRST_RATE: Share = Share(0.02);
+    const FIRST_RATE: Share = Share::literal(0.02);
 
     /// Whether its numbers are those of [`Fidelity::Cycle`].
     pub fn is_exact(self) -> bool {
         matches!(self, Self::Event | Self::Cycle)
     }
 
-    /// The same, sampled until all intervals are within `target`; the error says what can be.
+    /// The same, sampled until all intervals are within `target`.
+    ///
+    /// # Errors
+    /// The error says what can be sampled.
     pub fn with_target_error(self, target: Share) -> Result<Self, String> {
         let by = |engine| (engine, Self::FIRST_RATE, 0);
         let (engine, rate, seed) = match self {
@@ -135,10 +78,47 @@ impl Fidelity {
         Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
     }
 
-    /// Whether the stream is read more than once.
-    pub fn takes_passes(self) -> bool {
-        matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
+    /// The same, if one pass over a stream is enough.
+    pub fn one_pass(self) -> Option<OnePass> {
+        Some(match self {
+            Self::Bound => OnePass::Whole(Level::Bound),
+            Self::Profile => OnePass::Whole(Level::Profile),
+            Self::Event => OnePass::Whole(Level::Event),
+            Self::Cycle => OnePass::Whole(Level::Cycle),
+            Self::Sampled { engine, rate, seed, target_error: None } => OnePass::Sampled { engine, rate, seed },
+            Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. } => return None,
+        })
     }
+
+    /// The same, if it has requests and commands of a DRAM at their clocks.
+    ///
+    /// # Errors
+    /// The error says which levels do.
+    pub fn exact(self) -> Result<Exact, SpecError> {
+        match self {
+            Self::Event => Ok(Exact::Event),
+            Self::Cycle => Ok(Exact::Cycle),
+            other => Err(SpecError::new(format!(
+                "`{other}` has no requests and commands of a DRAM at their clocks: for these, Event and Cycle are allowed"
+            ))),
+        }
+    }
+}
+
+/// How a machine is replayed in one pass over a stream.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum OnePass {
+    /// The whole stream.
+    Whole(Level),
+    /// A sample of windows; see [`Fidelity::Sampled`].
+    Sampled {
+        /// What replays the windows.
+        engine: Sampled,
+        /// The share of the rays that is measured.
+        rate: Share,
+        /// Which rays.
+        seed: u64,
+    },
 }
 
 /// As in files.
@@ -191,27 +171,16 @@ impl<'de> Deserialize<'de> for Fidelity {
     }
 }
 
-impl Serialize for Sampled {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, to)
-    }
-}
-
-impl<'de> Deserialize<'de> for Sampled {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        Self::deserialize(WithoutRetired(from))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn names_are_read_as_they_are_written() {
-        let sampled = |engine, seed, target_error| Fidelity::Sampled { engine, rate: Share(0.05), seed, target_error };
-        let all = [sampled(Sampled::Event, 0, None), sampled(Sampled::Profile, 7, Some(Share(0.01)))];
-        let all = all.into_iter().chain([Fidelity::Auto { error: Share(0.02) }]);
+        let sampled =
+            |engine, seed, target_error| Fidelity::Sampled { engine, rate: Share::literal(0.05), seed, target_error };
+        let all = [sampled(Sampled::Event, 0, None), sampled(Sampled::Profile, 7, Some(Share::literal(0.01)))];
+        let all = all.into_iter().chain([Fidelity::Auto { error: Share::literal(0.02) }]);
         for fidelity in Fidelity::RUNGS.into_iter().chain(all) {
             assert_eq!(fidelity.to_string().parse(), Ok(fidelity));
         }

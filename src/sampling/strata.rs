@@ -2,7 +2,7 @@
 //! have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`, `tni_engine`: correlation 0.7, four windows apart 0.2), so that two
 //! points in each of many short strata tell more than many points in each of a few long ones.
 
-use super::plan::mix;
+use crate::random::{mix, unit};
 
 /// The axis in strata of equal length, and how they are halved.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,9 +98,7 @@ impl Strata {
 
     /// A number from 0 to 1, 1 left out.
     fn drawn(&self, Part { level, number }: Part, which: u64) -> f64 {
-        let hash = mix(self.seed ^ mix(((number as u64) << 8) + (u64::from(level) << 2) + which));
-        // The 53 bits that a float holds.
-        (hash >> 11) as f64 / (1u64 << 53) as f64
+        unit(mix(self.seed ^ mix(((number as u64) << 8) + (u64::from(level) << 2) + which)))
     }
 }
 

@@ -10,7 +10,7 @@ use super::known::{Capacity, Known};
 use super::l2_tags::{L2Tags, Moved};
 use super::plan::Plan;
 use super::strata::Point;
-use super::warm::WarmCaches;
+use crate::engine::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, Decision, FrameInfo, Header};
 

@@ -6,23 +6,21 @@ use std::mem::{replace, take};
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::super::work::{Holder, Work};
 use super::known::{Capacity, Known};
 use super::l2_tags::Request;
-use super::plan::mix;
+use crate::engine::warm::L1s;
+use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
-use crate::memory::cache::{Access, Cache};
+use crate::memory::cache::Access;
 use crate::memory::tags::Victim;
 use crate::quantity::LineAddr;
+use crate::random::mix;
 use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
-
-/// The L1s of each kind of units, core by core.
-pub(super) type L1s = [Vec<Cache>; Kind::ALL.len()];
 
 /// The tags of all L1s, and what they count.
 #[derive(Debug)]
@@ -285,8 +283,8 @@ impl L1Tags {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::tests::synthetic::{SyntheticRay, frame, header, nodes};
     use super::*;
+    use crate::engine::tests::synthetic::{SyntheticRay, frame, header, nodes};
     use crate::stream::{Item, Store};
 
     /// What a piece of rays that read these words do; each visits a node.

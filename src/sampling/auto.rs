@@ -1,23 +1,25 @@
 //! No more than a stream needs: a pilot tells which parts of the machine matter and which rung is close enough, another part of the stream
 //! checks that, and only then is everything replayed, by the cheapest model that has passed.
 
-use std::convert::Infallible;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::sampling::{Cut, Plan, TELLING};
-use super::work::known_to_profile;
-use super::{Fidelity, RunError, Sampled, Share, run, sample_until};
+use super::findings::TELLING;
+use super::plan::{Cut, Plan};
+use super::sample::sample_until;
+use crate::engine::whole::whole;
+use crate::engine::work::known_to_profile;
+use crate::engine::{Items, Level, RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::dram::spec::Model;
 use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
 use crate::quantity::Bytes;
-use crate::ranged::{Size, Within};
+use crate::ranged::{Share, Size, Within};
 use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
-use crate::stream::{Chunk, Header, Item, RayKind, Totals};
+use crate::stream::{Chunk, Header, Item, RayKind, StreamError, Totals};
 
 /// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost less than a hundredth of one replay of all.
 const PILOT: u64 = 2000;
@@ -68,23 +70,25 @@ const PARTS: [Part; 8] = [
     }),
 ];
 
-/// Replays a stream with an error of cycles and of L2 and DRAM bytes that is to be within `target`; `open` begins the stream at one of its
-/// frames.
-pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
+/// Replays a stream with an error of cycles and of L2 and DRAM bytes that is to be within `target`.
+///
+/// # Errors
+/// The stream cannot be read, or a run fails.
+pub(crate) fn auto(
     machine: &MachineSpec,
     target: Share,
     header: &Header,
-    open: &mut impl FnMut(usize) -> Result<I, RunError<E>>,
-) -> Result<MachineStats, RunError<E>> {
+    source: &dyn Source,
+) -> Result<MachineStats, RunError> {
     let (frames, pixels) = (header.frames.len(), header.resolution.pixels() as u64);
     let wanted = (frames as u64 * pixels / PILOT).max(LEAST_PIXELS).min(pixels / 4) as usize;
     let third = pixels as usize / 3;
-    let pilot = piece(open(frames / 3)?, third, wanted).map_err(RunError::Source)?;
-    let held_back = piece(open(2 * frames / 3)?, 2 * third, wanted).map_err(RunError::Source)?;
+    let pilot = piece(source.open(frames / 3)?, third, wanted)?;
+    let held_back = piece(source.open(2 * frames / 3)?, 2 * third, wanted)?;
     // A pilot is measured whole, wherever its frame lies.
     let pilot_header = Header { warmup: Vec::new(), ..header.clone() };
     let on = |machine: &MachineSpec, rung, piece: &[Item]| {
-        let stats = run(machine, rung, &pilot_header, piece.iter().cloned().map(Ok::<_, Infallible>));
+        let stats = whole(rung, machine, &pilot_header, &mut piece.iter().cloned().map(Ok), None);
         stats.map(|stats| Figures::of(&stats))
     };
     let without = |&(part, leave_out): &Part| {
@@ -93,12 +97,11 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
         (without != *machine).then_some((part, leave_out, without))
     };
     let parts: Vec<_> = PARTS.iter().filter_map(without).collect();
-    let (whole, effects) = rayon::join(
-        || rayon::join(|| on(machine, Fidelity::Event, &pilot), || on(machine, Fidelity::Event, &held_back)),
-        || parts.par_iter().map(|(_, _, without)| on(without, Fidelity::Event, &pilot)).collect::<Vec<_>>(),
+    let (exact, effects) = rayon::join(
+        || rayon::join(|| on(machine, Level::Event, &pilot), || on(machine, Level::Event, &held_back)),
+        || parts.par_iter().map(|(_, _, without)| on(without, Level::Event, &pilot)).collect::<Vec<_>>(),
     );
-    let [truth, checked] = [whole.0, whole.1].map(|whole| whole.map_err(RunError::of_any_source));
-    let (truth, checked) = (truth?, checked?);
+    let (truth, checked) = (exact.0?, exact.1?);
     let mut needs = Needs {
         target: target.get(),
         pilot_share: wanted as f64 / (frames as u64 * pixels) as f64,
@@ -107,7 +110,7 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let share = target.get() / PARTS.len() as f64;
     let mut reduced = machine.clone();
     for ((part, leave_out, _), figures) in parts.into_iter().zip(effects) {
-        let effect = figures.map_err(RunError::of_any_source)?.against(&truth);
+        let effect = figures?.against(&truth);
         let matters = effect.iter().flatten().any(|effect| effect.abs() > share);
         if !matters {
             leave_out(&mut reduced);
@@ -117,25 +120,27 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     }
 
     let off = |machine: &MachineSpec, rung, piece: &[Item], truth: &Figures| {
-        let figures = on(machine, rung, piece).map_err(RunError::of_any_source::<E>)?;
-        Ok::<_, RunError<E>>(figures.worst_against(truth))
+        Ok::<_, RunError>(on(machine, rung, piece)?.worst_against(truth))
     };
-    if off(&reduced, Fidelity::Event, &held_back, &checked)? > target.get() / 2.0 {
+    if off(&reduced, Level::Event, &held_back, &checked)? > target.get() / 2.0 {
         needs.parts.iter_mut().for_each(|part| part.matters = true);
         reduced = machine.clone();
     }
     // The pilot is small: a model has to be well within the target there.
-    let tried = |machine: &MachineSpec, rung: Fidelity| {
+    let tried = |machine: &MachineSpec, rung: Level| {
         let error = off(machine, rung, &pilot, &truth)?;
         let is_near = error <= target.get() / 2.0;
         let again = if is_near { Some(off(machine, rung, &held_back, &checked)?) } else { None };
         let passes = again.is_some_and(|again| again <= target.get());
-        Ok::<_, RunError<E>>(ModelCheck { model: rung.to_string(), error: Some(error), held_back: again, passes })
+        Ok::<_, RunError>(ModelCheck { model: rung.to_string(), error: Some(error), held_back: again, passes })
     };
-    let bound = tried(&reduced, Fidelity::Bound)?;
+    let bound = tried(&reduced, Level::Bound)?;
     needs.models.push(bound.clone());
     if bound.passes {
-        return Ok(MachineStats { needs: Some(needs), ..run(&reduced, Fidelity::Bound, header, open(0)?)? });
+        return Ok(MachineStats {
+            needs: Some(needs),
+            ..whole(Level::Bound, &reduced, header, &mut source.open(0)?, None)?
+        });
     }
     // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
     let cut = Cut::new(machine);
@@ -143,7 +148,7 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     let (rate, most) = ((FIRST_WINDOWS / windows).max(LEAST_RATE), MOST_REPLAYED / cut.effort());
     if rate <= most {
         let plan = Plan::new(rate, machine, 0);
-        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, most), open)?;
+        let (sampled, passes) = sample_until(Sampled::Event, machine, header, plan, (target, most), source)?;
         let error = sampled.accuracy.widest();
         needs.models.push(ModelCheck { model: "Sampled(engine: Event)".into(), error, held_back: None, passes });
         if passes {
@@ -152,15 +157,18 @@ pub(super) fn auto<E, I: Iterator<Item = Result<Item, E>>>(
     }
     // `Profile` knows stores as recorded only.
     if let Some(machine) = [&reduced, machine].into_iter().find(|machine| known_to_profile(machine)) {
-        let check = tried(machine, Fidelity::Profile)?;
+        let check = tried(machine, Level::Profile)?;
         needs.models.push(check.clone());
         if check.passes {
-            return Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Profile, header, open(0)?)? });
+            return Ok(MachineStats {
+                needs: Some(needs),
+                ..whole(Level::Profile, machine, header, &mut source.open(0)?, None)?
+            });
         }
     }
-    let model = Fidelity::Event.to_string();
+    let model = Level::Event.to_string();
     needs.models.push(ModelCheck { model, error: Some(0.0), held_back: Some(0.0), passes: true });
-    Ok(MachineStats { needs: Some(needs), ..run(machine, Fidelity::Event, header, open(0)?)? })
+    Ok(MachineStats { needs: Some(needs), ..whole(Level::Event, machine, header, &mut source.open(0)?, None)? })
 }
 
 /// Cycles, bytes of the L2, bytes of the DRAM.
@@ -183,7 +191,7 @@ impl Figures {
 }
 
 /// A stream of `wanted` pixels of the frame that `items` begins with, from the `first` one on.
-fn piece<E>(items: impl Iterator<Item = Result<Item, E>>, first: usize, wanted: usize) -> Result<Vec<Item>, E> {
+fn piece(items: Items<'_>, first: usize, wanted: usize) -> Result<Vec<Item>, StreamError> {
     let (mut piece, mut totals, mut passed) = (Vec::new(), Totals::default(), 0);
     for item in items {
         match item? {

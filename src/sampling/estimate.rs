@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::job::Figures;
+use super::figures::Figures;
 use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot, student};
 use super::strata::{Point, Strata};

@@ -83,11 +83,3 @@ impl Plan {
         (enough <= most).then_some(enough.min(twice))
     }
 }
-
-/// SplitMix64's output function (Steele, Lea and Flood 2014).
-pub(super) fn mix(seed: u64) -> u64 {
-    let x = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ x >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ x >> 31
-}

@@ -1,31 +1,13 @@
-//! Sampling: of each stratum of consecutive windows (runs of pixels of about the same number of rays) some are replayed and measured,
-//! each by itself, between parts of others and behind warm caches; the accesses of all others go through the caches' tags alone.
-
-pub(crate) mod axis;
-mod cutter;
-pub(crate) mod estimate;
-pub(crate) mod figures;
-mod job;
-mod kept;
-pub(crate) mod known;
-mod l1_tags;
-mod l2_tags;
-mod pass;
-mod plan;
-mod regression;
-pub(crate) mod strata;
-mod warm;
-mod windows;
+//! What a sample found, and the statistics of the stream that it lets be estimated.
 
 use std::collections::BTreeMap;
 
-use self::estimate::{Population, Total, Window};
-use self::job::{Figures, Found, Latencies};
-use self::known::{DRAM_BYTES, L2_BYTES};
-pub(crate) use self::pass::{Pass, Sampler};
-pub(crate) use self::plan::{Cut, Plan};
-pub(crate) use self::warm::WarmCaches;
-use crate::machine::MachineSpec;
+use super::estimate::{self, Population, Total, Window};
+use super::figures::{self, Figures};
+use super::job::{Found, Latencies};
+use super::known::{DRAM_BYTES, L2_BYTES};
+use super::pass::{Pass, Sampler};
+use crate::machine::{MachineSpec, SpecError};
 use crate::stats::{Accuracy, LatencyCounts, MachineStats};
 
 /// Windows from which on the width of an interval tells something: with fewer, too many intervals are too narrow by chance.
@@ -48,11 +30,14 @@ pub(crate) struct Findings {
 
 impl Findings {
     /// Nothing was measured yet of the stream that `pass` went over, but for what it found.
-    pub(crate) fn of(sampler: &Sampler<'_>, pass: Pass) -> Self {
+    ///
+    /// # Errors
+    /// The sampler's engine refuses the machine.
+    pub(crate) fn of(sampler: &Sampler<'_>, pass: Pass) -> Result<Self, SpecError> {
         let Pass { population, rays, found, .. } = pass;
-        let mut findings = Self { population, rays, nothing: sampler.nothing(), ..Self::default() };
+        let mut findings = Self { population, rays, nothing: sampler.nothing()?, ..Self::default() };
         findings.add(found);
-        findings
+        Ok(findings)
     }
 
     /// Adds what was measured.

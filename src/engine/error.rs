@@ -1,0 +1,68 @@
+//! Why a run ended without a result.
+
+use std::io;
+
+use super::source::StreamFault;
+use crate::machine::SpecError;
+use crate::memory::dram::legality::Violation;
+use crate::stream::StreamError;
+
+/// Why a run ended without a result.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// The machine cannot be built.
+    #[error(transparent)]
+    Spec(#[from] SpecError),
+    /// The stream could not be read.
+    #[error(transparent)]
+    Source(#[from] StreamError),
+    /// The stream is wrong.
+    #[error(transparent)]
+    Stream(#[from] StreamFault),
+    /// The machine replayed something else than the tracer recorded.
+    #[error("frame {frame}: the machine replayed {machine} {what}, the tracer counted {tracer}")]
+    Counts {
+        /// The frame.
+        frame: u32,
+        /// What was counted.
+        what: &'static str,
+        /// The machine's count.
+        machine: u64,
+        /// The tracer's.
+        tracer: u64,
+    },
+    /// An identity that holds for every run was violated: an error in the simulator.
+    #[error("the run contradicts itself: {0}")]
+    Invariant(String),
+    /// The DRAM was given a command that its part forbids: an error in the simulator.
+    #[error("channel {channel} of the DRAM, {violation}")]
+    Illegal {
+        /// The channel.
+        channel: usize,
+        /// What was violated.
+        violation: Violation,
+    },
+    /// Whoever watches the run has failed.
+    #[error(transparent)]
+    Observer(io::Error),
+    /// No window was drawn.
+    #[error(
+        "none of the stream's {windows} windows of {pixels} pixels is in the sample of {rate} of them: a higher `rate` is needed"
+    )]
+    Sample {
+        /// Windows of the stream.
+        windows: usize,
+        /// Pixels of a window.
+        pixels: usize,
+        /// The share that was asked for.
+        rate: f64,
+    },
+    /// Nothing moves.
+    #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
+    Deadlock {
+        /// When it was noticed.
+        cycle: u64,
+        /// All queues.
+        queues: String,
+    },
+}

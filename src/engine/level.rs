@@ -1,0 +1,113 @@
+//! Levels that replay a stream whole.
+
+use std::fmt;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::contract::Engine;
+use super::cycle::Cycle;
+use super::event::Event;
+use super::profile::Profile;
+use super::retired::WithoutRetired;
+use super::work::known_to_profile;
+use crate::machine::{MachineSpec, SpecError};
+use crate::stream::Header;
+
+/// A level that replays a stream whole, in one pass, from the cheapest to the plainest.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Level {
+    /// Closed forms that no machine can beat.
+    Bound,
+    /// Exact contents of caches in an order that stands for the machine's, and time by what is free when.
+    Profile,
+    /// The rules of MODEL.md, fast: a part acts only in cycles in which it has something to do.
+    Event,
+    /// The rules of MODEL.md, plain and slow: every part acts in every cycle.
+    Cycle,
+}
+
+impl fmt::Display for Level {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Debug::fmt(self, f)
+    }
+}
+
+/// A level that follows the rules of MODEL.md cycle by cycle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exact {
+    /// See [`Level::Event`].
+    Event,
+    /// See [`Level::Cycle`].
+    Cycle,
+}
+
+impl From<Exact> for Level {
+    fn from(exact: Exact) -> Self {
+        match exact {
+            Exact::Event => Self::Event,
+            Exact::Cycle => Self::Cycle,
+        }
+    }
+}
+
+/// What replays the windows of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(remote = "Self")]
+pub enum Sampled {
+    /// See [`Level::Profile`].
+    Profile,
+    /// See [`Level::Event`].
+    Event,
+}
+
+impl From<Sampled> for Level {
+    fn from(sampled: Sampled) -> Self {
+        match sampled {
+            Sampled::Profile => Self::Profile,
+            Sampled::Event => Self::Event,
+        }
+    }
+}
+
+impl Serialize for Sampled {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, to)
+    }
+}
+
+impl<'de> Deserialize<'de> for Sampled {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        Self::deserialize(WithoutRetired(from))
+    }
+}
+
+/// An engine of `level` for a stream with `header`; none of [`Level::Bound`], which has no machine in motion.
+///
+/// # Errors
+/// The level does not know the machine's way to access stores.
+pub(crate) fn engine(
+    level: Level,
+    machine: &MachineSpec,
+    header: &Header,
+) -> Result<Option<Box<dyn Engine>>, SpecError> {
+    Ok(match level {
+        Level::Bound => None,
+        Level::Profile => {
+            knows_stores(machine)?;
+            Some(Box::new(Profile::new(machine, header)))
+        }
+        Level::Event => Some(Box::new(Event::new(machine, header))),
+        Level::Cycle => Some(Box::new(Cycle::new(machine, header))),
+    })
+}
+
+/// `Profile` knows few ways to access stores.
+pub(crate) fn knows_stores(machine: &MachineSpec) -> Result<(), SpecError> {
+    if known_to_profile(machine) {
+        return Ok(());
+    }
+    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0`, `frame_end: List` and `latched: Free` or `Wide` \
+                only: with others, Event and Cycle are allowed";
+    Err(SpecError::new(what))
+}

@@ -1,0 +1,375 @@
+//! The machine, simplified.
+
+use super::agenda::Agenda;
+use super::crossing::{Crossing, Taken};
+use super::dispatch::{Dispatch, Given};
+use super::memory::Memory;
+use super::unit::Unit;
+use super::watch::Watch;
+use crate::engine::contract::Engine;
+use crate::engine::error::RunError;
+use crate::engine::feed::Feed;
+use crate::engine::tally::{Tally, busy};
+use crate::engine::work::{Holder, Work};
+use crate::machine::MachineSpec;
+use crate::machine::division::DivisionSpec;
+use crate::machine::kinds::Kind;
+use crate::machine::layout::{Element, Layout};
+use crate::memory::dram::command::ChannelLog;
+use crate::stream::{Header, Step};
+
+/// What a ray does when it acts next.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Stage {
+    /// Its holder looks at its next step.
+    Step,
+    /// The first operation of its step begins, at a unit that its holder sent it to.
+    First,
+    /// The second does.
+    Second,
+    /// It comes back from a unit that its holder sent it to.
+    Back,
+    /// It comes to a shadow-cache unit.
+    Policy,
+}
+
+/// Where a ray is.
+#[derive(Clone, Copy, Debug)]
+struct Whereabouts {
+    stage: Stage,
+    holder: Holder,
+    /// The shadow-cache unit that holds it, and the unit that it was sent to.
+    policy_unit: u32,
+    away: u32,
+    /// Whether the shadow-cache unit's decision is still to come.
+    undecided: bool,
+}
+
+/// The machine, simplified.
+pub(crate) struct Profile<W = ()> {
+    division: DivisionSpec,
+    cores: usize,
+    layout: Layout,
+    pub dispatch: Dispatch,
+    rays: Vec<Whereabouts>,
+    /// Units, as the crossing numbers them.
+    units: Vec<Unit>,
+    crossing: Crossing,
+    /// Of each division unit, when it can begin the next operation, and how many it began.
+    divisions: Vec<(u64, u64)>,
+    memory: Memory<W>,
+    agenda: Agenda,
+    /// Whether the end of shading is on the agenda, under the number after all rays'.
+    shading: bool,
+}
+
+impl Profile {
+    pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
+        Self::watched(machine, header, ())
+    }
+}
+
+impl<W: Watch> Profile<W> {
+    /// The machine, whose accesses `watch` is told of.
+    pub(crate) fn watched(machine: &MachineSpec, header: &Header, watch: W) -> Self {
+        let line = machine.line_bytes.get();
+        let crossing = Crossing::new(machine);
+        let of_kind = |kind: Kind| {
+            let spec = kind.spec(machine);
+            crossing.of_kind(kind).map(|unit| Unit::new(&spec, unit, crossing.core(unit), line)).collect::<Vec<_>>()
+        };
+        let dispatch = Dispatch::new(machine);
+        let rays = dispatch.flights.len();
+        let idle =
+            Whereabouts { stage: Stage::Step, holder: Holder::Traversal, policy_unit: 0, away: 0, undecided: false };
+        Self {
+            division: machine.division,
+            cores: machine.cores.size(),
+            divisions: vec![(0, 0); machine.cores.size() * machine.division.count.size()],
+            layout: Layout::new(header, machine),
+            dispatch,
+            rays: vec![idle; rays],
+            units: Kind::ALL.into_iter().flat_map(of_kind).collect(),
+            crossing,
+            memory: Memory::new(machine, watch),
+            agenda: Agenda::new(rays + 1),
+            shading: false,
+        }
+    }
+
+    /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
+    fn shadow_cache(&self, id: u32) -> usize {
+        let units = self.crossing.of_kind(Kind::ShadowCache);
+        if units.len() == 1 {
+            return units.start;
+        }
+        let step = self.dispatch.flights[id as usize].step(Holder::ShadowCache);
+        let entry = step.filter(|_| !self.rays[id as usize].undecided).and_then(Step::entry);
+        let number = entry.map_or(u64::from(id), |(store, index)| self.layout.line_of(store, index).0);
+        units.start + (number % units.len() as u64) as usize
+    }
+
+    /// The ray acts in cycle `now`.
+    fn act(&mut self, id: u32, now: u64) {
+        match self.rays[id as usize].stage {
+            Stage::Step => self.step(id, now),
+            Stage::First => self.first(id, now),
+            Stage::Second => self.second(id, now),
+            Stage::Back => {
+                self.crossing.leave(self.rays[id as usize].away as usize, now);
+                self.step(id, now);
+            }
+            Stage::Policy => self.crossing.arrive(id, self.shadow_cache(id), now),
+        }
+        self.take_on_all();
+    }
+
+    /// The holder looks at the ray's next step.
+    fn step(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        ray.stage = Stage::Step;
+        let flight = &self.dispatch.flights[id as usize];
+        let Some(step) = flight.step(ray.holder) else { return self.leave_holder(id, now) };
+        let holder = match ray.holder {
+            Holder::Traversal => flight.unit as usize,
+            Holder::ShadowCache => ray.policy_unit as usize,
+        };
+        let work = Work::of(step, ray.holder, flight.kind, &self.layout);
+        if work.kind != ray.holder.kind() {
+            let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
+            return self.crossing.send(id, holder, self.crossing.performer(work.kind, holder, home), now);
+        }
+        if step.entry().is_some() && self.shadow_cache(id) != holder {
+            self.crossing.leave(holder, now + 1);
+            return self.crossing.arrive(id, self.shadow_cache(id), now + 1);
+        }
+        if let Some(end) = self.perform(id, holder, &work.first, now) {
+            self.dispatch.performed(id);
+            self.agenda.put(end, id);
+        }
+    }
+
+    /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts again then.
+    #[inline]
+    fn perform(&mut self, id: u32, unit: usize, element: &Element, at: u64) -> Option<u64> {
+        let Self { units, memory, layout, agenda, dispatch, .. } = self;
+        let performer = &mut units[unit];
+        let waited = performer.stalled.front() == Some(&id);
+        if !waited && !performer.stalled.is_empty() {
+            performer.stalled.push_back(id);
+            return None;
+        }
+        match performer.perform(element, dispatch.flights[id as usize].marked, at, layout, memory) {
+            Ok(end) => {
+                if waited {
+                    performer.stalled.pop_front();
+                    performer.stalled.front().iter().for_each(|&&next| agenda.put(at, next));
+                }
+                Some(end)
+            }
+            Err(until) => {
+                if !waited {
+                    performer.stalled.push_back(id);
+                }
+                agenda.put(until, id);
+                None
+            }
+        }
+    }
+
+    /// Units work on the rays that they have taken on.
+    fn take_on_all(&mut self) {
+        while let Some(Taken { ray, unit, at }) = self.crossing.taken() {
+            self.take_on(ray, unit, at);
+        }
+    }
+
+    fn take_on(&mut self, id: u32, unit: usize, at: u64) {
+        let ray = &mut self.rays[id as usize];
+        ray.away = unit as u32;
+        if self.crossing.kind(unit) != Kind::ShadowCache {
+            return self.first(id, at);
+        }
+        (ray.holder, ray.policy_unit, ray.stage) = (Holder::ShadowCache, unit as u32, Stage::Step);
+        if std::mem::take(&mut ray.undecided) {
+            let end = self.units[unit].decide(at);
+            self.agenda.put(end, id);
+        } else {
+            self.step(id, at);
+        }
+    }
+
+    /// What the ray's step asks for, away from its holder.
+    fn work_away(&self, id: u32) -> Work {
+        let (flight, holder) = (&self.dispatch.flights[id as usize], self.rays[id as usize].holder);
+        let step = flight.step(holder).expect("a ray that was sent away has a step");
+        Work::of(step, holder, flight.kind, &self.layout)
+    }
+
+    fn first(&mut self, id: u32, at: u64) {
+        let work = self.work_away(id);
+        self.rays[id as usize].stage = Stage::First;
+        let unit = self.rays[id as usize].away as usize;
+        let Some(end) = self.perform(id, unit, &work.first, at) else { return };
+        if work.second.is_some() {
+            self.rays[id as usize].stage = Stage::Second;
+            self.agenda.put(end, id);
+        } else {
+            self.go_back(id, &work, end);
+        }
+    }
+
+    fn second(&mut self, id: u32, at: u64) {
+        let work = self.work_away(id);
+        let second = work.second.expect("a second operation has something to fetch");
+        let unit = self.rays[id as usize].away as usize;
+        let Some(end) = self.perform(id, unit, &second, at) else { return };
+        self.go_back(id, &work, end);
+    }
+
+    fn go_back(&mut self, id: u32, work: &Work, mut end: u64) {
+        let ray = &mut self.rays[id as usize];
+        if work.divides {
+            let (core, a_core) = (self.units[ray.away as usize].core(), self.divisions.len() / self.cores);
+            let (open_at, begun) = &mut self.divisions[core * a_core + id as usize % a_core];
+            let begin = end.max(*open_at);
+            (*open_at, *begun) = (begin + self.division.interval.get(), *begun + 1);
+            end = begin + self.division.latency.get();
+        }
+        ray.stage = Stage::Back;
+        self.dispatch.performed(id);
+        self.agenda.put(end + 1, id);
+    }
+
+    /// The ray has no more steps where it is.
+    fn leave_holder(&mut self, id: u32, now: u64) {
+        let ray = &mut self.rays[id as usize];
+        match ray.holder {
+            Holder::ShadowCache => {
+                let unit = ray.policy_unit as usize;
+                self.crossing.leave(unit, now + 1);
+            }
+            Holder::Traversal => {
+                self.dispatch.left_slot(id);
+                self.dispatch.retire(id, &self.layout);
+                if self.dispatch.flights[id as usize].has_policy() {
+                    ray.stage = Stage::Policy;
+                    return self.agenda.put(now + 1, id);
+                }
+            }
+        }
+        self.dispatch.done(id, now);
+        self.await_shading();
+    }
+
+    fn await_shading(&mut self) {
+        if !self.shading
+            && let Some(at) = self.dispatch.next_shaded()
+        {
+            self.shading = true;
+            self.agenda.put(at, self.rays.len() as u32);
+        }
+    }
+
+    /// Hands out what can be in cycle `at`, and goes on in the stream.
+    fn hand_out(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
+        self.hand_out_all(at, feed)?;
+        if feed.marks() {
+            let tally = self.tally(at + 1);
+            if let Some(warm) = feed.mark(&tally) {
+                let l1s = Kind::ALL.into_iter().flat_map(|kind| warm.l1s(kind));
+                self.units.iter_mut().zip(l1s).for_each(|(unit, l1)| unit.hold(l1));
+                self.memory.hold(warm.banks());
+            }
+        }
+        Ok(())
+    }
+
+    fn hand_out_all(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
+        while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
+            self.tell_frame(at, feed);
+            let (id, at, holder, stage) = match given {
+                Given::Frame => {
+                    let first = self.layout.dynamic_part();
+                    self.units.iter_mut().for_each(|unit| unit.drop_from(first, at, &mut self.memory));
+                    self.memory.drop_from(first, at);
+                    continue;
+                }
+                Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
+                Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
+            };
+            let undecided = matches!(given, Given::Skipped(..)) && self.dispatch.units_decide();
+            self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
+            self.agenda.put(at, id);
+        }
+        self.tell_frame(at, feed);
+        Ok(())
+    }
+
+    /// Tells what was counted up to cycle `at` if a frame is over.
+    fn tell_frame(&self, at: u64, feed: &mut dyn Feed) {
+        if feed.wants_frame() {
+            feed.frame_counted(&self.tally(at + 1));
+        }
+    }
+
+    /// Who was told of accesses.
+    pub(crate) fn into_watch(self) -> W {
+        self.memory.watch
+    }
+
+    /// Everything under way comes to its end; gives when that is.
+    fn settle(&mut self, now: u64) -> u64 {
+        let units = self.units.iter().map(Unit::settled_at).max().unwrap_or(0);
+        self.units.iter_mut().for_each(|unit| unit.settle(u64::MAX, &mut self.memory));
+        let end = now.max(units).max(self.memory.settled_at());
+        self.memory.settle(u64::MAX);
+        end.max(self.memory.settled_at())
+    }
+}
+
+impl<W: Watch> Engine for Profile<W> {
+    fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
+        let shading_ends = self.rays.len() as u32;
+        let mut last = 0;
+        self.hand_out(0, feed)?;
+        while let Some(now) = self.agenda.turn() {
+            while let Some(id) = self.agenda.take() {
+                if id == shading_ends {
+                    self.shading = false;
+                    self.dispatch.shaded(now);
+                    self.await_shading();
+                } else {
+                    self.act(id, now);
+                }
+            }
+            last = now;
+            if std::mem::take(&mut self.dispatch.freed) {
+                self.hand_out(now + 1, feed)?;
+            }
+        }
+        if !self.dispatch.is_over() {
+            let queues = format!("rays in flight {}", self.dispatch.in_flight());
+            return Err(RunError::Deadlock { cycle: last, queues });
+        }
+        Ok(self.settle(last) + 1)
+    }
+
+    fn tally(&self, cycles: u64) -> Tally {
+        let units = |kind| self.units[self.crossing.of_kind(kind)].iter().map(Unit::tally).collect();
+        Tally {
+            cycles,
+            rays: self.dispatch.rays_done,
+            dispatcher: busy(self.dispatch.busy),
+            units: Kind::ALL.map(units),
+            divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
+            banks: self.memory.banks(),
+            channels: self.memory.channels(cycles),
+            ..Tally::default()
+        }
+    }
+
+    fn logs(&mut self) -> Vec<&mut ChannelLog> {
+        Vec::new()
+    }
+}

@@ -1,0 +1,136 @@
+//! `Profile`: what it must share with `Event` on any machine, and how far it is off on the recorded stream.
+
+use std::sync::Arc;
+
+use super::agreement::check_many;
+use super::random::{machines, streams};
+use super::recorded::{on, quickstart, shipped};
+use super::synthetic::header;
+use super::*;
+use crate::engine::tally::{BankTally, PerClass};
+use crate::engine::work::known_to_profile;
+use crate::machine::shadow_cache::{FrameEnd, Place};
+use crate::machine::word_traffic::LatchedCopy;
+use crate::memory::tags::Contents;
+use crate::stats::Accuracy;
+use crate::stream::{Chunk, Totals};
+
+/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
+#[test]
+fn profile_does_the_same_work_as_event_on_any_machine() {
+    check_many(
+        200,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            let unit = &mut machine.shadow_cache;
+            (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
+            // What is gathered hangs on time.
+            (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
+            // Of operations that begin at once, one cycle is busy.
+            unit.width = num(1);
+            if unit.cache.contents == Contents::Ideal {
+                unit.writes = WritePolicy::Back;
+            }
+            let [profile, event] = ["Profile", "Event"].map(|rung| on(&machine, &header(), rung, &stream));
+            let work = |stats: &MachineStats| {
+                let busy: Vec<_> = stats.units.values().map(|causes| causes[&Cause::Busy]).collect();
+                let l1s = stats.caches.iter().filter(|(name, _)| name.starts_with("l1"));
+                let accesses: Vec<_> = l1s.flat_map(|(_, classes)| classes.values().map(|it| it.accesses)).collect();
+                let asked: Vec<_> = stats.bytes.iter().filter(|(name, _)| name.starts_with("l1")).collect();
+                format!("{:?}", (stats.rays, &busy[1..], accesses, asked))
+            };
+            if work(&profile) == work(&event) {
+                Ok(())
+            } else {
+                Err(format!("Profile {}\nEvent {}", work(&profile), work(&event)))
+            }
+        },
+    );
+}
+
+#[test]
+fn profile_is_close_on_the_recorded_stream() {
+    let (header, stream) = quickstart();
+    for name in ["small", "desktop"] {
+        let machine = shipped(name);
+        let event = on(&machine, &header, "Event", &stream);
+        // On `small` the DRAM's bus is busy for six tenths of the time here: that is where `Profile` is weakest.
+        let found = on(&machine, &header, "Profile", &stream);
+        assert_eq!(found.accuracy, Accuracy::Bounded);
+        let apart = |a: u64, b: u64| (a as f64 / b as f64 - 1.0).abs();
+        assert!(apart(found.cycles.0, event.cycles.0) < 0.1, "{name}: {} {}", found.cycles, event.cycles);
+        for level in ["l2", "dram"] {
+            let [ours, theirs] = [&found, &event].map(|stats| stats.moved(level).0);
+            assert!(apart(ours, theirs) < 0.03, "{name}, {level}: {ours} {theirs}");
+        }
+    }
+}
+
+/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and those of the others are all.
+#[test]
+fn misses_are_those_of_the_rays_that_ask() {
+    /// Cycles, and misses of L1s and of the L2 by reads: all and those of marked rays.
+    fn missed(engine: &mut dyn Engine, machine: &MachineSpec, items: &[Item]) -> (u64, [[PerClass<u64>; 2]; 2]) {
+        let tally = replay(engine, machine, &mut items.iter().cloned().map(Ok), None).unwrap();
+        let units = || tally.units.iter().flatten();
+        let sum = |of: fn(&UnitTally, usize) -> u64| std::array::from_fn(|class| units().map(|it| of(it, class)).sum());
+        let banks = |of: fn(&BankTally, usize) -> u64| {
+            std::array::from_fn(|class| tally.banks.iter().map(|it| of(it, class)).sum())
+        };
+        let l1s = [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.marked[class])];
+        (
+            tally.cycles,
+            [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.marked[class])]],
+        )
+    }
+    check_many(
+        100,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            // Steps of a frame's end are no ray's: there are none.
+            (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
+            // Every other chunk, and the others.
+            let marked = |odd: usize| -> Vec<Item> {
+                let mut totals = Totals::default();
+                let mark = |(at, item): (usize, &Item)| match item {
+                    Item::Rays(chunk) => {
+                        chunk.rays().for_each(|ray| totals.count(&ray));
+                        let mut chunk = Chunk::clone(chunk);
+                        if at % 2 == odd {
+                            chunk.mark();
+                        }
+                        Item::Rays(Arc::new(chunk))
+                    }
+                    Item::End { .. } => Item::End { policy: Arc::default(), totals: std::mem::take(&mut totals) },
+                    frame => frame.clone(),
+                };
+                stream.iter().enumerate().map(mark).collect()
+            };
+            let streams = [marked(0), marked(1)];
+            let header = header();
+            let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
+            let mut by = vec![("Event", streams.each_ref().map(event))];
+            if known_to_profile(&machine) {
+                let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
+                by.push(("Profile", streams.each_ref().map(profile)));
+            }
+            for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
+                // A register writes entries of stores out for no ray.
+                let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
+                let is_right = |class: TrafficClass, all: u64, sum: u64| {
+                    sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(&class) && sum < all
+                };
+                let levels = levels.iter().zip(&same_levels);
+                let are_right = levels.clone().all(|([all, some], [same, others])| {
+                    let sums = some.iter().zip(others).map(|(some, others)| some + others);
+                    let mut classes = TrafficClass::ALL.into_iter().zip(all).zip(sums);
+                    all == same && classes.all(|((class, &all), sum)| is_right(class, all, sum))
+                });
+                if cycles != as_many || !are_right {
+                    return Err(format!("{engine}: {cycles} {as_many}, {:?}", levels.collect::<Vec<_>>()));
+                }
+            }
+            Ok(())
+        },
+    );
+}

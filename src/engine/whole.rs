@@ -1,0 +1,125 @@
+//! Replays a whole stream, within the laws that every run must keep.
+
+use super::bound::{self, Bound};
+use super::check;
+use super::contract::Engine;
+use super::error::RunError;
+use super::feed::Feed;
+use super::frame_log::FrameLog;
+use super::items::ItemStream;
+use super::level::{Level, engine};
+use super::observe::{self, DramObserver};
+use super::source::{FrameCounts, StoreWork};
+use super::tally::Tally;
+use crate::machine::MachineSpec;
+use crate::stats::{Accuracy, MachineStats};
+use crate::stream::{Header, Item};
+
+/// Replays `items`, a stream with the given header, by `level`. Memory is bounded: a chunk is dropped when all its rays are done.
+/// The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every cycle of every unit,
+/// bounds) are checked, and a violation is an error.
+///
+/// # Errors
+/// The level refuses the machine, or the run fails.
+pub(crate) fn whole(
+    level: Level,
+    machine: &MachineSpec,
+    header: &Header,
+    items: &mut ItemStream<'_>,
+    observer: Option<&mut dyn DramObserver>,
+) -> Result<MachineStats, RunError> {
+    let Some(mut engine) = engine(level, machine, header)? else { return bound::run(machine, header, items) };
+    let stats = within_bounds(engine.as_mut(), machine, header, items, observer)?;
+    Ok(match level {
+        Level::Profile => MachineStats { accuracy: Accuracy::Bounded, ..stats },
+        Level::Bound | Level::Event | Level::Cycle => stats,
+    })
+}
+
+/// Replays everything by `engine`, within the bounds of every machine.
+///
+/// # Errors
+/// The run fails, or leaves the bounds.
+pub(crate) fn within_bounds(
+    engine: &mut dyn Engine,
+    machine: &MachineSpec,
+    header: &Header,
+    items: &mut ItemStream<'_>,
+    observer: Option<&mut dyn DramObserver>,
+) -> Result<MachineStats, RunError> {
+    let mut bound = Bound::new(machine, header, false);
+    let mut counted = items.inspect(|item| item.iter().for_each(|item| bound.add(item)));
+    let mut feed = Whole::new(machine, &mut counted);
+    let whole = fed(engine, machine, &mut feed, observer)?.stats(machine);
+    let frames = feed.frames;
+    drop(counted);
+    check::bounds(&whole, &bound.bounds(&[])).map_err(RunError::Invariant)?;
+    let measured = frames.finish(whole, header).map_err(RunError::Invariant)?;
+    Ok(MachineStats { bounds: Some(bound.bounds(&header.warmup)), ..measured })
+}
+
+/// Replays all that `feed` gives; what was counted, whose identities hold.
+///
+/// # Errors
+/// The run fails, or violates an identity.
+pub(super) fn fed(
+    engine: &mut dyn Engine,
+    machine: &MachineSpec,
+    feed: &mut Whole<'_, '_>,
+    observer: Option<&mut dyn DramObserver>,
+) -> Result<Tally, RunError> {
+    let cycles = match observer {
+        None => engine.run(feed)?,
+        Some(observer) => observe::run(engine, machine, feed, observer)?,
+    };
+    let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
+    check::run(&tally, machine).map_err(RunError::Invariant)?;
+    Ok(tally)
+}
+
+/// Replays `items`; what was counted, whose identities hold.
+#[cfg(test)]
+pub(super) fn replay(
+    engine: &mut dyn Engine,
+    machine: &MachineSpec,
+    items: &mut ItemStream<'_>,
+    observer: Option<&mut dyn DramObserver>,
+) -> Result<Tally, RunError> {
+    fed(engine, machine, &mut Whole::new(machine, items), observer)
+}
+
+/// Feeds an engine with all items.
+pub(super) struct Whole<'m, 'i> {
+    items: &'i mut ItemStream<'i>,
+    /// What is counted frame by frame.
+    frames: FrameLog<'m>,
+    /// What was done with stores otherwise than recorded.
+    stores: StoreWork,
+}
+
+impl<'m, 'i> Whole<'m, 'i> {
+    /// Feeds `items` to a machine.
+    pub(super) fn new(machine: &'m MachineSpec, items: &'i mut ItemStream<'_>) -> Self {
+        Self { items, frames: FrameLog::new(machine), stores: StoreWork::default() }
+    }
+}
+
+impl Feed for Whole<'_, '_> {
+    fn next(&mut self) -> Result<Option<Item>, RunError> {
+        Ok(self.items.next().transpose()?)
+    }
+
+    fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError> {
+        self.stores += counts.stores;
+        self.frames.over(*counts);
+        check::frame(counts, &self.frames.machine().shadow_cache)
+    }
+
+    fn wants_frame(&self) -> bool {
+        self.frames.is_over()
+    }
+
+    fn frame_counted(&mut self, tally: &Tally) {
+        self.frames.add(tally);
+    }
+}

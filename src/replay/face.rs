@@ -1,0 +1,123 @@
+//! A machine, a stream, and how the one replays the other.
+
+use super::fidelity::{Fidelity, OnePass};
+use crate::engine::whole::whole;
+use crate::engine::{self, DramObserver, Exact, Level, ReuseOf, RunError, Source};
+use crate::machine::{MachineSpec, SpecError};
+use crate::memory::dram::spec::Model;
+use crate::sampling;
+use crate::stats::{MachineStats, ReuseLevel};
+use crate::stream::{Header, Item, StreamError};
+
+/// A machine that fits a stream, and the fidelity level at which it replays that.
+#[derive(Clone, Copy, Debug)]
+pub struct Replay<'a, F = Fidelity> {
+    machine: &'a MachineSpec,
+    header: &'a Header,
+    fidelity: F,
+}
+
+impl<'a> Replay<'a> {
+    /// `machine` before a stream with `header`, at the level [`Fidelity::Event`].
+    ///
+    /// # Errors
+    /// The machine cannot be built, or does not fit the stream.
+    pub fn new(machine: &'a MachineSpec, header: &'a Header) -> Result<Self, SpecError> {
+        machine.check()?;
+        machine.check_stream(header)?;
+        Ok(Self { machine, header, fidelity: Fidelity::Event })
+    }
+}
+
+impl<'a, F> Replay<'a, F> {
+    /// The same at another level: a [`Fidelity`], a [`OnePass`] or an [`Exact`] one.
+    pub fn fidelity<G>(self, fidelity: G) -> Replay<'a, G> {
+        Replay { machine: self.machine, header: self.header, fidelity }
+    }
+
+    /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and misses of
+    /// caches of all sizes. A sample reads the stream once more, to find the hottest lines.
+    ///
+    /// # Errors
+    /// `Profile` refuses the machine, or the run fails.
+    pub fn reuse(&self, of: ReuseOf, source: &dyn Source) -> Result<(MachineStats, Vec<ReuseLevel>), RunError> {
+        engine::reuse(self.machine, of, self.header, source)
+    }
+}
+
+impl Replay<'_, Fidelity> {
+    /// Replays the stream in as many passes as the fidelity takes.
+    ///
+    /// # Errors
+    /// The level refuses the machine, the stream cannot be read, or a law that every run keeps is violated.
+    pub fn run(&self, source: &dyn Source) -> Result<MachineStats, RunError> {
+        let Self { machine, header, fidelity } = *self;
+        match fidelity {
+            Fidelity::Auto { error } => sampling::auto(machine, error, header, source),
+            Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
+                sampling::sample_until_within(target, engine, (rate, seed), machine, header, source)
+            }
+            Fidelity::Sampled { engine, rate, seed, target_error: None } => {
+                self.fidelity(OnePass::Sampled { engine, rate, seed }).run(source.open(0)?)
+            }
+            Fidelity::Bound => self.whole(Level::Bound, source),
+            Fidelity::Profile => self.whole(Level::Profile, source),
+            Fidelity::Event => self.whole(Level::Event, source),
+            Fidelity::Cycle => self.whole(Level::Cycle, source),
+        }
+    }
+
+    fn whole(&self, level: Level, source: &dyn Source) -> Result<MachineStats, RunError> {
+        self.fidelity(OnePass::Whole(level)).run(source.open(0)?)
+    }
+}
+
+impl Replay<'_, OnePass> {
+    /// Replays `items`.
+    ///
+    /// # Errors
+    /// See [`Replay::<Fidelity>::run`](Replay#method.run).
+    pub fn run(&self, items: impl IntoIterator<Item = Result<Item, StreamError>>) -> Result<MachineStats, RunError> {
+        let Self { machine, header, fidelity } = *self;
+        let mut items = items.into_iter();
+        match fidelity {
+            OnePass::Whole(level) => whole(level, machine, header, &mut items, None),
+            OnePass::Sampled { engine, rate, seed } => {
+                sampling::sample(engine, (rate, seed), machine, header, &mut items)
+            }
+        }
+    }
+}
+
+impl<'a> Replay<'a, Exact> {
+    /// The same, while `observer` is told what the DRAM is asked for and does. Every command is checked against the timing of the
+    /// DRAM's part.
+    ///
+    /// # Errors
+    /// The DRAM has no clocks and commands.
+    pub fn observe<'o>(self, observer: &'o mut dyn DramObserver) -> Result<Observed<'a, 'o>, SpecError> {
+        if self.machine.dram.model == Model::Banks {
+            return Ok(Observed { replay: self, observer });
+        }
+        let what =
+            "a DRAM with `model: Flat` has no clocks and commands that could be told: for these, Banks is allowed";
+        Err(SpecError::new(what))
+    }
+}
+
+/// A replay whose DRAM is observed.
+pub struct Observed<'a, 'o> {
+    replay: Replay<'a, Exact>,
+    observer: &'o mut dyn DramObserver,
+}
+
+impl Observed<'_, '_> {
+    /// Replays `items`.
+    ///
+    /// # Errors
+    /// The observer fails, the DRAM is given an illegal command, or another law is violated.
+    pub fn run(self, items: impl IntoIterator<Item = Result<Item, StreamError>>) -> Result<MachineStats, RunError> {
+        let Replay { machine, header, fidelity } = self.replay;
+        whole(fidelity.into(), machine, header, &mut items.into_iter(), Some(self.observer))
+    }
+}
