@@ -64,6 +64,7 @@
 pub mod accel;
 pub(crate) mod alike;
 pub mod cli;
+pub(crate) mod console;
 pub(crate) mod counters;
 pub mod culling;
 pub(crate) mod energy;

@@ -12,7 +12,7 @@ use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
 pub(crate) use crate::shipped::Kind;
-use crate::{input, shipped};
+use crate::{alike, input, shipped};
 
 /// Why a config cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -77,6 +77,44 @@ pub(crate) fn text(path: &Path) -> Result<String, ConfigError> {
     text.map_err(|source| ConfigError::Read { path: path.into(), source })
 }
 
+/// The names of the outermost fields, or the name in front of the outermost brackets.
+pub(crate) fn top_names(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let (mut depth, mut in_text, mut word) = (0usize, false, String::new());
+    for line in text.lines().filter(|line| !line.trim_start().starts_with("#!")) {
+        let mut letters = line.chars().peekable();
+        while let Some(letter) = letters.next() {
+            if in_text {
+                if letter == '\\' {
+                    letters.next();
+                }
+                in_text = letter != '"';
+                continue;
+            }
+            match letter {
+                '/' if letters.peek() == Some(&'/') => break,
+                '"' => in_text = true,
+                '(' | '[' | '{' => {
+                    if depth == 0 && !word.is_empty() {
+                        names.push(std::mem::take(&mut word));
+                    }
+                    depth += 1;
+                }
+                ')' | ']' | '}' => depth = depth.saturating_sub(1),
+                ':' if depth == 1 && !word.is_empty() => names.push(std::mem::take(&mut word)),
+                letter if letter.is_alphanumeric() || letter == '_' => {
+                    word.push(letter);
+                    continue;
+                }
+                letter if letter.is_whitespace() => continue,
+                _ => {}
+            }
+            word.clear();
+        }
+    }
+    names
+}
+
 /// Reads `text`, which came from `path`, as RON.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
@@ -133,7 +171,7 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
         // The whole number before the fraction was read; of what follows, RON says that a comma is missing.
         "a whole number is allowed here, without a fraction".to_owned()
     } else {
-        error.code.to_string()
+        told(&error.code)
     };
     let (line, column) = named_field(&what, text).unwrap_or(found);
     Place {
@@ -142,6 +180,21 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
         column,
         source_line: text.lines().nth(line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
         what,
+    }
+}
+
+/// What an error says. Of names that are not known, those that are alike and those that are allowed.
+fn told(error: &ron::Error) -> String {
+    let unknown = |what: &str, found: &str, allowed: &[&str]| {
+        let alike = alike::closest(found, allowed);
+        let alike = alike.map(|alike| format!("did you mean `{alike}`? Allowed: ")).unwrap_or("allowed: ".into());
+        let allowed = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        format!("unknown {what} `{found}`; {alike}{allowed}")
+    };
+    match error {
+        ron::Error::NoSuchStructField { expected, found, .. } => unknown("field", found, expected),
+        ron::Error::NoSuchEnumVariant { expected, found, .. } => unknown("name", found, expected),
+        error => error.to_string(),
     }
 }
 

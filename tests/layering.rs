@@ -16,6 +16,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
     ("alike", &[]),
+    ("console", &[]),
     ("size", &[]),
     ("random", &[]),
     ("ranged", &["size"]),
@@ -23,7 +24,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("output", &[]),
     ("input", &["output"]),
     ("shipped", &[]),
-    ("ron_file", &["ranged", "input", "shipped"]),
+    ("ron_file", &["alike", "ranged", "input", "shipped"]),
     ("counters", &[]),
     ("spread", &[]),
     ("stats", &["quantity", "counters"]),
@@ -50,6 +51,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "experiment",
         &[
+            "alike",
+            "console",
             "quantity",
             "ranged",
             "named",
@@ -71,17 +74,19 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("fields", &["alike", "size", "memory", "machine", "scene", "experiment"]),
+    ("fields", &["alike", "size", "ron_file", "memory", "machine", "scene", "experiment"]),
     (
         "cli",
         &[
             "alike",
+            "console",
             "quantity",
             "shipped",
             "output",
             "ron_file",
             "stream",
             "machine",
+            "named",
             "replay",
             "report",
             "experiment",

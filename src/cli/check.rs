@@ -8,7 +8,8 @@ use clap::Args;
 
 use super::outcome::Outcome;
 use super::print::print;
-use crate::experiment::{self, Experiment, Overrides, run, sweep};
+use crate::console::{note, warn};
+use crate::experiment::{self, Experiment, Overrides, run, sweep, warnings};
 use crate::fields::{Root, kind_of};
 use crate::output::signals;
 use crate::quantity::Resolution;
@@ -52,11 +53,13 @@ fn check(file: &Path) -> Result<String> {
     let told = match kind {
         Root::Experiment => {
             let experiment = Experiment::load(file, Overrides::default())?;
+            warnings::warnings(&experiment, true).iter().for_each(warn);
             let estimate = estimate(file, &experiment).context("a small picture of the first frame")?;
             format!("{}\n  {estimate}", experiment.need())
         }
         Root::Machine => {
             let machine = experiment::read_machine(file)?;
+            warnings::of_machine(file).iter().for_each(warn);
             let peak = machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get());
             let peak = peak.map(|bytes| bytes * machine.clock_mhz.get() as f64 / 1000.0);
             let peak = peak.map_or("any".into(), |peak| format!("up to {peak:.1} GB/s"));
@@ -65,7 +68,7 @@ fn check(file: &Path) -> Result<String> {
         }
         Root::Scene => {
             let (_, scene) = experiment::read_scene(file)?;
-            scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
+            scene.origin.notices.iter().for_each(|notice| note(format!("note: {notice}")));
             format!(
                 "`{}`, {} static and {} dynamic triangles, {}, {}",
                 scene.name,
@@ -92,8 +95,12 @@ fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
     let resolution = Resolution { width: side(width), height: side(height) };
     let first = whole.frames.first().copied().unwrap_or_default();
     let frames = format!("{first}..{}", first + 1).parse().map_err(anyhow::Error::msg)?;
-    let small = Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0) };
+    let small =
+        Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0), ..Overrides::default() };
     let small = run::run(&Experiment::load(file, small)?, true, &signals::stop_flag())?.summary;
+    if small.sees_nothing() {
+        warn("no ray of the camera met a surface that asks a light: is it turned away, or in a wall?");
+    }
     let pixels = whole.spec.resolution.pixels() as f64 / resolution.pixels() as f64;
     let off = small.policies.iter().find(|(name, _)| small.baseline.as_deref() == Some(*name));
     let rays = off.map_or(0, |(_, off)| off.counts.primary_rays + off.counts.secondary_rays + off.counts.shadow_rays);

@@ -2,9 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, anyhow, bail};
 
 use crate::alike;
+use crate::fields::{Root, kind_of};
+use crate::ron_file;
 use crate::shipped::{self, Kind};
 
 /// The path of the config that `argument` names: a file, or the shipped config of that name.
@@ -22,6 +24,19 @@ pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
     let known = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let kind = kind.name();
     bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")
+}
+
+/// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
+pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
+    let kind = kind_of(&ron_file::text(path).ok()?).filter(|kind| *kind != expected)?;
+    let option = match kind {
+        Root::Machine => format!(": use --machine {}", path.display()),
+        Root::Experiment => format!(": use umbrasim run {}", path.display()),
+        Root::Scene => ", which an experiment names as its `scene`".into(),
+        Root::Sweep => format!(": use umbrasim sweep {}", path.display()),
+        Root::Dram => ", which a machine names as its `dram.part`".into(),
+    };
+    Some(anyhow!("{} is {}{option}; {} is needed here", path.display(), kind.title(), expected.title()))
 }
 
 #[cfg(test)]

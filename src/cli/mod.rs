@@ -10,6 +10,7 @@ mod config_path;
 mod describe;
 mod destinations;
 mod diff;
+mod ending;
 mod explain;
 mod help;
 mod identities;
@@ -43,6 +44,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use command::Command;
 use outcome::Outcome;
 
+use crate::console;
 use crate::output::signals;
 
 /// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
@@ -54,6 +56,9 @@ struct Cli {
     /// Threads that trace, validate and replay samples; results don't depend on it [default: one a core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Say nothing but errors and where the result lies
+    #[arg(long, global = true)]
+    quiet: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -79,6 +84,9 @@ pub fn main() -> ExitCode {
 }
 
 fn execute(cli: Cli) -> Result<Outcome> {
+    if cli.quiet {
+        console::be_quiet();
+    }
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
         pool.build_global().context("cannot start the threads")?;

@@ -118,7 +118,7 @@ pub const MOST_GAP: f64 = 1e-9;
 pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
     let machine = read_machine(&named(Kind::Machine, path, &spec.machine)).map_err(ExperimentError::from)?;
-    let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
+    let bar = progress::bar("identities", spec.scenes.len() * Alone::ALL.len(), "rows");
     let mut rows = Vec::new();
     for SceneFrame { scene, frame: number } in &spec.scenes {
         let scene_path = named(Kind::Scene, path, scene);
@@ -143,7 +143,7 @@ pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured
             bar.inc(1);
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok((rows, spec.published))
 }
 

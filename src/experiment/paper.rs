@@ -123,7 +123,7 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
     }
     let mut readings = Vec::new();
     let ranges = spec.frames.len() * spec.structures.len() * spec.depths.len() * spec.shadow_rays.len();
-    let bar = progress::bar(ranges * spec.scenes.len(), "readings").with_message("paper");
+    let bar = progress::bar("paper", ranges * spec.scenes.len(), "readings");
     for PaperScene { scene, published } in &spec.scenes {
         let scene_path = named(Kind::Scene, path, scene);
         let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
@@ -142,7 +142,7 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
             }
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok(readings)
 }
 

@@ -96,7 +96,7 @@ pub(crate) fn pareto(
         rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, truth_seconds: 0.0, rays: 0 }).collect();
     let streams: usize = experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
     let mut runs = Vec::new();
-    let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
+    let bar = progress::bar("replaying", streams * machines.len() * rungs.len(), "replays");
     for experiment in &experiments {
         let folder = TemporaryFolder::create();
         let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
@@ -135,14 +135,14 @@ pub(crate) fn pareto(
             }
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     let names = rungs.iter().skip(1).map(Fidelity::to_string).collect();
     Ok((ParetoSummary::new(truth.to_string(), names, runs), timings))
 }
 
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: None };
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution, ..Overrides::default() };
         let mut experiment = Experiment::load(&named(Kind::Experiment, path, &self.file), overrides)?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {

@@ -2,6 +2,7 @@
 
 use super::root::Root;
 use super::table::fields;
+use crate::ron_file;
 
 /// The kind of file that `text` is, if its `#![type]` line or the names at its top tell it; they do even where the text
 /// has errors.
@@ -10,7 +11,7 @@ pub(crate) fn kind_of(text: &str) -> Option<Root> {
     if let Some(root) = Root::ALL.into_iter().find(typed) {
         return Some(root);
     }
-    let names = top_names(text);
+    let names = ron_file::top_names(text);
     // A scene is one of several variants; `Obj` is an older name of `Files`.
     let scenes: Vec<String> = fields(Root::Scene).into_iter().map(|field| field.path).collect();
     let is_scene = |name: &String| name == "Obj" || scenes.contains(&format!("scene.{name}"));
@@ -26,44 +27,6 @@ pub(crate) fn kind_of(text: &str) -> Option<Root> {
     let mut scores = Root::ALL.map(|root| (score(root), root));
     scores.sort_by_key(|(score, _)| -score);
     (scores[0].0 > scores[1].0 && scores[0].0 > 0).then_some(scores[0].1)
-}
-
-/// The names of the outermost fields, or the name in front of the outermost brackets.
-fn top_names(text: &str) -> Vec<String> {
-    let mut names = Vec::new();
-    let (mut depth, mut in_text, mut word) = (0usize, false, String::new());
-    for line in text.lines().filter(|line| !line.trim_start().starts_with("#!")) {
-        let mut letters = line.chars().peekable();
-        while let Some(letter) = letters.next() {
-            if in_text {
-                if letter == '\\' {
-                    letters.next();
-                }
-                in_text = letter != '"';
-                continue;
-            }
-            match letter {
-                '/' if letters.peek() == Some(&'/') => break,
-                '"' => in_text = true,
-                '(' | '[' | '{' => {
-                    if depth == 0 && !word.is_empty() {
-                        names.push(std::mem::take(&mut word));
-                    }
-                    depth += 1;
-                }
-                ')' | ']' | '}' => depth = depth.saturating_sub(1),
-                ':' if depth == 1 && !word.is_empty() => names.push(std::mem::take(&mut word)),
-                letter if letter.is_alphanumeric() || letter == '_' => {
-                    word.push(letter);
-                    continue;
-                }
-                letter if letter.is_whitespace() => continue,
-                _ => {}
-            }
-            word.clear();
-        }
-    }
-    names
 }
 
 #[cfg(test)]

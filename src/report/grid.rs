@@ -27,6 +27,20 @@ pub(crate) fn drawn(grid: &Grid) -> String {
     fitted(grid, terminal::width())
 }
 
+/// A table whose columns behind the first `needed` are left out where the terminal has no room for them.
+pub(crate) fn drawn_most(grid: &Grid, needed: usize) -> String {
+    let width = terminal::width();
+    let fits = |columns: &usize| fitted(&first(grid, *columns), width).lines().all(|line| !line.is_empty());
+    let columns = (needed + 1..=grid.head.len()).rev().find(fits).unwrap_or(needed);
+    fitted(&first(grid, columns), width)
+}
+
+/// The first columns of a grid.
+fn first(grid: &Grid, columns: usize) -> Grid {
+    let of = |row: &Vec<String>| row.iter().take(columns).cloned().collect();
+    Grid { head: of(&grid.head), names: grid.names, rows: grid.rows.iter().map(of).collect() }
+}
+
 /// A table of at most `width` letters a line, if its columns are no wider. Headers go over several lines; columns that
 /// find no room follow in a further table, behind the names.
 fn fitted(grid: &Grid, width: usize) -> String {

@@ -24,7 +24,7 @@ fn a_field_is_described_with_all_that_its_spec_says() {
         "\n place ",
         "Which way accesses to stores go.",
         "default Own",
-        "machine.shadow_cache.cache",
+        "describe machine.shadow_cache.writes",
     ] {
         assert!(group.contains(part), "{part}: {group}");
     }

@@ -122,7 +122,7 @@ fn run_all(
     stop: &AtomicBool,
 ) -> Result<(), SweepError> {
     let fidelity = sweep.experiment.spec.fidelity;
-    let bar = progress::bar(replays.len(), "replays").with_message("replaying");
+    let bar = progress::bar("replaying", replays.len(), "replays");
     replays.into_par_iter().try_for_each(|(key, Replay { policy, machine, role })| {
         let machine = role.machine(&sweep.machine(machine)?.spec);
         let stats = replay(&machine, fidelity, &streams[policy], stop)?;
@@ -131,6 +131,6 @@ fn run_all(
         bar.inc(1);
         Ok::<_, SweepError>(())
     })?;
-    bar.finish_and_clear();
+    drop(bar);
     Ok(())
 }

@@ -11,13 +11,15 @@ mod results;
 mod steady;
 mod summary;
 mod tables;
+mod terminal;
 mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
-pub(crate) use tables::{replayed, terminal};
+pub(crate) use tables::replayed;
+pub(crate) use terminal::{terminal, verdict};
 pub(crate) use write::redraw;
 
 #[cfg(test)]
