@@ -1,7 +1,8 @@
-//! How fast both engines replay the recorded quickstart on the shipped machines, side by side. The numbers that they measure
-//! must be equal.
+//! How fast both engines replay the recorded quickstart on the shipped machines, side by side. The numbers that they
+//! measure must be equal.
 //!
-//! `cargo bench --bench engine` prints a line a machine. Wall times are the best of three runs of `Event`, and one of `Cycle`.
+//! `cargo bench --bench engine` prints a line a machine. Wall times are the best of three runs of `Event`, and one of
+//! `Cycle`.
 
 use std::path::Path;
 use std::time::Instant;

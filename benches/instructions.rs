@@ -1,7 +1,9 @@
-//! How many instructions a step of a ray costs at each fidelity level, counted by valgrind's cachegrind: the same on any machine under any load.
+//! How many instructions a step of a ray costs at each fidelity level, counted by valgrind's cachegrind: the same on
+//! any machine under any load.
 //!
-//! `cargo bench --bench instructions` prints a table and fails where a run costs over 5 % more than `benches/instructions.csv` says. With the
-//! environment variable `UMBRASIM_BLESS` set, it writes the file anew. Without valgrind it says that it skips.
+//! `cargo bench --bench instructions` prints a table and fails where a run costs over 5 % more than
+//! `benches/instructions.csv` says. With the environment variable `UMBRASIM_BLESS` set, it writes the file anew.
+//! Without valgrind it says that it skips.
 
 use std::error::Error;
 use std::fs;

@@ -41,7 +41,8 @@ impl Policy for DarkLastFrame {
     }
 
     fn end_frame(&mut self, changes: &[Change], _steps: &mut Trail) {
-        // A primitive that was traced and blocked everywhere is dark; one ray that sees the light is enough to clear it.
+        // A primitive that was traced and blocked everywhere is dark; one ray that sees the light is enough to clear
+        // it.
         changes.iter().filter(|seen| seen.kind == DARK).for_each(|seen| self.dark[seen.index as usize] = true);
         changes.iter().filter(|seen| seen.kind == LIT).for_each(|seen| self.dark[seen.index as usize] = false);
     }

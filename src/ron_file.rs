@@ -125,7 +125,8 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigEr
 }
 
 thread_local! {
-    /// The folder of the file that is being read: a field that names another file is told by nobody else where it stands.
+    /// The folder of the file that is being read: a field that names another file is told by nobody else where it
+    /// stands.
     static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
 }
 
@@ -198,7 +199,8 @@ fn told(error: &ron::Error) -> String {
     }
 }
 
-/// An error of a file that cannot be read, shown where the config at `config` names that file; any other error as it is.
+/// An error of a file that cannot be read, shown where the config at `config` names that file; any other error as it
+/// is.
 pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
     let ConfigError::Read { path, source } = error else { return error };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -221,8 +223,8 @@ fn letter_at(text: &str, (line, column): (usize, usize)) -> Option<char> {
     text.lines().nth(line.checked_sub(1)?)?.chars().nth(column.checked_sub(1)?)
 }
 
-/// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``: an error of several values is found at
-/// their end only.
+/// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``: an error of several values
+/// is found at their end only.
 fn named_field(what: &str, text: &str) -> Option<(usize, usize)> {
     let (path, _) = what.strip_prefix('`')?.split_once('`')?;
     let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());

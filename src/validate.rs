@@ -1,10 +1,11 @@
-//! How wrong a picture is: shadow decisions of culling against the same rays without it, and both against the reference.
+//! How wrong a picture is: shadow decisions of culling against the same rays without it, and both against the
+//! reference.
 //!
 //! Three pictures of one frame are compared. `reference` is of the [reference renderer](crate::reference) in `f64`,
-//! `plain` of the tracer in `f32` without culling, `culled` of the tracer with a policy. A decision is what a primary hit
-//! finds for a light: not asked, lit or hidden. `plain` and `culled` come of the same rays, so a decision that differs
-//! between them is the policy's fault, and no rounding hides in it; one that differs between `plain` and `reference` is
-//! of rounding alone.
+//! `plain` of the tracer in `f32` without culling, `culled` of the tracer with a policy. A decision is what a primary
+//! hit finds for a light: not asked, lit or hidden. `plain` and `culled` come of the same rays, so a decision that
+//! differs between them is the policy's fault, and no rounding hides in it; one that differs between `plain` and
+//! `reference` is of rounding alone.
 
 use std::ops::AddAssign;
 

@@ -1,5 +1,5 @@
-//! The DRAM's channels against DRAMsim3: `tests/fixtures/dramsim3` holds requests, what DRAMsim3 did with them, and the program that
-//! asked it.
+//! The DRAM's channels against DRAMsim3: `tests/fixtures/dramsim3` holds requests, what DRAMsim3 did with them, and the
+//! program that asked it.
 
 mod common;
 
@@ -57,8 +57,8 @@ fn asked(fields: &[String]) -> Asked {
     (fields[0].parse().unwrap(), address, fields[2] == "WRITE")
 }
 
-/// Gives each request in its clock, or in the first later one that has a place for it, one after another, to a channel whose
-/// machine has its clock, with `queue` places; when each read was done, and what was counted.
+/// Gives each request in its clock, or in the first later one that has a place for it, one after another, to a channel
+/// whose machine has its clock, with `queue` places; when each read was done, and what was counted.
 fn replay(requests: &[Asked], queue: u64) -> (Vec<Option<u64>>, DramCounts) {
     let spec = DramSpec { queue: Within::new(queue).unwrap(), ..spec() };
     let mut dram = Dram::new(&spec, spec.part.clock_mhz.get(), 64, PartId(0));
@@ -127,8 +127,8 @@ fn a_stream_costs_what_it_costs_there() {
     // Reads that find their line among writes that wait are answered there, and both choose rows in their own order.
     let (mine, other) = (ours(&came, 32), theirs("as_came"));
     assert!((mine / other - 1.0).abs() < 0.05, "as it came: {mine} against {other} pJ");
-    // A full queue decides how many activates there are. DRAMsim3 chooses among 32 reads, as many writes, and eight more a
-    // bank: its energy lies between ours with 32 and with 64 places.
+    // A full queue decides how many activates there are. DRAMsim3 chooses among 32 reads, as many writes, and eight
+    // more a bank: its energy lies between ours with 32 and with 64 places.
     let (long, short, other) = (ours(&pressed, 64), ours(&pressed, 32), theirs("pressed"));
     assert!(long <= other && other <= short, "pressed: {long} to {short} against {other} pJ");
 }
@@ -308,16 +308,17 @@ fn compare(run: &str, requests: &[Asked], column: usize, band: Band) {
     }
 }
 
-/// Requests of the quick start at the clocks at which they came; they keep the data bus a sixth busy. DRAMsim3 keeps writes back and
-/// does them together: its reads are a little sooner, and find more rows open.
+/// Requests of the quick start at the clocks at which they came; they keep the data bus a sixth busy. DRAMsim3 keeps
+/// writes back and does them together: its reads are a little sooner, and find more rows open.
 #[test]
 fn a_stream_as_it_came() {
     let came: Vec<Asked> = rows("stream.csv").iter().map(|row| asked(row)).collect();
     compare("as_came", &came, 0, Band { queue: 32, finish: 0.0006, latency: 0.05, row_hits: -0.045 });
 }
 
-/// The same as fast as they are taken. DRAMsim3 chooses among 32 reads, as many writes, and eight requests more a bank, which it takes in turn;
-/// we choose among those in one queue. With 32 places we find fewer rows open than it does, with 64 more.
+/// The same as fast as they are taken. DRAMsim3 chooses among 32 reads, as many writes, and eight requests more a bank,
+/// which it takes in turn; we choose among those in one queue. With 32 places we find fewer rows open than it does,
+/// with 64 more.
 #[test]
 fn a_stream_as_fast_as_it_is_taken() {
     let pressed: Vec<Asked> = rows("stream.csv").iter().map(|row| (0, asked(row).1, asked(row).2)).collect();

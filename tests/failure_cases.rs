@@ -1,5 +1,5 @@
-//! Wrong shadow decisions of the published algorithm, frame by frame, for nine readings of its text. The expected numbers
-//! are those of an independent model in double precision; the scenes are the same.
+//! Wrong shadow decisions of the published algorithm, frame by frame, for nine readings of its text. The expected
+//! numbers are those of an independent model in double precision; the scenes are the same.
 
 use umbrasim::culling::PolicySpec;
 use umbrasim::culling::published::rules::{

@@ -8,5 +8,9 @@ mod files;
 mod kills;
 #[path = "outputs/reports.rs"]
 mod reports;
+#[path = "outputs/shards.rs"]
+mod shards;
 #[path = "outputs/sweeps.rs"]
 mod sweeps;
+#[path = "outputs/versions.rs"]
+mod versions;

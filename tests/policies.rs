@@ -98,6 +98,7 @@ impl<'a> Setting<'a> {
                     static_slots: tracer.accel().static_slots(),
                     static_list_entries: 0,
                     stores: policy.stores(),
+                    unjudged_updates: false,
                     input_hash: 0,
                     records: tracer.accel().static_records().into(),
                 },
@@ -247,8 +248,8 @@ fn policies_that_cull_do() {
     }
 }
 
-/// Wrong decisions of policies that never may make one, secondary hits' included: answers that differ from that of the same
-/// ray traced without culling.
+/// Wrong decisions of policies that never may make one, secondary hits' included: answers that differ from that of the
+/// same ray traced without culling.
 fn wrongs_of_exact(setting: &Setting<'_>, traces: &[Trace]) -> Vec<String> {
     let wrong = traces.iter().filter(|trace| trace.wrong.iter().any(|&wrong| wrong > 0));
     wrong.map(|trace| format!("{} {} {:?}", setting.scene.name, trace.header.policy, trace.wrong)).collect()
@@ -259,8 +260,8 @@ fn traces_of_exact(setting: &Setting<'_>) -> Vec<Trace> {
     setting.trace(&exact)
 }
 
-/// The pictures of each policy against those of the reference renderer in `f64`; the first is of `Off`, which tells rounding
-/// from wrong decisions.
+/// The pictures of each policy against those of the reference renderer in `f64`; the first is of `Off`, which tells
+/// rounding from wrong decisions.
 fn against_reference(setting: &Setting<'_>, traces: &[Trace]) -> Vec<Comparison> {
     let scene = setting.scene;
     let offset = Tracer::new(scene, &scene.animation.frame(0), setting.resolution, setting.spec).offset();

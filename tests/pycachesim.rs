@@ -1,5 +1,5 @@
-//! The tag arrays of caches against pycachesim: `tests/fixtures/pycachesim` holds what it counted on line streams of the quick
-//! start, and the script that asked it.
+//! The tag arrays of caches against pycachesim: `tests/fixtures/pycachesim` holds what it counted on line streams of
+//! the quick start, and the script that asked it.
 
 mod common;
 

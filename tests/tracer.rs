@@ -15,8 +15,8 @@ use umbrasim::stream::{StreamWriter, Structure, Totals};
 use umbrasim::tracer::{LaneFrame, PixelOrder, Tracer, TracerSpec};
 use umbrasim::validate::{self, Comparison};
 
-/// The experiment in `configs/experiments`, with another scene of `configs/scenes` if it is named, in pictures of `side`
-/// pixels a side.
+/// The experiment in `configs/experiments`, with another scene of `configs/scenes` if it is named, in pictures of
+/// `side` pixels a side.
 fn experiment(name: &str, scene: Option<&str>, side: u32) -> Experiment {
     let file = Path::new(ROOT).join("configs/experiments").join(name);
     let resolution = Some(Resolution { width: side, height: side });
@@ -69,9 +69,9 @@ fn trace(experiment: &Experiment, frames: &[u32], spec: TracerSpec) -> Traced {
     Traced { lanes, streams, offset: tracer.offset() }
 }
 
-/// Compares the pictures without culling with the reference renderer's, and asserts that they agree but for rounding: of
-/// the scenes here at most 0.08 % of the primary hits differ, where two triangles meet, and 0.002 % of the decisions; the
-/// least PSNR is 56 dB, of textured scenes.
+/// Compares the pictures without culling with the reference renderer's, and asserts that they agree but for rounding:
+/// of the scenes here at most 0.08 % of the primary hits differ, where two triangles meet, and 0.002 % of the
+/// decisions; the least PSNR is 56 dB, of textured scenes.
 fn against_reference(experiment: &Experiment, frames: &[u32]) {
     let traced = trace(experiment, frames, experiment.spec.tracer);
     let reference = Reference::new(&experiment.scene);

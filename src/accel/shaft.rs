@@ -1,19 +1,19 @@
 //! Shafts: all shadow rays from a piece of a surface to a lamp at once, and what the static tree says of them.
 //!
 //! A certificate must foretell what the tracer's `f32` arithmetic will answer for every ray of the shaft, not what is
-//! true of real numbers. So nothing here asks whether the shaft meets a triangle; it asks whether [`Record::blocks`] and
-//! the tree's slab test *can* or *must* answer "blocked", with an error bound between the two.
+//! true of real numbers. So nothing here asks whether the shaft meets a triangle; it asks whether [`Record::blocks`]
+//! and the tree's slab test *can* or *must* answer "blocked", with an error bound between the two.
 //!
 //! **Notation.** `u` = 2^-24, half a unit in the last place of 1. A ray starts at `o`, ends at the light `L`, and has
-//! `d = fl(L - o)`. A record has a corner `A` and edges `a`, `b`, all of them `f32` and taken as exact. With `s = o - A`,
-//! `n = a x b` and `m = L - A`, the quantities that the triangle test compares are
+//! `d = fl(L - o)`. A record has a corner `A` and edges `a`, `b`, all of them `f32` and taken as exact. With `s = o -
+//! A`, `n = a x b` and `m = L - A`, the quantities that the triangle test compares are
 //!
 //! - `D = n.s` (height over the plane) and `F = -n.d = n.(o - L)` (how much the ray faces it),
 //! - `U = b.(s x d) = b.(s x m)` and `V = -a.(s x d) = -a.(s x m)`, because `d = m - s` and `s x s = 0`.
 //!
 //! All four are affine in `o`. Where an inequality between them holds at the three corners of a piece of a surface, it
-//! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point or several (a rectangle's);
-//! of several, each is decided on by itself, and the shaft says what holds for all.
+//! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point or several (a
+//! rectangle's); of several, each is decided on by itself, and the shaft says what holds for all.
 //!
 //! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`: a difference
 //! of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
@@ -26,8 +26,9 @@
 //! **Boxes.** A node is left out only if the slab test must miss it, and the slab test misses what is farther away
 //! from the ray than its own widening: entry and exit distances err by 4 u of themselves and are compared with a factor
 //! of 1 + 16 u, that is by at most `26 u |d|` in space (a kd-tree's planes are compared in the same way); the margin is
-//! `48 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest component. In the other direction the slab test never misses a box that the ray meets: if a triangle must be hit
-//! inside its edges by the bound above, the hit point is in the box of its corners, and so in those of all ancestors.
+//! `48 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest component. In the other direction the
+//! slab test never misses a box that the ray meets: if a triangle must be hit inside its edges by the bound above, the
+//! hit point is in the box of its corners, and so in those of all ancestors.
 //!
 //! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one test:
 //! one record is read, and evaluated for three corners (and all points of the lamp) at once.
@@ -139,7 +140,8 @@ impl Shaft {
             [Axis::new(sides[0].cross(sides[1]), points), ab, bc, ca]
         };
         let beams = lights.iter().map(|&light| Beam { light, faces: faces(light, &[a, b, c, light]) }).collect();
-        // Any axis will do that has the extent of all points on it; those of the beams to a rectangle's corners are enough.
+        // Any axis will do that has the extent of all points on it; those of the beams to a rectangle's corners are
+        // enough.
         let mut axes = SmallVec::new();
         for &light in corner_points(&lights) {
             axes.extend(faces(light, &points));

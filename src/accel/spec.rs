@@ -18,8 +18,8 @@ pub struct AccelSpec {
     pub dynamic: Quality,
     /// The order of a kd-tree's nodes; the other structures have one order only.
     pub kd_layout: KdLayout,
-    /// Entries of a ray's stack in a kd-tree: a full one drops its deepest entry, and the ray goes down again when it needs that. Without a limit if
-    /// it is not given.
+    /// Entries of a ray's stack in a kd-tree: a full one drops its deepest entry, and the ray goes down again when it
+    /// needs that. Without a limit if it is not given.
     pub kd_stack: Option<Within<1, 64>>,
     /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
     pub kd_depth: Option<Within<1, 64>>,

@@ -87,8 +87,9 @@ pub(super) trait JoinedTree {
     /// The nearest hit; at equal distance the one on the lowest primitive.
     fn closest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit>;
 
-    /// A triangle that blocks the ray within `scope`, the first found with children visited in `order`. Static triangles
-    /// are all tried before the first dynamic one, so that a dynamic blocker proves that no static one blocks.
+    /// A triangle that blocks the ray within `scope`, the first found with children visited in `order`. Static
+    /// triangles are all tried before the first dynamic one, so that a dynamic blocker proves that no static one
+    /// blocks.
     fn occluded(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId>;
 
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.

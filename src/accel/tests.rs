@@ -159,8 +159,8 @@ fn check_trail(trail: &Trail, accel: &Accel, world: &World<'_>) -> Result<(), Te
     Ok(())
 }
 
-/// Points with whole coordinates: triangles are often degenerate, equal, coplanar or in a plane with an axis, rays often
-/// meet corners and edges, and yet the triangle test is exact.
+/// Points with whole coordinates: triangles are often degenerate, equal, coplanar or in a plane with an axis, rays
+/// often meet corners and edges, and yet the triangle test is exact.
 fn lattice_point(half: i32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-half..=half).prop_map(|[x, y, z]| Vec3::new(x as f32, y as f32, z as f32))
 }

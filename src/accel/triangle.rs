@@ -75,10 +75,10 @@ impl Record {
     }
 
     /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach` by a ray that also meets the triangle's box.
-    /// The edge test and the slab test round differently where an edge lies in a face of the box: far from the origin, one
-    /// in some thousand rays that are aimed at such an edge passes the first and not the second, and a tree's boxes keep
-    /// it from the triangle or not, depending on where the traversal starts. With the triangle's own box asked too, which
-    /// lies in all boxes above it, the answer of a traversal is that of all triangles tested one by one.
+    /// The edge test and the slab test round differently where an edge lies in a face of the box: far from the origin,
+    /// one in some thousand rays that are aimed at such an edge passes the first and not the second, and a tree's boxes
+    /// keep it from the triangle or not, depending on where the traversal starts. With the triangle's own box asked
+    /// too, which lies in all boxes above it, the answer of a traversal is that of all triangles tested one by one.
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
             (Stop::Hit, Some(hit)) if hit.t < ray.reach => {
@@ -159,8 +159,8 @@ mod tests {
 
     #[test]
     fn a_ray_in_the_box_s_face_is_in_the_box() {
-        // The ray runs in the plane z = high of the triangle's box, along the edge from corner 0 to corner 1. A slab test
-        // that divided by the missing component of the direction would miss the box, and `blocks` with it.
+        // The ray runs in the plane z = high of the triangle's box, along the edge from corner 0 to corner 1. A slab
+        // test that divided by the missing component of the direction would miss the box, and `blocks` with it.
         let corners =
             [[100000.695, 100000.52, 100000.66], [100001.32, 100000.52, 100000.66], [100000.695, 100000.52, 99999.99]];
         let record = Record::new(&Triangle { v: corners.map(Vec3::from_array) }, PrimitiveId(0));

@@ -69,8 +69,8 @@ impl<'a> World<'a> {
         on!(&self.tree, tree => tree.blocks(ray, self.slot(primitive), watch))
     }
 
-    /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is lower.
-    /// Level 1 is the node that holds the leaf. For a BVH.
+    /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is
+    /// lower. Level 1 is the node that holds the leaf. For a BVH.
     pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
         on!(&self.tree, tree => tree.ancestor(self.slot(primitive), levels))
     }

@@ -39,6 +39,9 @@ pub(super) fn exit_code(error: &anyhow::Error) -> ExitCode {
         )
     });
     let stopped = matches!(error.downcast_ref(), Some(TraceError::Stopped))
-        || matches!(error.downcast_ref(), Some(SweepError::Stopped | SweepError::Machine { .. }));
+        || matches!(
+            error.downcast_ref(),
+            Some(SweepError::Stopped | SweepError::Machine { .. } | SweepError::Missing { .. })
+        );
     ExitCode::from(if replay_failed || stopped || error.is::<RunFailure>() { 1 } else { 2 })
 }

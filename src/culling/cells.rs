@@ -18,8 +18,8 @@ pub const DEEPEST: u64 = 15;
 pub struct Cell {
     /// Whose cell it is.
     pub primitive: PrimitiveId,
-    /// A one, then two bits a level: the corner (0 to 2) that the cell shares with the one around it, or 3 for the middle
-    /// one. A cell has a larger place than those around it.
+    /// A one, then two bits a level: the corner (0 to 2) that the cell shares with the one around it, or 3 for the
+    /// middle one. A cell has a larger place than those around it.
     pub place: u32,
 }
 
@@ -86,9 +86,9 @@ pub struct Receiver<'a> {
 impl Receiver<'_> {
     /// All shadow rays from one side of a cell to the points of a lamp.
     ///
-    /// The tracer's point is `a + (b - a) u + (c - a) v` and its ray starts `offset` along the unit normal, all in `f32`:
-    /// with the roundings by which the point's cell was found, it strays from the exact one by less than 16 u of the
-    /// largest coordinate, the edges and the offset together, where u = 2^-24.
+    /// The tracer's point is `a + (b - a) u + (c - a) v` and its ray starts `offset` along the unit normal, all in
+    /// `f32`: with the roundings by which the point's cell was found, it strays from the exact one by less than 16 u of
+    /// the largest coordinate, the edges and the offset together, where u = 2^-24.
     pub fn shaft(&self, cell: Cell, outside: bool, lights: &[Vec3]) -> Shaft {
         let Record { corner, edges, normal, .. } = *self.record;
         let [ab, ac] = edges.map(|edge| edge.as_dvec3());

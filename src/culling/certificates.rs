@@ -1,7 +1,7 @@
 //! Certificates: proofs, kept for cells of static receivers, that a lamp's static answer is the same for all of a cell.
 //!
-//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one mode
-//! a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both proven), or
+//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one
+//! mode a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both proven), or
 //! PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where rays ask for
 //! it and the answer is not uniform; nothing in it depends on a unit of length.
 //!
@@ -32,10 +32,11 @@ use crate::stream::{Store, StoreEntries};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
-    /// Rays from a cell to a light (of an area: hits), in one band of the picture and all with the same answer, before a
-    /// proof is asked for.
+    /// Rays from a cell to a light (of an area: hits), in one band of the picture and all with the same answer, before
+    /// a proof is asked for.
     pub ask: Within<1, 255>,
-    /// Rays from a cell to a light (of an area: hits), in one band, before a cell without a uniform or provable answer is divided.
+    /// Rays from a cell to a light (of an area: hits), in one band, before a cell without a uniform or provable answer
+    /// is divided.
     pub divide: Within<1, 255>,
     /// How often a primitive is divided at most; 0 keeps certificates for whole primitives only.
     pub deepest: Within<0, DEEPEST>,
@@ -215,8 +216,8 @@ impl Certificates {
         }
     }
 
-    /// The store of mode words: the words of all nodes that there can be, static primitives first, then as many references, then
-    /// the counts of rays.
+    /// The store of mode words: the words of all nodes that there can be, static primitives first, then as many
+    /// references, then the counts of rays.
     pub(crate) fn stores(&self) -> StoreEntries {
         StoreEntries {
             mode_words: self.reference(self.nodes()) + self.spec.counts.get() as u32,

@@ -1,6 +1,6 @@
-//! The ray intersection predictor (Liu et al. 2021, "Intersection Prediction for Accelerated GPU Ray Tracing") for shadow
-//! rays: a small table says in which part of the tree a similar ray was blocked. That part is searched first; if nothing
-//! blocks there, the ray is traced as ever, so that no decision is wrong.
+//! The ray intersection predictor (Liu et al. 2021, "Intersection Prediction for Accelerated GPU Ray Tracing") for
+//! shadow rays: a small table says in which part of the tree a similar ray was blocked. That part is searched first; if
+//! nothing blocks there, the ray is traced as ever, so that no decision is wrong.
 //!
 //! The table stands for an SRAM of 1024 entries of a tag and a node; it is priced as a store of that many occluder ids.
 //! One access reads a set.

@@ -31,8 +31,8 @@ impl Hints {
         Self { entries: vec![NONE; entries.size()], lights }
     }
 
-    /// Multiplicative hashing: the upper bits of a product with an odd number near 2^64 over the golden ratio (Knuth, TAOCP
-    /// 3, section 6.4).
+    /// Multiplicative hashing: the upper bits of a product with an odd number near 2^64 over the golden ratio (Knuth,
+    /// TAOCP 3, section 6.4).
     fn index(&self, cell: Cell, light: LightId) -> u32 {
         let key = u64::from(cell.primitive.0) << 32 ^ u64::from(cell.place) << 6 ^ u64::from(light.0);
         let product = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -82,8 +82,9 @@ impl HintWorker<'_> {
         self.changed.get(&index).copied().unwrap_or(self.hints.entries[index as usize])
     }
 
-    /// A triangle that is certain to block `ray`, if a hint names one: the cell's own hint, then the light's last blocker.
-    /// A cell without a hint has its last ray lit, or is new: then the last blocker is tried only next to other dark rays.
+    /// A triangle that is certain to block `ray`, if a hint names one: the cell's own hint, then the light's last
+    /// blocker. A cell without a hint has its last ray lit, or is new: then the last blocker is tried only next to
+    /// other dark rays.
     pub(crate) fn blocker(&self, cell: Cell, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
         let index = self.hints.index(cell, light);
         probe.read(Store::OccluderId, index);

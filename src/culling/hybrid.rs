@@ -1,10 +1,10 @@
-//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers and for lamps: the
-//! points of an area share a blocker as they share a proof.
+//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers and for
+//! lamps: the points of an area share a blocker as they share a proof.
 //!
 //! The two complement each other: a re-tested blocker answers dark rays for one triangle test and cannot answer lit
 //! ones; a certificate answers both, and cannot be had where the answer changes within a cell, or where no single
-//! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test is
-//! not watertight, and a ray may slip between them in the tracer.)
+//! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test
+//! is not watertight, and a ray may slip between them in the tracer.)
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 pub enum Knowledge {
     /// What was there at the frame's start.
     Latched,
-    /// That, and what was learned earlier in the same band of eight rows: several cores, each at a band of its own with a
-    /// memory of its own, which are brought together at the frame's end.
+    /// That, and what was learned earlier in the same band of eight rows: several cores, each at a band of its own with
+    /// a memory of its own, which are brought together at the frame's end.
     #[default]
     Band,
     /// All that was learned earlier, in raster order: one memory for all.

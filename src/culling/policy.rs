@@ -134,8 +134,8 @@ pub struct Evidence {
     pub ray: Ray,
     /// What the policy had said.
     pub verdict: Verdict,
-    /// What blocks the ray, if it was traced and is blocked. A dynamic blocker of a ray that was traced among everything
-    /// proves that no static triangle blocks.
+    /// What blocks the ray, if it was traced and is blocked. A dynamic blocker of a ray that was traced among
+    /// everything proves that no static triangle blocks.
     pub blocker: Option<PrimitiveId>,
 }
 

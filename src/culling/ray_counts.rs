@@ -1,5 +1,5 @@
-//! How many rays of a cell went to a light, lately: what gates a proof. A small table in memory, in which a new pair of cell and
-//! light takes the place of another.
+//! How many rays of a cell went to a light, lately: what gates a proof. A small table in memory, in which a new pair of
+//! cell and light takes the place of another.
 
 use rustc_hash::FxHashMap;
 
@@ -9,8 +9,8 @@ use crate::quantity::LightId;
 use crate::ranged::PowerOfTwo;
 use crate::stream::Store;
 
-/// Rays of a cell towards a light. In memory 32 bits: a count of 8, a flag for each kind of answer and one for a proof that
-/// was asked for, and a tag of 21 (the model compares the whole pair).
+/// Rays of a cell towards a light. In memory 32 bits: a count of 8, a flag for each kind of answer and one for a proof
+/// that was asked for, and a tag of 21 (the model compares the whole pair).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seen {
     /// How many, as far as 8 bits count.
@@ -44,8 +44,8 @@ impl RayCounts {
         Self { bits: size.get().trailing_zeros(), base, slots: FxHashMap::default() }
     }
 
-    /// Counts a ray, with one access to memory; what the slot then holds, to be changed. Of the rays of one hit to an area's
-    /// points the first is counted, and the access made, for all (`first`); the unit holds the entry meanwhile.
+    /// Counts a ray, with one access to memory; what the slot then holds, to be changed. Of the rays of one hit to an
+    /// area's points the first is counted, and the access made, for all (`first`); the unit holds the entry meanwhile.
     pub(crate) fn count(
         &mut self,
         cell: Cell,

@@ -1,5 +1,5 @@
-//! No culling, but another order of visits: shadow rays visit the child with the larger box first (SATO: Nah and Manocha
-//! 2014), where a blocker is likelier to be.
+//! No culling, but another order of visits: shadow rays visit the child with the larger box first (SATO: Nah and
+//! Manocha 2014), where a blocker is likelier to be.
 
 use super::policy::{Policy, SurfaceHit, Verdict, Worker};
 use super::probe::Probe;

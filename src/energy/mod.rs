@@ -9,7 +9,7 @@ use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::memory::dram::power::DramWork;
 use crate::spread::Spread;
-use crate::stats::{CacheCounts, CacheStats, Cause, Energy, MachineStats, TrafficClass};
+use crate::stats::{CacheCounts, CacheStats, Energy, MachineStats, TrafficClass};
 use crate::stream::Structure;
 
 /// Joules in a picojoule.
@@ -62,15 +62,16 @@ impl Sum {
 /// Operations of units, and rays that pass the dispatcher and the FIFOs.
 fn units(machine: &MachineSpec, structure: Structure, stats: &MachineStats, sum: &mut Sum) {
     let spec = &machine.energy;
-    let mut unit = |name: &str, interval: u64, operation: Spread| {
-        let busy = stats.units.get(name).and_then(|causes| causes.get(&Cause::Busy)).copied().unwrap_or(0);
-        sum.add(name, operation * (busy as f64 / interval as f64));
-    };
-    unit("traversal", machine.traversal.interval.get(), spec.node(structure));
-    unit("list", machine.list.interval.get(), spec.list);
-    unit("intersection", machine.intersection.interval.get(), spec.intersection);
-    unit("division", machine.division.interval.get(), spec.division);
-    unit("shadow_cache", machine.shadow_cache.interval.get(), spec.shadow_cache);
+    for (name, operation) in [
+        ("traversal", spec.node(structure)),
+        ("list", spec.list),
+        ("intersection", spec.intersection),
+        ("division", spec.division),
+        ("shadow_cache", spec.shadow_cache),
+    ] {
+        let begun = stats.operations.get(name).copied().unwrap_or(0);
+        sum.add(name, operation * begun as f64);
+    }
     sum.add("dispatcher", spec.dispatcher * stats.rays as f64);
     sum.add("fifos", spec.fifo_byte * stats.moved("fifos").0 as f64);
 }

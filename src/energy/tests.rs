@@ -15,7 +15,7 @@ fn counted() -> MachineStats {
         caches: [("l2".into(), cache([TrafficClass::Node, TrafficClass::ModeWord]))].into(),
         bytes: [("dram".into(), [(TrafficClass::Node, Bytes(6_400)), (TrafficClass::ModeWord, Bytes(6_400))].into())]
             .into(),
-        units: [("traversal".into(), [(Cause::Busy, 40_000)].into())].into(),
+        operations: [("traversal".into(), 40_000), ("shadow_cache".into(), 600)].into(),
         dram: DramCounts { reads: 150, writes: 50, activates: 80, refreshes: 25, ..DramCounts::default() },
         ..MachineStats::default()
     }
@@ -31,6 +31,7 @@ fn energy_is_counts_times_constants() {
     let energy = of(&machine, Structure::Bvh2, &counted()).unwrap();
     let spec = machine.energy;
     assert!(near(energy.by["traversal"], 40_000.0 * spec.bvh2_node.typical * PICO));
+    assert!(near(energy.by["shadow_cache"], 600.0 * spec.shadow_cache.typical * PICO));
     assert!(near(energy.by["dispatcher"], 2_000.0 * spec.dispatcher.typical * PICO));
     let (_, l2) = machine.l2.caches()[0].clone();
     let access = spec.cache.access(l2.bytes.get() / l2.banks.get(), l2.ways.get(), machine.line_bytes.get());

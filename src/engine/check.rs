@@ -10,8 +10,8 @@ use crate::memory::cache::Past;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
 
-/// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec does not
-/// say.
+/// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec
+/// does not say.
 pub(crate) fn frame(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError> {
     let FrameCounts { frame, tracer, machine, stores } = counts;
     let StoreWork {

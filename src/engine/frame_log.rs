@@ -44,8 +44,8 @@ impl<'a> FrameLog<'a> {
         }
     }
 
-    /// What all frames of the run but warm-up frames amount to, and each frame by itself. What the machine does after the last
-    /// frame's end, until its memory is idle, counts as that frame's.
+    /// What all frames of the run but warm-up frames amount to, and each frame by itself. What the machine does after
+    /// the last frame's end, until its memory is idle, counts as that frame's.
     ///
     /// # Errors
     /// The frames' sum is not what the `whole` run counted: an error in the simulator.

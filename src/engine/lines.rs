@@ -1,5 +1,5 @@
-//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were done before
-//! the next one began. It depends on the machine's memory layout, on no cache and no time.
+//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were
+//! done before the next one began. It depends on the machine's memory layout, on no cache and no time.
 
 use super::work::{Holder, Work, known_to_profile, stores_as_recorded};
 use crate::machine::kinds::Kind;
@@ -23,6 +23,7 @@ impl LineStream {
     /// # Errors
     /// There are no such L1s, or the machine does not access stores as the stream records it.
     pub fn new(machine: &MachineSpec, header: &Header, cache: &str) -> Result<Self, SpecError> {
+        machine.check_stream(header)?;
         let Some(kind) = Kind::ALL.into_iter().find(|kind| kind.names().1 == cache) else {
             let known = Kind::ALL.map(|kind| kind.names().1).join(", ");
             return Err(SpecError::new(format!("there is no L1 called `{cache}`: {known} are")));

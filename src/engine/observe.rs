@@ -1,4 +1,5 @@
-//! A run that somebody watches: what its DRAM is asked for and does, cycle by cycle, checked against the timing of its part.
+//! A run that somebody watches: what its DRAM is asked for and does, cycle by cycle, checked against the timing of its
+//! part.
 
 use std::io;
 
@@ -12,8 +13,8 @@ use crate::memory::dram::command::{ChannelLog, LoggedCommand, LoggedRequest};
 use crate::memory::dram::legality::TimingChecker;
 use crate::stream::Item;
 
-/// Is told what the channels of a DRAM are asked for and do: requests in the order of time, and commands too; in the same clock
-/// that of the lower channel first.
+/// Is told what the channels of a DRAM are asked for and do: requests in the order of time, and commands too; in the
+/// same clock that of the lower channel first.
 pub trait DramObserver {
     /// A request came to channel `channel`.
     fn request(&mut self, channel: usize, request: LoggedRequest) -> io::Result<()>;

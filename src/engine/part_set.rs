@@ -1,5 +1,7 @@
 //! Sets of parts, a bit each.
 
+use crate::memory::PartId;
+
 /// The set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PartSet(Vec<u64>);
@@ -10,10 +12,9 @@ impl PartSet {
         Self(vec![0; parts.div_ceil(64)])
     }
 
-    /// Replaces this set by the one in `words` and clears `words`.
+    /// Replaces this set by the one in `words`, which is as large, and clears `words`.
     #[inline]
     pub(super) fn take_from(&mut self, words: &mut [u64]) {
-        self.0.resize(words.len(), 0);
         for (own, word) in self.0.iter_mut().zip(words) {
             *own = std::mem::take(word);
         }
@@ -27,6 +28,28 @@ impl PartSet {
     /// Removes a part.
     pub(super) fn remove(&mut self, part: u32) {
         self.0[part as usize / 64] &= !(1 << (part % 64));
+    }
+
+    /// Whether a part is in the set.
+    #[inline]
+    pub(super) fn has(&self, part: PartId) -> bool {
+        self.0[part.0 as usize / 64] & 1 << (part.0 % 64) != 0
+    }
+
+    /// Calls `act` for all parts from `first` to before `end`, in order.
+    #[inline]
+    pub(super) fn each(&self, first: u32, end: u32, mut act: impl FnMut(u32)) {
+        let mut at = first;
+        while at < end {
+            let word = at / 64;
+            let until = end.min(64 * (word + 1));
+            let mut bits = self.0[word as usize] & !0 << (at % 64) & !0 >> (64 * (word + 1) - until);
+            while bits != 0 {
+                act(64 * word + bits.trailing_zeros());
+                bits &= bits - 1;
+            }
+            at = until;
+        }
     }
 
     /// The first part from `from` to before `end`.
@@ -56,6 +79,11 @@ mod tests {
     fn a_set_ends_where_it_is_told() {
         let mut set = PartSet::new(130);
         (0..130).for_each(|part| set.add(part));
+        for (first, end) in [(0, 130), (3, 3), (63, 65), (64, 128), (70, 71)] {
+            let mut found = Vec::new();
+            set.each(first, end, |part| found.push(part));
+            assert_eq!(found, (first..end).collect::<Vec<_>>());
+        }
         assert_eq!((set.next(70, 71), set.next(71, 71), set.next(64, 130)), (Some(70), None, Some(64)));
         (65..130).for_each(|part| set.remove(part));
         assert_eq!((set.next(64, 130), set.next(65, 130)), (Some(64), None));

@@ -24,8 +24,8 @@ pub enum ReuseOf {
     },
 }
 
-/// Replays a stream as [`super::Level::Profile`] does and measures reuse distances on the way: what the machine measured, and
-/// misses of caches of all sizes. A sample reads the stream once more, to find the hottest lines.
+/// Replays a stream as [`super::Level::Profile`] does and measures reuse distances on the way: what the machine
+/// measured, and misses of caches of all sizes. A sample reads the stream once more, to find the hottest lines.
 ///
 /// # Errors
 /// The machine's stores are not accessed as recorded, or the run fails.

@@ -1,4 +1,5 @@
-//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of it.
+//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of
+//! it.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -31,6 +32,8 @@ pub(crate) fn busy(cycles: u64) -> PerCause {
 pub(crate) struct UnitTally {
     /// Cycles by cause.
     pub causes: PerCause,
+    /// Operations that began.
+    pub operations: u64,
     /// Accesses to its L1.
     pub cache: PerClass<CacheCounts>,
     /// What its L1 alone counts.
@@ -169,8 +172,13 @@ impl Tally {
             stats.caches.insert(level.into(), cache_stats(&counts, Some(&l1)));
             stats.bytes.insert(level.into(), present(&sum(units.iter().map(|unit| &unit.requested))));
             stats.units.insert(unit.into(), sum_causes(units.iter().map(|unit| &unit.causes)));
+            stats.operations.insert(unit.into(), units.iter().map(|unit| unit.operations).sum());
             stats.unit_counts.insert(unit.into(), units.len() as u64);
         }
+        // One at a time.
+        let divisions = self.divisions.iter().map(|causes| causes[Cause::Busy as usize]);
+        let divisions = divisions.map(|busy| busy.div_ceil(machine.division.interval.get())).sum();
+        stats.operations.insert("division".into(), divisions);
         stats.units.insert("division".into(), sum_causes(self.divisions.iter()));
         stats.unit_counts.insert("division".into(), self.divisions.len() as u64);
         stats.units.insert("dispatcher".into(), sum_causes(std::iter::once(&self.dispatcher)));

@@ -3,7 +3,8 @@
 use crate::machine::MachineSpec;
 use crate::memory::dram::spec::Model;
 
-/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can take.
+/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can
+/// take.
 pub(crate) fn patience(spec: &MachineSpec) -> u64 {
     let caches = spec.l2.caches();
     let l2 = caches.iter().map(|(_, cache)| cache.latency.get());

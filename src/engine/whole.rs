@@ -15,9 +15,9 @@ use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Header, Item};
 
-/// Replays `items`, a stream with the given header, by `level`. Memory is bounded: a chunk is dropped when all its rays are done.
-/// The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every cycle of every unit,
-/// bounds) are checked, and a violation is an error.
+/// Replays `items`, a stream with the given header, by `level`. Memory is bounded: a chunk is dropped when all its rays
+/// are done. The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every
+/// cycle of every unit, bounds) are checked, and a violation is an error.
 ///
 /// # Errors
 /// The level refuses the machine, or the run fails.

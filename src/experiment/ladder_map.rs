@@ -100,6 +100,7 @@ impl Case {
             static_slots: lines.div_ceil(3),
             static_list_entries: 0,
             stores: StoreEntries::default(),
+            unjudged_updates: false,
             input_hash: 0,
             records: Vec::new().into(),
         }

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::ranged::Within;
 
-/// Division units, which all intersection units of a core share. The defaults are the T&I engine's (Nah et al. 2011, table 4: one, a
-/// reciprocal of 16 cycles and two more); the queue is assumed.
+/// Division units, which all intersection units of a core share. The defaults are the T&I engine's (Nah et al. 2011,
+/// table 4: one, a reciprocal of 16 cycles and two more); the queue is assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DivisionSpec {

@@ -2,9 +2,9 @@
 //!
 //! Sources. H: Horowitz, "Computing's energy problem", ISSCC 2014, figure 1.1.9 (45 nm, 0.9 V): an FP32 addition takes
 //! 0.9 pJ, a multiplication 3.7 pJ, a read of 64 bits from a cache of 8 KB, 32 KB and 1 MB takes 10, 20 and 100 pJ. A:
-//! Arches (University of Utah), `dual-streaming.hpp`: blocks of 128 bytes cost 31.1 pJ a read in an L1 of 64 KB and 379 pJ
-//! in an L2 of 4 MB, tags 0.66 and 7.6 pJ; they leak 7.2 and 185 mW a bank. TI: Nah et al., "T&I Engine", SIGGRAPH Asia
-//! 2011, table 4, operators a unit. What has no source is marked as assumed.
+//! Arches (University of Utah), `dual-streaming.hpp`: blocks of 128 bytes cost 31.1 pJ a read in an L1 of 64 KB and 379
+//! pJ in an L2 of 4 MB, tags 0.66 and 7.6 pJ; they leak 7.2 and 185 mW a bank. TI: Nah et al., "T&I Engine", SIGGRAPH
+//! Asia 2011, table 4, operators a unit. What has no source is marked as assumed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,7 +44,8 @@ pub struct EnergySpec {
     pub unit_leakage: Spread,
 }
 
-/// The law of a cache's energy: an access costs `byte_pj x bytes of a line x (size / 64 KB) ^ exponent` and a tag for each way.
+/// The law of a cache's energy: an access costs `byte_pj x bytes of a line x (size / 64 KB) ^ exponent` and a tag for
+/// each way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheEnergy {
@@ -61,9 +62,9 @@ pub struct CacheEnergy {
     pub leakage: Spread,
 }
 
-/// Energy of `additions` and `multiplications` (H), compares and integer operations taken as a tenth of an addition each:
-/// the bare operators, with pipeline registers and control (twice as much, assumed), and with all of a wide ray state
-/// moved from stage to stage (four times as much, assumed).
+/// Energy of `additions` and `multiplications` (H), compares and integer operations taken as a tenth of an addition
+/// each: the bare operators, with pipeline registers and control (twice as much, assumed), and with all of a wide ray
+/// state moved from stage to stage (four times as much, assumed).
 const fn operators(additions: f64, multiplications: f64, others: f64) -> Spread {
     let bare = 0.9 * additions + 3.7 * multiplications + 0.09 * others;
     Spread::new(bare, 2.0 * bare, 4.0 * bare)

@@ -1,11 +1,12 @@
-//! What the simulator takes in memory for a machine, before anything is allocated: each field of a spec is in its range, and
-//! their products need not be payable.
+//! What the simulator takes in memory for a machine, before anything is allocated: each field of a spec is in its
+//! range, and their products need not be payable.
 
 use crate::memory::bank::BankedSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::tags::Contents;
 
-/// The most that the parts of a machine may take, in bytes: tags of 1 GB of caches with lines of 64 B, and as much again.
+/// The most that the parts of a machine may take, in bytes: tags of 1 GB of caches with lines of 64 B, and as much
+/// again.
 const MOST: u128 = 1 << 28;
 
 /// Bytes of a line's tag.

@@ -1,8 +1,8 @@
 //! Where everything lies in memory: ids of the stream become addresses.
 //!
 //! From address 0 on, each array begins at a multiple of 4 KiB: static nodes, static primitive lists, static triangle
-//! records, then the policy's stores ([`super::stores`]). Then the dynamic part: nodes, lists and triangle records of the frame, at
-//! a base that is the same in every frame.
+//! records, then the policy's stores ([`super::stores`]). Then the dynamic part: nodes, lists and triangle records of
+//! the frame, at a base that is the same in every frame.
 
 use super::shadow_cache::{FrameEnd, Place};
 use super::spec::MachineSpec;
@@ -15,7 +15,8 @@ use crate::stream::{FrameInfo, Header, Step, Store, StoreEntries};
 const ALIGNMENT: u64 = 4096;
 const LIST_ENTRY_BYTES: u64 = 4;
 
-/// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can hold more ([`StoreLayout::Record`]).
+/// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can hold more
+/// ([`StoreLayout::Record`]).
 pub(crate) const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
 /// Bytes that a triangle test reads first.
 pub(crate) const PLANE_BYTES: u64 = 16;
@@ -174,6 +175,17 @@ impl Layout {
     pub(crate) fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
         let record = self.element(&self.triangles, index, TrafficClass::Triangle, false);
         Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
+    }
+
+    /// The same part of the element that comes `places` after that of `step` in its array, of which both are.
+    pub(crate) fn places_on(&self, element: &Element, step: Step, places: u64) -> Element {
+        let array = match step {
+            Step::Node(_) => &self.nodes,
+            Step::List(_) => &self.lists,
+            Step::Triangle { .. } => &self.triangles,
+            Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => return *element,
+        };
+        Element { addr: Addr(element.addr.0 + places * array.element), ..*element }
     }
 
     /// An entry of a store.

@@ -6,7 +6,8 @@ use crate::memory::PartId;
 /// The numbers of the parts, in the order in which they act in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parts {
-    /// Cores, which have equal shares of all parts but the dispatcher and the channels: the first units are the first core's.
+    /// Cores, which have equal shares of all parts but the dispatcher and the channels: the first units are the first
+    /// core's.
     pub cores: u32,
     /// Traversal units.
     pub traversal: u32,

@@ -12,7 +12,7 @@ use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::stores::{StoreLayout, check_tag};
 use super::traversal::TraversalSpec;
-use super::word_traffic::LatchedCopy;
+use super::word_traffic::{LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
 use crate::memory::dram::spec::DramSpec;
 use crate::memory::l2::L2Spec;
@@ -205,6 +205,14 @@ impl MachineSpec {
             return Err(SpecError(format!(
                 "`shadow_cache.latched` is Buffers, with the stream's {words} mode words: up to {} are allowed",
                 Step::MAX_INDEX / 2
+            )));
+        }
+        if unit.silent != SilentUpdates::Sent && header.unjudged_updates && words > 0 {
+            return Err(SpecError(format!(
+                "`shadow_cache.silent` is {:?}, but the stream's updates do not say what they change (its file is of \
+                 version 2): record the stream again, or replay it on a machine \
+                 with `silent: Sent` (small_naive, desktop_naive)",
+                unit.silent
             )));
         }
         match unit.frame_end {

@@ -20,8 +20,8 @@ const LOG_COUNTER_BITS: u64 = 2 * 6;
 /// A triangle record is a multiple of this: the plane's 16 bytes.
 const RECORD_STEP: u64 = 16;
 
-/// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream says: one up
-/// to 15 lights, another for each further 16.
+/// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream
+/// says: one up to 15 lights, another for each further 16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StoreLayout {
     /// An array of 32-bit words, and one of counters, 8 bytes a primitive.
@@ -31,9 +31,11 @@ pub enum StoreLayout {
     Packed,
     /// Words and counters of a primitive side by side, as many primitives to a line as fit whole.
     Beside,
-    /// Behind the triangle, in its record: counters, then words; the record grows from 48 bytes to the next multiple of 16.
+    /// Behind the triangle, in its record: counters, then words; the record grows from 48 bytes to the next multiple of
+    /// 16.
     Record,
-    /// One word a primitive for modes, counters on a logarithmic scale and the frame's tag; more than 8 lights take another word.
+    /// One word a primitive for modes, counters on a logarithmic scale and the frame's tag; more than 8 lights take
+    /// another word.
     Tagged,
 }
 
@@ -182,7 +184,8 @@ impl Stores {
         }
     }
 
-    /// Static triangle records of `record` bytes begin at `base`; the triangle takes the first `triangle` bytes of each.
+    /// Static triangle records of `record` bytes begin at `base`; the triangle takes the first `triangle` bytes of
+    /// each.
     pub fn set_records(&mut self, base: u64, record: u64, triangle: u64) {
         self.triangle_records = (base, record, triangle);
     }

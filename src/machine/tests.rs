@@ -33,6 +33,7 @@ fn header(lights: u32) -> Header {
             pixel_counters: 50,
             occluder_ids: 9,
         },
+        unjudged_updates: false,
         input_hash: 0,
         records: (0..40).map(|primitive| TriangleSlot(primitive * 7 % 40)).collect(),
     }

@@ -196,8 +196,8 @@ impl Bank {
         let filled = self.fill(now, wake, &mut answer);
         let accessed = self.access(now, wake, &mut answer);
         let sent = self.send(now, dram, wake);
-        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to go: whatever
-        // stalled may go on.
+        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to
+        // go: whatever stalled may go on.
         let stalled_may_go_on =
             (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
         let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();

@@ -196,8 +196,8 @@ impl Cache {
         Self { tags, no_allocate, mshrs, counts: [CacheCounts::default(); TrafficClass::ALL.len()] }
     }
 
-    /// Accesses `line`. `waiting` is woken by [`Cache::fill`] if the line is not there; `None` needs no data. `room` says
-    /// whether a request could be sent.
+    /// Accesses `line`. `waiting` is woken by [`Cache::fill`] if the line is not there; `None` needs no data. `room`
+    /// says whether a request could be sent.
     #[inline]
     pub fn access(
         &mut self,
@@ -258,8 +258,8 @@ impl Cache {
         Lookup::Miss
     }
 
-    /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says whether a dirty
-    /// victim could be sent down. A dirty line that is not kept is its own victim.
+    /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says
+    /// whether a dirty victim could be sent down. A dirty line that is not kept is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
         let register = self.mshrs.find(line).expect("only a missed line comes");
         let (class, fate) = self.mshrs.missed(register);
@@ -278,8 +278,8 @@ impl Cache {
         Fill::Done { victim }
     }
 
-    /// Accesses `line` without time, and fills it if it is not there and is to be kept: whether it was, and a dirty line that went. Nothing
-    /// is counted.
+    /// Accesses `line` without time, and fills it if it is not there and is to be kept: whether it was, and a dirty
+    /// line that went. Nothing is counted.
     pub fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
         let dirty = access == Access::Write;
         if self.tags.access(line, dirty) {

@@ -3,8 +3,8 @@
 use super::ring::Ring;
 use super::{PartId, Wake};
 
-/// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle it
-/// is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
+/// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle
+/// it is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
 #[derive(Clone, Debug)]
 pub(crate) struct Queue<T> {
     entries: Ring<(u64, T)>,

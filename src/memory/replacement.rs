@@ -25,10 +25,11 @@ pub enum Policy {
 /// A policy's memory for one cache, besides the order of the lines in their sets.
 #[derive(Clone, Debug)]
 pub(super) enum State {
-    /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use, if
-    /// `on_use`.
+    /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use,
+    /// if `on_use`.
     Order { on_use: bool },
-    /// A word of tree bits a set: bit `n` belongs to node `n`, the root is node 1, and points to the side that goes next.
+    /// A word of tree bits a set: bit `n` belongs to node `n`, the root is node 1, and points to the side that goes
+    /// next.
     Tree { bits: Vec<u64> },
     /// The number of fills.
     Random { seed: u64, fills: u64 },

@@ -1,5 +1,5 @@
-//! Reuse (stack) distances: how many other lines were touched since a line was touched last (Mattson et al. 1970). An LRU cache of `n`
-//! lines without sets hits if the distance is less than `n`, so one pass answers for all sizes.
+//! Reuse (stack) distances: how many other lines were touched since a line was touched last (Mattson et al. 1970). An
+//! LRU cache of `n` lines without sets hits if the distance is less than `n`, so one pass answers for all sizes.
 
 use std::sync::Arc;
 
@@ -67,8 +67,8 @@ impl<const GROUPS: usize> Default for Stack<GROUPS> {
 }
 
 impl<const GROUPS: usize> Stack<GROUPS> {
-    /// Touches `line`, which is of `group`; gives the other lines of each group that were touched since it was last, or nothing if it is the
-    /// first time.
+    /// Touches `line`, which is of `group`; gives the other lines of each group that were touched since it was last, or
+    /// nothing if it is the first time.
     pub(crate) fn touch(&mut self, line: u32, group: usize) -> Option<[u64; GROUPS]> {
         if self.line.len() == self.bits[0].words.len() * WORD {
             self.make_room();
@@ -85,7 +85,8 @@ impl<const GROUPS: usize> Stack<GROUPS> {
         distance
     }
 
-    /// Times begin anew: only those are kept, in their order, at which a line was touched last, and at least as many are free.
+    /// Times begin anew: only those are kept, in their order, at which a line was touched last, and at least as many
+    /// are free.
     fn make_room(&mut self) {
         let group = |time: usize| (0..GROUPS).find(|&group| self.bits[group].has(time));
         let kept: Vec<(u32, usize)> =
@@ -110,8 +111,8 @@ impl<const GROUPS: usize> Stack<GROUPS> {
     }
 }
 
-/// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), beside some that are always there: the first nodes of a
-/// hierarchy are touched by every ray, and a sample that has one of them, or none, would be far off.
+/// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), beside some that are always there: the
+/// first nodes of a hierarchy are touched by every ray, and a sample that has one of them, or none, would be far off.
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     rate: f64,

@@ -1,5 +1,5 @@
-//! A queue in a buffer whose size is a power of two, so that places follow from a mask. Queues of the machine are short and their entries
-//! small: taking and putting are a few instructions each.
+//! A queue in a buffer whose size is a power of two, so that places follow from a mask. Queues of the machine are short
+//! and their entries small: taking and putting are a few instructions each.
 
 /// A first-in first-out queue that grows when it is full.
 #[derive(Clone, Debug)]

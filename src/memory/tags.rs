@@ -42,8 +42,8 @@ pub enum Contents {
     /// The lines that its tags name.
     #[default]
     Tags,
-    /// Every line, always: each access hits, and nothing goes to the level below or comes from it. For bounds; size, ways, replacement and
-    /// miss registers then say nothing.
+    /// Every line, always: each access hits, and nothing goes to the level below or comes from it. For bounds; size,
+    /// ways, replacement and miss registers then say nothing.
     Ideal,
 }
 
@@ -240,7 +240,8 @@ mod tests {
             }
         }
 
-        /// Whatever the policy: a line that was filled is there, at most `ways` lines of a set are, and the announced victim goes.
+        /// Whatever the policy: a line that was filled is there, at most `ways` lines of a set are, and the announced
+        /// victim goes.
         #[test]
         fn every_policy_keeps_its_word(lines in prop::collection::vec(0..64u64, 1..200), policy in 0..4usize) {
             let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 7 }][policy];

@@ -3,6 +3,7 @@
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 use super::carry::{self, Own};
 use super::error::FolderError;
@@ -17,7 +18,12 @@ use super::temporary::TemporaryFolder;
 /// The file by which a folder without a list of own files is known as a report.
 const SUMMARY: &str = "summary.json";
 
-/// A folder of results that only this process writes, from before the work to its end.
+/// How long a folder may be in the hands of another writer before a process that shares the folder gives up.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// How long such a process waits before it tries again.
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// A folder of results of which this process has the lock, from before the work to its end.
 #[derive(Debug)]
 pub(crate) struct ResultsFolder {
     /// As the user named it.
@@ -36,10 +42,14 @@ impl ResultsFolder {
     /// Something else is there, another process writes there, or nothing can be written there.
     pub(crate) fn claim(path: &Path) -> Result<Self, FolderError> {
         let write = |source| FolderError::Write { path: path.into(), source };
-        let target = follow(path).map_err(write)?;
-        // `.` and `..` have no name of their own.
-        let target = if target.file_name().is_none() { target.canonicalize().map_err(write)? } else { target };
-        check(path, &target)?;
+        check(path, &target_of(path).map_err(write)?)?;
+        Self::lock(path)
+    }
+
+    /// Locks the folder `path`, and checks what is there then.
+    fn lock(path: &Path) -> Result<Self, FolderError> {
+        let write = |source| FolderError::Write { path: path.into(), source };
+        let target = target_of(path).map_err(write)?;
         let parent = folder_of(&target);
         let parents = Parents::make(parent).map_err(write)?;
         leftovers::sweep(parent);
@@ -47,9 +57,40 @@ impl ResultsFolder {
             LockError::Held(holder) => FolderError::Busy { path: path.into(), holder },
             LockError::File(source) => write(source),
         })?;
-        // Again: another process may have been there meanwhile.
         check(path, &target)?;
         Ok(Self { path: path.into(), target, _lock: lock, _parents: parents })
+    }
+
+    /// Shares the folder `path` with other processes that keep results in it one by one. The folder is made if it is not
+    /// there. Nobody can [`claim`](Self::claim) it meanwhile, so that nobody may [`replace`](Self::replace) its files.
+    ///
+    /// # Errors
+    /// As [`Self::claim`]; a process that writes there alone takes longer than some seconds.
+    pub(crate) fn share(path: &Path) -> Result<SharedFolder, FolderError> {
+        let write = |source| FolderError::Write { path: path.into(), source };
+        let begin = Instant::now();
+        loop {
+            let target = target_of(path).map_err(write)?;
+            let busy = if matches!(carry::read_list(&target), Ok(Some(_))) {
+                check(path, &target)?;
+                match Lock::share(&target) {
+                    Ok(lock) => return Ok(SharedFolder { path: path.into(), _lock: lock }),
+                    Err(LockError::Held(holder)) => FolderError::Busy { path: path.into(), holder },
+                    Err(LockError::File(source)) => return Err(write(source)),
+                }
+            } else {
+                // The list names what is there when it is written: nobody else may write then.
+                match Self::lock(path).and_then(|alone| alone.make()) {
+                    Ok(()) => continue,
+                    Err(busy @ FolderError::Busy { .. }) => busy,
+                    Err(error) => return Err(error),
+                }
+            };
+            if begin.elapsed() > PATIENCE {
+                return Err(busy);
+            }
+            std::thread::sleep(PAUSE);
+        }
     }
 
     /// The folder, as the user named it.
@@ -120,6 +161,27 @@ impl ResultsFolder {
         }
         error
     }
+}
+
+/// A folder of results that processes share, each of which keeps results in it one by one.
+#[derive(Debug)]
+pub(crate) struct SharedFolder {
+    path: PathBuf,
+    _lock: Lock,
+}
+
+impl SharedFolder {
+    /// The folder, as the user named it.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// Where the path of a folder leads.
+fn target_of(path: &Path) -> io::Result<PathBuf> {
+    let target = follow(path)?;
+    // `.` and `..` have no name of their own.
+    if target.file_name().is_none() { target.canonicalize() } else { Ok(target) }
 }
 
 /// Whether results can be put at `target`.

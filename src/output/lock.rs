@@ -1,14 +1,18 @@
-//! The lock on a folder of results: an advisory lock on a file beside it, which dies with its holder.
+//! Locks on folders and files of results: an advisory lock on a file beside each, which dies with its holder.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
-use std::io::{self, Read, Write};
+use std::io::{self, Read, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::time::SystemTime;
+use std::time::{Duration, SystemTime};
 
 use super::links::folder_of;
 use super::names::{LOCK_SUFFIX, PREFIX};
 use super::registry::{absolute, is_at, live};
+
+/// How often the name of a lock's holder is looked for, and the wait between two looks.
+const NAME_ATTEMPTS: u32 = 20;
+const NAME_WAIT: Duration = Duration::from_millis(5);
 
 /// Why a lock is not had.
 #[derive(Debug)]
@@ -19,16 +23,35 @@ pub(super) enum LockError {
     File(io::Error),
 }
 
+/// Who may hold a lock beside its holder.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Holders {
+    /// Nobody.
+    One,
+    /// Others that share it.
+    Many,
+}
+
 /// A lock that is held until this is dropped.
 #[derive(Debug)]
 pub(super) struct Lock {
     path: PathBuf,
-    _file: File,
+    file: File,
+    holders: Holders,
 }
 
 impl Lock {
-    /// Locks the folder `target`, which needs not be there; its parent must be.
+    /// Locks the file or folder `target`, which needs not be there; its parent must be.
     pub(super) fn acquire(target: &Path) -> Result<Self, LockError> {
+        Self::acquire_for(target, Holders::One)
+    }
+
+    /// As [`Self::acquire`], beside others that share the lock.
+    pub(super) fn share(target: &Path) -> Result<Self, LockError> {
+        Self::acquire_for(target, Holders::Many)
+    }
+
+    fn acquire_for(target: &Path, holders: Holders) -> Result<Self, LockError> {
         let mut name = OsString::from(PREFIX);
         name.push(target.file_name().unwrap_or_default());
         name.push(LOCK_SUFFIX);
@@ -37,15 +60,21 @@ impl Lock {
             let mut live = live();
             let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = open.map_err(LockError::File)?;
-            match file.try_lock() {
+            let locked = match holders {
+                Holders::One => file.try_lock(),
+                Holders::Many => file.try_lock_shared(),
+            };
+            match locked {
                 Ok(()) => {}
                 Err(TryLockError::WouldBlock) => {
-                    let mut holder = String::new();
-                    let _ = file.take(4096).read_to_string(&mut holder);
-                    let unknown = "another process".to_owned();
-                    return Err(LockError::Held(if holder.is_empty() { unknown } else { holder }));
+                    drop(live);
+                    return Err(LockError::Held(named(&mut file).unwrap_or_else(|| "another process".to_owned())));
                 }
-                Err(TryLockError::Error(error)) => return Err(LockError::File(error)),
+                Err(TryLockError::Error(error)) => {
+                    // A file system without locks: the file is of no use there.
+                    let _ = fs::remove_file(&path);
+                    return Err(LockError::File(error));
+                }
             }
             // The holder removes the file when it is done: then this is a file without a name, and the lock is nobody's.
             if !is_at(&file, &path).map_err(LockError::File)? {
@@ -56,8 +85,11 @@ impl Lock {
                 let _ = fs::remove_file(&path);
                 return Err(LockError::File(error));
             }
-            live.insert(absolute(&path));
-            return Ok(Self { path, _file: file });
+            // A shared lock's file stays when one of its holders is ended by a signal: the others need its name.
+            if holders == Holders::One {
+                live.insert(absolute(&path));
+            }
+            return Ok(Self { path, file, holders });
         }
     }
 }
@@ -65,9 +97,25 @@ impl Lock {
 impl Drop for Lock {
     fn drop(&mut self) {
         let mut live = live();
-        let _ = fs::remove_file(&self.path);
+        // The last holder removes the file.
+        if self.holders == Holders::One || self.file.try_lock().is_ok() {
+            let _ = fs::remove_file(&self.path);
+        }
         live.remove(&absolute(&self.path));
     }
+}
+
+/// The holder's name as the lock file has it. A holder writes it as soon as it has the lock: a few attempts see it.
+fn named(file: &mut File) -> Option<String> {
+    (0..NAME_ATTEMPTS).find_map(|attempt| {
+        if attempt > 0 {
+            std::thread::sleep(NAME_WAIT);
+        }
+        let mut holder = String::new();
+        file.rewind().ok()?;
+        file.take(4096).read_to_string(&mut holder).ok()?;
+        (!holder.is_empty()).then_some(holder)
+    })
 }
 
 /// This process, in words.
@@ -96,6 +144,45 @@ mod tests {
         drop(first);
         assert!(!folder.path().join(".umbrasim-rep.lock").exists());
         Lock::acquire(&target).unwrap();
+    }
+
+    #[test]
+    fn a_holder_that_writes_its_name_late_is_named() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(".umbrasim-rep.lock");
+        let mut file = File::create(&path).unwrap();
+        file.try_lock().unwrap();
+        let holder = std::thread::spawn(move || {
+            std::thread::sleep(2 * NAME_WAIT);
+            file.write_all(b"process 7 on earth").unwrap();
+            file
+        });
+        let Err(LockError::Held(named)) = Lock::acquire(&folder.path().join("rep")) else {
+            panic!("it was locked twice")
+        };
+        assert_eq!(named, "process 7 on earth");
+        drop(holder.join().unwrap());
+        // One that never does so is another process.
+        let silent = File::create(&path).unwrap();
+        silent.try_lock().unwrap();
+        let Err(LockError::Held(named)) = Lock::acquire(&folder.path().join("rep")) else {
+            panic!("it was locked twice")
+        };
+        assert_eq!(named, "another process");
+    }
+
+    #[test]
+    fn a_shared_lock_has_many_holders_and_ends_with_the_last() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("rep");
+        let [first, second] = [(); 2].map(|()| Lock::share(&target).unwrap());
+        for held in [first, second] {
+            assert!(matches!(Lock::acquire(&target), Err(LockError::Held(_))));
+            drop(held);
+        }
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+        let _alone = Lock::acquire(&target).unwrap();
+        assert!(matches!(Lock::share(&target), Err(LockError::Held(_))));
     }
 
     #[test]

@@ -2,6 +2,7 @@
 //!
 //! - [`OutputFile`] is a file of the user's choice: a regular file is replaced whole; a device, a pipe and `-` are written to.
 //! - [`ResultsFolder`] is a folder of results that one process at a time writes, in which foreign files stay.
+//! - [`SharedFolder`] is one in which several processes keep results one by one; [`Turn`] says who makes one of them.
 //! - [`claim_file`] and [`claim_folder`] refuse outputs that the same command reads, or writes twice.
 //! - [`signals`] ends the program without leaving temporary files behind.
 
@@ -21,9 +22,11 @@ pub(crate) mod signals;
 mod temporary;
 #[cfg(test)]
 mod tests;
+mod turn;
 
 pub(crate) use claims::{claim_file, claim_folder, is_standard_output_claimed};
 pub(crate) use error::FolderError;
 pub(crate) use file::{OutputFile, write_whole};
-pub(crate) use folder::ResultsFolder;
+pub(crate) use folder::{ResultsFolder, SharedFolder};
 pub(crate) use temporary::TemporaryFolder;
+pub(crate) use turn::Turn;

@@ -103,8 +103,8 @@ impl Tree {
             .map_or(0.0, |root| f64::from(root.bounds.low.abs().max(root.bounds.high.abs()).max_element()))
     }
 
-    /// Shows `visit` every triangle that the ray meets at a t of 0 to `limit`, 0 left out, and others perhaps; near boxes
-    /// come first. `visit` gives the new limit; one below 0 ends the walk.
+    /// Shows `visit` every triangle that the ray meets at a t of 0 to `limit`, 0 left out, and others perhaps; near
+    /// boxes come first. `visit` gives the new limit; one below 0 ends the walk.
     pub(super) fn walk(&self, ray: &Ray, mut limit: f64, mut visit: impl FnMut(PrimitiveId, Crossing) -> f64) {
         let enter = |child: u32, limit| {
             let Bounds { low, high } = self.nodes[child as usize].bounds;

@@ -14,15 +14,16 @@ const TINY: f64 = 1e-300;
 /// A ray, with what its tests need worked out once.
 ///
 /// The triangle test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013): the
-/// axis along which the ray runs furthest becomes z, a shear turns the ray into that axis, and the signs of three 2D edge
-/// functions decide. Two triangles that share an edge get the same value of its function, so no ray slips through.
+/// axis along which the ray runs furthest becomes z, a shear turns the ray into that axis, and the signs of three 2D
+/// edge functions decide. Two triangles that share an edge get the same value of its function, so no ray slips through.
 pub(super) struct Ray {
     origin: DVec3,
     /// x, y and z of the sheared space: indices of axes in the world.
     axes: [usize; 3],
     /// How far x and y move with a step along z, and the length of the step in t.
     shear: [f64; 3],
-    /// The origin moved towards larger and smaller coordinates: the low and the high sides of boxes are seen from there.
+    /// The origin moved towards larger and smaller coordinates: the low and the high sides of boxes are seen from
+    /// there.
     from_low: DVec3,
     from_high: DVec3,
     inverse: DVec3,

@@ -35,8 +35,8 @@ impl<'a, F> Replay<'a, F> {
         Replay { machine: self.machine, header: self.header, fidelity }
     }
 
-    /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and misses of
-    /// caches of all sizes. A sample reads the stream once more, to find the hottest lines.
+    /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and
+    /// misses of caches of all sizes. A sample reads the stream once more, to find the hottest lines.
     ///
     /// # Errors
     /// `Profile` refuses the machine, or the run fails.
@@ -90,8 +90,8 @@ impl Replay<'_, OnePass> {
 }
 
 impl<'a> Replay<'a, Exact> {
-    /// The same, while `observer` is told what the DRAM is asked for and does. Every command is checked against the timing of the
-    /// DRAM's part.
+    /// The same, while `observer` is told what the DRAM is asked for and does. Every command is checked against the
+    /// timing of the DRAM's part.
     ///
     /// # Errors
     /// The DRAM has no clocks and commands.

@@ -37,7 +37,8 @@ pub enum Fidelity {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         target_error: Option<Share>,
     },
-    /// The cheapest of the others that a pilot finds close enough, closed forms and simpler rungs without the parts that make no difference.
+    /// The cheapest of the others that a pilot finds close enough, closed forms and simpler rungs without the parts
+    /// that make no difference.
     Auto {
         /// The error that cycles and bytes may have.
         error: Share,

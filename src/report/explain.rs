@@ -154,6 +154,11 @@ const OTHERS: &[(&str, &str, &str)] = &[
         "cycles",
         "no operation began: no ray is in the unit, and none waits in front of it",
     ),
+    (
+        "machines.*.policies.*.operations.*",
+        "operations",
+        "operations that units of a kind began; several can begin in a cycle of a wide one",
+    ),
     ("machines.*.policies.*.unit_counts.*", "units", "instances of a kind: its causes sum to cycles times this"),
     ("machines.*.policies.*.utilization.*", "share", "busy / (cycles x unit_counts) of a kind of unit"),
     ("machines.*.policies.*.dram_row_hit_rate", "share", "row_hits / (row_hits + row_misses + row_conflicts)"),

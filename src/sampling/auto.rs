@@ -1,5 +1,5 @@
-//! No more than a stream needs: a pilot tells which parts of the machine matter and which rung is close enough, another part of the stream
-//! checks that, and only then is everything replayed, by the cheapest model that has passed.
+//! No more than a stream needs: a pilot tells which parts of the machine matter and which rung is close enough, another
+//! part of the stream checks that, and only then is everything replayed, by the cheapest model that has passed.
 
 use std::sync::Arc;
 
@@ -21,17 +21,19 @@ use crate::ranged::{Share, Size, Within};
 use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
 use crate::stream::{Chunk, Header, Item, RayKind, StreamError, Totals};
 
-/// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost less than a hundredth of one replay of all.
+/// One in so many pixels is in the pilot, and as many are held back. A dozen replays of it cost less than a hundredth
+/// of one replay of all.
 const PILOT: u64 = 2000;
 /// Pixels of the pilot at least.
 const LEAST_PIXELS: u64 = 512;
 /// Points with which sampling begins: some more than the windows that tell, since large windows have several.
 const FIRST_WINDOWS: f64 = 1.25 * TELLING as f64;
-/// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is replayed. (Kitchen on `small`, 41,000 windows:
-/// with one in 100, intervals were 0.7 % and 16 of 57 s of processor time were the windows'; with one in 250, 1.4 % and 6 of 40 s.)
+/// The share of windows with which it begins at least: with fewer, reading the stream costs much more than what is
+/// replayed. (Kitchen on `small`, 41,000 windows: with one in 100, intervals were 0.7 % and 16 of 57 s of processor
+/// time were the windows'; with one in 250, 1.4 % and 6 of 40 s.)
 const LEAST_RATE: f64 = 0.004;
-/// The share of pixels that may be replayed, those beside the windows among them: as many as there are. With the tags that takes a tenth longer than `Event` on
-/// one processor, and little more than half as long on two.
+/// The share of pixels that may be replayed, those beside the windows among them: as many as there are. With the tags
+/// that takes a tenth longer than `Event` on one processor, and little more than half as long on two.
 const MOST_REPLAYED: f64 = 1.0;
 
 /// A part of the machine, and the machine without what it costs.
@@ -142,7 +144,8 @@ pub(crate) fn auto(
             ..whole(Level::Bound, &reduced, header, &mut source.open(0)?, None)?
         });
     }
-    // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out adds is in no interval.
+    // Next to it a sample costs the least, and tells its own error: on the whole machine, since what leaving parts out
+    // adds is in no interval.
     let cut = Cut::new(machine);
     let windows = (frames as u64 * pixels) as f64 / cut.window() as f64;
     let (rate, most) = ((FIRST_WINDOWS / windows).max(LEAST_RATE), MOST_REPLAYED / cut.effort());

@@ -1,11 +1,11 @@
-//! Where windows lie on the axis of the sample: large ones are measured more often, with less weight (Hansen and Hurwitz 1943), since what is not known of
-//! a window without replaying it is more of what is known.
+//! Where windows lie on the axis of the sample: large ones are measured more often, with less weight (Hansen and
+//! Hurwitz 1943), since what is not known of a window without replaying it is more of what is known.
 
 use super::known::{Columns, MOVED, OPERATIONS};
 use super::strata::{Point, Strata};
 
-/// What all windows have, so that those without work are measured too; operations and lines of the L2 are 1 each, on average. It is small: what
-/// windows without work cost differs little.
+/// What all windows have, so that those without work are measured too; operations and lines of the L2 are 1 each, on
+/// average. It is small: what windows without work cost differs little.
 const LEAST: f64 = 0.1;
 
 /// Windows up to now.
@@ -30,8 +30,8 @@ impl Axis {
         Self { strata, most, points: Vec::new(), begun: 0, operations: 0.0, lines: 0.0, windows: 0, end: 0.0 }
     }
 
-    /// How long the next window is, and the points that lie in it. Its length is known before any point of it is looked at, so that each point of the
-    /// axis is as likely as any other.
+    /// How long the next window is, and the points that lie in it. Its length is known before any point of it is looked
+    /// at, so that each point of the axis is as likely as any other.
     pub(crate) fn next(&mut self, known: &Columns) -> (f64, Vec<Point>) {
         let (operations, lines) = (known[OPERATIONS], known[MOVED]);
         self.windows += 1;

@@ -149,7 +149,8 @@ impl Cutter {
         firsts.iter().enumerate().map(piece).collect()
     }
 
-    /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number `piece` of its chunk.
+    /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number
+    /// `piece` of its chunk.
     fn begin_windows(&self, piece: usize) -> Vec<Lead> {
         let cut = self.cut;
         let left = (cut.own - piece % cut.own) % cut.own;

@@ -1,5 +1,6 @@
-//! Totals of a population from a stratified sample, by generalised regression (Saerndal, Swensson and Wretman 1992, chapters 6
-//! and 7): what a window costs is explained by what is known of all windows, and only what is left over is sampled.
+//! Totals of a population from a stratified sample, by generalised regression (Saerndal, Swensson and Wretman 1992,
+//! chapters 6 and 7): what a window costs is explained by what is known of all windows, and only what is left over is
+//! sampled.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -30,7 +31,8 @@ pub(crate) struct Window {
     pub spans: [Part; Span::ALL.len()],
 }
 
-/// A population of windows: the strata of its axis and where that ends, how many there are, and what is known of all together.
+/// A population of windows: the strata of its axis and where that ends, how many there are, and what is known of all
+/// together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Population {
     /// Strata.
@@ -74,8 +76,8 @@ impl Total {
     }
 }
 
-/// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with lines of so many bytes.
-/// Intervals are of 95 %.
+/// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with
+/// lines of so many bytes. Intervals are of 95 %.
 pub(crate) fn estimate(
     population: &Population,
     windows: &[Window],
@@ -144,8 +146,9 @@ impl<'a> Sample<'a> {
         let slopes = solver.slopes(&known, weights, &values);
         let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
         let all = &self.population.known;
-        // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2), and it counts as much as the window
-        // does in the estimate once what is known of all windows is right (Saerndal et al. 1992, 6.6).
+        // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2), and
+        // it counts as much as the window does in the estimate once what is known of all windows is right (Saerndal et
+        // al. 1992, 6.6).
         let counts = solver.calibration(&known, weights, all);
         let full = left.iter().zip(leverage.iter().zip(&counts));
         let full: Vec<f64> = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
@@ -168,8 +171,8 @@ impl<'a> Sample<'a> {
                 squares += here * here / (some + 1.0);
             }
         }
-        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right that the
-        // variances are estimates themselves.
+        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right
+        // that the variances are estimates themselves.
         let freedom = if squares > 0.0 && freedom >= 1.0 {
             freedom.min(variance * variance / squares - 2.0).max(1.0)
         } else {
@@ -179,8 +182,8 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// Strata with these ends of which fewer than two points were measured are joined with the one before (or, at the beginning, behind): how long each is
-/// then, and the stratum of each point.
+/// Strata with these ends of which fewer than two points were measured are joined with the one before (or, at the
+/// beginning, behind): how long each is then, and the stratum of each point.
 fn joined(ends: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
     let mut counts = vec![0u64; ends.len()];
     points.iter().for_each(|&stratum| counts[stratum] += 1);
@@ -238,7 +241,8 @@ mod tests {
         assert!(half_width.unwrap() < 1e-6);
     }
 
-    /// Where the windows that were measured have half of the operations that they should stand for, each counts twice, and so does what is left over.
+    /// Where the windows that were measured have half of the operations that they should stand for, each counts twice,
+    /// and so does what is left over.
     #[test]
     fn intervals_are_as_wide_as_windows_count() {
         let cost = |i: u32| f64::from(300 + i * i % 5);
@@ -254,7 +258,8 @@ mod tests {
 
     #[test]
     fn large_windows_count_for_less() {
-        // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is known of them.
+        // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is
+        // known of them.
         let windows = [1.0, 3.0].map(|size| Window { size, ..window(size, known(0.0, 0.0), size) });
         let population = Population { strata: strata(60.0), axis: 60.0, windows: 40, ..Population::default() };
         let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
@@ -270,8 +275,9 @@ mod tests {
         assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
     }
 
-    /// Windows of different lengths along which what they cost grows, with points drawn by `draws`: means over many seeds of what is estimated, of its
-    /// squared error, and of what the interval says that this is, over the truth or its square.
+    /// Windows of different lengths along which what they cost grows, with points drawn by `draws`: means over many
+    /// seeds of what is estimated, of its squared error, and of what the interval says that this is, over the truth or
+    /// its square.
     fn resampled(draws: usize) -> [f64; 3] {
         const SEEDS: u32 = 2000;
         let size = |window: usize| 0.5 + (window % 3) as f64 / 2.0;
@@ -298,8 +304,9 @@ mod tests {
         means
     }
 
-    /// Whether no stratum is halved, some are, all are, or all twice: estimates are right on average, and intervals as wide as they are off. Where neighbours
-    /// are alike, four times as many points tell much more than in strata as long as before, where variance would be a quarter.
+    /// Whether no stratum is halved, some are, all are, or all twice: estimates are right on average, and intervals as
+    /// wide as they are off. Where neighbours are alike, four times as many points tell much more than in strata as
+    /// long as before, where variance would be a quarter.
     #[test]
     fn halved_strata_are_unbiased_and_tell_more() {
         let found = [2, 3, 4, 8].map(resampled);

@@ -10,7 +10,8 @@ use super::pass::{Pass, Sampler};
 use crate::machine::{MachineSpec, SpecError};
 use crate::stats::{Accuracy, LatencyCounts, MachineStats};
 
-/// Windows from which on the width of an interval tells something: with fewer, too many intervals are too narrow by chance.
+/// Windows from which on the width of an interval tells something: with fewer, too many intervals are too narrow by
+/// chance.
 pub(crate) const TELLING: usize = 48;
 
 /// What a sample found.

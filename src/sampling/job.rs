@@ -65,7 +65,8 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
-            // What was done between two marks is not quite what the window's rays ask for: some were begun before, some end later.
+            // What was done between two marks is not quite what the window's rays ask for: some were begun before, some
+            // end later.
             let done = std::array::from_fn(|kind| closed.operations[kind] - opened.operations[kind]);
             let inside = Part {
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
@@ -104,9 +105,9 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     figures
 }
 
-/// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed, instead of those that were missed
-/// between the marks. What is written, what is read past an L1, and what is missed for entries of stores when a register writes them out for no ray, is that
-/// of the marks.
+/// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed,
+/// instead of those that were missed between the marks. What is written, what is read past an L1, and what is missed
+/// for entries of stores when a register writes them out for no ray, is that of the marks.
 fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpec) -> Figures {
     let (caches, line) = (machine.l2.caches(), machine.line_bytes.get() as f64);
     let (mut figures, mut l2_bytes, mut dram_bytes) = (Figures::new(), 0.0, 0.0);
@@ -183,8 +184,8 @@ struct Mark {
     missed: Missed,
 }
 
-/// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more are done as the window
-/// has: whichever they are, so that those that take long are not waited for.
+/// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more
+/// are done as the window has: whichever they are, so that those that take long are not waited for.
 struct JobFeed<'a> {
     items: VecDeque<Item>,
     machine: &'a MachineSpec,

@@ -1,5 +1,5 @@
-//! Jobs that may be wanted once it is known how much windows differ: they are kept, as far as memory allows, so that the stream need not be read
-//! again.
+//! Jobs that may be wanted once it is known how much windows differ: they are kept, as far as memory allows, so that
+//! the stream need not be read again.
 
 use std::ops::Range;
 use std::sync::Arc;

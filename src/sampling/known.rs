@@ -45,7 +45,8 @@ pub(crate) struct Known {
     pub dram: [u64; CLASSES],
     /// Lines that the L1s of each kind of units would miss.
     pub missed: [u64; KINDS],
-    /// Operations on entries of the stores by the shadow-cache unit that is the home of the most, a maximum for each piece.
+    /// Operations on entries of the stores by the shadow-cache unit that is the home of the most, a maximum for each
+    /// piece.
     pub home: u64,
     /// Lines that the bank of an L2 that is asked for the most is asked for, a maximum for each piece.
     pub bank: u64,
@@ -73,7 +74,8 @@ pub(crate) struct Capacity {
     units: [f64; KINDS],
     /// Lines that come from the DRAM or go there; none if as many as there may be.
     lines: Option<f64>,
-    /// Cycles that a ray in a slot waits for an operation, where that takes one of the unit, and for a line that the L1 misses: for each kind that rays in slots go to.
+    /// Cycles that a ray in a slot waits for an operation, where that takes one of the unit, and for a line that the L1
+    /// misses: for each kind that rays in slots go to.
     stays: [f64; PATH.len()],
     fetches: [f64; PATH.len()],
 }
@@ -104,8 +106,9 @@ impl Capacity {
         }
     }
 
-    /// Rays that are in traversal units at once, if what is `known` takes as long as the busiest needs: as many as are needed for each to stay as long as
-    /// its operations and the lines that its L1s miss take (Little 1961). `None` if nothing is done.
+    /// Rays that are in traversal units at once, if what is `known` takes as long as the busiest needs: as many as are
+    /// needed for each to stay as long as its operations and the lines that its L1s miss take (Little 1961). `None` if
+    /// nothing is done.
     pub(crate) fn in_flight(&self, known: &Known) -> Option<f64> {
         let waits = PATH.iter().zip(self.stays.iter().zip(&self.fetches)).map(|((kind, _), (stay, fetch))| {
             let kind = *kind as usize;
@@ -151,9 +154,9 @@ pub(crate) enum Span {
     Inside,
     /// What the window's own rays ask for, whenever that is.
     Own,
-    /// What the window and the pieces beside it do from beginning to end: for what rays ask for, whatever is in flight with them. It does not do for
-    /// what caches miss: at the group's ends, fewer rays are in flight (living room, `Hybrid()`, `tni_engine`: 6 % too few bytes of mode words from
-    /// the DRAM).
+    /// What the window and the pieces beside it do from beginning to end: for what rays ask for, whatever is in flight
+    /// with them. It does not do for what caches miss: at the group's ends, fewer rays are in flight (living room,
+    /// `Hybrid()`, `tni_engine`: 6 % too few bytes of mode words from the DRAM).
     Group,
 }
 
@@ -199,8 +202,9 @@ pub(crate) fn explanation(name: &str) -> Explanation {
         _ if begins("bytes.l1") || begins("bytes.fifos") => by(&[], None, Span::Group),
         _ if begins("dram") && name != "dram.refreshes" => by(&[DRAM], None, Span::Inside),
         _ => {
-            // Where all rays wait for few shadow-cache units, what these miss costs the most, and how much of the work lies at one of them. The orders, here
-            // and above, are those which left the least on kitchen, robot, staircase and living room (`tni_engine`, `desktop`, robot on `small`).
+            // Where all rays wait for few shadow-cache units, what these miss costs the most, and how much of the work
+            // lies at one of them. The orders, here and above, are those which left the least on kitchen, robot,
+            // staircase and living room (`tni_engine`, `desktop`, robot on `small`).
             let missed = |kind| MISSED + kind as usize;
             let (words, tests) = (Kind::ShadowCache, Kind::Intersection);
             let few = [BUSIEST, missed(words), operations_of(tests), OPERATIONS, BANK, operations_of(words)];

@@ -1,6 +1,6 @@
-//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the caches hold about what they
-//! would when a window is replayed, and of every window is known about how much it moves. Here are the L1s' tags, and the order of the
-//! accesses; what they ask the L2 for goes on to [`super::l2_tags`].
+//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the
+//! caches hold about what they would when a window is replayed, and of every window is known about how much it moves.
+//! Here are the L1s' tags, and the order of the accesses; what they ask the L2 for goes on to [`super::l2_tags`].
 
 use std::mem::{replace, take};
 use std::ops::Range;
@@ -58,8 +58,9 @@ pub(super) struct Passed {
     pub requests: Vec<Request>,
 }
 
-/// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the time, and differ by
-/// about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in those of the DRAM.
+/// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the
+/// time, and differ by about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in
+/// those of the DRAM.
 const BURST: usize = 8;
 
 /// Packed steps in a line of the caches of most processors.
@@ -128,8 +129,8 @@ impl L1Tags {
     }
 
     /// A piece's rays make their accesses, primary rays first, then those that follow from them. So many rays are in
-    /// flight and make steps in turn as the piece before says, at most as many as traversal units have slots; they are all done when the next piece begins,
-    /// so that what is first asked for by whom is clear.
+    /// flight and make steps in turn as the piece before says, at most as many as traversal units have slots; they are
+    /// all done when the next piece begins, so that what is first asked for by whom is clear.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Passed {
         let of = |primary: bool| {
             let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
@@ -195,8 +196,8 @@ impl L1Tags {
         let decides = if skipped { self.intervals[Kind::ShadowCache as usize] } else { 0 };
         self.known.operations[Kind::ShadowCache as usize] += decides;
         self.traced += u64::from(!skipped);
-        // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1 that the machine's, which gives
-        // rays to whom is free, does not keep.
+        // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1
+        // that the machine's, which gives rays to whom is free, does not keep.
         let drawn = mix(self.traced);
         let below = |bits: u64, end: u64| (((bits & u64::from(u32::MAX)) * end) >> 32) as u16;
         let core = below(drawn >> 32, self.cores as u64);

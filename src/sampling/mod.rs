@@ -1,5 +1,6 @@
-//! Sampling: of each stratum of consecutive windows (runs of pixels of about the same number of rays) some are replayed and measured,
-//! each by itself, between parts of others and behind warm caches; the accesses of all others go through the caches' tags alone.
+//! Sampling: of each stratum of consecutive windows (runs of pixels of about the same number of rays) some are replayed
+//! and measured, each by itself, between parts of others and behind warm caches; the accesses of all others go through
+//! the caches' tags alone.
 
 mod auto;
 mod axis;

@@ -1,4 +1,5 @@
-//! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others replay what is measured.
+//! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others
+//! replay what is measured.
 
 use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -16,7 +17,8 @@ use crate::machine::{MachineSpec, SpecError};
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
-/// Items that may wait to be cut, those that may wait for the L2, and jobs that may wait to be replayed, which hold the tags of a machine each.
+/// Items that may wait to be cut, those that may wait for the L2, and jobs that may wait to be replayed, which hold the
+/// tags of a machine each.
 const ITEMS: usize = 4;
 const CUT: usize = 4;
 const JOBS: usize = 2;
@@ -55,8 +57,8 @@ impl<'a> Sampler<'a> {
         Self { engine, machine, header, threads: rayon::current_num_threads() }
     }
 
-    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same for all passes whose findings are added:
-    /// a window that is measured for its first point must know the later ones.
+    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same
+    /// for all passes whose findings are added: a window that is measured for its first point must know the later ones.
     ///
     /// # Errors
     /// The stream cannot be read, or a replay fails.
@@ -69,7 +71,8 @@ impl<'a> Sampler<'a> {
             let (jobs, received) = sync_channel(JOBS);
             // Shared by the workers alone: should all of them panic, nothing can be sent.
             let received = Arc::new(Mutex::new(received));
-            // Cutting takes a processor. Where more is to be replayed than the workers can, who takes pieces through the L2 replays too.
+            // Cutting takes a processor. Where more is to be replayed than the workers can, who takes pieces through
+            // the L2 replays too.
             let workers: Vec<_> = (1..self.threads)
                 .map(|_| Arc::clone(&received))
                 .map(|received| scope.spawn(move || self.work(&received)))

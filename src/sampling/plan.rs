@@ -27,12 +27,14 @@ pub(crate) struct Cut {
 }
 
 impl Cut {
-    /// The cut for `machine`. As many primary rays as the pool has entries can be in flight, and their children come after them: a piece has as
-    /// many pixels. It takes a while until an empty machine behind warm tags works as one in the middle of a frame, and the longer the more its L1s hold: on
-    /// `small`, robot moved 1.2 % more bytes of the L2 with two pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two
-    /// pieces of 1024, 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has. Long FIFOs take longer to fill: on `tni_engine`,
-    /// two pieces of 1920 before windows of four made for 0.2 to 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 % fewer. So what
-    /// comes before is the longer the more rays there is room for.
+    /// The cut for `machine`. As many primary rays as the pool has entries can be in flight, and their children come
+    /// after them: a piece has as many pixels. It takes a while until an empty machine behind warm tags works as one in
+    /// the middle of a frame, and the longer the more its L1s hold: on `small`, robot moved 1.2 % more bytes of the L2
+    /// with two pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two pieces
+    /// of 1024, 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1
+    /// has. Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to
+    /// 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and
+    /// 0.4 % fewer. So what comes before is the longer the more rays there is room for.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let pixels = machine.pool() as usize;
         let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
@@ -54,14 +56,16 @@ impl Cut {
     }
 }
 
-/// How much is replayed. Windows lie one after another on an axis, each as long as it is large ([`super::axis`]), which is cut into strata of
-/// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so
-/// that a later pass can measure the next ones.
+/// How much is replayed. Windows lie one after another on an axis, each as long as it is large ([`super::axis`]), which
+/// is cut into strata of equal length. Each stratum has two points ([`super::strata`]), and windows with a point are
+/// measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
+/// ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
     /// The strata of the axis, on which windows are of length 1 on average.
     pub strata: Strata,
-    /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its halves get.
+    /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its
+    /// halves get.
     pub draws: Range<usize>,
     /// What a window is, and what is replayed beside it.
     pub cut: Cut,
@@ -73,9 +77,10 @@ impl Plan {
         Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut: Cut::new(machine) }
     }
 
-    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when those so far gave `share`, if they tell that; `None` where that
-    /// would take more than `most`. Intervals shrink with the root of the number of points, and a quarter more is taken, since the width of an
-    /// interval is itself known from a sample only. For the same reason no more than twice as many are: a first width may be far too large.
+    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when those so
+    /// far gave `share`, if they tell that; `None` where that would take more than `most`. Intervals shrink with the
+    /// root of the number of points, and a quarter more is taken, since the width of an interval is itself known from a
+    /// sample only. For the same reason no more than twice as many are: a first width may be far too large.
     pub(crate) fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;

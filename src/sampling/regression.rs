@@ -23,8 +23,8 @@ impl Regression {
                 row.iter_mut().zip(known).for_each(|(cell, y)| *cell += weight * x * y);
             }
         }
-        // Gauss-Jordan on the matrix beside the unit matrix; a column whose pivot is lost in rounding, or that there are too few
-        // windows for, is left out.
+        // Gauss-Jordan on the matrix beside the unit matrix; a column whose pivot is lost in rounding, or that there
+        // are too few windows for, is left out.
         let mut inverse = [[0.0; COLUMNS]; COLUMNS];
         let mut used = [false; COLUMNS];
         let scale: Vec<f64> = (0..COLUMNS).map(|column| normal[column][column]).collect();
@@ -92,7 +92,8 @@ impl Regression {
     }
 }
 
-/// The 97.5 % point of Student's t (Hill 1970, algorithm 396's expansion; within 0.1 % from 6 degrees of freedom on; a table below).
+/// The 97.5 % point of Student's t (Hill 1970, algorithm 396's expansion; within 0.1 % from 6 degrees of freedom on; a
+/// table below).
 pub(super) fn student(freedom: f64) -> f64 {
     const SMALL: [f64; 5] = [12.706, 4.303, 3.182, 2.776, 2.571];
     const Z: f64 = 1.959_964;

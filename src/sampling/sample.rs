@@ -10,8 +10,8 @@ use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Header;
 
-/// The most windows that a target error may take, as points for a window: where sampling would take half of them or more,
-/// everything is replayed.
+/// The most windows that a target error may take, as points for a window: where sampling would take half of them or
+/// more, everything is replayed.
 const MOST: f64 = 0.5;
 
 /// Samples `rate` of the windows of a stream that is read once; `seed` says which.
@@ -39,8 +39,8 @@ pub(crate) fn sample(
     Ok(findings.estimate(machine, plan.draws.end))
 }
 
-/// Samples more and more windows, beginning with `rate` of them, until the intervals of cycles and of the bytes of L2 and DRAM
-/// are within `target`; where that would take half of the windows or more, everything is replayed.
+/// Samples more and more windows, beginning with `rate` of them, until the intervals of cycles and of the bytes of L2
+/// and DRAM are within `target`; where that would take half of the windows or more, everything is replayed.
 ///
 /// # Errors
 /// The engine refuses the machine, or a run fails.
@@ -57,7 +57,8 @@ pub(crate) fn sample_until_within(
     if is_enough { Ok(stats) } else { whole(engine.into(), machine, header, &mut source.open(0)?, None) }
 }
 
-/// Samples with more and more windows, as long as the target may be reached with at most `most` points a window; also whether it was.
+/// Samples with more and more windows, as long as the target may be reached with at most `most` points a window; also
+/// whether it was.
 pub(crate) fn sample_until(
     engine: Sampled,
     machine: &MachineSpec,

@@ -1,6 +1,7 @@
-//! Where the points of a sample lie on its axis: two in each stratum. When more are wanted, strata are cut in halves, which keep the points that they
-//! have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`, `tni_engine`: correlation 0.7, four windows apart 0.2), so that two
-//! points in each of many short strata tell more than many points in each of a few long ones.
+//! Where the points of a sample lie on its axis: two in each stratum. When more are wanted, strata are cut in halves,
+//! which keep the points that they have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`,
+//! `tni_engine`: correlation 0.7, four windows apart 0.2), so that two points in each of many short strata tell more
+//! than many points in each of a few long ones.
 
 use crate::random::{mix, unit};
 
@@ -81,7 +82,8 @@ impl Strata {
         }
     }
 
-    /// With so many points a stratum, `part` is in halves: after so many times as many as all of its level have, drawn between one and two.
+    /// With so many points a stratum, `part` is in halves: after so many times as many as all of its level have, drawn
+    /// between one and two.
     fn halved(&self, part: Part) -> usize {
         let all = (2u64 << part.level) as f64;
         (all * (1.0 + self.drawn(part, HALVING))) as usize + 1

@@ -147,7 +147,8 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine. Points below `keep` are known; windows with those of `plan`, and of later draws below `unwanted`, become jobs.
+    /// Nothing yet of a stream on a machine. Points below `keep` are known; windows with those of `plan`, and of later
+    /// draws below `unwanted`, become jobs.
     pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
         Self {
             capacity: Capacity::new(machine),

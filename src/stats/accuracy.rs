@@ -16,8 +16,8 @@ pub struct Range<T> {
 /// What no machine of the spec can leave on the stream, whatever it does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bounds {
-    /// Cycles: the least is the largest of what its parts must do over what they can do a cycle, the most is everything missed
-    /// and one thing after another.
+    /// Cycles: the least is the largest of what its parts must do over what they can do a cycle, the most is everything
+    /// missed and one thing after another.
     pub cycles: Range<Cycle>,
     /// Bytes between the L1s and the L2: the least is every line once a kind of units.
     pub l2_bytes: Range<Bytes>,
@@ -75,8 +75,8 @@ impl Accuracy {
         }
     }
 
-    /// Half the width of the interval of a figure's ratio to what it was before, if samples tell both; `figure` is its place in [`Accuracy::shares`]. At worst their errors add up,
-    /// since the samples are of different rays.
+    /// Half the width of the interval of a figure's ratio to what it was before, if samples tell both; `figure` is its
+    /// place in [`Accuracy::shares`]. At worst their errors add up, since the samples are of different rays.
     pub fn of_ratio(&self, before: &Self, figure: usize, ratio: f64) -> Option<f64> {
         let share = self.shares()?[figure] + before.shares()?[figure];
         (*self != Self::Exact || *before != Self::Exact).then_some(ratio * share)

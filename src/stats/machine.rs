@@ -28,6 +28,9 @@ pub struct MachineStats {
     pub caches: BTreeMap<String, BTreeMap<TrafficClass, CacheStats>>,
     /// Cycles of every unit kind, summed over its instances, by cause.
     pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
+    /// Operations that units of every kind began; several can begin in a cycle of a wide one.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub operations: BTreeMap<String, u64>,
     /// Instances of every unit kind: the causes of a kind sum to `cycles` times this.
     pub unit_counts: BTreeMap<String, u64>,
     /// Queues between parts, by who takes from them; of rungs that have queues.
@@ -103,6 +106,7 @@ impl MachineStats {
             bytes: less_nested(&self.bytes, &earlier.bytes, |bytes| *bytes != Bytes(0)),
             caches: less_nested(&self.caches, &earlier.caches, |cache| cache.counts != CacheCounts::default()),
             units: less_nested(&self.units, &earlier.units, |_| true),
+            operations: less(&self.operations, Some(&earlier.operations), |_| true),
             queues: less(&self.queues, Some(&earlier.queues), |_| true),
             latency: less(&self.latency, Some(&earlier.latency), |latency| latency.rays > 0),
             dram: self.dram - earlier.dram,
@@ -117,6 +121,7 @@ impl MachineStats {
         more_nested(&mut self.bytes, &other.bytes);
         more_nested(&mut self.caches, &other.caches);
         more_nested(&mut self.units, &other.units);
+        more(&mut self.operations, &other.operations);
         more(&mut self.queues, &other.queues);
         more(&mut self.latency, &other.latency);
         self.dram += other.dram;

@@ -44,7 +44,8 @@ pub struct ReuseLevel {
 }
 
 impl ReuseLevel {
-    /// Misses over accesses of the caches as the machine has them, if lines fall into their sets at random; `None` without an access.
+    /// Misses over accesses of the caches as the machine has them, if lines fall into their sets at random; `None`
+    /// without an access.
     pub fn miss_ratio_in_sets(&self) -> Option<f64> {
         let sum = |of: fn(&ReuseCurve) -> f64| self.classes.values().map(of).sum::<f64>();
         let sampled = sum(|curve| curve.sampled);

@@ -7,10 +7,11 @@ use super::error::{Place, StreamError};
 use super::fault::Fault;
 use super::format::{
     self, BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES, Tag,
-    VERSION, checksum, field,
+    checksum, field,
 };
 use super::header::Header;
 use super::totals::Totals;
+use super::version::Version;
 
 /// The first way in which a frame's entry of the index is not what was read of the frame.
 pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault> {
@@ -31,6 +32,7 @@ pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault>
 pub(super) struct Blocks<R> {
     input: R,
     pub path: PathBuf,
+    pub version: Version,
     seed: u32,
     /// Where the next byte is read.
     pub position: u64,
@@ -45,7 +47,8 @@ impl<R: Read + Seek> Blocks<R> {
     /// The blocks of the stream that is the whole of `input`; `path` is named in errors.
     pub(super) fn new(input: R, path: &Path) -> Self {
         let path = path.to_owned();
-        Self { input, path, seed: 0, position: 0, number: 0, stored: Vec::new(), raw: Vec::new() }
+        let version = Version::CURRENT;
+        Self { input, path, version, seed: 0, position: 0, number: 0, stored: Vec::new(), raw: Vec::new() }
     }
 
     /// The file's length in bytes.
@@ -82,7 +85,7 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(())
     }
 
-    /// Reads the header of a file of `length` bytes, and learns the seed.
+    /// Reads the header of a file of `length` bytes, and learns its version and seed.
     pub(super) fn preamble(&mut self, length: u64) -> Result<Header, StreamError> {
         self.seek(0)?;
         let mut front = [0; PREAMBLE_BYTES];
@@ -96,9 +99,10 @@ impl<R: Read + Seek> Blocks<R> {
             };
             return Err(StreamError::Foreign { path: self.path.clone(), found });
         }
-        let version = u32::from_le_bytes(field(&front, 8));
-        if there >= 12 && version != VERSION {
-            return Err(StreamError::Version { path: self.path.clone(), found: version, known: VERSION });
+        if there >= 12 {
+            let found = u32::from_le_bytes(field(&front, 8));
+            let unknown = || StreamError::Version { path: self.path.clone(), found };
+            self.version = Version::of(found).ok_or_else(unknown)?;
         }
         let text = u32::from_le_bytes(field(&front, 12)) as usize;
         if there == PREAMBLE_BYTES && text > HEADER_LIMIT {
@@ -114,7 +118,9 @@ impl<R: Read + Seek> Blocks<R> {
         if self.seed != u32::from_le_bytes(field(&front, 16)) {
             return Err(self.corrupt(Place::Header, Fault::Checksum));
         }
-        serde_json::from_slice(&bytes).map_err(|error| self.corrupt(Place::Header, Fault::Header(error.to_string())))
+        let unread = |error: serde_json::Error| self.corrupt(Place::Header, Fault::Header(error.to_string()));
+        let header: Header = serde_json::from_slice(&bytes).map_err(unread)?;
+        Ok(Header { unjudged_updates: self.version == Version::Two || header.unjudged_updates, ..header })
     }
 
     /// Reads the index of a file of `length` bytes, of which the preamble has just been read: the entries, and where
@@ -153,7 +159,8 @@ impl<R: Read + Seek> Blocks<R> {
         if self.read(Place::Index, footer_at)? != Tag::Index || self.position != footer_at {
             return Err(self.corrupt(Place::Index, Fault::Kind));
         }
-        let index = format::index(&self.raw, header.frames.len(), header.static_primitives as usize);
+        let (frames, primitives) = (header.frames.len(), header.static_primitives as usize);
+        let index = format::index(&self.raw, frames, primitives, self.version);
         let (entries, records) = index.map_err(|fault| self.corrupt(Place::Index, fault))?;
         header.records = records.into();
         // Frames follow each other without a gap from the preamble to the index, each as large as its entry says.

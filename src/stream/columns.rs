@@ -20,6 +20,7 @@
 use super::chunk::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
 use super::fault::Fault;
 use super::format::{field, put_words, words};
+use super::version::Version;
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
 /// Bytes before the columns.
@@ -74,7 +75,7 @@ fn class(head: &RayHead) -> u8 {
 
 /// Reads a payload. Its numbers add up; what they mean is not yet checked, not even whether every step is one: the
 /// chunk must not leave the module before a [`super::Checker`] has seen it.
-pub(super) fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
+pub(super) fn chunk(payload: &[u8], version: Version) -> Result<Chunk, Fault> {
     if payload.len() < COUNTS_BYTES {
         return Err(Fault::Length { found: payload.len(), expected: COUNTS_BYTES });
     }
@@ -94,7 +95,7 @@ pub(super) fn chunk(payload: &[u8]) -> Result<Chunk, Fault> {
         let head = RayHead { kind, light, decision, outcome, pixel, parent };
         Ok((head, [paths[ray], policies[ray]]))
     });
-    Chunk::from_columns(rays, words(packed))?.ok_or(Fault::Steps { steps })
+    Chunk::from_columns(rays, version.steps(words(packed))?)?.ok_or(Fault::Steps { steps })
 }
 
 /// The numbers of a column of 4-byte numbers, which stands in four planes.

@@ -28,14 +28,12 @@ pub enum StreamError {
         found: String,
     },
     /// The file is of another version of the format.
-    #[error("{} is a ray stream of version {found}; this program reads version {known}: record it again", path.display())]
+    #[error("{} is a ray stream of version {found}; this program reads versions 2 and 3: record it again", path.display())]
     Version {
         /// The file.
         path: PathBuf,
         /// The file's version.
         found: u32,
-        /// The version that can be read.
-        known: u32,
     },
     /// The file ends too early.
     #[error("{} is cut off: {missing}", path.display())]

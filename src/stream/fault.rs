@@ -1,5 +1,7 @@
 //! What can be wrong with the bytes of a ray stream file.
 
+use super::step::Step;
+
 /// What is wrong with the bytes of a place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
@@ -57,6 +59,18 @@ pub enum Fault {
     Steps {
         /// The steps of the chunk.
         steps: usize,
+    },
+    /// A packed step of a file of version 2 is none.
+    #[error("{word:#010x} is no step of version 2")]
+    OldStep {
+        /// The packed word.
+        word: u32,
+    },
+    /// A packed step of a file of version 2 has an id that no step can have today.
+    #[error("a step of version 2 names id {id}: ids up to {} can be replayed", Step::MAX_INDEX)]
+    OldId {
+        /// The id.
+        id: u32,
     },
     /// The header's text cannot be read.
     #[error("{0}")]

@@ -38,18 +38,19 @@
 //!
 //! The seed ties every block to its file, and the number to its place: a block of another file, or one that was moved,
 //! lost or doubled, is refused even though its own bytes are whole.
+//!
+//! That is version 3. Version 2 can be read too: the module `version` says how it differs.
 
 use super::fault::Fault;
 use super::item::FrameInfo;
 use super::totals::Totals;
+use super::version::Version;
 use crate::quantity::{Bytes, TriangleSlot};
 
 /// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
 pub(crate) const END_MAGIC: [u8; 8] = *b"RAYS-END";
-/// The version of the layout that this program writes and reads.
-pub(crate) const VERSION: u32 = 3;
 /// Bytes before the header's text.
 pub(crate) const PREAMBLE_BYTES: usize = 20;
 /// Bytes of a block before its payload.
@@ -64,10 +65,13 @@ pub(crate) const RAW_LIMIT: usize = 64 << 20;
 
 /// Bytes of a FRAM payload.
 const FRAME_INFO_BYTES: usize = 16;
+/// Bytes of a frame in the INDX payload before its totals.
+const ENTRY_BYTES: usize = 44;
+
 /// Bytes of totals.
-const TOTALS_BYTES: usize = 8 * Totals::DECLARED.len();
-/// Bytes of a frame in the INDX payload.
-const ENTRY_BYTES: usize = 44 + TOTALS_BYTES;
+fn totals_bytes(version: Version) -> usize {
+    8 * version.totals()
+}
 
 /// What a block holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -206,17 +210,18 @@ pub(crate) fn put_end(policy: &[u32], totals: &Totals, out: &mut Vec<u8>) {
 
 /// Length of a FEND payload.
 pub(crate) fn end_len(policy: &[u32]) -> usize {
-    TOTALS_BYTES + 4 * policy.len()
+    totals_bytes(Version::CURRENT) + 4 * policy.len()
 }
 
 /// Reads a FEND payload: the policy's steps, packed and not yet checked, and the totals.
-pub(crate) fn end(payload: &[u8]) -> Result<(Vec<u32>, Totals), Fault> {
-    let steps = payload.len().saturating_sub(TOTALS_BYTES) / 4;
-    let expected = TOTALS_BYTES + 4 * steps;
+pub(crate) fn end(payload: &[u8], version: Version) -> Result<(Vec<u32>, Totals), Fault> {
+    let front = totals_bytes(version);
+    let expected = front + payload.len().saturating_sub(front) / 4 * 4;
     if payload.len() != expected {
         return Err(Fault::Length { found: payload.len(), expected });
     }
-    Ok((words(&payload[TOTALS_BYTES..]), totals(&payload[..TOTALS_BYTES])))
+    let (counters, steps) = payload.split_at(front);
+    Ok((version.steps(words(steps))?, totals(counters)))
 }
 
 /// A frame in the index.
@@ -250,8 +255,9 @@ pub(crate) fn put_index(entries: &[FrameEntry], records: &[TriangleSlot], out: &
 }
 
 /// Length of an INDX payload.
-pub(crate) fn index_len(frames: usize, primitives: usize) -> usize {
-    frames.saturating_mul(ENTRY_BYTES).saturating_add(primitives.saturating_mul(4))
+pub(crate) fn index_len(frames: usize, primitives: usize, version: Version) -> usize {
+    let entry = ENTRY_BYTES + totals_bytes(version);
+    frames.saturating_mul(entry).saturating_add(primitives.saturating_mul(4))
 }
 
 /// Reads an INDX payload of `frames` frames and `primitives` static primitives: the frames, and the primitives' records.
@@ -259,12 +265,13 @@ pub(crate) fn index(
     payload: &[u8],
     frames: usize,
     primitives: usize,
+    version: Version,
 ) -> Result<(Vec<FrameEntry>, Vec<TriangleSlot>), Fault> {
-    let expected = index_len(frames, primitives);
+    let expected = index_len(frames, primitives, version);
     if payload.len() != expected {
         return Err(Fault::Length { found: payload.len(), expected });
     }
-    let (payload, records) = payload.split_at(index_len(frames, 0));
+    let (payload, records) = payload.split_at(index_len(frames, 0, version));
     let entry = |bytes: &[u8]| {
         let [offset, size, raw_bytes, rays, blocks] =
             [4, 12, 20, 28, 36].map(|at| u64::from_le_bytes(field(bytes, at)));
@@ -275,17 +282,19 @@ pub(crate) fn index(
             raw_bytes: Bytes(raw_bytes),
             rays,
             blocks,
-            totals: totals(&bytes[44..]),
+            totals: totals(&bytes[ENTRY_BYTES..]),
         }
     };
-    Ok((payload.chunks_exact(ENTRY_BYTES).map(entry).collect(), words(records).into_iter().map(TriangleSlot).collect()))
+    let entries = payload.chunks_exact(ENTRY_BYTES + totals_bytes(version)).map(entry);
+    Ok((entries.collect(), words(records).into_iter().map(TriangleSlot).collect()))
 }
 
 fn put_totals(totals: &Totals, out: &mut Vec<u8>) {
     out.extend(totals.values().into_iter().flat_map(u64::to_le_bytes));
 }
 
-/// The totals in the first [`TOTALS_BYTES`] of `bytes`.
+/// The totals that `bytes` hold; counters that the file's version does not have are 0.
 fn totals(bytes: &[u8]) -> Totals {
-    Totals::from_values(std::array::from_fn(|index| u64::from_le_bytes(field(bytes, 8 * index))))
+    let mut values = bytes.as_chunks().0.iter().map(|&value| u64::from_le_bytes(value));
+    Totals::from_values(std::array::from_fn(|_| values.next().unwrap_or(0)))
 }

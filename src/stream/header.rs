@@ -39,6 +39,9 @@ pub struct Header {
     pub static_list_entries: u32,
     /// Sizes of the policy's stores.
     pub stores: StoreEntries,
+    /// Whether updates of mode words do not say what they change: they do not in files of version 2.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub unjudged_updates: bool,
     /// Hash of the scene and the settings that the stream was traced with.
     pub input_hash: u64,
     /// The triangle record of each static primitive, [`NO_RECORD`] for one that has none: it cannot be seen. (In a file it stands

@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use super::chunk::{Chunk, Decision, Outcome, RayKind};
 use super::error::StreamError;
-use super::format::{self, FrameEntry};
+use super::format::FrameEntry;
 use super::header::Header;
 use super::item::Item;
 use super::reader::StreamReader;
@@ -139,7 +139,7 @@ pub(crate) fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<In
         }
     }
     Ok(Inspection {
-        version: format::VERSION,
+        version: reader.version(),
         file_bytes: reader.file_bytes(),
         header: reader.header().clone(),
         frames,

@@ -21,6 +21,7 @@ mod packed;
 pub(crate) mod reader;
 pub(crate) mod step;
 mod totals;
+mod version;
 pub(crate) mod violation;
 pub(crate) mod writer;
 

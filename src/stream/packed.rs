@@ -4,6 +4,7 @@ use lz4_flex::block::{compress_prepend_size, decompress_size_prepended};
 
 use super::chunk::Chunk;
 use super::columns::{self, chunk_len, put_chunk};
+use super::version::Version;
 
 /// A chunk as a file holds it, in about a tenth of its memory.
 #[derive(Clone, Debug)]
@@ -23,7 +24,7 @@ impl PackedChunk {
     /// The chunk.
     pub fn unpack(&self) -> Chunk {
         let payload = decompress_size_prepended(&self.payload).expect("it was packed here");
-        let mut chunk = columns::chunk(&payload).expect("the payload is of a chunk");
+        let mut chunk = columns::chunk(&payload, Version::CURRENT).expect("the payload is of a chunk");
         if self.marked {
             chunk.mark();
         }

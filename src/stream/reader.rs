@@ -66,6 +66,11 @@ impl<R: Read + Seek> StreamReader<R> {
         self.checker.header()
     }
 
+    /// The version of the file's layout.
+    pub fn version(&self) -> u32 {
+        self.blocks.version.number()
+    }
+
     /// The index: every frame in order.
     pub fn frames(&self) -> &[FrameEntry] {
         &self.entries
@@ -94,11 +99,13 @@ impl<R: Read + Seek> StreamReader<R> {
         let path = self.blocks.path.clone();
         let start = self.blocks.position;
         let tag = self.blocks.read(place, self.end)?;
-        let payload = &self.blocks.raw;
+        let (payload, version) = (&self.blocks.raw, self.blocks.version);
         let item = match tag {
             Tag::Frame => format::frame(payload).map(Item::Frame),
-            Tag::Rays => columns::chunk(payload).map(|chunk| Item::Rays(Arc::new(chunk))),
-            Tag::End => format::end(payload).map(|(policy, totals)| Item::End { policy: Arc::new(policy), totals }),
+            Tag::Rays => columns::chunk(payload, version).map(|chunk| Item::Rays(Arc::new(chunk))),
+            Tag::End => {
+                format::end(payload, version).map(|(policy, totals)| Item::End { policy: Arc::new(policy), totals })
+            }
             Tag::Index => Err(Fault::Kind),
         };
         let item = item.map_err(|fault| StreamError::Corrupt { path: path.clone(), place, fault })?;

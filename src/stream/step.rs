@@ -115,6 +115,12 @@ impl Step {
         u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))
     }
 
+    /// A tag and an id in 32 bits.
+    pub(super) fn packed(tag: u32, index: u32) -> u32 {
+        debug_assert!(index <= Self::MAX_INDEX);
+        tag << INDEX_BITS | index
+    }
+
     /// The step in 32 bits: a tag of 5 bits, then the id.
     pub fn pack(self) -> u32 {
         let (tag, index) = match self {
@@ -125,15 +131,13 @@ impl Step {
             Self::Write { store, index } => (8 + store as u32, index),
             Self::Update { store, index } => (11 + store as u32, index),
         };
-        debug_assert!(index <= Self::MAX_INDEX);
-        tag << INDEX_BITS | index
+        Self::packed(tag, index)
     }
 
     /// The update of mode word `index` in 32 bits, with its effect. Unpacked, the step is the same whatever the effect.
     pub fn pack_word_update(index: u32, effect: Effect) -> u32 {
-        debug_assert!(index <= Self::MAX_INDEX);
         let tag = WORD_UPDATES.iter().find(|(known, _)| *known == effect).map_or(11, |&(_, tag)| tag);
-        tag << INDEX_BITS | index
+        Self::packed(tag, index)
     }
 
     /// What a packed update changes; `None` for another step. Only updates of mode words are judged: all others change

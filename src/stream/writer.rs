@@ -8,10 +8,11 @@ use super::columns::{chunk_len, put_chunk};
 use super::error::{Place, StreamError};
 use super::format::{
     BLOCK_BYTES, BlockHeader, END_MAGIC, FOOTER_BYTES, FrameEntry, HEADER_LIMIT, MAGIC, PREAMBLE_BYTES, RAW_LIMIT, Tag,
-    VERSION, checksum, end_len, index_len, put_end, put_frame, put_index,
+    checksum, end_len, index_len, put_end, put_frame, put_index,
 };
 use super::header::Header;
 use super::item::{FrameInfo, Item};
+use super::version::Version;
 use super::violation::Violation;
 use crate::output::OutputFile;
 use crate::quantity::Bytes;
@@ -69,7 +70,7 @@ impl<W: Write> StreamWriter<W> {
         })?;
         let limits = [
             ("a header", text.len(), HEADER_LIMIT),
-            ("an index", index_len(header.frames.len(), header.records.len()), RAW_LIMIT),
+            ("an index", index_len(header.frames.len(), header.records.len(), Version::CURRENT), RAW_LIMIT),
         ];
         for (what, found, limit) in limits {
             if found > limit {
@@ -78,7 +79,7 @@ impl<W: Write> StreamWriter<W> {
         }
         let mut preamble = Vec::with_capacity(PREAMBLE_BYTES + text.len());
         preamble.extend(MAGIC);
-        preamble.extend(VERSION.to_le_bytes());
+        preamble.extend(Version::CURRENT.number().to_le_bytes());
         preamble.extend((text.len() as u32).to_le_bytes());
         let seed = checksum(0, &[&preamble, text.as_bytes()]);
         preamble.extend(seed.to_le_bytes());

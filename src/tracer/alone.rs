@@ -1,4 +1,5 @@
-//! Rays of one kind alone, as the tables of ray-tracing hardware have them (Nah et al. 2011, table 11): no culling, nothing else.
+//! Rays of one kind alone, as the tables of ray-tracing hardware have them (Nah et al. 2011, table 11): no culling,
+//! nothing else.
 
 use std::sync::Arc;
 

@@ -65,6 +65,7 @@ impl<'a> Tracer<'a> {
             static_slots: self.accel.static_slots(),
             static_list_entries: self.accel.static_list_entries(),
             stores: policy.stores(),
+            unjudged_updates: false,
             input_hash: hash.digest(),
             records: self.accel.static_records().into(),
         }

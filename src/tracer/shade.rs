@@ -100,8 +100,8 @@ impl<'a> Shader<'a> {
         surface.ambient
     }
 
-    /// A ray from the surface in a direction whose density goes with the cosine of its angle to the normal (Malley's method, Pharr et
-    /// al., "Physically Based Rendering"); `at` are two numbers from 0 to 1.
+    /// A ray from the surface in a direction whose density goes with the cosine of its angle to the normal (Malley's
+    /// method, Pharr et al., "Physically Based Rendering"); `at` are two numbers from 0 to 1.
     pub(super) fn diffuse_ray(&self, surface: &Surface<'_>, at: [f32; 2]) -> Ray {
         let normal = surface.geometric;
         let (tangent, other) = normal.any_orthonormal_pair();

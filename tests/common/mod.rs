@@ -32,8 +32,8 @@ impl Desk {
         Self { dir: tempfile::tempdir().unwrap() }
     }
 
-    /// A folder with `small.ron`, a machine, its DRAM part, and `tiny.ron`, an experiment on a scene of three triangles, one of which
-    /// moves: a frame is traced in a few milliseconds.
+    /// A folder with `small.ron`, a machine, its DRAM part, and `tiny.ron`, an experiment on a scene of three
+    /// triangles, one of which moves: a frame is traced in a few milliseconds.
     pub fn with_experiment() -> Self {
         let desk = Self::new();
         desk.put("small.ron", &machine());

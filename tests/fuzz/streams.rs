@@ -12,6 +12,8 @@ use super::mutation::Random;
 
 /// A recorded stream, of which the first frame is taken: the replays are to be short.
 const STREAM: &[u8] = include_bytes!("../../traces/quickstart.rays");
+/// One of an earlier version.
+const OLD_STREAM: &[u8] = include_bytes!("../fixtures/version_2/published.rays");
 /// Changed streams of each kind.
 const CASES: usize = 400;
 
@@ -33,14 +35,14 @@ fn changed_bytes() {
     if !is_limited("streams::changed_bytes") {
         return;
     }
-    let small = Parts::of(STREAM).first_frame();
+    let small = [STREAM, OLD_STREAM].map(|stream| Parts::of(stream).first_frame());
     let mut random = Random(1);
-    for _ in 0..CASES {
-        let mut bytes = small.clone();
+    for case in 0..CASES {
+        let mut bytes = small[case % 2].clone();
         random.change_bytes(&mut bytes);
         replay(&bytes, &[Level::Bound]);
     }
-    replay(&small, &[Level::Bound, Level::Event]);
+    small.iter().for_each(|stream| assert_eq!(replay(stream, &[Level::Bound, Level::Event]), 1));
 }
 
 #[test]
@@ -48,12 +50,14 @@ fn changed_contents_with_right_checksums() {
     if !is_limited("streams::changed_contents_with_right_checksums") {
         return;
     }
-    let whole = Parts::of(&Parts::of(STREAM).first_frame());
-    assert_eq!(replay(&whole.sealed(), &[]), 1, "a stream that was taken apart and put together is one");
+    let whole = [STREAM, OLD_STREAM].map(|stream| Parts::of(&Parts::of(stream).first_frame()));
+    for stream in &whole {
+        assert_eq!(replay(&stream.sealed(), &[]), 1, "a stream that was taken apart and put together is one");
+    }
     let mut random = Random(2);
     let mut opened = 0;
     for case in 0..CASES {
-        let mut parts = whole.clone();
+        let mut parts = whole[case / 2 % 2].clone();
         if case % 2 == 0 {
             parts.header = random.change_text(&parts.header);
         } else {

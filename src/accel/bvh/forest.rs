@@ -5,7 +5,8 @@ use super::tree::{Node, Tree};
 
 /// The static tree and the dynamic one under one root.
 pub(crate) struct Forest<'a, const N: usize> {
-    /// Node 0. With dynamic triangles it joins the two trees (child 0 and child 1); without, it is the static tree's own.
+    /// Node 0. With dynamic triangles it joins the two trees (child 0 and child 1); without, it is the static tree's
+    /// own.
     pub root: Node<N>,
     /// Whether the root joins two trees.
     pub joined: bool,

@@ -11,8 +11,8 @@ use crate::accel::structure::JoinedTree;
 use crate::accel::trail::Observer;
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 
-/// Children that wait, each with what it is sorted by among its siblings. One allocation a ray is faster here than a stack
-/// that may spill.
+/// Children that wait, each with what it is sorted by among its siblings. One allocation a ray is faster here than a
+/// stack that may spill.
 type Stack = Vec<(f32, Child)>;
 
 impl<const N: usize> Forest<'_, N> {

@@ -40,9 +40,9 @@ struct Builder<'a> {
     cells: Vec<Built>,
 }
 
-/// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers every
-/// plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes only
-/// where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
+/// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers
+/// every plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes
+/// only where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
 pub(super) fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     let parts: Vec<_> = items
         .iter()

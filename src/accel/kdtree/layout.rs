@@ -1,4 +1,5 @@
-//! Lays a built tree out in memory: nodes depth-first, lists in the order of the leaves, records as the lists name them.
+//! Lays a built tree out in memory: nodes depth-first, lists in the order of the leaves, records as the lists name
+//! them.
 
 use super::bounds::Bounds;
 use super::built::Built;

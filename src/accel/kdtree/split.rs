@@ -1,5 +1,5 @@
-//! Where to split a cell: the surface area heuristic, over all planes at which the count of triangles changes, or over a
-//! few planes at even distances.
+//! Where to split a cell: the surface area heuristic, over all planes at which the count of triangles changes, or over
+//! a few planes at even distances.
 
 use glam::DVec3;
 
@@ -45,8 +45,8 @@ impl Search {
 
     /// Considers a plane with `counts` triangles to the left and to the right. Of equals, the first is kept.
     ///
-    /// A plane in a face of the cell parts the triangles in the face from the rest: a flat cell of them, such as a wall,
-    /// is cheap, since only the rays that reach the wall come to it. A flat cell of nothing would part nothing.
+    /// A plane in a face of the cell parts the triangles in the face from the rest: a flat cell of them, such as a
+    /// wall, is cheap, since only the rays that reach the wall come to it. A flat cell of nothing would part nothing.
     fn consider(&mut self, plane: Plane, counts: [usize; 2]) {
         let (low, high) = (self.cell.low[plane.axis], self.cell.high[plane.axis]);
         let parting = (plane.at > low || counts[0] > 0) && (plane.at < high || counts[1] > 0);

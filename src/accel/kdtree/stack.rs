@@ -1,9 +1,10 @@
-//! The stack of cells that a ray comes to later, and what it costs if it is short: a short stack drops its deepest entry when it is
-//! full, and a ray that needs that entry goes down again from the node where its ways first parted ("short stack" with "push-down";
-//! Horn et al. 2007, "Interactive k-D Tree GPU Raytracing"; the T&I engine has four entries).
+//! The stack of cells that a ray comes to later, and what it costs if it is short: a short stack drops its deepest
+//! entry when it is full, and a ray that needs that entry goes down again from the node where its ways first parted
+//! ("short stack" with "push-down"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing"; the T&I engine has four
+//! entries).
 //!
-//! All entries are kept here, dropped ones too, with the path to the present node: so a restart is the nodes of that path once more, and
-//! what a ray hits cannot depend on the stack's size.
+//! All entries are kept here, dropped ones too, with the path to the present node: so a restart is the nodes of that
+//! path once more, and what a ray hits cannot depend on the stack's size.
 
 use crate::accel::trail::Observer;
 use crate::quantity::NodeId;
@@ -36,7 +37,8 @@ pub(super) struct Stack {
 }
 
 impl Stack {
-    /// A stack of `places`, or without a limit, for a walk of `trees`, the last of which is the first. Their roots are in registers.
+    /// A stack of `places`, or without a limit, for a walk of `trees`, the last of which is the first. Their roots are
+    /// in registers.
     pub(super) fn new(places: Option<usize>, trees: Vec<Span>) -> Self {
         let mut entries = trees;
         entries.reserve(64);
@@ -67,8 +69,8 @@ impl Stack {
         }
     }
 
-    /// The cell that the ray comes to next, of those that it enters within `reach`. If it was dropped, the nodes on the way to it are
-    /// visited once more.
+    /// The cell that the ray comes to next, of those that it enters within `reach`. If it was dropped, the nodes on the
+    /// way to it are visited once more.
     pub(super) fn pop(&mut self, reach: f32, watch: &mut impl Observer) -> Option<Span> {
         let span = loop {
             let span = self.entries.pop()?;
@@ -97,7 +99,8 @@ mod tests {
     use super::*;
     use crate::accel::trail::Trail;
 
-    /// Nodes visited again by a ray that goes down five levels, leaves a cell for later on each, and then comes to all of them.
+    /// Nodes visited again by a ray that goes down five levels, leaves a cell for later on each, and then comes to all
+    /// of them.
     fn visited_again(places: Option<usize>) -> Vec<u32> {
         let span = |node, depth| Span { node, enter: 0.0, exit: 1.0, depth };
         let (mut stack, mut trail) = (Stack::new(places, vec![span(0, 0)]), Trail::default());

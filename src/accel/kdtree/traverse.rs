@@ -3,11 +3,11 @@
 //! The two trees overlap in space, so no plane parts them: the node that joins them, node 0, has the static tree right
 //! behind it and the dynamic one's root as its other child, and the boxes of both are in registers of the unit that
 //! tests the scene's box (the ray dispatcher of the T&I engine). A shadow ray walks the static tree first. One that is
-//! traced among dynamic objects stops at the first node that has none under it, as the published algorithm asks: that is
-//! the static tree's root, which is not even fetched, since the joining node tells.
+//! traced among dynamic objects stops at the first node that has none under it, as the published algorithm asks: that
+//! is the static tree's root, which is not even fetched, since the joining node tells.
 //!
-//! Every ray fetches node 0, as it does in the other structures. The stack is unbounded, or a short one that forgets what lies
-//! deepest and finds it again by going down once more ([`super::stack`]).
+//! Every ray fetches node 0, as it does in the other structures. The stack is unbounded, or a short one that forgets
+//! what lies deepest and finds it again by going down once more ([`super::stack`]).
 
 use std::ops::Range;
 

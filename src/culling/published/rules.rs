@@ -1,4 +1,5 @@
-//! Everything that the text of GI09 leaves open, as options. MODEL.md lists the holes by the numbers H1 to H10 used here.
+//! Everything that the text of GI09 leaves open, as options. MODEL.md lists the holes by the numbers H1 to H10 used
+//! here.
 
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -223,8 +224,8 @@ choices! {
     ResetCheck {
         /// At the frame's end.
         FrameEnd,
-        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone, whose hits are then the ones
-        /// that are counted, in this frame and in the highest number.
+        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone, whose hits are then the
+        /// ones that are counted, in this frame and in the highest number.
         BeforeShadows,
     }
     /// Which words decisions read.

@@ -99,8 +99,8 @@ impl<W> Cache<W> {
         met
     }
 
-    /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no `room`. A line that
-    /// is not to be kept is not put in, and goes down itself if it was written.
+    /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no
+    /// `room`. A line that is not to be kept is not put in, and goes down itself if it was written.
     pub(super) fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
         let index = self.registers.iter().position(|register| register.line == line);
         let index = index.expect("only a line that was missed comes");

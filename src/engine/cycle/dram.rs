@@ -1,4 +1,5 @@
-//! A channel of the DRAM: remembers when each command was last given, and asks of every command whether it is legal now.
+//! A channel of the DRAM: remembers when each command was last given, and asks of every command whether it is legal
+//! now.
 
 use std::collections::VecDeque;
 
@@ -168,7 +169,8 @@ impl Channel {
             && passed(bank.write_data_end, self.part.timing.wr.get(), now)
     }
 
-    /// Whether an event of its kind is long enough ago in all groups: `long` in the group of bank `bank`, `short` in others.
+    /// Whether an event of its kind is long enough ago in all groups: `long` in the group of bank `bank`, `short` in
+    /// others.
     fn groups_allow(&self, bank: usize, event: fn(&GroupState) -> Option<u64>, waits: (u64, u64), now: u64) -> bool {
         let (short, long) = waits;
         let own = self.part.group(bank);

@@ -195,8 +195,8 @@ impl Host {
         Ok(())
     }
 
-    /// Hands over the next ray, if there is one and nothing is missing; whether that was so. `to_core` says how many each core got
-    /// in this cycle.
+    /// Hands over the next ray, if there is one and nothing is missing; whether that was so. `to_core` says how many
+    /// each core got in this cycle.
     fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
         let Some(origin) = wires.in_fifo.first(now).cloned() else { return Ok(false) };
         let Some(&id) = self.free_entries.front() else { return Ok(false) };

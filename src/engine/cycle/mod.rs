@@ -1,5 +1,5 @@
-//! The plain engine: every part acts in every cycle, as MODEL.md says, and nothing else. It is slow, and the truth that the
-//! event-driven engine is held to: the two share specs, memory layout and tag arrays, no scheduling and no unit.
+//! The plain engine: every part acts in every cycle, as MODEL.md says, and nothing else. It is slow, and the truth that
+//! the event-driven engine is held to: the two share specs, memory layout and tag arrays, no scheduling and no unit.
 //!
 //! A cycle has two phases: all parts act on what was there when the cycle began; then all links settle.
 

@@ -24,8 +24,8 @@ pub(super) struct ShadowCache {
     /// The register: addresses of entries read, and updates that wait, both the oldest first.
     read: Vec<u64>,
     waiting: Vec<Step>,
-    /// Steps of the frame's end that are not taken on yet, each with whether it sets modes, and how many are not done, while there
-    /// is a frame's end.
+    /// Steps of the frame's end that are not taken on yet, each with whether it sets modes, and how many are not done,
+    /// while there is a frame's end.
     end_steps: VecDeque<(Step, bool)>,
     end_left: Option<usize>,
 }

@@ -165,11 +165,12 @@ impl Unit {
         if self.is_occupied(now) {
             return false;
         }
-        let began = (0..self.pace.width).take_while(|_| self.begin_one(now, layout)).count() > 0;
-        if began {
+        let began = (0..self.pace.width).take_while(|_| self.begin_one(now, layout)).count();
+        self.tally.operations += began as u64;
+        if began > 0 {
             self.last_began = Some(now);
         }
-        began
+        began > 0
     }
 
     /// The first ray of the ready list begins its operation, if nothing is missing.

@@ -40,7 +40,8 @@ impl Words {
         Some(line.0 as usize % self.units)
     }
 
-    /// The static primitive that a word or a pair of counters belongs to, and whether it is the first word or the counters.
+    /// The static primitive that a word or a pair of counters belongs to, and whether it is the first word or the
+    /// counters.
     fn of_static(&self, step: Step) -> Option<(u32, bool)> {
         let stores = &self.header.stores;
         let (primitive, part) = match step.entry()? {

@@ -13,6 +13,9 @@ struct Ahead {
 /// Cycles that operations occupy, one right after another: from the first to before the second.
 type Run = (u64, u64);
 
+/// Runs that have passed may stay in the list up to this length.
+const MOST_RUNS: usize = 16;
+
 /// A unit's cycles by cause.
 #[derive(Clone, Debug)]
 pub(crate) struct Causes {
@@ -48,9 +51,20 @@ impl Causes {
         }
     }
 
-    /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no operation occupies the unit.
+    /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no
+    /// operation occupies the unit.
     #[inline]
     pub(crate) fn cycle(&mut self, now: u64, idle: Cause) {
+        let stays = idle == self.idle && self.ahead.is_none_or(|ahead| ahead.at > now || ahead.idle == idle);
+        if stays && self.runs.len() < MOST_RUNS {
+            self.ahead.take_if(|ahead| ahead.at <= now);
+            return;
+        }
+        self.cycle_that_changes(now, idle);
+    }
+
+    /// As [`Causes::cycle`], where the cause may be another one than before.
+    fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
         if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
             self.change(ahead.at, ahead.idle);
         }
@@ -68,7 +82,8 @@ impl Causes {
         self.change(now + 1, idle);
     }
 
-    /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the cause.
+    /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the
+    /// cause.
     #[inline]
     pub(crate) fn ahead(&mut self, at: u64, idle: Cause) {
         self.ahead = Some(Ahead { at, idle });
@@ -96,8 +111,8 @@ impl Causes {
         self.busy
     }
 
-    /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to begin in the last one, its
-    /// ray still waits.
+    /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to
+    /// begin in the last one, its ray still waits.
     pub(crate) fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
         let mut end = self.clone();
         if let Some(ahead) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {

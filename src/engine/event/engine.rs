@@ -25,44 +25,56 @@ use crate::memory::dram::command::ChannelLog;
 use crate::memory::queue::Queue;
 use crate::stream::Header;
 
-/// Kinds of parts that act after the dispatcher, in the order in which they do.
-#[derive(Clone, Copy, Debug)]
-enum PartKind {
-    Traversal,
-    List,
-    Intersection,
-    Division,
-    ShadowCache,
-    Bank,
-    Channel,
-}
-
 /// All parts of a kind: which numbers they have.
 #[derive(Clone, Copy, Debug)]
 struct Group {
-    kind: PartKind,
     first: u32,
     end: u32,
 }
 
-/// The group of each part; the dispatcher, which is in none, stands in that of traversal units.
-fn groups(parts: &Parts) -> Vec<Group> {
-    let kinds = [
-        (PartKind::Traversal, parts.traversal),
-        (PartKind::List, parts.list),
-        (PartKind::Intersection, parts.intersection),
-        (PartKind::Division, parts.division),
-        (PartKind::ShadowCache, parts.shadow_cache),
-        (PartKind::Bank, parts.banks),
-        (PartKind::Channel, parts.channels),
-    ];
-    let mut groups = Vec::with_capacity(parts.count());
-    let mut first = 1;
-    for (kind, count) in kinds {
-        groups.resize((first + count) as usize, Group { kind, first, end: first + count });
-        first += count;
+impl Group {
+    /// Lets those that are due act: number `now` modulo their count first.
+    #[inline]
+    fn each_due(self, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) {
+        let Some(next) = due.next(self.first, self.end) else { return };
+        if due.next(next + 1, self.end).is_none() {
+            return tick((next - self.first) as usize);
+        }
+        let middle = self.first + (now % u64::from(self.end - self.first)) as u32;
+        due.each(middle, self.end, |part| tick((part - self.first) as usize));
+        due.each(self.first, middle, |part| tick((part - self.first) as usize));
     }
-    groups
+}
+
+/// Kinds of parts that act after the dispatcher, in the order in which they do.
+#[derive(Clone, Copy, Debug)]
+struct Groups {
+    traversal: Group,
+    list: Group,
+    intersection: Group,
+    division: Group,
+    shadow_cache: Group,
+    banks: Group,
+    channels: Group,
+}
+
+impl Groups {
+    fn new(parts: &Parts) -> Self {
+        let mut first = 1;
+        let mut group = |count: u32| {
+            first += count;
+            Group { first: first - count, end: first }
+        };
+        Self {
+            traversal: group(parts.traversal),
+            list: group(parts.list),
+            intersection: group(parts.intersection),
+            division: group(parts.division),
+            shadow_cache: group(parts.shadow_cache),
+            banks: group(parts.banks),
+            channels: group(parts.channels),
+        }
+    }
 }
 
 /// The machine in motion.
@@ -74,8 +86,7 @@ pub(in crate::engine) struct Event {
     pub(in crate::engine) division: Vec<Division>,
     pub(in crate::engine) shadow_cache: Vec<ShadowCache>,
     pub(in crate::engine) links: Links,
-    /// By part.
-    groups: Vec<Group>,
+    groups: Groups,
     /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
     progress: u64,
     watch_at: u64,
@@ -104,7 +115,7 @@ impl Event {
             shadow_cache: (0..parts.shadow_cache)
                 .map(|index| ShadowCache::new(&spec.shadow_cache, memory, spec.pool(), index, &links))
                 .collect(),
-            groups: groups(&parts),
+            groups: Groups::new(&parts),
             links,
             progress: 0,
             watch_at: patience(spec),
@@ -133,44 +144,17 @@ impl Event {
         traversal.chain(list).chain(intersection).chain(shadow_cache)
     }
 
-    /// Lets all parts that are due act, but for the dispatcher: kind by kind, and of a kind number `now` modulo their count first.
+    /// Lets all parts that are due act, but for the dispatcher.
     #[inline]
     fn tick_parts(&mut self, now: u64, due: &PartSet) {
-        let parts = self.groups.len() as u32;
-        let mut next = due.next(1, parts);
-        while let Some(part) = next {
-            let group = self.groups[part as usize];
-            next = due.next(part + 1, parts);
-            let Some(_) = next.filter(|&next| next < group.end) else {
-                self.tick_part(group, part, now);
-                continue;
-            };
-            let middle = group.first + (now % u64::from(group.end - group.first)) as u32;
-            next = due.next(middle, parts);
-            while let Some(part) = next.filter(|&part| part < group.end) {
-                self.tick_part(group, part, now);
-                next = due.next(part + 1, parts);
-            }
-            let mut wrapped = Some(part);
-            while let Some(part) = wrapped.filter(|&part| part < middle) {
-                self.tick_part(group, part, now);
-                wrapped = due.next(part + 1, middle);
-            }
-        }
-    }
-
-    #[inline]
-    fn tick_part(&mut self, group: Group, part: u32, now: u64) {
-        let index = (part - group.first) as usize;
-        match group.kind {
-            PartKind::Traversal => self.traversal[index].tick(now, &mut self.links),
-            PartKind::List => self.list[index].tick(now, &mut self.links),
-            PartKind::Intersection => self.intersection[index].tick(now, &mut self.links),
-            PartKind::Division => self.division[index].tick(now, &mut self.links),
-            PartKind::ShadowCache => self.shadow_cache[index].tick(now, &mut self.links),
-            PartKind::Bank => self.links.tick_bank(index, now),
-            PartKind::Channel => self.links.tick_channel(index, now),
-        }
+        let Self { groups, traversal, list, intersection, division, shadow_cache, links, .. } = self;
+        groups.traversal.each_due(due, now, |unit| traversal[unit].tick(now, links));
+        groups.list.each_due(due, now, |unit| list[unit].tick(now, links));
+        groups.intersection.each_due(due, now, |unit| intersection[unit].tick(now, links));
+        groups.division.each_due(due, now, |unit| division[unit].tick(now, links));
+        groups.shadow_cache.each_due(due, now, |unit| shadow_cache[unit].tick(now, links));
+        groups.banks.each_due(due, now, |bank| links.tick_bank(bank, now));
+        groups.channels.each_due(due, now, |channel| links.tick_channel(channel, now));
     }
 
     fn drop_dynamic_lines(&mut self) {
@@ -229,7 +213,9 @@ impl Event {
 impl Engine for Event {
     fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
         let hears = feed.hears();
-        let mut due = PartSet::default();
+        let mut due = PartSet::new(self.links.parts.count());
+        // Only what the dispatcher does makes a feed ask for counts.
+        let mut asks = false;
         if feed.marks() {
             self.pipelines_mut().for_each(Pipeline::foresee_nothing);
         }
@@ -241,7 +227,8 @@ impl Engine for Event {
                 (0..self.links.parts.count() as u32).for_each(|part| due.add(part));
                 self.links.clock.wake(Parts::DISPATCHER, now + 1);
             }
-            if due.next(0, 1).is_some() {
+            let dispatches = due.has(Parts::DISPATCHER);
+            if dispatches {
                 let events = self.dispatcher.tick(now, &mut || feed.next(), &mut self.links)?;
                 feed.rays_over(events.rays_over);
                 if let Some(counts) = events.frame_over {
@@ -251,14 +238,15 @@ impl Engine for Event {
                     self.drop_dynamic_lines();
                 }
             }
-            if feed.marks() {
+            asks = (dispatches || asks) && feed.marks();
+            if asks {
                 let tally = self.tally(now + 1);
                 if let Some(warm) = feed.mark(&tally) {
                     self.hold(warm);
                 }
             }
             self.tick_parts(now, &due);
-            if feed.wants_frame() {
+            if dispatches && feed.wants_frame() {
                 feed.frame_counted(&self.tally(now + 1));
                 self.dispatcher.latencies.forget_longest();
             }
@@ -276,6 +264,7 @@ impl Engine for Event {
     fn tally(&self, cycles: u64) -> Tally {
         let unit = |unit: &Pipeline| UnitTally {
             causes: unit.causes().until(cycles),
+            operations: unit.operations(cycles),
             cache: *unit.cache().counts(),
             l1: *unit.l1_counts(),
             requested: *unit.requested(),

@@ -108,7 +108,8 @@ impl Host {
         }
     }
 
-    /// Takes items from the stream until a primary ray can be given out, or the frame has no more; whether a frame began.
+    /// Takes items from the stream until a primary ray can be given out, or the frame has no more; whether a frame
+    /// began.
     pub(super) fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
@@ -185,8 +186,8 @@ impl Host {
         self.chunks[place as usize].as_ref().expect("a chunk stays while it has rays that are not done")
     }
 
-    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once. Returns how
-    /// many are.
+    /// Parents whose shading ends in cycle `now` have their children ready, but for those that are answered at once.
+    /// Returns how many are.
     pub(super) fn shade(&mut self, now: u64, links: &mut Links) -> Result<usize, StreamFault> {
         let mut all = 0;
         while let Some(&(at, parent)) = self.shading.front()

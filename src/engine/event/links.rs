@@ -98,7 +98,8 @@ pub(crate) struct Links {
     header: Header,
     /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
     pub mail: Vec<u64>,
-    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is over.
+    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is
+    /// over.
     pub lines: Vec<Ring<Answer>>,
     /// The L2.
     pub l2: L2,
@@ -223,7 +224,8 @@ impl Links {
         apart.then_some(counters).into_iter().chain(has_word.then_some(word))
     }
 
-    /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those that do.
+    /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those
+    /// that do.
     pub(crate) fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
         let lazy = self.shadow_cache.frame_end == FrameEnd::Epoch && self.header.stores.pixel_counters > 0;
         let owner = self.layout.stores().owner(store, index).filter(|&owner| owner < self.header.static_primitives);

@@ -1,4 +1,5 @@
-//! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be tested.
+//! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be
+//! tested.
 
 use super::links::{Links, take};
 use super::pipeline::{Memory, Pipeline, Stages};

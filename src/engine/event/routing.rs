@@ -21,7 +21,8 @@ impl Links {
         self.send_to_unit(ray, self.parts.intersection_of(core, number), from, now)
     }
 
-    /// Sends a ray to the intersection unit whose L1 has the line of its entry, if there is a place; else `from` is woken.
+    /// Sends a ray to the intersection unit whose L1 has the line of its entry, if there is a place; else `from` is
+    /// woken.
     pub(crate) fn send_to_access(&mut self, ray: RayId, from: PartId, now: u64) -> bool {
         let (line, _) = self.layout.lines(&self.entry_element(ray));
         self.send_to_unit(ray, (line.0 % u64::from(self.parts.intersection)) as u32, from, now)

@@ -1,5 +1,5 @@
-//! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and the
-//! decisions for skipped rays.
+//! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and
+//! the decisions for skipped rays.
 
 use crate::memory::ring::Ring;
 use std::collections::VecDeque;

@@ -3,8 +3,8 @@
 use crate::engine::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
-/// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to do, sets it
-/// again.
+/// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to
+/// do, sets it again.
 const HORIZON: u64 = 1024;
 
 /// The wheel.
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn parts_ring_once_in_order_of_time() {
         let mut wheel = Wheel::new(130);
-        let mut due = PartSet::default();
+        let mut due = PartSet::new(130);
         for (part, at) in [(129, 7), (3, 7), (3, 7), (64, 1), (5, 1023)] {
             wheel.wake(PartId(part), at);
         }

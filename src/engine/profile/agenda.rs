@@ -1,5 +1,5 @@
-//! Who acts in which cycle: each of a few numbered ones has at most one appointment. A wheel of lists, threaded through the
-//! numbers, with a heap for what lies beyond.
+//! Who acts in which cycle: each of a few numbered ones has at most one appointment. A wheel of lists, threaded through
+//! the numbers, with a heap for what lies beyond.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;

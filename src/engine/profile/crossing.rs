@@ -1,6 +1,7 @@
-//! Issue queues: how rays go from unit to unit, without cycles. Each unit sends one ray a cycle and takes one on, has contexts,
-//! and a queue in front of them. A full queue blocks the first ray that leaves another unit and all behind it (head-of-line
-//! blocking). Which unit's ray comes next decides which rays run together, and so what the first-level caches miss.
+//! Issue queues: how rays go from unit to unit, without cycles. Each unit sends one ray a cycle and takes one on, has
+//! contexts, and a queue in front of them. A full queue blocks the first ray that leaves another unit and all behind it
+//! (head-of-line blocking). Which unit's ray comes next decides which rays run together, and so what the first-level
+//! caches miss.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -158,7 +159,8 @@ impl Crossing {
         }
     }
 
-    /// The unit whose ray gets a place that is free in cycle `at`: units of a kind act in turn, beginning with another in each cycle.
+    /// The unit whose ray gets a place that is free in cycle `at`: units of a kind act in turn, beginning with another
+    /// in each cycle.
     fn next_sender(&self, unit: usize, at: u64) -> Option<u32> {
         let waiting = &self.gates[unit].waiting;
         Kind::ALL.into_iter().find_map(|kind| {
@@ -183,7 +185,8 @@ mod tests {
         machine.intersection.queue = const { Within::literal(1) };
         let mut crossing = Crossing::new(&machine);
         let first = crossing.of_kind(Kind::Intersection).start;
-        // Rays 0 and 1 fill the first unit; 2 and 3 wait for it in both traversal units, and 4, which could go to the second, behind 2.
+        // Rays 0 and 1 fill the first unit; 2 and 3 wait for it in both traversal units, and 4, which could go to the
+        // second, behind 2.
         for (ray, from, to) in [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 1, 0), (4, 0, 1)] {
             crossing.send(ray, from, first + to, 10);
         }

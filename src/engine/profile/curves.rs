@@ -112,8 +112,8 @@ impl Level {
     }
 }
 
-/// By distance, the probability that less than `ways` of so many other lines fell into a line's own of `sets` sets (Smith 1978; Hill and
-/// Smith 1989), as far as there is any.
+/// By distance, the probability that less than `ways` of so many other lines fell into a line's own of `sets` sets
+/// (Smith 1978; Hill and Smith 1989), as far as there is any.
 fn held(sets: u64, ways: u64) -> Vec<f64> {
     let into = 1.0 / sets as f64;
     // Of the lines so far, the probability that 0, 1, ... fell into the set.

@@ -1,5 +1,5 @@
-//! Channels of the DRAM whose banks and bus are times from which on they are free. Requests to a bank are served as they come, but
-//! for those to a row that was not left yet.
+//! Channels of the DRAM whose banks and bus are times from which on they are free. Requests to a bank are served as
+//! they come, but for those to a row that was not left yet.
 
 use super::slots::Slots;
 use crate::engine::tally::{ChannelTally, PerClass};
@@ -123,7 +123,8 @@ impl Dram {
                 clock += timing.rcd.get();
             }
         }
-        // The bus turns round between reads and writes. A command that comes in before the last one does not wait for that.
+        // The bus turns round between reads and writes. A command that comes in before the last one does not wait for
+        // that.
         let (latency, (other, turned)) = if write {
             let (read, end) = channel.read;
             (timing.cwl.get(), (read, (end + timing.turn.get()).saturating_sub(timing.cwl.get())))

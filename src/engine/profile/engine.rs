@@ -149,7 +149,8 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts again then.
+    /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts
+    /// again then.
     #[inline]
     fn perform(&mut self, id: u32, unit: usize, element: &Element, at: u64) -> Option<u64> {
         let Self { units, memory, layout, agenda, dispatch, .. } = self;

@@ -48,8 +48,8 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// An empty cache with `registers` miss registers for `targets` accesses each, which get a line that has come `apart` cycles after
-    /// each other.
+    /// An empty cache with `registers` miss registers for `targets` accesses each, which get a line that has come
+    /// `apart` cycles after each other.
     pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
         Self {
             tags,
@@ -63,9 +63,9 @@ impl Level {
         }
     }
 
-    /// Accesses `line` in cycle `at`, or as soon as a register or target is free; gives when, and what was met. Whether the access
-    /// `waits` for data says whether a line that gets no place must come all the same. Dirty lines that had to go by then are
-    /// passed to `gone`, with the cycle.
+    /// Accesses `line` in cycle `at`, or as soon as a register or target is free; gives when, and what was met. Whether
+    /// the access `waits` for data says whether a line that gets no place must come all the same. Dirty lines that had
+    /// to go by then are passed to `gone`, with the cycle.
     #[inline]
     pub(super) fn access(
         &mut self,

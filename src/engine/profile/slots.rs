@@ -2,7 +2,8 @@
 
 use std::collections::VecDeque;
 
-/// Words of slots that are kept: who asks for an earlier time than they reach back to is served as if he had asked for that.
+/// Words of slots that are kept: who asks for an earlier time than they reach back to is served as if he had asked for
+/// that.
 const WORDS: usize = 16;
 
 /// Slots of equal length.

@@ -69,8 +69,8 @@ impl Unit {
         }
     }
 
-    /// An operation on `element` for a ray, marked or not, asked for in cycle `at`; gives when it ends, or when it is to be asked for again, since a miss
-    /// register is free only then.
+    /// An operation on `element` for a ray, marked or not, asked for in cycle `at`; gives when it ends, or when it is
+    /// to be asked for again, since a miss register is free only then.
     pub(super) fn perform<W: Watch>(
         &mut self,
         element: &Element,
@@ -166,6 +166,7 @@ impl Unit {
     pub(super) fn tally(&self) -> UnitTally {
         UnitTally {
             causes: busy((self.operations * self.interval).div_ceil(self.width)),
+            operations: self.operations,
             cache: *self.level.counts(),
             l1: Default::default(),
             requested: self.requested,

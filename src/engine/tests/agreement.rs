@@ -57,11 +57,12 @@ pub(crate) fn agree(
     Ok(event)
 }
 
-/// Bytes of stack for a test of random machines: without optimisation the generators' own frames take more than a thread has.
+/// Bytes of stack for a test of random machines: without optimisation the generators' own frames take more than a
+/// thread has.
 const STACK: usize = 64 << 20;
 
-/// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as many,
-/// always others. The message of a failure is short.
+/// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as
+/// many, always others. The message of a failure is short.
 pub(crate) fn check_many<S: Strategy>(
     cases: u32,
     strategy: impl Fn() -> S + Sync,
@@ -167,7 +168,8 @@ fn first_l2(machine: &MachineSpec) -> BankedSpec {
     *machine.l2.caches()[0].1
 }
 
-/// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to go.
+/// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to
+/// go.
 #[test]
 fn engines_agree_where_fills_wait() {
     check_many(
@@ -195,16 +197,16 @@ fn engines_agree_where_fills_wait() {
     );
 }
 
-/// Units whose hits `Event` foresees: one access and one operation a cycle, and hits of one cycle. Lines are many or few.
+/// Units whose hits `Event` foresees: one access and one operation a cycle. Lines are many or few, hits fast or slow.
 #[test]
 fn engines_agree_where_hits_are_foreseen() {
     check_many(
         400,
-        || (machines(), 0..4u32, streams()),
-        |(mut machine, more, stream)| {
+        || (machines(), 0..4u32, 1..4u64, streams()),
+        |(mut machine, more, latency, stream)| {
             let caches = [&mut machine.traversal.cache, &mut machine.list.cache, &mut machine.intersection.cache];
             for cache in caches {
-                (cache.ports, cache.banks, cache.latency) = (num(1), None, num(1));
+                (cache.ports, cache.banks, cache.latency) = (num(1), None, num(latency));
                 cache.bytes = size(cache.bytes.get() << (2 * more));
             }
             machine.traversal.interval = num(1);

@@ -13,9 +13,10 @@ use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
 use crate::stats::Accuracy;
-use crate::stream::{Chunk, Totals};
+use crate::stream::{Chunk, StoreEntries, Totals};
 
-/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation and bounds.
+/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation
+/// and bounds.
 #[test]
 fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(
@@ -66,7 +67,8 @@ fn profile_is_close_on_the_recorded_stream() {
     }
 }
 
-/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and those of the others are all.
+/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and
+/// those of the others are all.
 #[test]
 fn misses_are_those_of_the_rays_that_ask() {
     /// Cycles, and misses of L1s and of the L2 by reads: all and those of marked rays.
@@ -133,4 +135,15 @@ fn misses_are_those_of_the_rays_that_ask() {
             Ok(())
         },
     );
+}
+
+/// A policy that keeps nothing records nothing of it.
+#[test]
+fn every_level_replays_a_stream_without_stores() {
+    let (machine, header) = (MachineSpec::default(), Header { stores: StoreEntries::default(), ..header() });
+    let stream = one_frame(&[SyntheticRay::primary(nodes(0..9))]);
+    for level in [Level::Bound, Level::Profile, Level::Event, Level::Cycle] {
+        let stats = run(&machine, level, &header, &stream).unwrap_or_else(|error| panic!("{level}: {error}"));
+        assert!(stats.cycles.0 > 0, "{level}");
+    }
 }

@@ -1,5 +1,6 @@
 pub(crate) mod agreement;
 mod allocation;
+mod anomalies;
 pub(crate) mod frames;
 mod ideal;
 mod levels;
@@ -89,8 +90,8 @@ fn miss_latency(machine: &MachineSpec) -> u64 {
     4 + dram + machine.l2.caches()[0].1.latency.get()
 }
 
-/// Cycles before the first ray is at its unit, and from its retirement to the end of the run: through both FIFOs, to the frame's
-/// end, and the last cycle itself.
+/// Cycles before the first ray is at its unit, and from its retirement to the end of the run: through both FIFOs, to
+/// the frame's end, and the last cycle itself.
 fn frame_latency(machine: &MachineSpec) -> u64 {
     machine.dispatcher.latency.get() + 4
 }

@@ -13,7 +13,8 @@ pub(crate) const STATIC: u32 = 4096;
 /// Static primitives of [`header`].
 const STATIC_PRIMITIVES: u32 = 48;
 
-/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them static.
+/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them
+/// static.
 pub(crate) fn header() -> Header {
     Header {
         scene: "synthetic".into(),
@@ -35,6 +36,7 @@ pub(crate) fn header() -> Header {
             pixel_counters: STATIC,
             occluder_ids: STATIC,
         },
+        unjudged_updates: false,
         input_hash: 0,
         records: (0..STATIC_PRIMITIVES).rev().map(TriangleSlot).collect(),
     }

@@ -20,7 +20,7 @@ fn tally(machine: &MachineSpec, rays: &[SyntheticRay]) -> Tally {
 }
 
 fn operations(tally: &Tally) -> u64 {
-    tally.units[Kind::ShadowCache as usize].iter().map(|unit| unit.causes[Cause::Busy as usize]).sum()
+    tally.units[Kind::ShadowCache as usize].iter().map(|unit| unit.operations).sum()
 }
 
 /// A hit that reads word 3, and shadow rays of it whose updates have all effects.
@@ -120,4 +120,30 @@ fn learned_bits_in_a_buffer_are_folded_at_the_frames_end() {
     assert_eq!(folded(LatchedCopy::Free), (0, 0, 5));
     assert_eq!(folded(LatchedCopy::Wide), (0, 0, 5));
     assert_eq!(folded(LatchedCopy::Buffers), (1, 1, 7));
+}
+
+/// A unit that begins several operations at once is busy for fewer cycles, and does the same work with the same energy.
+#[test]
+fn a_wider_unit_begins_as_many_operations() {
+    let rays: Vec<_> = (0..32).flat_map(|_| hit()).collect();
+    let by = |width, interval| {
+        let mut machine = in_step();
+        let unit = &mut machine.shadow_cache;
+        (unit.width, unit.interval, unit.latency, unit.contexts) = (num(width), num(interval), num(8), num(32));
+        let tally = tally(&machine, &rays);
+        let busy = tally.units[Kind::ShadowCache as usize][0].causes[Cause::Busy as usize];
+        let stats = replayed(&machine, one_frame(&rays));
+        assert_eq!(stats.operations["shadow_cache"], operations(&tally));
+        let energy = stats.energy.unwrap().by["shadow_cache"];
+        let expected = machine.energy.shadow_cache.typical * 1e-12 * operations(&tally) as f64;
+        assert!((energy / expected - 1.0).abs() < 1e-9);
+        (operations(&tally), busy)
+    };
+    let steps = 32 * 5;
+    assert_eq!((by(1, 1), by(1, 4)), ((steps, steps), (steps, 4 * steps)));
+    for (width, interval) in [(2, 1), (4, 1), (4, 3)] {
+        let (operations, busy) = by(width, interval);
+        assert_eq!(operations, steps);
+        assert!(busy < steps * interval, "width {width}, interval {interval}: {busy}");
+    }
 }

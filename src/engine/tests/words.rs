@@ -1,4 +1,5 @@
-//! What placements, layouts, the register and the frame's end do to the accesses of the shadow-cache units, in exact numbers.
+//! What placements, layouts, the register and the frame's end do to the accesses of the shadow-cache units, in exact
+//! numbers.
 
 use super::*;
 use crate::machine::shadow_cache::{FrameEnd, Place};

@@ -41,6 +41,32 @@ pub enum SweepError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// Points that a report needs are not there.
+    #[error("{missing} of {of} points are missing. To make them:\n{}", commands.join("\n"))]
+    Missing {
+        /// How many are missing.
+        missing: usize,
+        /// How many the sweep has.
+        of: usize,
+        /// Commands that make them.
+        commands: Vec<String>,
+    },
+    /// Points were made by another build of the program.
+    #[error(
+        "{points} of {of} points are of build {build}, such as {}, and this program is build {}: one report holds points \
+         of one build. Collect with the program that made those points, or run the shards again with this one",
+        path.display(), env!("UMBRASIM_BUILD")
+    )]
+    OtherBuild {
+        /// The file of one of the points.
+        path: PathBuf,
+        /// How many points there are of another build.
+        points: usize,
+        /// How many the sweep has.
+        of: usize,
+        /// The other build.
+        build: String,
+    },
     /// Stopped: what was done is kept.
     #[error("stopped; the points done are kept, and the same command goes on with the others")]
     Stopped,

@@ -1,4 +1,5 @@
-//! Results of replays that a sweep keeps, each in a file named by a hash of all that it depends on, with a checksum.
+//! Points that a sweep keeps: what replays measured, each in a file named by a hash of its inputs, with a checksum and the
+//! build of the program that made the point.
 
 use std::fmt;
 use std::io;
@@ -13,16 +14,22 @@ use crate::machine::MachineSpec;
 use crate::output::write_whole;
 use crate::replay::Fidelity;
 use crate::stats::MachineStats;
+use crate::stream::Totals;
 
 /// The largest file of a point, in bytes.
 const MAX_POINT_BYTES: u64 = 1 << 24;
 
-/// All that a replay's result depends on, as a hash.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+/// A hash of the inputs of a replay. A point depends on them and on the program's build alone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub(super) struct Key(u128);
 
 impl Key {
+    /// A hash of many keys in order, as the identity of what has them.
+    pub(super) fn of_all(keys: impl Iterator<Item = Self>) -> Self {
+        Self(xxh3_128(&keys.flat_map(|key| key.0.to_le_bytes()).collect::<Vec<u8>>()))
+    }
+
     /// The key of a replay of a stream. A machine's name changes no result.
     pub(super) fn new(stream: Identity, fidelity: Fidelity, machine: &MachineSpec) -> Self {
         let machine = MachineSpec { name: String::new(), ..machine.clone() };
@@ -56,6 +63,14 @@ impl TryFrom<String> for Key {
     }
 }
 
+/// What a replay measured, and what the tracer counted in the measured frames of its stream.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Measured {
+    pub(super) stats: MachineStats,
+    pub(super) totals: Totals,
+}
+
 /// A point as its file holds it.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -63,36 +78,51 @@ struct Point {
     key: Key,
     /// The build of the program that made it.
     build: String,
-    /// XXH3 (128 bits) of the statistics as compact JSON.
+    /// XXH3 (128 bits) of what was measured as compact JSON.
     checksum: String,
-    stats: MachineStats,
+    measured: Measured,
 }
 
-fn checksum(stats: &MachineStats) -> String {
-    let text = serde_json::to_vec(stats).expect("plain data, which JSON can hold");
+/// Why a point that is there is not taken.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(super) enum Refused {
+    /// Another build of the program made it.
+    #[error("build {0} of the program made it")]
+    OtherBuild(String),
+    /// Its file is not what was written.
+    #[error("{0}")]
+    Damaged(String),
+}
+
+fn checksum(measured: &Measured) -> String {
+    let text = serde_json::to_vec(measured).expect("plain data, which JSON can hold");
     format!("{:032x}", xxh3_128(&text))
 }
 
-/// Reads a kept point; none if there is none. The error says what is wrong with it: it is to be made again.
-pub(super) fn read(folder: &Path, key: Key) -> Result<Option<MachineStats>, String> {
+/// Reads a kept point; none if there is none. One that is refused is to be made again.
+pub(super) fn read(folder: &Path, key: Key) -> Result<Option<Measured>, Refused> {
+    let damaged = |why: &dyn fmt::Display| Refused::Damaged(why.to_string());
     let text = match input::read_text(&key.file(folder), MAX_POINT_BYTES) {
         Ok(text) => text,
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        Err(error) => return Err(error.to_string()),
+        Err(error) => return Err(damaged(&error)),
     };
-    let point: Point = serde_json::from_str(&text).map_err(|error| error.to_string())?;
-    if point.key != key || point.build != BUILD {
-        return Err("it is the point of another replay".into());
+    let point: Point = serde_json::from_str(&text).map_err(|error| damaged(&error))?;
+    if point.key != key {
+        return Err(damaged(&"it is the point of another replay"));
     }
-    if point.checksum != checksum(&point.stats) {
-        return Err("its checksum does not fit its numbers".into());
+    if point.checksum != checksum(&point.measured) {
+        return Err(damaged(&"its checksum does not fit its numbers"));
     }
-    Ok(Some(point.stats))
+    if point.build != BUILD {
+        return Err(Refused::OtherBuild(point.build));
+    }
+    Ok(Some(point.measured))
 }
 
 /// Keeps a point.
-pub(super) fn write(folder: &Path, key: Key, stats: &MachineStats) -> io::Result<()> {
-    let point = Point { key, build: BUILD.into(), checksum: checksum(stats), stats: stats.clone() };
+pub(super) fn write(folder: &Path, key: Key, measured: Measured) -> io::Result<()> {
+    let point = Point { key, build: BUILD.into(), checksum: checksum(&measured), measured };
     let mut text = serde_json::to_vec_pretty(&point).expect("plain data, which JSON can hold");
     text.push(b'\n');
     write_whole(&key.file(folder), &text)
@@ -108,23 +138,25 @@ mod tests {
         let [key, other] = [Key(0x1234), Key(0x5678)];
         assert_eq!(read(folder.path(), key), Ok(None));
         let stats = MachineStats { cycles: crate::quantity::Cycle(1234), ..MachineStats::default() };
-        write(folder.path(), key, &stats).unwrap();
-        assert_eq!(read(folder.path(), key), Ok(Some(stats)));
+        let measured = Measured { stats, totals: Totals::default() };
+        write(folder.path(), key, measured.clone()).unwrap();
+        assert_eq!(read(folder.path(), key), Ok(Some(measured)));
         let file = key.file(folder.path());
         let text = std::fs::read_to_string(&file).unwrap();
         for (from, to, told) in [
             ("\"cycles\": 1234", "\"cycles\": 91234", "checksum"),
-            (BUILD, "another", "another replay"),
+            (BUILD, "another", "build another of the program made it"),
             ("\"stats\"", "\"stat\"", "unknown field"),
             ("}\n}", "", "EOF"),
         ] {
             assert!(text.contains(from), "{from}");
             std::fs::write(&file, text.replacen(from, to, 1)).unwrap();
             let error = read(folder.path(), key).unwrap_err();
-            assert!(error.contains(told), "{error}");
+            assert_eq!(matches!(error, Refused::OtherBuild(_)), from == BUILD);
+            assert!(error.to_string().contains(told), "{error}");
         }
         // A point under the name of another one.
         std::fs::write(other.file(folder.path()), &text).unwrap();
-        assert!(read(folder.path(), other).unwrap_err().contains("another replay"));
+        assert!(read(folder.path(), other).unwrap_err().to_string().contains("another replay"));
     }
 }

@@ -95,6 +95,11 @@ impl Sweep {
         Ok(sweep)
     }
 
+    /// Paths of the fields that vary.
+    pub(super) fn fields(&self) -> impl Iterator<Item = &str> {
+        self.fields.iter().map(|field| field.path.as_str())
+    }
+
     /// How many machines there are.
     pub(super) fn len(&self) -> usize {
         self.machines.len()

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -10,14 +11,20 @@ use super::super::load::Experiment;
 use super::super::progress;
 use super::error::SweepError;
 use crate::culling::Policy;
+use crate::output::Turn;
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};
 use crate::tracer::Tracer;
+
+/// What the turn to record streams is taken at, in their folder.
+const RECORDING: &str = "recording";
+/// How long a process that waits for its turn waits before it tries again.
+const PAUSE: Duration = Duration::from_millis(100);
 
 /// A hash of everything that the program is built from.
 pub(super) const BUILD: &str = env!("UMBRASIM_BUILD");
 
-/// All that a stream depends on, as a hash: its header, in which the specs and the files of the scene are, what the
-/// policies that are traced beside it need, and the program's build.
+/// A hash of the inputs of a stream: its header, in which the specs and the files of the scene are, and what the
+/// policies that are traced beside the stream need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Identity(u128);
 
@@ -28,8 +35,13 @@ impl Identity {
         let mut needs: Vec<&String> = needs.iter().collect();
         needs.sort();
         needs.dedup();
-        let all = serde_json::to_vec(&(BUILD, needs, header));
+        let all = serde_json::to_vec(&(needs, header));
         Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
+    }
+
+    /// The name of the stream's file: another build may make another stream of the same inputs.
+    fn file(self) -> String {
+        format!("{:032x}.rays", xxh3_128(format!("{self}{BUILD}").as_bytes()))
     }
 }
 
@@ -46,6 +58,7 @@ pub(in super::super) struct Streams<'a> {
     policies: Vec<Box<dyn Policy>>,
     headers: Vec<Header>,
     paths: Vec<PathBuf>,
+    folder: PathBuf,
     pub(super) identities: Vec<Identity>,
 }
 
@@ -91,24 +104,43 @@ impl<'a> Streams<'a> {
             headers.push(Header { warmup, ..tracer.header(name, policy.as_ref(), experiment.frames.clone(), &inputs) });
         }
         let identities: Vec<Identity> = headers.iter().map(|header| Identity::new(header, &policies)).collect();
-        let paths = identities.iter().map(|identity| folder.join(format!("{identity}.rays"))).collect();
-        Self { experiment, tracer, policies, headers, paths, identities }
+        let paths = identities.iter().map(|identity| folder.join(identity.file())).collect();
+        Self { experiment, tracer, policies, headers, paths, folder: folder.into(), identities }
     }
 
     /// Takes the streams that are there, and records the others. Those that are `wanted`, by policy, are read whole first,
-    /// so that a damaged one is noticed before a replay.
+    /// so that a damaged one is noticed before a replay. One process records in a folder, and others wait for its streams.
     pub(in super::super) fn have(
         mut self,
         wanted: impl Fn(usize) -> bool,
         stop: &AtomicBool,
     ) -> Result<Vec<Recorded>, SweepError> {
-        let is_missing: Vec<bool> =
-            (0..self.paths.len()).map(|policy| !self.is_there(policy, wanted(policy))).collect();
+        let missing = |it: &Self| (0..it.paths.len()).map(|policy| !it.is_there(policy, wanted(policy))).collect();
+        let is_missing: Vec<bool> = missing(&self);
         if is_missing.contains(&true) {
+            let _turn = match Turn::take(&self.folder.join(RECORDING)) {
+                Some(turn) => turn,
+                None => self.wait_for_turn(stop)?,
+            };
+            let is_missing: Vec<bool> = missing(&self);
             self.record(&is_missing, stop)?;
         }
         let read = |path: &PathBuf| StreamReader::open(path).map(|reader| Recorded::new(path, &reader));
         Ok(self.paths.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Waits until no other process records here.
+    fn wait_for_turn(&self, stop: &AtomicBool) -> Result<Turn, SweepError> {
+        eprintln!("another process records the streams in {}: this one waits for them", self.folder.display());
+        loop {
+            if stop.load(Ordering::Relaxed) {
+                return Err(SweepError::Stopped);
+            }
+            match Turn::take(&self.folder.join(RECORDING)) {
+                Some(turn) => return Ok(turn),
+                None => std::thread::sleep(PAUSE),
+            }
+        }
     }
 
     /// Whether a policy's stream is there and what it should be; `whole` reads all of it.
@@ -131,6 +163,9 @@ impl<'a> Streams<'a> {
 
     /// Traces all frames and writes the streams of the policies for which `is_missing` is set.
     fn record(&mut self, is_missing: &[bool], stop: &AtomicBool) -> Result<(), SweepError> {
+        if !is_missing.contains(&true) {
+            return Ok(());
+        }
         let mut writers = Vec::new();
         for ((path, header), &is_missing) in self.paths.iter().zip(&self.headers).zip(is_missing) {
             writers.push(if is_missing { Some(StreamWriter::create(path, header)?) } else { None });

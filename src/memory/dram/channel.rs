@@ -166,8 +166,8 @@ impl Channel {
         }
     }
 
-    /// Gives at most one command in clock `clock` of cycle `now`; returns before which clock none can follow, if no request
-    /// comes.
+    /// Gives at most one command in clock `clock` of cycle `now`; returns before which clock none can follow, if no
+    /// request comes.
     fn command(&mut self, clock: u64, now: u64, wake: &mut impl Wake) -> u64 {
         if self.refresh_due <= clock {
             self.plan = None;
@@ -190,8 +190,9 @@ impl Channel {
         clock + 1
     }
 
-    /// The next command from clock `clock` on, if no request comes and no refresh is due: the first that is legal. Of those that are legal first, a
-    /// column command goes before an activate, an activate before a precharge, and then the oldest.
+    /// The next command from clock `clock` on, if no request comes and no refresh is due: the first that is legal. Of
+    /// those that are legal first, a column command goes before an activate, an activate before a precharge, and then
+    /// the oldest.
     fn plan(&self, clock: u64, now: u64) -> Option<Planned> {
         let mut wanted = 0u64;
         for (_, pending) in self.queue.visible(now) {

@@ -1,5 +1,5 @@
-//! Checks the commands of a DRAM channel against the timing of its part, by a table of its own: for logs of both engines, and of
-//! a user's run.
+//! Checks the commands of a DRAM channel against the timing of its part, by a table of its own: for logs of both
+//! engines, and of a user's run.
 
 use super::command::{Column, Command, LoggedCommand};
 use super::part::DramPart;

@@ -9,7 +9,8 @@ use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Within};
 use crate::spread::Spread;
 
 /// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
-/// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at the line.
+/// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at
+/// the line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub struct DramPart {
@@ -50,8 +51,8 @@ impl Serialize for DramPart {
     }
 }
 
-/// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l` between
-/// banks of one group.
+/// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l`
+/// between banks of one group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("unit" = "clocks of the DRAM"))]

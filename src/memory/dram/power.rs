@@ -1,4 +1,5 @@
-//! What a DRAM's commands and its time cost in energy: by the currents of its data sheet, or by a published figure a bit.
+//! What a DRAM's commands and its time cost in energy: by the currents of its data sheet, or by a published figure a
+//! bit.
 //!
 //! The formulas are those of Micron's technical note TN-40-07 ("Calculating Memory Power for DDR4 SDRAM", 2017), as
 //! DRAMsim3 has them in `configuration.cc`. `docs/model/energy.md` says them in words.
@@ -57,8 +58,8 @@ pub struct DramWork {
 }
 
 impl DramSpec {
-    /// Picojoules that the DRAM used for `work`, by part; `None` where the part says nothing of its energy, or where a flat
-    /// DRAM has no commands that currents could be applied to.
+    /// Picojoules that the DRAM used for `work`, by part; `None` where the part says nothing of its energy, or where a
+    /// flat DRAM has no commands that currents could be applied to.
     pub fn energy(&self, work: &DramWork) -> Option<Vec<(&'static str, Spread)>> {
         let DramCounts { reads, writes, activates, refreshes, .. } = work.counts;
         let [reads, writes, activates, refreshes] = [reads, writes, activates, refreshes].map(|count| count as f64);

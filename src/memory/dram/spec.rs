@@ -27,7 +27,8 @@ pub enum Model {
     /// Banks with open rows and refresh, in the timing of the part.
     #[default]
     Banks,
-    /// A fixed latency and a data bus: for bounds. Part, pages and mapping then say nothing; line `l` lies in channel `l` modulo the channels.
+    /// A fixed latency and a data bus: for bounds. Part, pages and mapping then say nothing; line `l` lies in channel
+    /// `l` modulo the channels.
     Flat {
         /// Cycles of the machine from the end of a line's transfer to the line being there.
         #[schemars(extend("unit" = "cycles"))]
@@ -75,8 +76,8 @@ impl Default for DramSpec {
     }
 }
 
-/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4) Row`, or
-/// `2 flat channels, latency 50, 16 bytes a cycle each`.
+/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4)
+/// Row`, or `2 flat channels, latency 50, 16 bytes a cycle each`.
 impl fmt::Display for DramSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { model, part, channels, page, mapping, .. } = self;
@@ -115,7 +116,8 @@ impl DramSpec {
         Clocks { dram_mhz: self.part.clock_mhz.get(), machine_mhz }
     }
 
-    /// Peak bandwidth of a channel, if there is one: bytes, and in how many cycles of a machine clocked at `machine_mhz`.
+    /// Peak bandwidth of a channel, if there is one: bytes, and in how many cycles of a machine clocked at
+    /// `machine_mhz`.
     pub fn channel_peak(&self, machine_mhz: u64) -> Option<(u64, u64)> {
         let DramPart { burst_bytes, burst_clocks, clock_mhz, .. } = self.part;
         match self.model {

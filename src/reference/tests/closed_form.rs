@@ -92,8 +92,8 @@ fn mirror_image() {
     }
 }
 
-/// A water surface at z = 0 over a glowing half-plane at z = -2, looked at along `direction` from `z`; gives the colours
-/// and the camera. Above, at z = 2, glows another colour.
+/// A water surface at z = 0 over a glowing half-plane at z = -2, looked at along `direction` from `z`; gives the
+/// colours and the camera. Above, at z = 2, glows another colour.
 fn water(direction: DVec3, z: f64, transmittance: f32) -> (Vec<Vec3>, Camera) {
     let surface = Material { transmittance, specular: Vec3::splat(0.25), index_of_refraction: 1.5, ..glow(Vec3::ZERO) };
     let mut statics = Geometry::default();

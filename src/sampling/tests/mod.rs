@@ -32,7 +32,8 @@ fn a_sample_of_everything_is_everything() {
     }
 }
 
-/// Whatever the machine: each window can be replayed by itself, and does what its rays ask for (which every replay checks).
+/// Whatever the machine: each window can be replayed by itself, and does what its rays ask for (which every replay
+/// checks).
 #[test]
 fn any_machine_can_be_sampled() {
     check_many(
@@ -93,7 +94,8 @@ fn a_sample_without_windows_is_refused() {
     );
 }
 
-/// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know those of the others.
+/// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know
+/// those of the others.
 #[test]
 fn a_sample_knows_what_its_windows_do_not_move() {
     let (header, stream) = quickstart();
@@ -123,7 +125,8 @@ fn a_sample_goes_on_by_no_more_than_double() {
     assert_eq!(next(Some(0.001), 100), Some(9), "another figure may be the wider one");
 }
 
-/// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not counted twice.
+/// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not
+/// counted twice.
 #[test]
 fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
@@ -253,8 +256,8 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     }
 }
 
-/// The same where sampling goes on until the interval is within a target: windows at most double from look to look, and whoever stops does so
-/// since the interval came out narrow, which it may have done by chance.
+/// The same where sampling goes on until the interval is within a target: windows at most double from look to look, and
+/// whoever stops does so since the interval came out narrow, which it may have done by chance.
 #[test]
 fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
     let census = census();

@@ -44,7 +44,7 @@ fn foreign_files_are_named() {
     let error = read(&bytes).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "test.rays is a ray stream of version 7; this program reads version 3: record it again"
+        "test.rays is a ray stream of version 7; this program reads versions 2 and 3: record it again"
     );
 
     let folder = tempfile::tempdir().unwrap();

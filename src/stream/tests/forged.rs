@@ -1,6 +1,7 @@
 //! What the reader makes of files whose checksums are right and whose contents are not.
 
-use super::super::format::{BlockHeader, END_MAGIC, RAW_LIMIT, Tag, VERSION, checksum};
+use super::super::format::{BlockHeader, END_MAGIC, RAW_LIMIT, Tag, checksum};
+use super::super::version::Version;
 use super::super::violation::{RayFault, StepFault};
 use super::*;
 
@@ -108,11 +109,11 @@ fn forged_files_are_refused() {
 fn chunks_with_impossible_columns_are_refused() {
     let mut good = Vec::new();
     columns::put_chunk(&small_chunk(), &mut good);
-    assert_eq!(columns::chunk(&good).unwrap(), small_chunk());
+    assert_eq!(columns::chunk(&good, Version::CURRENT).unwrap(), small_chunk());
     let with = |at: usize, byte: u8| {
         let mut bytes = good.clone();
         bytes[at] = byte;
-        columns::chunk(&bytes)
+        columns::chunk(&bytes, Version::CURRENT)
     };
     // Of three rays, columns begin at: classes 8, lights 11, primitives 14, pixels 26, parents 38, path lengths 50.
     assert!(matches!(with(8, 0b0100_0000), Err(Fault::Class { ray: 0, .. })), "unused bits");
@@ -142,7 +143,7 @@ fn lengths_are_checked_before_memory_is_taken() {
 
     // A header's length of 4 GiB, in a file that has the bytes neither.
     let mut start = b"\x89RAYS\r\n\x1a".to_vec();
-    start.extend(VERSION.to_le_bytes());
+    start.extend(Version::CURRENT.number().to_le_bytes());
     start.extend(u32::MAX.to_le_bytes());
     start.extend([0; 4]);
     assert!(matches!(fault(&start), (Place::Header, Fault::TooLarge { .. })));

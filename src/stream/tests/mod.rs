@@ -4,6 +4,7 @@ mod damage;
 mod files;
 mod forged;
 mod rules;
+mod versions;
 
 use std::io::Cursor;
 use std::path::Path;
@@ -39,6 +40,7 @@ fn header(frames: &[u32]) -> Header {
             pixel_counters: 10,
             occluder_ids: 30,
         },
+        unjudged_updates: false,
         input_hash: u64::MAX - 1,
         records: [3, 1, 4, 0, 5, u32::MAX, 6].map(TriangleSlot).into(),
     }

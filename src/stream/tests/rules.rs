@@ -132,7 +132,7 @@ fn totals_must_be_those_of_the_records() {
         let mut payload = Vec::new();
         format::put_end(&[], &good, &mut payload);
         payload[8 * at] ^= 1;
-        let (_, changed) = format::end(&payload).unwrap();
+        let (_, changed) = format::end(&payload, super::super::version::Version::CURRENT).unwrap();
         let items = [
             Item::Frame(info(8)),
             Item::Rays(Arc::new(small_chunk())),

@@ -108,6 +108,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             ("shadow_cache".into(), unit(1, 0.04)),
         ]),
         unit_counts: BTreeMap::from([("traversal".into(), 4), ("intersection".into(), 1), ("shadow_cache".into(), 1)]),
+        operations: BTreeMap::from([("traversal".into(), 1_875_000_000)]),
         queues: BTreeMap::from([("l2".into(), QueueCounts { entries: scaled(1e8), waited: scaled(4e8) })]),
         latency: BTreeMap::from([(
             "shadow".into(),

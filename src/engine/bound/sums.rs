@@ -1,0 +1,57 @@
+//! What bounds add up, frame by frame.
+
+use std::ops::AddAssign;
+
+use crate::engine::tally::PerClass;
+use crate::machine::kinds::Kind;
+use crate::quantity::Bytes;
+
+/// What is added up over frames.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sums {
+    /// Cycles that the frame takes at least.
+    pub cycles: u64,
+    /// Cycles of its rays, one after another.
+    pub serial: u64,
+    /// Rays that are traced.
+    pub traced: u64,
+    /// Rays that are answered, traced or not.
+    pub answered: u64,
+    /// Lines that nothing touched before.
+    pub first_touches: u64,
+    /// Accesses to lines that write.
+    pub writes: u64,
+    /// Steps of stores that are left out of what must be done.
+    pub left_out: u64,
+    /// Operations of each kind of units.
+    pub operations: [u64; Kind::ALL.len()],
+    /// Accesses of each kind of units to lines.
+    pub accesses: [u64; Kind::ALL.len()],
+    /// Bytes that each kind of units asks its L1s for.
+    pub requested: [PerClass<Bytes>; Kind::ALL.len()],
+    /// Bytes between the L1s and the L2, at least.
+    pub l2: PerClass<Bytes>,
+    /// Bytes of the DRAM, at least.
+    pub dram: PerClass<Bytes>,
+}
+
+impl AddAssign<&Sums> for Sums {
+    fn add_assign(&mut self, other: &Self) {
+        self.cycles += other.cycles;
+        self.serial += other.serial;
+        self.traced += other.traced;
+        self.answered += other.answered;
+        self.first_touches += other.first_touches;
+        self.writes += other.writes;
+        self.left_out += other.left_out;
+        add_each(&mut self.operations, &other.operations);
+        add_each(&mut self.accesses, &other.accesses);
+        self.requested.iter_mut().zip(&other.requested).for_each(|(sum, other)| add_each(sum, other));
+        add_each(&mut self.l2, &other.l2);
+        add_each(&mut self.dram, &other.dram);
+    }
+}
+
+fn add_each<T: AddAssign + Copy>(sums: &mut [T], others: &[T]) {
+    sums.iter_mut().zip(others).for_each(|(sum, &other)| *sum += other);
+}

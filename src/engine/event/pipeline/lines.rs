@@ -1,0 +1,196 @@
+//! Accesses to the L1, and the lines that come for them (steps 1, 2, 6 and 7 of a cycle).
+
+use super::super::links::{Answer, Links, take};
+use super::super::ray::{Fetch, Ray, RayId};
+use super::unit::Pipeline;
+use crate::machine::layout::Element;
+use crate::memory::Request;
+use crate::memory::cache::{Access, Fill, Lookup, Release};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::TrafficClass;
+
+impl Pipeline {
+    /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
+    #[inline]
+    pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
+        self.filled = links.line_is_there(self.part, now) && self.fill(links);
+        self.stuck &= !self.filled;
+        while let Some(ray) = take(&mut self.hits, now) {
+            self.line_came(ray, &mut links.rays);
+        }
+    }
+
+    /// Step 1, of a line that is there; whether it was taken.
+    pub(super) fn fill(&mut self, links: &mut Links) -> bool {
+        let lines = &mut links.lines[self.part.0 as usize];
+        let Some(&Answer { line, .. }) = lines.front() else { return false };
+        let past = self.straight.iter().position(|(asked, _)| *asked == line);
+        if let Some(at) = past {
+            lines.drop_front();
+            if let Some((_, ray)) = self.straight.remove(at) {
+                self.line_came(ray, &mut links.rays);
+            }
+            return true;
+        }
+        self.filled_for.clear();
+        let room = self.out.len() < self.out_places;
+        let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
+        lines.drop_front();
+        if let Some(victim) = victim {
+            self.push_out(victim.line, victim.class, true, self.line);
+        }
+        match self.release {
+            Release::Together => {
+                for index in 0..self.filled_for.len() {
+                    self.line_came(self.filled_for[index], &mut links.rays);
+                }
+            }
+            // The row stays in use until its last ray has left: which no access sees, since none is made until then.
+            Release::OneByOne => self.released.extend(self.filled_for.drain(..)),
+        }
+        true
+    }
+
+    #[inline]
+    pub(super) fn line_came(&mut self, ray: RayId, rays: &mut [Ray]) {
+        let fetch = &mut rays[ray as usize].fetch;
+        fetch.missing -= 1;
+        if fetch.missing == 0 && fetch.left == 0 {
+            self.waiting -= 1;
+            self.ready.push_back(ray);
+        }
+    }
+
+    /// Step 6; whether the queue was stopped.
+    #[inline]
+    pub(super) fn access(&mut self, now: u64, links: &mut Links) -> bool {
+        if let Some(ray) = self.released.pop_front() {
+            self.line_came(ray, &mut links.rays);
+            return false;
+        }
+        if now < self.access_at {
+            return false;
+        }
+        if self.stuck {
+            return true;
+        }
+        self.banks.clear();
+        for _ in 0..self.ports {
+            let Some(&id) = self.fetching.front() else { return false };
+            let ray = &mut links.rays[id as usize];
+            let Fetch { line, class, write, straight, .. } = ray.fetch;
+            if straight {
+                if !self.ask_straight(id, ray) {
+                    self.stuck = true;
+                    return true;
+                }
+                continue;
+            }
+            if !self.banks.take(line, class) {
+                return false;
+            }
+            let access = if write { self.writes.access(class, true) } else { Access::Read };
+            let hit = self.cache.hit(line, class, access);
+            if !hit && !self.miss(id, ray, access) {
+                self.stuck = true;
+                return true;
+            }
+            self.accessed = true;
+            let fetch = &mut ray.fetch;
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+            if fetch.left > 0 {
+                // With a latency of one cycle, the line is there when the next one is accessed.
+                if !hit || self.hit_latency > 1 {
+                    self.wait(id, hit, now, fetch);
+                }
+                continue;
+            }
+            self.requested[class as usize] += Bytes(fetch.bytes.into());
+            self.fetching.drop_front();
+            let alone = hit && fetch.missing == 0 && access != Access::WriteThrough;
+            if alone && self.is_open_next(now, links.lines[self.part.0 as usize].front()) {
+                self.enter_ahead(id, now + 1);
+            } else {
+                self.waiting += 1;
+                self.wait(id, hit, now, fetch);
+            }
+        }
+        false
+    }
+
+    /// A ray waits for a line that it accessed.
+    #[inline]
+    pub(super) fn wait(&mut self, ray: RayId, hit: bool, now: u64, fetch: &mut Fetch) {
+        fetch.missing += 1;
+        if hit {
+            self.hits.push_back((now + self.hit_latency, ray));
+        }
+    }
+
+    /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it
+    /// does if it is the first of the ready list, and no other can begin beside it. `line` is the first to come from
+    /// the L2: of those that come in the next cycle all are known, since an answer takes the L2's latency.
+    #[inline]
+    pub(super) fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
+        self.hit_latency == 1
+            && self.timing.width == 1
+            && self.open_at <= now + 1
+            && self.ready.is_empty()
+            && self.hits.is_empty()
+            && line.is_none_or(|line| line.at > now + 1)
+    }
+
+    /// An access of ray `id` to a line that is not there; false if it has to wait.
+    pub(super) fn miss(&mut self, id: RayId, ray: &Ray, access: Access) -> bool {
+        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = *ray;
+        let room = self.out.len() < self.out_places;
+        match self.cache.miss(line, class, access, Some(id), room) {
+            Lookup::Stalled => return false,
+            Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
+            Lookup::Merged => {}
+            Lookup::Miss => {
+                self.marked[class as usize] += u64::from(marked);
+                let bytes = self.line;
+                self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+            }
+        }
+        true
+    }
+
+    /// The first ray of the fetch queue, `id`, asks the L2 for its line; false if it has to wait.
+    pub(super) fn ask_straight(&mut self, id: RayId, ray: &mut Ray) -> bool {
+        if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
+            return false;
+        }
+        let (marked, fetch) = (ray.marked, &mut ray.fetch);
+        let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
+        (fetch.left, fetch.missing) = (0, 1);
+        self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+        self.straight.push_back((line, id));
+        self.read_straight[class as usize].add(bytes);
+        self.waiting += 1;
+        self.fetching.drop_front();
+        true
+    }
+
+    pub(super) fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes) {
+        self.out.push_back(Request { line, class, write, bytes, from: self.part, marked: false });
+    }
+
+    /// Step 7; whether the first of the out queue found a place.
+    pub(super) fn send(&mut self, now: u64, links: &mut Links) -> bool {
+        let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
+        if sent {
+            self.out.drop_front();
+            self.stuck = false;
+        }
+        sent
+    }
+
+    /// A ray begins to fetch `element` from the L2.
+    pub(crate) fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
+        links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
+        self.fetching.push_back(ray);
+    }
+}

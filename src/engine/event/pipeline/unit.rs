@@ -1,0 +1,224 @@
+//! The common part of a unit: its state, and what is counted of it.
+
+use super::super::causes::Causes;
+use super::super::ray::RayId;
+use crate::machine::MachineSpec;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Past, Release};
+use crate::memory::ring::Ring;
+use crate::memory::{PartId, Request};
+use crate::quantity::{Bytes, LineAddr};
+use crate::stats::{L1Counts, TrafficClass};
+
+/// The timing of a unit's pipeline.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stages {
+    /// Cycles that an operation takes.
+    pub latency: u64,
+    /// Cycles from an operation to the next.
+    pub interval: u64,
+    /// Operations that begin at once.
+    pub width: u64,
+}
+
+/// What a unit knows of the memory below its L1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Memory {
+    /// Bytes of a line.
+    pub line: u64,
+    /// The shortest latency of a cache of the L2.
+    pub answer_latency: u64,
+}
+
+impl Memory {
+    /// Of `machine`.
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
+        let latencies = machine.l2.caches().into_iter().map(|(_, cache)| cache.latency.get());
+        Self { line: machine.line_bytes.get(), answer_latency: latencies.min().unwrap_or(0) }
+    }
+}
+
+/// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
+/// [`Pipeline::end`] in this order, once in every cycle in which it acts.
+#[derive(Clone, Debug)]
+pub(crate) struct Pipeline {
+    pub(super) part: PartId,
+    pub(super) core: u32,
+    pub(super) cache: Cache,
+    pub(super) out: Ring<Request>,
+    pub(super) out_places: usize,
+    pub(super) ports: u64,
+    pub(super) banks: BanksInUse,
+    pub(super) hit_latency: u64,
+    pub(super) timing: Stages,
+    /// The first cycle in which an operation can begin.
+    pub(super) open_at: u64,
+    pub(super) line: Bytes,
+    pub(super) writes: WritePolicy,
+    pub(super) fetching: Ring<RayId>,
+    pub(super) hits: Ring<(u64, RayId)>,
+    /// Rays that made all their accesses and wait for lines.
+    pub(super) waiting: usize,
+    pub(super) ready: Ring<RayId>,
+    /// Rays in the pipeline, with the cycles in which their operations end. The last may begin only in the next cycle.
+    pub(super) stages: Ring<(u64, RayId)>,
+    pub(super) requested: [Bytes; TrafficClass::ALL.len()],
+    pub(super) written_through: [Past; TrafficClass::ALL.len()],
+    pub(super) causes: Causes,
+    /// Operations that began beside the first of a cycle.
+    pub(super) beside: u64,
+    pub(super) filled: bool,
+    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes,
+    /// it finds none.
+    pub(super) stuck: bool,
+    /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or
+    /// given the line that waits a place: a fill that waits can be made then.
+    pub(super) accessed: bool,
+    /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
+    pub(super) foresees: bool,
+    pub(super) answer_latency: u64,
+    /// The first cycle in which the port of the L1 is free.
+    pub(super) access_at: u64,
+    /// When the last operation begins of those that were entered ahead.
+    pub(super) begins_last: u64,
+    pub(super) filled_for: Vec<RayId>,
+    pub(super) release: Release,
+    /// Rays whose lines have come and are given out one by one.
+    pub(super) released: Ring<RayId>,
+    /// Requests under way past the L1, the oldest first, and how many there can be.
+    pub(super) straight: Ring<(LineAddr, RayId)>,
+    pub(super) most_straight: usize,
+    pub(super) read_straight: [Past; TrafficClass::ALL.len()],
+    /// Misses of marked rays.
+    pub(super) marked: [u64; TrafficClass::ALL.len()],
+}
+
+impl Pipeline {
+    /// An empty unit with the number `part`, of a core.
+    pub(crate) fn new(
+        part: PartId,
+        core: u32,
+        cache: &CacheSpec,
+        timing: Stages,
+        writes: WritePolicy,
+        memory: Memory,
+    ) -> Self {
+        let Memory { line, answer_latency } = memory;
+        let one_a_cycle = cache.ports.get() == 1 && timing.interval == 1 && timing.width == 1;
+        let foresees = one_a_cycle && writes == WritePolicy::Back;
+        Self {
+            part,
+            core,
+            cache: cache.build(line),
+            out: Ring::new(),
+            out_places: cache.queue.size(),
+            ports: cache.ports.get(),
+            banks: BanksInUse::none(cache),
+            hit_latency: cache.latency.get(),
+            timing,
+            open_at: 0,
+            line: Bytes(line),
+            writes,
+            fetching: Ring::new(),
+            hits: Ring::new(),
+            waiting: 0,
+            ready: Ring::new(),
+            stages: Ring::new(),
+            requested: [Bytes(0); TrafficClass::ALL.len()],
+            written_through: [Past::default(); TrafficClass::ALL.len()],
+            causes: Causes::default(),
+            beside: 0,
+            filled: false,
+            stuck: false,
+            accessed: false,
+            foresees,
+            answer_latency,
+            access_at: 0,
+            begins_last: 0,
+            filled_for: Vec::new(),
+            release: cache.release,
+            released: Ring::new(),
+            straight: Ring::new(),
+            most_straight: cache.mshrs.size(),
+            read_straight: [Past::default(); TrafficClass::ALL.len()],
+            marked: [0; TrafficClass::ALL.len()],
+        }
+    }
+
+    /// The unit's number in the machine.
+    #[inline]
+    pub(crate) fn part(&self) -> PartId {
+        self.part
+    }
+
+    /// The unit's core.
+    #[inline]
+    pub(crate) fn core(&self) -> u32 {
+        self.core
+    }
+
+    /// A frame begins: lines from `first` on go.
+    pub(crate) fn drop_from(&mut self, first: LineAddr) {
+        self.cache.drop_from(first);
+    }
+
+    /// The L1 holds from now on what `cache` does.
+    pub(crate) fn hold(&mut self, cache: &Cache) {
+        self.stuck = false;
+        self.cache.hold(cache);
+    }
+
+    /// Whether nothing is on its way to the L2.
+    pub(crate) fn is_idle(&self) -> bool {
+        self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()
+    }
+
+    /// The L1.
+    pub(crate) fn cache(&self) -> &Cache {
+        &self.cache
+    }
+
+    /// Bytes that the unit asked its L1 for, by class.
+    pub(crate) fn requested(&self) -> &[Bytes; TrafficClass::ALL.len()] {
+        &self.requested
+    }
+
+    /// Writes that went through, by class.
+    pub(crate) fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
+        &self.written_through
+    }
+
+    /// Reads that went past the L1, by class.
+    pub(crate) fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
+        &self.read_straight
+    }
+
+    /// What its L1 alone counted, by class.
+    pub(crate) fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
+        self.banks.counts()
+    }
+
+    /// Misses of marked rays, by class.
+    pub(crate) fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.marked
+    }
+
+    /// The unit's cycles.
+    pub(crate) fn causes(&self) -> &Causes {
+        &self.causes
+    }
+
+    /// The state of the queues, for the report of a deadlock.
+    pub(crate) fn queues(&self) -> String {
+        format!(
+            "to fetch {}, waiting for lines {}, ready {}, in the pipeline {}, misses under way {}, out {}/{}",
+            self.fetching.len(),
+            self.waiting,
+            self.ready.len(),
+            self.stages.len(),
+            self.cache.misses_under_way(),
+            self.out.len(),
+            self.out_places
+        )
+    }
+}

@@ -1,0 +1,75 @@
+//! The points of a sweep as data, to be written to a file.
+
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+use super::super::split::Role;
+use super::error::SweepError;
+use super::plan::{Plan, Point};
+use super::spec::Sweep;
+use crate::machine::MachineSpec;
+
+/// The points of a sweep, in the order of its files.
+pub(crate) struct Listing {
+    /// Paths of the fields that vary.
+    pub(crate) fields: Vec<String>,
+    /// The points.
+    pub(crate) points: Vec<Listed>,
+}
+
+/// A point: a replay of a policy's stream on a machine.
+#[derive(Serialize)]
+pub(crate) struct Listed {
+    /// Its place in the plan, from 1.
+    pub(crate) index: usize,
+    /// The machine's name.
+    pub(crate) machine: String,
+    /// The policy's name.
+    pub(crate) policy: String,
+    /// What the machine is replayed for.
+    pub(crate) role: &'static str,
+    /// Values of the fields that vary; none of a unit that the machine does not have in this role.
+    pub(crate) fields: Map<String, Value>,
+    /// A hash of the inputs of the replay.
+    pub(crate) identity: String,
+    /// Expected cost, in rays that a replay without culling takes as long for.
+    pub(crate) cost: u64,
+}
+
+impl Listing {
+    pub(super) fn new(sweep: &Sweep, plan: &Plan) -> Result<Self, SweepError> {
+        let fields: Vec<String> = sweep.fields().map(str::to_owned).collect();
+        let policies: Vec<&str> = sweep.experiment.policy_names().collect();
+        let listed = |(index, point): (usize, &Point)| {
+            let machine = sweep.machine(point.machine)?;
+            let spec = point.role.machine(&machine.spec);
+            Ok(Listed {
+                index: index + 1,
+                machine: machine.name,
+                policy: policies[point.policy].into(),
+                role: name(point.role),
+                fields: values(&spec, point.role, &fields),
+                identity: point.key.to_string(),
+                cost: point.cost,
+            })
+        };
+        let points = plan.points.iter().enumerate().map(listed).collect::<Result<_, SweepError>>()?;
+        Ok(Self { fields, points })
+    }
+}
+
+fn name(role: Role) -> &'static str {
+    match role {
+        Role::AsItIs => "as it is",
+        Role::FreeWords => "free words",
+        Role::WithoutUnit => "no unit",
+    }
+}
+
+/// The fields' values in a machine. A machine without a shadow-cache unit has no fields of one.
+fn values(machine: &MachineSpec, role: Role, fields: &[String]) -> Map<String, Value> {
+    let all = serde_json::to_value(machine).expect("a spec is plain data, which JSON can hold");
+    let has = |field: &&String| role != Role::WithoutUnit || !field.starts_with("shadow_cache.");
+    let value = |field: &String| field.split('.').try_fold(&all, |at, name| at.get(name)).cloned();
+    fields.iter().filter(has).filter_map(|field| Some((field.clone(), value(field)?))).collect()
+}

@@ -1,0 +1,52 @@
+//! Where a sweep keeps what it has made, in its folder.
+
+use std::path::{Path, PathBuf};
+
+use super::error::SweepError;
+use super::shard::Shard;
+use crate::output::write_whole;
+
+/// The folders of a sweep in its own.
+pub(super) struct Places {
+    pub(super) points: PathBuf,
+    pub(super) streams: PathBuf,
+    /// A file for each shard that was begun: by these a collector knows the commands that make what is missing.
+    shards: PathBuf,
+}
+
+impl Places {
+    /// The places in `folder`.
+    pub(super) fn of(folder: &Path) -> Self {
+        let [points, streams, shards] = ["points", "streams", "shards"].map(|part| folder.join(part));
+        Self { points, streams, shards }
+    }
+
+    /// Makes the folders that are not there.
+    ///
+    /// # Errors
+    /// One cannot be made.
+    pub(super) fn make(&self) -> Result<(), SweepError> {
+        [&self.points, &self.streams, &self.shards].into_iter().try_for_each(|part| {
+            std::fs::create_dir_all(part).map_err(|source| SweepError::File { path: part.clone(), source })
+        })
+    }
+
+    /// Notes that a shard of the plan `identity` was begun here.
+    ///
+    /// # Errors
+    /// The note cannot be written.
+    pub(super) fn note(&self, identity: &str, shard: Shard) -> Result<(), SweepError> {
+        let path = self.shards.join(format!("{identity}_{}_of_{}", shard.index() + 1, shard.of()));
+        if path.exists() {
+            return Ok(());
+        }
+        write_whole(&path, b"").map_err(|source| SweepError::File { path: path.clone(), source })
+    }
+
+    /// The shards of the plan `identity` that were begun here.
+    pub(super) fn noted(&self, identity: &str) -> Vec<Shard> {
+        let entries = std::fs::read_dir(&self.shards).into_iter().flatten().flatten();
+        let shard = |name: &str| name.strip_prefix(identity)?.strip_prefix('_')?.replace("_of_", "/").parse().ok();
+        entries.filter_map(|entry| shard(entry.file_name().to_str()?)).collect()
+    }
+}

@@ -1,0 +1,50 @@
+//! What a sweep found, from its points: read one after another, so that memory does not grow with them.
+
+use std::path::Path;
+
+use super::super::split::Role;
+use super::error::SweepError;
+use super::plan::Plan;
+use super::points::{self, Key, Measured};
+use super::spec::Sweep;
+use crate::report::sweep::{SweepPoint, SweepSummary};
+
+/// The summary of a sweep whose points are all in `folder`.
+///
+/// # Errors
+/// A point is not there any more.
+pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<SweepSummary, SweepError> {
+    let experiment = &sweep.experiment;
+    let names: Vec<&str> = experiment.policy_names().collect();
+    let mut found = Vec::new();
+    for machine in 0..sweep.len() {
+        let machine = sweep.machine(machine)?;
+        let measured = |policy, role| read(folder, plan.key(sweep, &machine.spec, policy, role));
+        let baseline = measured(plan.off(), Role::WithoutUnit)?;
+        for policy in plan.culling() {
+            let real = measured(policy, Role::AsItIs)?;
+            found.push(SweepPoint::new(
+                &machine.name,
+                names[policy],
+                machine.changes.clone(),
+                [&baseline.stats, &measured(policy, Role::FreeWords)?.stats, &real.stats],
+                &real.totals,
+            ));
+        }
+    }
+    Ok(SweepSummary {
+        experiment: experiment.spec.name.clone(),
+        scene: experiment.scene.name.clone(),
+        fidelity: Some(experiment.spec.fidelity.to_string()),
+        frames: experiment.frames.clone(),
+        resolution: experiment.spec.resolution,
+        points: found,
+    })
+}
+
+/// A point that was made or found good.
+fn read(folder: &Path, key: Key) -> Result<Measured, SweepError> {
+    let failed = |why: String| SweepError::File { path: key.file(folder), source: std::io::Error::other(why) };
+    let point = points::read(folder, key).map_err(|why| failed(why.to_string()))?;
+    point.ok_or_else(|| failed("the point is gone: run the same command again".into()))
+}
