@@ -104,9 +104,8 @@ fn what_cannot_be_exported_is_refused_and_leaves_nothing() {
         let replay = ["replay", STREAM, "--machine", "small.ron", "--dram-trace", "x", "--fidelity", fidelity];
         let output = desk.program(&replay).output().unwrap();
         assert_eq!(output.status.code(), Some(2));
-        let told = format!(
-            "error: `{fidelity}` has no requests and commands of a DRAM at their clocks: for these, Event and Cycle are allowed\n"
-        );
+        let told =
+            format!("error: `{fidelity}` does not replay cycle by cycle, and cannot be watched: Event and Cycle can\n");
         assert_eq!(error_text(&output), told);
     }
     desk.put_changed("flat.ron", &machine(), "channels: 1,", "channels: 1, model: Flat(latency: 50),");

@@ -28,6 +28,7 @@ mod profile;
 mod program;
 mod replay;
 mod replay_exports;
+mod replay_views;
 mod run;
 mod schema;
 mod stress;

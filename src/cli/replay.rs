@@ -13,8 +13,9 @@ use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
+use super::replay_views::ViewArgs;
 use crate::console::{self, note};
-use crate::experiment::dram_export::DramExport;
+use crate::experiment::exports::Exports;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
 use crate::named::Named;
@@ -42,6 +43,8 @@ pub(super) struct Replay {
     dram: DramArgs,
     #[command(flatten)]
     lines: LineArgs,
+    #[command(flatten)]
+    views: ViewArgs,
 }
 
 impl Replay {
@@ -49,10 +52,15 @@ impl Replay {
         claim_files([("--json", self.json.as_deref())])?;
         self.dram.claim()?;
         self.lines.claim()?;
+        self.views.claim()?;
         let (begin, stream) = (Instant::now(), &self.input.stream);
         let machines = self.input.machines()?;
-        let is_exported = self.dram.is_wanted() || self.lines.is_wanted();
-        ensure!(machines.len() == 1 || !is_exported, "a trace is of one machine: {} are given", machines.len());
+        let is_exported = self.dram.is_wanted() || self.lines.is_wanted() || self.views.is_wanted();
+        ensure!(
+            machines.len() == 1 || !is_exported,
+            "a trace or a timeline is of one machine: {} are given",
+            machines.len()
+        );
         let fidelity = match self.target_error {
             Some(target) => self.fidelity.with_target_error(target).map_err(anyhow::Error::msg)?,
             None => self.fidelity,
@@ -60,11 +68,16 @@ impl Replay {
         let header = StreamReader::open(stream)?.header().clone();
         let is_alone = self.json.as_deref() == Some(Path::new("-"));
         let json = JsonFile::begin(self.json)?;
-        let mut found = Named::default();
+        let (mut found, mut told) = (Named::default(), Vec::new());
         for machine in &machines {
-            let (mut dram, mut lines) = (self.dram.begin(machine)?, self.lines.begin(machine, &header)?);
-            let stats = replay_file(machine, fidelity, stream, dram.as_mut(), lines.as_mut())?;
-            dram.map_or(Ok(()), DramExport::finish)?;
+            let mut lines = self.lines.begin(machine, &header)?;
+            let mut exports = Exports {
+                dram: self.dram.begin(machine)?,
+                timeline: self.views.timeline(machine, &header)?,
+                interval: self.views.interval(&header)?,
+            };
+            let stats = replay_file(machine, fidelity, stream, &mut exports, lines.as_mut())?;
+            told.extend(exports.finish()?);
             lines.map_or(Ok(()), LineExport::finish)?;
             found.insert(machine.name.clone(), stats);
         }
@@ -74,6 +87,7 @@ impl Replay {
         }
         if !is_alone && !console::is_quiet() {
             print(replayed(&fidelity.to_string(), &header.policy, &found))?;
+            told.iter().try_for_each(print)?;
             note(took(begin.elapsed()));
         }
         Ok(Outcome::Done)

@@ -2,6 +2,7 @@
 
 use super::error::RunError;
 use super::feed::Feed;
+use super::snapshot::Snapshot;
 use super::tally::Tally;
 use crate::memory::dram::command::ChannelLog;
 
@@ -15,6 +16,11 @@ pub(crate) trait Engine {
 
     /// What was counted in a run of `cycles`.
     fn tally(&self, cycles: u64) -> Tally;
+
+    /// What the parts do at the end of the cycle before `cycles`; nothing of an engine that is not looked at.
+    fn snapshot(&self, _cycles: u64) -> Snapshot {
+        Snapshot::default()
+    }
 
     /// Requests and commands of each channel of the DRAM; none of an engine whose DRAM has no clock of its own.
     fn logs(&mut self) -> Vec<&mut ChannelLog>;

@@ -1,11 +1,21 @@
 //! What an engine is fed with: the stream's items, all of them or a sample.
 
 use super::error::RunError;
+use super::snapshot::Snapshot;
 use super::source::FrameCounts;
 use super::tally::Tally;
 use super::warm::WarmCaches;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
+
+/// What can be asked of an engine at the end of a cycle.
+#[derive(Clone, Copy)]
+pub(crate) struct CycleEnd<'a> {
+    /// What the parts do.
+    pub snapshot: &'a dyn Fn() -> Snapshot,
+    /// What was counted up to now.
+    pub tally: &'a dyn Fn() -> Tally,
+}
 
 /// Gives an engine the items that it replays, and is told what becomes of them.
 pub(crate) trait Feed {
@@ -34,7 +44,30 @@ pub(crate) trait Feed {
     }
 
     /// Receives what was counted up to the end of the cycle in which the frame was over.
-    fn frame_counted(&mut self, _: &Tally) {}
+    ///
+    /// # Errors
+    /// Whoever watches the run fails.
+    fn frame_counted(&mut self, _: &Tally) -> Result<(), RunError> {
+        Ok(())
+    }
+
+    /// Whether [`Feed::look_at`] may name a cycle; the answer stays the same for a run.
+    fn looks(&self) -> bool {
+        false
+    }
+
+    /// The next cycle at whose end [`Feed::looked`] is to be called; `u64::MAX` if none is known.
+    fn look_at(&self) -> u64 {
+        u64::MAX
+    }
+
+    /// Is shown the end of cycle `now`, in which all parts acted.
+    ///
+    /// # Errors
+    /// Whoever watches the run fails, or the engine contradicts itself.
+    fn looked(&mut self, _now: u64, _end: CycleEnd<'_>) -> Result<(), RunError> {
+        Ok(())
+    }
 
     /// Whether [`Feed::mark`] is to be called at the end of the cycle.
     fn marks(&self) -> bool {

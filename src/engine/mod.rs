@@ -21,6 +21,7 @@ mod part_set;
 mod profile;
 pub(crate) mod retired;
 mod reuse;
+mod snapshot;
 pub(crate) mod source;
 pub(crate) mod tally;
 #[cfg(test)]
@@ -37,6 +38,7 @@ pub use self::items::{Items, Source};
 pub(crate) use self::level::engine;
 pub use self::level::{Exact, Level, Sampled};
 pub use self::lines::LineStream;
-pub use self::observe::DramObserver;
+pub use self::observe::{Observer, Seen};
 pub use self::reuse::ReuseOf;
 pub(crate) use self::reuse::reuse;
+pub use self::snapshot::{Place, Places};

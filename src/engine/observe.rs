@@ -1,55 +1,172 @@
-//! A run that somebody watches: what its DRAM is asked for and does, cycle by cycle, checked against the timing of its
-//! part.
+//! A run that somebody watches: what its DRAM is asked for and does, checked against the timing of its part; what its
+//! units do cycle by cycle; what it counts from time to time.
 
 use std::io;
 
 use super::contract::Engine;
 use super::error::RunError;
-use super::feed::Feed;
+use super::feed::{CycleEnd, Feed};
+use super::snapshot::Snapshot;
 use super::tally::Tally;
 use crate::engine::source::FrameCounts;
 use crate::machine::MachineSpec;
 use crate::memory::dram::command::{ChannelLog, LoggedCommand, LoggedRequest};
 use crate::memory::dram::legality::TimingChecker;
+use crate::stats::{Cause, MachineStats};
 use crate::stream::Item;
 
-/// Is told what the channels of a DRAM are asked for and do: requests in the order of time, and commands too; in the
-/// same clock that of the lower channel first.
-pub trait DramObserver {
-    /// A request came to channel `channel`.
-    fn request(&mut self, channel: usize, request: LoggedRequest) -> io::Result<()>;
+/// Watches a run. Each method that is left out asks for nothing, or takes what comes without looking.
+pub trait Observer {
+    /// Whether [`Observer::request`] and [`Observer::command`] are to be told.
+    fn wants_dram(&self) -> bool {
+        false
+    }
 
-    /// Channel `channel` was given a command, which is legal.
-    fn command(&mut self, channel: usize, command: LoggedCommand) -> io::Result<()>;
+    /// A request came to channel `channel`. Requests come in the order of time; in the same clock that of the lower
+    /// channel first.
+    ///
+    /// # Errors
+    /// The observer fails, which ends the run.
+    fn request(&mut self, _channel: usize, _request: LoggedRequest) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Channel `channel` was given a command, which is legal. Commands come in the order of requests.
+    ///
+    /// # Errors
+    /// See [`Observer::request`].
+    fn command(&mut self, _channel: usize, _command: LoggedCommand) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// Cycles after which [`Observer::counted`] is to be told what was counted, in every frame anew.
+    fn interval(&self) -> Option<u64> {
+        None
+    }
+
+    /// Cycles of `frame` have passed, and so much was counted in the run up to now.
+    ///
+    /// # Errors
+    /// See [`Observer::request`].
+    fn counted(&mut self, _frame: u32, _stats: MachineStats) -> io::Result<()> {
+        Ok(())
+    }
+
+    /// The frame of which [`Observer::cycle`] is to be told each cycle.
+    fn watched_frame(&self) -> Option<u32> {
+        None
+    }
+
+    /// Cycle `now` of the run has passed.
+    ///
+    /// # Errors
+    /// See [`Observer::request`].
+    fn cycle(&mut self, _now: u64, _seen: &Seen<'_>) -> io::Result<()> {
+        Ok(())
+    }
 }
 
-/// Runs `engine` on `feed` while `observer` is told; the number of cycles.
+/// What the parts of a machine did in a cycle, in the order of [`super::Places`].
+#[derive(Clone, Copy, Debug)]
+pub struct Seen<'a> {
+    /// The cause of each unit's cycle.
+    pub units: &'a [Cause],
+    /// Entries of each queue at the cycle's end.
+    pub queues: &'a [u32],
+    /// Misses under way in each cache at the cycle's end.
+    pub misses: &'a [u32],
+}
+
+/// Runs `engine` on `feed`, a stream of `frames`, while `observer` is told; the number of cycles.
 pub(super) fn run(
     engine: &mut dyn Engine,
     machine: &MachineSpec,
+    frames: &[u32],
     feed: &mut dyn Feed,
-    observer: &mut dyn DramObserver,
+    observer: &mut dyn Observer,
 ) -> Result<u64, RunError> {
-    engine.logs().into_iter().for_each(ChannelLog::keep);
+    let wants_dram = observer.wants_dram();
+    if wants_dram {
+        engine.logs().into_iter().for_each(ChannelLog::keep);
+    }
     let checker = TimingChecker::new(&machine.dram, machine.line_bytes.get());
-    let checkers = vec![checker; machine.dram.channels.size()];
-    let mut observed = Observed { feed, checkers, observer, requests: Vec::new(), commands: Vec::new() };
+    let mut observed = Observed {
+        feed,
+        machine,
+        frames,
+        checkers: vec![checker; machine.dram.channels.size()],
+        observer,
+        wants_dram,
+        requests: Vec::new(),
+        commands: Vec::new(),
+        counted_to: 0,
+        looked_to: 0,
+        before: engine.snapshot(0),
+        causes: Vec::new(),
+    };
     let cycles = engine.run(&mut observed)?;
-    let last = machine.dram.clocks(machine.clock_mhz.get()).first(cycles) - 1;
-    for (channel, checker) in observed.checkers.into_iter().enumerate() {
-        checker.finish(last).map_err(|violation| RunError::Illegal { channel, violation })?;
+    observed.count(&engine.tally(cycles))?;
+    if wants_dram {
+        let last = machine.dram.clocks(machine.clock_mhz.get()).first(cycles) - 1;
+        for (channel, checker) in observed.checkers.into_iter().enumerate() {
+            checker.finish(last).map_err(|violation| RunError::Illegal { channel, violation })?;
+        }
     }
     Ok(cycles)
 }
 
-/// A feed with an observer of the DRAM.
+/// A feed with an observer.
 struct Observed<'a> {
     feed: &'a mut dyn Feed,
+    machine: &'a MachineSpec,
+    /// The frame that is replayed and those after it.
+    frames: &'a [u32],
     checkers: Vec<TimingChecker>,
-    observer: &'a mut dyn DramObserver,
+    observer: &'a mut dyn Observer,
+    wants_dram: bool,
     /// Of one cycle, with their channels.
     requests: Vec<(usize, LoggedRequest)>,
     commands: Vec<(usize, LoggedCommand)>,
+    /// The first cycle that was not counted for the observer, and the first that it was not shown.
+    counted_to: u64,
+    looked_to: u64,
+    /// The parts at the end of the cycle before `looked_to`.
+    before: Snapshot,
+    causes: Vec<Cause>,
+}
+
+impl Observed<'_> {
+    /// The frame that is replayed. What the machine does after the last frame's end counts as that frame's.
+    fn frame(&self) -> u32 {
+        self.frames.first().copied().unwrap_or_default()
+    }
+
+    fn is_watched(&self) -> bool {
+        self.observer.watched_frame() == Some(self.frame())
+    }
+
+    fn count(&mut self, tally: &Tally) -> Result<(), RunError> {
+        if self.observer.interval().is_some() && tally.cycles > self.counted_to {
+            self.counted_to = tally.cycles;
+            let stats = tally.stats(self.machine);
+            self.observer.counted(self.frame(), stats).map_err(RunError::Observer)?;
+        }
+        Ok(())
+    }
+
+    /// The last cycle of the interval that is to be counted.
+    fn interval_end(&self) -> Option<u64> {
+        self.observer.interval().map(|interval| self.counted_to + interval.max(1) - 1)
+    }
+
+    fn show(&mut self, now: u64, seen: Snapshot) -> Result<(), RunError> {
+        seen.causes_since(&self.before, &mut self.causes).map_err(RunError::Invariant)?;
+        let Snapshot { queues, misses, .. } = &seen;
+        let seen_now = Seen { units: &self.causes, queues, misses };
+        self.observer.cycle(now, &seen_now).map_err(RunError::Observer)?;
+        (self.before, self.looked_to) = (seen, now + 1);
+        Ok(())
+    }
 }
 
 impl Feed for Observed<'_> {
@@ -65,12 +182,20 @@ impl Feed for Observed<'_> {
         self.feed.wants_frame()
     }
 
-    fn frame_counted(&mut self, tally: &Tally) {
-        self.feed.frame_counted(tally);
+    fn frame_counted(&mut self, tally: &Tally) -> Result<(), RunError> {
+        self.feed.frame_counted(tally)?;
+        if let [_, others @ ..] = self.frames
+            && !others.is_empty()
+        {
+            self.count(tally)?;
+            self.counted_to = tally.cycles;
+            (self.frames, self.looked_to, self.before) = (others, tally.cycles, Snapshot::of(tally));
+        }
+        Ok(())
     }
 
     fn hears(&self) -> bool {
-        true
+        self.wants_dram
     }
 
     fn heard(&mut self, logs: &mut [&mut ChannelLog]) -> Result<(), RunError> {
@@ -91,6 +216,25 @@ impl Feed for Observed<'_> {
         }
         Ok(())
     }
+
+    fn looks(&self) -> bool {
+        self.observer.interval().is_some() || self.observer.watched_frame().is_some()
+    }
+
+    fn look_at(&self) -> u64 {
+        let watched = self.is_watched().then_some(self.looked_to);
+        watched.into_iter().chain(self.interval_end()).min().unwrap_or(u64::MAX)
+    }
+
+    fn looked(&mut self, now: u64, end: CycleEnd<'_>) -> Result<(), RunError> {
+        if self.is_watched() {
+            self.show(now, (end.snapshot)())?;
+        }
+        if self.interval_end() == Some(now) {
+            self.count(&(end.tally)())?;
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -101,13 +245,9 @@ mod tests {
 
     struct Nobody;
 
-    impl DramObserver for Nobody {
-        fn request(&mut self, _: usize, _: LoggedRequest) -> io::Result<()> {
-            Ok(())
-        }
-
-        fn command(&mut self, _: usize, _: LoggedCommand) -> io::Result<()> {
-            Ok(())
+    impl Observer for Nobody {
+        fn wants_dram(&self) -> bool {
+            true
         }
     }
 
@@ -141,7 +281,7 @@ mod tests {
         let machine = MachineSpec::default();
         let mut items = std::iter::empty();
         let mut feed = Whole::new(&machine, &mut items);
-        let error = run(&mut Wrong(ChannelLog::default()), &machine, &mut feed, &mut Nobody).unwrap_err();
+        let error = run(&mut Wrong(ChannelLog::default()), &machine, &[], &mut feed, &mut Nobody).unwrap_err();
         let told = "channel 0 of the DRAM, clock 106: `rc` is violated, which allows it from clock 107 on";
         assert_eq!(error.to_string(), told);
     }

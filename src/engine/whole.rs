@@ -8,7 +8,7 @@ use super::feed::Feed;
 use super::frame_log::FrameLog;
 use super::items::ItemStream;
 use super::level::{Level, engine};
-use super::observe::{self, DramObserver};
+use super::observe::{self, Observer};
 use super::source::{FrameCounts, StoreWork};
 use super::tally::Tally;
 use crate::machine::MachineSpec;
@@ -26,7 +26,7 @@ pub(crate) fn whole(
     machine: &MachineSpec,
     header: &Header,
     items: &mut ItemStream<'_>,
-    observer: Option<&mut dyn DramObserver>,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<MachineStats, RunError> {
     let Some(mut engine) = engine(level, machine, header)? else { return bound::run(machine, header, items) };
     let stats = within_bounds(engine.as_mut(), machine, header, items, observer)?;
@@ -45,12 +45,13 @@ pub(crate) fn within_bounds(
     machine: &MachineSpec,
     header: &Header,
     items: &mut ItemStream<'_>,
-    observer: Option<&mut dyn DramObserver>,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<MachineStats, RunError> {
     let mut bound = Bound::new(machine, header, false);
     let mut counted = items.inspect(|item| item.iter().for_each(|item| bound.add(item)));
     let mut feed = Whole::new(machine, &mut counted);
-    let whole = fed(engine, machine, &mut feed, observer)?.stats(machine);
+    let watch = observer.map(|observer| (header.frames.as_slice(), observer));
+    let whole = fed(engine, machine, &mut feed, watch)?.stats(machine);
     let frames = feed.frames;
     drop(counted);
     check::bounds(&whole, &bound.bounds(&[])).map_err(RunError::Invariant)?;
@@ -58,7 +59,8 @@ pub(crate) fn within_bounds(
     Ok(MachineStats { bounds: Some(bound.bounds(&header.warmup)), ..measured })
 }
 
-/// Replays all that `feed` gives; what was counted, whose identities hold.
+/// Replays all that `feed` gives, while an observer of the frames with these numbers watches; what was counted, whose
+/// identities hold.
 ///
 /// # Errors
 /// The run fails, or violates an identity.
@@ -66,11 +68,11 @@ pub(super) fn fed(
     engine: &mut dyn Engine,
     machine: &MachineSpec,
     feed: &mut Whole<'_, '_>,
-    observer: Option<&mut dyn DramObserver>,
+    watch: Option<(&[u32], &mut dyn Observer)>,
 ) -> Result<Tally, RunError> {
-    let cycles = match observer {
+    let cycles = match watch {
         None => engine.run(feed)?,
-        Some(observer) => observe::run(engine, machine, feed, observer)?,
+        Some((frames, observer)) => observe::run(engine, machine, frames, feed, observer)?,
     };
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
     check::run(&tally, machine).map_err(RunError::Invariant)?;
@@ -83,9 +85,9 @@ pub(super) fn replay(
     engine: &mut dyn Engine,
     machine: &MachineSpec,
     items: &mut ItemStream<'_>,
-    observer: Option<&mut dyn DramObserver>,
+    observer: Option<&mut dyn Observer>,
 ) -> Result<Tally, RunError> {
-    fed(engine, machine, &mut Whole::new(machine, items), observer)
+    fed(engine, machine, &mut Whole::new(machine, items), observer.map(|observer| (&[][..], observer)))
 }
 
 /// Feeds an engine with all items.
@@ -119,7 +121,8 @@ impl Feed for Whole<'_, '_> {
         self.frames.is_over()
     }
 
-    fn frame_counted(&mut self, tally: &Tally) {
+    fn frame_counted(&mut self, tally: &Tally) -> Result<(), RunError> {
         self.frames.add(tally);
+        Ok(())
     }
 }

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::text_file::TextFile;
+use super::export_file::ExportFile;
 use crate::machine::MachineSpec;
 use crate::memory::dram::command::{Column, Command, LoggedCommand, LoggedRequest};
 use crate::memory::dram::part::DramPart;
-use crate::replay::DramObserver;
+use crate::replay::Observer;
 
 /// Who is to read a trace of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -22,8 +22,8 @@ pub(crate) enum TraceFormat {
 
 /// Writes the requests of a run, its DRAM's commands, or both, as they come.
 pub(crate) struct DramExport {
-    trace: Option<(TraceFormat, TextFile)>,
-    commands: Option<TextFile>,
+    trace: Option<(TraceFormat, ExportFile)>,
+    commands: Option<ExportFile>,
     part: DramPart,
     line: u64,
 }
@@ -38,8 +38,8 @@ impl DramExport {
         trace: Option<(TraceFormat, &Path)>,
         commands: Option<&Path>,
     ) -> io::Result<Self> {
-        let trace = trace.map(|(format, path)| Ok::<_, io::Error>((format, TextFile::create(path)?))).transpose()?;
-        let mut commands = commands.map(TextFile::create).transpose()?;
+        let trace = trace.map(|(format, path)| Ok::<_, io::Error>((format, ExportFile::create(path)?))).transpose()?;
+        let mut commands = commands.map(ExportFile::create).transpose()?;
         if let Some(file) = &mut commands {
             file.line(format_args!("clock,channel,command,bank_group,bank,row,column"))?;
         }
@@ -49,11 +49,15 @@ impl DramExport {
     /// Puts the files into their places.
     pub(crate) fn finish(self) -> io::Result<()> {
         self.trace.map_or(Ok(()), |(_, file)| file.finish())?;
-        self.commands.map_or(Ok(()), TextFile::finish)
+        self.commands.map_or(Ok(()), ExportFile::finish)
     }
 }
 
-impl DramObserver for DramExport {
+impl Observer for DramExport {
+    fn wants_dram(&self) -> bool {
+        true
+    }
+
     /// A line a burst, since that is what a request is for those who read it.
     fn request(&mut self, _: usize, LoggedRequest { clock, line, write }: LoggedRequest) -> io::Result<()> {
         let Some((format, file)) = &mut self.trace else { return Ok(()) };

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::text_file::TextFile;
+use super::export_file::ExportFile;
 use crate::machine::{MachineSpec, SpecError};
 use crate::replay::LineStream;
 use crate::stream::{Header, Item};
@@ -12,7 +12,7 @@ use crate::stream::{Header, Item};
 pub(crate) struct LineExport {
     lines: LineStream,
     line_bytes: u64,
-    file: TextFile,
+    file: ExportFile,
     failed: Option<io::Error>,
 }
 
@@ -39,7 +39,7 @@ impl LineExport {
         path: &Path,
     ) -> Result<Self, LineExportError> {
         let lines = LineStream::new(machine, header, cache)?;
-        let file = TextFile::create(path)?;
+        let file = ExportFile::create(path)?;
         Ok(Self { lines, line_bytes: machine.line_bytes.get(), file, failed: None })
     }
 

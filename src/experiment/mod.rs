@@ -3,9 +3,12 @@
 #![warn(unreachable_pub)]
 
 pub(crate) mod dram_export;
+mod export_file;
+pub(crate) mod exports;
 mod files;
 pub(crate) mod frames;
 pub mod identities;
+pub(crate) mod interval_export;
 pub(crate) mod ladder_map;
 pub(crate) mod line_export;
 mod load;
@@ -22,7 +25,7 @@ mod split;
 pub(crate) mod stress;
 mod stress_models;
 pub mod sweep;
-mod text_file;
+pub(crate) mod timeline;
 pub(crate) mod trace;
 pub(crate) mod validation;
 pub(crate) mod warnings;

@@ -6,7 +6,7 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use super::dram_export::DramExport;
+use super::exports::Exports;
 use super::line_export::LineExport;
 use super::progress::{self, Progress};
 use super::split::Role;
@@ -119,22 +119,21 @@ fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<(), Str
     writer.finish()
 }
 
-/// Replays the recorded stream `path` on a machine, while what its DRAM and a cache are asked for goes to files if they
-/// are wanted.
+/// Replays the recorded stream `path` on a machine, while files are written that are wanted of it.
 pub(crate) fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
     path: &Path,
-    dram: Option<&mut DramExport>,
+    exports: &mut Exports,
     lines: Option<&mut LineExport>,
 ) -> Result<MachineStats, RunError> {
     let header = StreamReader::open(path)?.header().clone();
     let bar = progress::bar("replaying", header.frames.len(), "frames");
     let told = Told { file: StreamFile(path), bar: &bar, lines: RefCell::new(lines) };
     let replay = Replay::new(machine, &header)?;
-    let stats = match dram {
-        None => replay.fidelity(fidelity).run(&told),
-        Some(dram) => replay.fidelity(fidelity.exact()?).observe(dram)?.run(told.open(0)?),
+    let stats = match exports.is_empty() {
+        true => replay.fidelity(fidelity).run(&told),
+        false => replay.fidelity(fidelity.exact()?).observe(exports)?.run(told.open(0)?),
     };
     drop(bar);
     stats

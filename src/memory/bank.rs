@@ -273,6 +273,11 @@ impl Bank {
         &self.cache
     }
 
+    /// Requests that wait in front of it.
+    pub fn waiting(&self) -> usize {
+        self.requests.len()
+    }
+
     /// What it did for L1s.
     pub fn served(&self) -> &Served {
         &self.served

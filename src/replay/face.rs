@@ -2,7 +2,7 @@
 
 use super::fidelity::{Fidelity, OnePass};
 use crate::engine::whole::whole;
-use crate::engine::{self, DramObserver, Exact, Level, ReuseOf, RunError, Source};
+use crate::engine::{self, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
 use crate::sampling;
@@ -90,13 +90,13 @@ impl Replay<'_, OnePass> {
 }
 
 impl<'a> Replay<'a, Exact> {
-    /// The same, while `observer` is told what the DRAM is asked for and does. Every command is checked against the
-    /// timing of the DRAM's part.
+    /// The same, while `observer` watches. Every command of the DRAM that it is told of is checked against the timing of
+    /// the DRAM's part.
     ///
     /// # Errors
-    /// The DRAM has no clocks and commands.
-    pub fn observe<'o>(self, observer: &'o mut dyn DramObserver) -> Result<Observed<'a, 'o>, SpecError> {
-        if self.machine.dram.model == Model::Banks {
+    /// The DRAM has no clocks and commands, and the observer wants them.
+    pub fn observe<'o>(self, observer: &'o mut dyn Observer) -> Result<Observed<'a, 'o>, SpecError> {
+        if self.machine.dram.model == Model::Banks || !observer.wants_dram() {
             return Ok(Observed { replay: self, observer });
         }
         let what =
@@ -105,10 +105,10 @@ impl<'a> Replay<'a, Exact> {
     }
 }
 
-/// A replay whose DRAM is observed.
+/// A replay that is watched.
 pub struct Observed<'a, 'o> {
     replay: Replay<'a, Exact>,
-    observer: &'o mut dyn DramObserver,
+    observer: &'o mut dyn Observer,
 }
 
 impl Observed<'_, '_> {

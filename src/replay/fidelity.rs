@@ -91,7 +91,7 @@ impl Fidelity {
         })
     }
 
-    /// The same, if it has requests and commands of a DRAM at their clocks.
+    /// The same, if it replays cycle by cycle, so that a run can be watched.
     ///
     /// # Errors
     /// The error says which levels do.
@@ -100,7 +100,7 @@ impl Fidelity {
             Self::Event => Ok(Exact::Event),
             Self::Cycle => Ok(Exact::Cycle),
             other => Err(SpecError::new(format!(
-                "`{other}` has no requests and commands of a DRAM at their clocks: for these, Event and Cycle are allowed"
+                "`{other}` does not replay cycle by cycle, and cannot be watched: Event and Cycle can"
             ))),
         }
     }

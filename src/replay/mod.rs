@@ -11,5 +11,7 @@ mod stream_file;
 pub use self::face::{Observed, Replay};
 pub use self::fidelity::{Fidelity, OnePass};
 pub use self::stream_file::StreamFile;
-pub use crate::engine::{DramObserver, Exact, Items, Level, LineStream, ReuseOf, RunError, Sampled, Source};
+pub use crate::engine::{
+    Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen, Source,
+};
 pub use crate::ranged::Share;

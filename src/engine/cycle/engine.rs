@@ -13,7 +13,8 @@ use super::unit::Unit;
 use super::wires::Wires;
 use crate::engine::contract::Engine;
 use crate::engine::error::RunError;
-use crate::engine::feed::Feed;
+use crate::engine::feed::{CycleEnd, Feed};
+use crate::engine::snapshot::Snapshot;
 use crate::engine::tally::{BankTally, ChannelTally, Tally};
 use crate::engine::watchdog::patience;
 use crate::machine::MachineSpec;
@@ -131,7 +132,7 @@ impl Cycle {
 
 impl Engine for Cycle {
     fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
-        let hears = feed.hears();
+        let (hears, looks) = (feed.hears(), feed.looks());
         let (mut progress, mut watched) = (0, 0);
         for now in 0.. {
             let cycle = self.host.tick(now, &mut || feed.next(), &mut self.wires)?;
@@ -142,12 +143,16 @@ impl Engine for Cycle {
                 self.drop_dynamic_lines();
             }
             self.tick_units(now);
-            if feed.wants_frame() {
-                feed.frame_counted(&self.tally(now + 1));
-                self.host.latencies.forget_longest();
-            }
             if hears {
                 feed.heard(&mut self.logs())?;
+            }
+            if looks && feed.look_at() == now {
+                let (snapshot, tally) = (|| self.snapshot(now + 1), || self.tally(now + 1));
+                feed.looked(now, CycleEnd { snapshot: &snapshot, tally: &tally })?;
+            }
+            if feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1))?;
+                self.host.latencies.forget_longest();
             }
             if self.host.is_finished() && self.memory_is_empty() {
                 return Ok(now + 1);
@@ -193,6 +198,26 @@ impl Engine for Cycle {
             divisions: self.division.iter().map(|unit| unit.causes).collect(),
             banks: self.banks.iter().map(bank).collect(),
             channels: self.channels.iter().map(channel).collect(),
+        }
+    }
+
+    fn snapshot(&self, _: u64) -> Snapshot {
+        let units = self.units();
+        let of_units = units.iter().flatten().map(|unit| unit.tally.causes);
+        let dispatcher = std::iter::once(self.host.causes);
+        let Wires { in_fifo, out_fifo, lists, tests, divisions, to_bank, to_channel, .. } = &self.wires;
+        let queues = [in_fifo.len(), out_fifo.len()]
+            .into_iter()
+            .chain(lists.iter().map(Link::len))
+            .chain(tests.iter().map(Link::len))
+            .chain(divisions.iter().map(Link::len))
+            .chain(to_bank.iter().map(Link::len))
+            .chain(to_channel.iter().map(Link::len));
+        let misses = units.iter().flatten().map(|unit| unit.misses_under_way());
+        Snapshot {
+            causes: dispatcher.chain(of_units).chain(self.division.iter().map(|unit| unit.causes)).collect(),
+            queues: queues.map(|entries| entries as u32).collect(),
+            misses: misses.chain(self.banks.iter().map(Bank::misses_under_way)).map(|misses| misses as u32).collect(),
         }
     }
 

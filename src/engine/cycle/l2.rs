@@ -114,6 +114,11 @@ impl Bank {
         self.answers.is_empty() && self.out.is_empty() && self.cache.on_their_way() == 0
     }
 
+    /// Misses under way.
+    pub(super) fn misses_under_way(&self) -> usize {
+        self.cache.on_their_way()
+    }
+
     pub(super) fn counts(&self) -> &[CacheCounts; TrafficClass::ALL.len()] {
         &self.cache.counts
     }

@@ -294,6 +294,11 @@ impl Unit {
         self.out.is_empty() && self.cache.on_their_way() == 0 && self.asked.is_empty()
     }
 
+    /// Misses of its L1 under way.
+    pub(super) fn misses_under_way(&self) -> usize {
+        self.cache.on_their_way()
+    }
+
     /// What was counted.
     pub(super) fn tally(&self) -> UnitTally {
         UnitTally { cache: self.cache.counts, ..self.tally.clone() }

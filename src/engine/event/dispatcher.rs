@@ -265,6 +265,11 @@ impl Dispatcher {
         self.rays
     }
 
+    /// Rays in the in FIFO.
+    pub(crate) fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
     /// How full the in FIFO was.
     pub(crate) fn load(&self) -> Load {
         self.waiting.load()

@@ -2,8 +2,9 @@
 
 use super::super::contract::Engine;
 use super::super::error::RunError;
-use super::super::feed::Feed;
+use super::super::feed::{CycleEnd, Feed};
 use super::super::part_set::PartSet;
+use super::super::snapshot::Snapshot;
 use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::super::warm::WarmCaches;
 use super::super::watchdog::patience;
@@ -212,7 +213,7 @@ impl Event {
 
 impl Engine for Event {
     fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
-        let hears = feed.hears();
+        let (hears, looks) = (feed.hears(), feed.looks());
         let mut due = PartSet::new(self.links.parts.count());
         // Only what the dispatcher does makes a feed ask for counts.
         let mut asks = false;
@@ -226,6 +227,10 @@ impl Engine for Event {
             if self.eager {
                 (0..self.links.parts.count() as u32).for_each(|part| due.add(part));
                 self.links.clock.wake(Parts::DISPATCHER, now + 1);
+            }
+            let is_looked_at = looks && feed.look_at() == now;
+            if is_looked_at {
+                (0..self.links.parts.count() as u32).for_each(|part| due.add(part));
             }
             let dispatches = due.has(Parts::DISPATCHER);
             if dispatches {
@@ -246,15 +251,22 @@ impl Engine for Event {
                 }
             }
             self.tick_parts(now, &due);
-            if dispatches && feed.wants_frame() {
-                feed.frame_counted(&self.tally(now + 1));
-                self.dispatcher.latencies.forget_longest();
-            }
             if hears {
                 feed.heard(&mut self.logs())?;
             }
+            if is_looked_at {
+                let (snapshot, tally) = (|| self.snapshot(now + 1), || self.tally(now + 1));
+                feed.looked(now, CycleEnd { snapshot: &snapshot, tally: &tally })?;
+            }
+            if dispatches && feed.wants_frame() {
+                feed.frame_counted(&self.tally(now + 1))?;
+                self.dispatcher.latencies.forget_longest();
+            }
             if self.dispatcher.is_finished() && self.is_idle() {
                 return Ok(now + 1);
+            }
+            if looks && feed.look_at() != u64::MAX {
+                self.links.clock.wake(Parts::DISPATCHER, feed.look_at());
             }
             self.watch(now)?;
         }
@@ -300,6 +312,28 @@ impl Engine for Event {
             divisions: self.division.iter().map(|unit| unit.causes.until(cycles)).collect(),
             banks: banks.collect(),
             channels: (0..dram.channels()).map(channel).collect(),
+        }
+    }
+
+    fn snapshot(&self, cycles: u64) -> Snapshot {
+        let Links { l2, dram, .. } = &self.links;
+        let pipelines = self.pipelines();
+        let units = || pipelines.iter().flatten();
+        let dispatcher = std::iter::once(&self.dispatcher.causes);
+        let causes =
+            dispatcher.chain(units().map(|unit| unit.causes())).chain(self.division.iter().map(|unit| &unit.causes));
+        let queues = [self.dispatcher.waiting(), self.links.done.len()]
+            .into_iter()
+            .chain(self.links.lists.iter().map(Queue::len))
+            .chain(self.links.tests.iter().map(Queue::len))
+            .chain(self.links.divisions.iter().map(Queue::len))
+            .chain(l2.banks.iter().map(Bank::waiting))
+            .chain((0..dram.channels()).map(|index| dram.waiting(index)));
+        let caches = units().map(|unit| unit.cache()).chain(l2.banks.iter().map(Bank::cache));
+        Snapshot {
+            causes: causes.map(|causes| causes.until(cycles)).collect(),
+            queues: queues.map(|entries| entries as u32).collect(),
+            misses: caches.map(|cache| cache.misses_under_way() as u32).collect(),
         }
     }
 

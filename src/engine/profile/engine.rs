@@ -288,7 +288,7 @@ impl<W: Watch> Profile<W> {
 
     fn hand_out_all(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
         while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
-            self.tell_frame(at, feed);
+            self.tell_frame(at, feed)?;
             let (id, at, holder, stage) = match given {
                 Given::Frame => {
                     let first = self.layout.dynamic_part();
@@ -303,15 +303,15 @@ impl<W: Watch> Profile<W> {
             self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
             self.agenda.put(at, id);
         }
-        self.tell_frame(at, feed);
-        Ok(())
+        self.tell_frame(at, feed)
     }
 
     /// Tells what was counted up to cycle `at` if a frame is over.
-    fn tell_frame(&self, at: u64, feed: &mut dyn Feed) {
+    fn tell_frame(&self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
         if feed.wants_frame() {
-            feed.frame_counted(&self.tally(at + 1));
+            feed.frame_counted(&self.tally(at + 1))?;
         }
+        Ok(())
     }
 
     /// Who was told of accesses.

@@ -353,6 +353,11 @@ impl Channel {
         &mut self.log
     }
 
+    /// Requests in the queue.
+    pub(super) fn waiting(&self) -> usize {
+        self.queue.len()
+    }
+
     /// How full the queue was.
     pub(super) fn load(&self) -> Load {
         self.queue.load()

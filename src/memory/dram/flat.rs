@@ -96,6 +96,11 @@ impl Channel {
         &self.moved
     }
 
+    /// Requests in the queue.
+    pub(super) fn waiting(&self) -> usize {
+        self.queue.len()
+    }
+
     /// How full the queue was.
     pub(super) fn load(&self) -> Load {
         self.queue.load()

@@ -114,6 +114,14 @@ impl Dram {
         }
     }
 
+    /// Requests in the queue of channel `index`.
+    pub fn waiting(&self, index: usize) -> usize {
+        match &self.channels {
+            Channels::Banks(channels) => channels[index].waiting(),
+            Channels::Flat(channels) => channels[index].waiting(),
+        }
+    }
+
     /// How full the queue of channel `index` was.
     pub fn load(&self, index: usize) -> Load {
         match &self.channels {

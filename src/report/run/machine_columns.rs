@@ -4,14 +4,14 @@ use super::summary::{MachineSummary, Summary};
 use crate::report::csv_table::cell;
 use crate::stats::{CacheCounts, DramCounts, Energy, FrameStats};
 
-/// A column: the machine's name, a dot and the number's path in a frame of the summary; and the field of a frame.
-type Column = (String, Box<dyn Fn(&FrameStats) -> String>);
+/// A column: the number's path in a frame of the summary, and its text of a frame.
+pub(crate) type CountedColumn = (String, Box<dyn Fn(&FrameStats) -> String>);
 
 /// The columns of one machine.
 pub(crate) struct MachineColumns<'a> {
     name: &'a str,
     machine: &'a MachineSummary,
-    columns: Vec<Column>,
+    columns: Vec<CountedColumn>,
 }
 
 impl<'a> MachineColumns<'a> {
@@ -21,7 +21,7 @@ impl<'a> MachineColumns<'a> {
         summary.machines.iter().map(columns).collect()
     }
 
-    /// The headers.
+    /// The headers: the machine's name, a dot and the column.
     pub(crate) fn head(&self) -> impl Iterator<Item = String> {
         self.columns.iter().map(|(column, _)| format!("{}.{column}", self.name))
     }
@@ -34,16 +34,23 @@ impl<'a> MachineColumns<'a> {
     }
 }
 
-/// The caches, levels and units that a machine has.
-fn columns(machine: &MachineSummary) -> Vec<Column> {
+/// All columns of a machine.
+fn columns(machine: &MachineSummary) -> Vec<CountedColumn> {
     let mut frames = machine.policies.iter().flat_map(|(_, run)| &run.stats.frames);
     let Some(first) = frames.next() else { return Vec::new() };
-    let mut columns: Vec<Column> = vec![
+    let mut columns: Vec<CountedColumn> = vec![
         ("warmup".into(), Box::new(|frame| u8::from(frame.warmup).to_string())),
         ("cycles".into(), Box::new(|frame| frame.cycles.to_string())),
         ("rays".into(), Box::new(|frame| frame.rays.to_string())),
         ("answered".into(), Box::new(|frame| frame.answered.to_string())),
     ];
+    columns.extend(counted_columns(first));
+    columns
+}
+
+/// The counts of levels, caches, units and DRAM, and the energy, of all that `first` has.
+pub(crate) fn counted_columns(first: &FrameStats) -> Vec<CountedColumn> {
+    let mut columns: Vec<CountedColumn> = Vec::new();
     for level in first.bytes.keys() {
         let (name, level) = (format!("bytes.{level}"), level.clone());
         columns.push((name, Box::new(move |frame| cell(frame.bytes.get(&level)))));

@@ -15,6 +15,7 @@ mod terminal;
 mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
+pub(crate) use machine_columns::{CountedColumn, counted_columns};
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };

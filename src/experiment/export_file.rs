@@ -1,4 +1,4 @@
-//! A file on its way that is written line by line.
+//! A file on its way that is written piece by piece.
 
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use crate::output::OutputFile;
 
 /// The file. All errors name it.
-pub(super) struct TextFile {
+pub(super) struct ExportFile {
     path: PathBuf,
     file: BufWriter<OutputFile>,
 }
 
-impl TextFile {
+impl ExportFile {
     /// Begins the file that is to become `path`.
     pub(super) fn create(path: &Path) -> io::Result<Self> {
         let file = OutputFile::create(path).map_err(|error| cannot_write(path, &error))?;
@@ -22,6 +22,11 @@ impl TextFile {
     /// Writes a line.
     pub(super) fn line(&mut self, line: fmt::Arguments<'_>) -> io::Result<()> {
         writeln!(self.file, "{line}").map_err(|error| cannot_write(&self.path, &error))
+    }
+
+    /// Writes bytes.
+    pub(super) fn bytes(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.file.write_all(bytes).map_err(|error| cannot_write(&self.path, &error))
     }
 
     /// Puts the file into its place.
