@@ -2,6 +2,14 @@
 
 use crate::memory::PartId;
 
+/// How many parts are in a range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Members {
+    None,
+    One(u32),
+    Several,
+}
+
 /// The set.
 #[derive(Clone, Debug, Default)]
 pub(super) struct PartSet(Vec<u64>);
@@ -34,6 +42,27 @@ impl PartSet {
     #[inline]
     pub(super) fn has(&self, part: PartId) -> bool {
         self.0[part.0 as usize / 64] & 1 << (part.0 % 64) != 0
+    }
+
+    /// Which parts are in the set from `first` to before `end`.
+    #[inline]
+    pub(super) fn within(&self, first: u32, end: u32) -> Members {
+        let (word, last) = (first / 64, end.saturating_sub(1) / 64);
+        if word != last {
+            return match self.next(first, end) {
+                None => Members::None,
+                Some(part) if self.next(part + 1, end).is_none() => Members::One(part),
+                Some(_) => Members::Several,
+            };
+        }
+        // As many bits as there are parts, which are fewer than a word's or all of them.
+        let some = end - first;
+        let bits = self.0[word as usize] >> (first % 64) & if some == 64 { !0 } else { (1 << some) - 1 };
+        match bits {
+            0 => Members::None,
+            bits if bits & (bits - 1) == 0 => Members::One(first + bits.trailing_zeros()),
+            _ => Members::Several,
+        }
     }
 
     /// Calls `act` for all parts from `first` to before `end`, in order.
@@ -83,6 +112,12 @@ mod tests {
             let mut found = Vec::new();
             set.each(first, end, |part| found.push(part));
             assert_eq!(found, (first..end).collect::<Vec<_>>());
+            let expected = match end - first {
+                0 => Members::None,
+                1 => Members::One(first),
+                _ => Members::Several,
+            };
+            assert_eq!(set.within(first, end), expected, "{first} to {end}");
         }
         assert_eq!((set.next(70, 71), set.next(71, 71), set.next(64, 130)), (Some(70), None, Some(64)));
         (65..130).for_each(|part| set.remove(part));

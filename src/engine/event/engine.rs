@@ -3,7 +3,7 @@
 use super::super::contract::Engine;
 use super::super::error::RunError;
 use super::super::feed::{CycleEnd, Feed};
-use super::super::part_set::PartSet;
+use super::super::part_set::{Members, PartSet};
 use super::super::snapshot::Snapshot;
 use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::super::warm::WarmCaches;
@@ -37,13 +37,17 @@ impl Group {
     /// Lets those that are due act: number `now` modulo their count first.
     #[inline]
     fn each_due(self, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) {
-        let Some(next) = due.next(self.first, self.end) else { return };
-        if due.next(next + 1, self.end).is_none() {
-            return tick((next - self.first) as usize);
+        let first = self.first;
+        let mut tick = |part: u32| tick((part - first) as usize);
+        match due.within(first, self.end) {
+            Members::None => {}
+            Members::One(part) => tick(part),
+            Members::Several => {
+                let middle = first + (now % u64::from(self.end - first)) as u32;
+                due.each(middle, self.end, &mut tick);
+                due.each(first, middle, &mut tick);
+            }
         }
-        let middle = self.first + (now % u64::from(self.end - self.first)) as u32;
-        due.each(middle, self.end, |part| tick((part - self.first) as usize));
-        due.each(self.first, middle, |part| tick((part - self.first) as usize));
     }
 }
 

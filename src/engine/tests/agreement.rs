@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestError, TestRng, TestRunner};
 
 use super::random::{lights, machines, streams, sweeps};
+use super::recorded::shipped;
 use super::synthetic::{header, header_of};
 use super::*;
 use crate::machine::shadow_cache::ShadowCacheSpec;
@@ -201,7 +202,7 @@ fn engines_agree_where_fills_wait() {
 #[test]
 fn engines_agree_where_hits_are_foreseen() {
     check_many(
-        400,
+        200,
         || (machines(), 0..4u32, 1..4u64, streams()),
         |(mut machine, more, latency, stream)| {
             let caches = [&mut machine.traversal.cache, &mut machine.list.cache, &mut machine.intersection.cache];
@@ -214,6 +215,27 @@ fn engines_agree_where_hits_are_foreseen() {
             machine.intersection.interval = num(1);
             machine.shadow_cache.writes = WritePolicy::Back;
             agree(&machine, &header(), &stream).map(drop)
+        },
+    );
+}
+
+/// The same with rays that go the ways of others, so that many wait for a line, which comes to all or to one by one.
+#[test]
+fn engines_agree_where_rays_share_lines() {
+    let caches = (1..4u64, 1..9u64, 1..6u64, any::<bool>(), 0..4u32);
+    check_many(
+        150,
+        || (caches.clone(), 0..u64::MAX),
+        |((latency, mshrs, targets, one_by_one, more), seed)| {
+            let mut machine = shipped("tni_engine");
+            (machine.traversal.count, machine.intersection.count, machine.list.count) = (num(2), num(1), num(1));
+            let caches = [&mut machine.traversal.cache, &mut machine.list.cache, &mut machine.intersection.cache];
+            for cache in caches {
+                (cache.latency, cache.mshrs, cache.targets) = (num(latency), num(mshrs), num(targets));
+                cache.release = if one_by_one { Release::OneByOne } else { Release::Together };
+                cache.bytes = size(1024 << more);
+            }
+            agree(&machine, &header(), &one_frame(&bvh_like(seed, 128, 9, 1))).map(drop)
         },
     );
 }

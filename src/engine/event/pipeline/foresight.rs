@@ -75,7 +75,7 @@ impl Pipeline {
     }
 
     /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready
-    /// list, hits that get their lines in the next cycle, and the fetch queue up to the first line that is not there.
+    /// list, hits that get their lines, and the fetch queue up to the first line that is not there.
     pub(super) fn foresee_queued(&mut self, now: u64, links: &mut Links) {
         while let Some(ray) = self.ready.pop_front() {
             self.enter_ahead(ray, self.open_at.max(now + 1));
