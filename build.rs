@@ -24,6 +24,12 @@ fn main() {
     let compiler = env::var("RUSTC").ok().and_then(|rustc| Command::new(rustc).arg("-vV").output().ok());
     hash.update(&compiler.map(|output| output.stdout).unwrap_or_default());
     println!("cargo::rustc-env=UMBRASIM_BUILD={:016x}", hash.digest());
+    // Reports name the commit; sources that lie in no repository have none.
+    let git = Command::new("git").args(["describe", "--always", "--dirty", "--abbrev=12"]).output();
+    let commit = git.ok().filter(|output| output.status.success());
+    if let Some(commit) = commit.and_then(|output| String::from_utf8(output.stdout).ok()) {
+        println!("cargo::rustc-env=UMBRASIM_COMMIT={}", commit.trim());
+    }
 }
 
 /// Adds the name and bytes of a file, or of all files in a folder.

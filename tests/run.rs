@@ -116,6 +116,8 @@ fn the_same_bytes_on_any_number_of_threads() {
     let [one, two] = ["1", "2"].map(quickstart);
     let [mut left, mut right] = [&one, &two].map(summary);
     for summary in [&mut left, &mut right] {
+        let made = summary.as_object_mut().unwrap().remove("made").unwrap();
+        assert!(made["command line"].as_str().unwrap().contains("quickstart") && made["cores"].is_string(), "{made}");
         for timing in ["wall_seconds", "simulated_rays_per_wall_second"] {
             let timings = summary.as_object_mut().unwrap().remove(timing).unwrap();
             assert!(timings.as_object().unwrap().values().all(|time| time.as_f64().unwrap() > 0.0), "{timings}");

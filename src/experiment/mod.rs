@@ -2,6 +2,7 @@
 
 #![warn(unreachable_pub)]
 
+mod changed;
 pub(crate) mod dram_export;
 mod export_file;
 pub(crate) mod exports;

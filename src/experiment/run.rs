@@ -3,8 +3,9 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
+use super::changed::changed;
 use super::frames::Replayed;
 use super::load::Experiment;
 use super::progress;
@@ -192,6 +193,20 @@ fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[Lane
     Ok(())
 }
 
+/// How and where the program was started.
+fn made() -> Named<String> {
+    let quoted = |word: String| if word.contains(char::is_whitespace) { format!("'{word}'") } else { word };
+    let words = std::env::args_os().map(|word| quoted(word.to_string_lossy().into_owned()));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut made: Named<String> = Named::default();
+    made.insert("command line", words.collect::<Vec<_>>().join(" "));
+    made.insert("date", humantime::format_rfc3339_seconds(SystemTime::now()).to_string());
+    #[cfg(unix)]
+    made.insert("host", rustix::system::uname().nodename().to_string_lossy().into_owned());
+    made.insert("cores", cores.to_string());
+    made
+}
+
 /// Rays that a machine replayed, those of warm-up frames among them.
 fn replayed_rays(stats: &MachineStats) -> u64 {
     let all = stats.frames.iter().map(|frame| frame.rays).sum();
@@ -355,7 +370,11 @@ impl Gathered {
             .collect();
         stage("total".to_owned(), begin.elapsed(), None);
 
-        let mut provenance: Named<String> = [("umbrasim", env!("CARGO_PKG_VERSION").to_owned())].into_iter().collect();
+        let mut provenance: Named<String> = Named::default();
+        provenance.insert("umbrasim", env!("CARGO_PKG_VERSION").to_owned());
+        if let Some(commit) = option_env!("UMBRASIM_COMMIT") {
+            provenance.insert("commit", commit.to_owned());
+        }
         for header in headers {
             provenance.insert(format!("input hash of `{}`", header.policy), format!("{:016x}", header.input_hash));
         }
@@ -391,6 +410,8 @@ impl Gathered {
             machines,
             pictures: Vec::new(),
             provenance,
+            changed: changed(experiment),
+            made: made(),
             wall_seconds,
             simulated_rays_per_wall_second: speeds,
         };

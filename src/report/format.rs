@@ -31,6 +31,12 @@ pub(crate) fn tick(value: f64) -> String {
     format!("{digits} {prefix}").trim_end().to_owned()
 }
 
+/// A number for other programs, with six digits at most behind the point.
+pub(crate) fn number(value: f64) -> String {
+    let text = format!("{value:.6}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
 /// An amount of data, in decimal units: `1.24 GB`.
 pub(crate) fn bytes(value: Bytes) -> String {
     prefixed(value.0 as f64, &[" B", " kB", " MB", " GB", " TB", " PB"])

@@ -3,12 +3,14 @@
 use minijinja::{Environment, HtmlEscape, Value, context};
 
 use super::draw::Drawing;
+use super::draw::palette::{Color, css};
 use super::grid::Grid;
 
 /// What templates may extend, import or include.
-const SHARED: [(&str, &str); 4] = [
+const SHARED: [(&str, &str); 5] = [
     ("layout.html", include_str!("layout.html")),
     ("parts.html", include_str!("parts.html")),
+    ("script.js", include_str!("script.js")),
     ("split.html", include_str!("split.html")),
     ("style.css", include_str!("style.css")),
 ];
@@ -31,15 +33,35 @@ fn code(text: &str) -> Value {
     Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
 }
 
-/// The drawings that stand in `section`.
+/// The drawings that stand in `section`, as the macro `figures` takes them.
 pub(super) fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
     let there = drawings.iter().filter(|drawing| drawing.section == *section);
-    there.map(|drawing| drawing.svg.as_str().into()).collect()
+    let value = |it: &Drawing<S>| {
+        context! {
+            name => it.name.as_str(), title => it.title.as_str(), about => it.about.as_str(), key => key(&it.key), data => grid(it.data.clone()),
+            wide => it.wide.as_str(), narrow => it.narrow.as_str(),
+        }
+    };
+    there.map(value).collect()
+}
+
+/// The meaning of colours, as the macro `key` takes it.
+pub(super) fn key(key: &[(String, Color)]) -> Vec<Value> {
+    key.iter().map(|(name, color)| context! { name, color => css(*color) }).collect()
 }
 
 /// A table, as the macro `grid` takes it.
 pub(super) fn grid(grid: Grid) -> Value {
-    context! { head => grid.head, names => grid.names, rows => grid.rows }
+    defined(grid, &[])
+}
+
+/// A table with what columns of some names mean.
+pub(super) fn defined(grid: Grid, meanings: &[(&str, &str)]) -> Value {
+    let meaning = |name: &String| {
+        meanings.iter().find(|(of, _)| of == name).map_or_else(String::new, |(_, meaning)| (*meaning).into())
+    };
+    let about: Vec<String> = grid.head.iter().map(meaning).collect();
+    context! { head => grid.head, names => grid.names, rows => grid.rows, about }
 }
 
 #[cfg(test)]

@@ -62,8 +62,13 @@ struct Files {
 fn drawings(report: &impl Report) -> Result<Files, ReportError> {
     let plots = report.plots()?;
     let page = report.page(&plots)?;
-    let file = |name: &str| Path::new(PLOTS_FOLDER).join(format!("{name}.svg"));
-    let mut all: Vec<ReportFile> = plots.into_iter().map(|plot| (file(&plot.name), plot.svg.into_bytes())).collect();
+    let file = |name: &str, end: &str| Path::new(PLOTS_FOLDER).join(format!("{name}.{end}"));
+    let mut all: Vec<ReportFile> = Vec::new();
+    for plot in plots {
+        let data = CsvTable { file: "a plot's data", head: plot.data.head, rows: plot.data.rows };
+        all.push((file(&plot.name, "csv"), data.bytes()?));
+        all.push((file(&plot.name, "svg"), plot.file.into_bytes()));
+    }
     all.extend(page.map(|page| (PAGE_FILE.into(), page.into_bytes())));
     let page_or_plot = all.last().map(|(path, _)| path.clone());
     Ok(Files { first: page_or_plot.unwrap_or_else(|| SUMMARY_FILE.into()), all })

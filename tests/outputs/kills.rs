@@ -63,7 +63,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
     for (command, result) in commands {
         let timings = |text: Vec<u8>| {
             // Wall time is in the summary of a run.
-            String::from_utf8_lossy(&text).split("\"wall_seconds\"").next().unwrap().to_owned()
+            String::from_utf8_lossy(&text).split("\"made\"").next().unwrap().to_owned()
         };
         let read = || fs::read(desk.path(result)).ok().map(timings);
         let begin = std::time::Instant::now();

@@ -17,7 +17,7 @@ use super::error::SweepError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
-use crate::report::sweep::Change;
+use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
 
 /// The most machines of a sweep: some years of replays.
@@ -93,6 +93,20 @@ impl Sweep {
         let mut sweep = Self { experiment, fields, machines: Vec::new() };
         sweep.combine(spec.points).map_err(wrong)?;
         Ok(sweep)
+    }
+
+    /// The values that the varied fields have in the machines' files.
+    pub(super) fn own_values(&self) -> Vec<Own> {
+        let of_machine = |(name, spec): (&str, &MachineSpec)| -> Vec<Own> {
+            let spec = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
+            let own = |field: &Field| {
+                let value = field.path.split('.').try_fold(&spec, |place, name| place.get(name))?;
+                let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+                Some(Own { machine: name.into(), field: field.path.clone(), value: text })
+            };
+            self.fields.iter().filter_map(own).collect()
+        };
+        self.experiment.machines.iter().flat_map(of_machine).collect()
     }
 
     /// Paths of the fields that vary.

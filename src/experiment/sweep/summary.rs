@@ -38,6 +38,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
         fidelity: Some(experiment.spec.fidelity.to_string()),
         frames: experiment.frames.clone(),
         resolution: experiment.spec.resolution,
+        own: sweep.own_values(),
         points: found,
     })
 }

@@ -1,13 +1,10 @@
 //! Saving against error over several runs: exact policies side by side, the others over their wrong decisions.
 
-use plotters::style::RGBColor;
-
 use super::data::{ChartSummary, Point};
-use crate::report::draw::Plot;
-use crate::report::draw::canvas::{
-    Canvas, DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, palette, policy_color, svg,
-};
-use crate::report::format::{percent_tick, tick};
+use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDE};
+use crate::report::draw::palette::{Color, FAINT, GRID, INK, PAPER, series_color};
+use crate::report::draw::{Figure, Plot};
+use crate::report::format::{percent, percent_tick, tick};
 
 /// Height of a panel's axes, and of what stands above and below them.
 const PANEL: i32 = 190;
@@ -15,7 +12,7 @@ const ABOVE: i32 = 34;
 const BELOW: i32 = 54;
 /// Where the axes begin and end.
 const AXIS: i32 = 76;
-const END: i32 = WIDTH - 20;
+const END: i32 = WIDE - 20;
 /// Where the axis of wrong decisions begins, and how wide its place for none is.
 const SPLIT: i32 = 640;
 const NONE: i32 = 64;
@@ -29,25 +26,43 @@ const PANELS: [(&str, Share); 3] = [
 ];
 
 pub(super) const PLOT: Plot<ChartSummary> =
-    Plot { name: "saving-against-error", section: (), draw: |chart| draw(chart).map(Some) };
+    Plot { name: "saving-against-error", section: (), figure: |chart| Some(figure(chart)) };
 
-fn draw(chart: &ChartSummary) -> Result<String, DrawError> {
-    let is_exact = |policy: &&String| !chart.points.iter().any(|point| point.policy == **policy && point.wrong > 0);
-    let (exact, wrong): (Vec<_>, Vec<_>) = chart.policies.iter().partition(is_exact);
-    let legend: Vec<_> =
-        chart.experiments.iter().enumerate().map(|(index, name)| (name.clone(), policy_color(index))).collect();
-    let top = TITLES + legend_height(&legend);
-    svg(top + PANELS.len() as i32 * (ABOVE + PANEL + BELOW), |canvas| {
-        canvas.titles(
-            "What is saved, against what is wrong",
-            "share of the work of shadow rays without culling, mean of the frames; left: policies that are never wrong",
-        )?;
-        canvas.legend(TITLES, &legend)?;
-        PANELS.into_iter().zip(0..).try_for_each(|((title, share), panel)| {
-            let top = top + panel * (ABOVE + PANEL + BELOW) + ABOVE;
-            Panel { canvas, chart, top, share, low: low(chart, share) }.draw(title, &exact, &wrong)
-        })
+/// The policy that saves most without a wrong decision, over all runs.
+pub(super) fn finding(chart: &ChartSummary) -> String {
+    let points = |policy: &str| -> Vec<&Point> { chart.points.iter().filter(|point| point.policy == policy).collect() };
+    let mean = |policy: &String| {
+        let shares: Vec<f64> = points(policy).iter().filter_map(|point| point.traversal_saved).collect();
+        (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
+    };
+    let right = chart.policies.iter().filter(|policy| points(policy).iter().all(|point| point.wrong == 0));
+    let best = right.filter_map(|policy| Some((policy, mean(policy)?))).max_by(|a, b| a.1.total_cmp(&b.1));
+    best.map_or("Every policy here is sometimes wrong".into(), |(policy, saved)| {
+        format!("Without a wrong decision, {policy} saves most: {} of the node visits on average", percent(saved))
     })
+}
+
+fn figure(chart: &ChartSummary) -> Figure<'_> {
+    let is_exact = |policy: &&String| !chart.points.iter().any(|point| point.policy == **policy && point.wrong > 0);
+    let (exact, wrong): (Vec<&String>, Vec<&String>) = chart.policies.iter().partition(is_exact);
+    let key = chart.experiments.iter().enumerate().map(|(index, name)| (name.clone(), series_color(index))).collect();
+    Figure {
+        title: finding(chart),
+        about: "Share of the work of shadow rays saved, against the run without culling, mean of the frames. Left: policies \
+                that are never wrong. Right: the others over their wrong decisions, which have a place of their own for \
+                none."
+            .into(),
+        key,
+        data: chart.grid(),
+        narrow: false,
+        height: Box::new(|_| PANELS.len() as i32 * (ABOVE + PANEL + BELOW)),
+        paint: Box::new(move |canvas| {
+            PANELS.into_iter().zip(0..).try_for_each(|((title, share), panel)| {
+                let top = panel * (ABOVE + PANEL + BELOW) + ABOVE;
+                Panel { canvas, chart, top, share, low: low(chart, share) }.draw(title, &exact, &wrong)
+            })
+        }),
+    }
 }
 
 /// The axis' lower end: 0, or as many fifths below as a policy that costs more than it saves asks for, down to -1.
@@ -76,7 +91,7 @@ impl Panel<'_, '_> {
         let lowest = (self.low * 5.0).round() as i32;
         for fifth in lowest..=5 {
             let y = self.y(f64::from(fifth) / 5.0);
-            let color = if fifth == 0 { palette::FAINT } else { palette::GRID };
+            let color = if fifth == 0 { FAINT } else { GRID };
             canvas.line(vec![(AXIS, y), (SPLIT - 24, y)], color, 1)?;
             canvas.line(vec![(SPLIT, y), (END, y)], color, 1)?;
             canvas.text(&percent_tick(f64::from(fifth) / 5.0), (AXIS - 8, y), Text::NOTE.right())?;
@@ -84,7 +99,7 @@ impl Panel<'_, '_> {
         let column = (SPLIT - 24 - AXIS) / exact.len().max(1) as i32;
         for (place, policy) in (0..).zip(exact) {
             let middle = AXIS + place * column + column / 2;
-            canvas.text(policy, (middle, bottom + 14), Text::NOTE.colored(palette::INK).centered())?;
+            canvas.text(policy, (middle, bottom + 14), Text::NOTE.colored(INK).centered())?;
             let step = (column - 16) / self.chart.experiments.len().max(1) as i32;
             let first = middle - step * (self.chart.experiments.len() as i32 - 1) / 2;
             self.points(policy, |index, _| first + step * index as i32, dot)?;
@@ -108,7 +123,7 @@ impl Panel<'_, '_> {
         canvas.text("none", (x(0.0), bottom + 14), Text::NOTE.centered())?;
         for decade in 0..=decades {
             let (wrong, at) = (10f64.powi(decade), SPLIT + NONE + decade * width);
-            canvas.line(vec![(at, self.top), (at, bottom)], palette::GRID, 1)?;
+            canvas.line(vec![(at, self.top), (at, bottom)], GRID, 1)?;
             canvas.text(&tick(wrong), (at, bottom + 14), Text::NOTE.centered())?;
         }
         let marks: [(&str, Mark); 3] = [("\u{25cf}", dot), ("\u{25a0}", square), ("\u{25cb}", ring)];
@@ -123,31 +138,31 @@ impl Panel<'_, '_> {
             (middle, bottom + 14 + LINE - 2),
             Text::NOTE.centered(),
         )?;
-        canvas.text(&names.join("   "), (END, self.top - 20), Text::NOTE.colored(palette::INK).right())
+        canvas.text(&names.join("   "), (END, self.top - 20), Text::NOTE.colored(INK).right())
     }
 
     fn points(&self, policy: &str, x: impl Fn(usize, &Point) -> i32, mark: Mark) -> Result<(), DrawError> {
         for point in self.chart.points.iter().filter(|point| point.policy == policy) {
             let experiment = self.chart.experiments.iter().position(|name| *name == point.experiment);
             if let (Some(index), Some(share)) = (experiment, (self.share)(point)) {
-                mark(self.canvas, (x(index, point), self.y(share)), policy_color(index))?;
+                mark(self.canvas, (x(index, point), self.y(share)), series_color(index))?;
             }
         }
         Ok(())
     }
 }
 
-type Mark = fn(&Canvas<'_>, (i32, i32), RGBColor) -> Result<(), DrawError>;
+type Mark = fn(&Canvas<'_>, (i32, i32), Color) -> Result<(), DrawError>;
 
-fn dot(canvas: &Canvas<'_>, at: (i32, i32), color: RGBColor) -> Result<(), DrawError> {
+fn dot(canvas: &Canvas<'_>, at: (i32, i32), color: Color) -> Result<(), DrawError> {
     canvas.dot(at, 5, color)
 }
 
-fn square(canvas: &Canvas<'_>, (x, y): (i32, i32), color: RGBColor) -> Result<(), DrawError> {
+fn square(canvas: &Canvas<'_>, (x, y): (i32, i32), color: Color) -> Result<(), DrawError> {
     canvas.rect((x - 4, y - 4), (x + 4, y + 4), color)
 }
 
-fn ring(canvas: &Canvas<'_>, at: (i32, i32), color: RGBColor) -> Result<(), DrawError> {
+fn ring(canvas: &Canvas<'_>, at: (i32, i32), color: Color) -> Result<(), DrawError> {
     canvas.dot(at, 5, color)?;
-    canvas.dot(at, 3, palette::PAPER)
+    canvas.dot(at, 3, PAPER)
 }

@@ -4,7 +4,7 @@ use minijinja::context;
 use serde::Serialize;
 
 use super::data::ChartSummary;
-use super::plot;
+use super::plot::{self, finding};
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use crate::report::template;
@@ -30,6 +30,7 @@ impl Report for ChartSummary {
     fn page(&self, plots: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
         let context = context! {
             plots => template::plots(plots, &()),
+            finding => finding(self),
             experiments => self.experiments.clone(),
             points => template::grid(self.grid()),
         };

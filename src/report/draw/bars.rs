@@ -1,19 +1,23 @@
-//! Horizontal stacked bars in named groups: the form of all plots of a machine.
+//! Horizontal stacked bars in named groups.
 
-use plotters::style::RGBColor;
-
-use super::canvas::{DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, palette, svg, tick_step};
+use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, is_narrow, tick_step};
+use super::figure::{Figure, Key};
+use super::palette::{Color, FAINT, GRID};
+use crate::report::format::number;
+use crate::report::grid::Grid;
 
 /// A chart.
 pub(crate) struct BarChart {
-    /// What is shown.
+    /// What the data says.
     pub title: String,
     /// How to read it.
-    pub subtitle: String,
+    pub about: String,
     /// The meaning of colours; may be empty.
-    pub legend: Vec<(String, RGBColor)>,
+    pub key: Key,
     /// What the bars' length is, with its unit.
     pub axis: &'static str,
+    /// The unit of values.
+    pub unit: &'static str,
     /// The length at the right end.
     pub max: f64,
     /// A length as text.
@@ -26,6 +30,8 @@ pub(crate) struct BarChart {
 pub(crate) struct Group {
     /// Their name.
     pub name: String,
+    /// The value that is as long as 1 on the axis.
+    pub whole: f64,
     /// From the top.
     pub bars: Vec<Bar>,
 }
@@ -42,66 +48,133 @@ pub(crate) struct Bar {
 
 /// A part of a bar.
 pub(crate) struct Segment {
-    /// Its length, in the axis's unit.
-    pub length: f64,
+    /// Its name in the data.
+    pub part: String,
+    /// Its value.
+    pub value: f64,
     /// What it stands for.
-    pub color: RGBColor,
+    pub color: Color,
 }
 
 const BAR: i32 = 20;
 const GAP: i32 = 14;
+/// Heights of a narrow bar: its text, and itself.
+const NARROW_TEXT: i32 = 18;
+const NARROW_BAR: i32 = 12;
+const AXIS: i32 = 46;
 
 impl BarChart {
-    /// The chart as an SVG file.
-    pub(crate) fn draw(&self) -> Result<String, DrawError> {
+    /// The chart as a figure.
+    pub(crate) fn figure(self) -> Figure<'static> {
+        let heights = self.groups.iter().map(|group| group.bars.len() as i32).collect::<Vec<_>>();
+        let height = move |width| {
+            let group = |bars: &i32| match is_narrow(width) {
+                true => LINE + bars * (NARROW_TEXT + NARROW_BAR) + GAP,
+                false => bars * BAR + GAP,
+            };
+            heights.iter().map(group).sum::<i32>() + AXIS
+        };
+        Figure {
+            title: self.title.clone(),
+            about: self.about.clone(),
+            key: self.key.clone(),
+            data: self.data(),
+            narrow: true,
+            height: Box::new(height),
+            paint: Box::new(move |canvas| if canvas.is_narrow() { self.narrow(canvas) } else { self.wide(canvas) }),
+        }
+    }
+
+    fn data(&self) -> Grid {
+        let head = ["group", "bar", "part", self.unit].map(Into::into).to_vec();
+        let of_bar = |group: &Group, bar: &Bar| -> Vec<Vec<String>> {
+            let row = |it: &Segment| vec![group.name.clone(), bar.name.clone(), it.part.clone(), number(it.value)];
+            bar.segments.iter().map(row).collect()
+        };
+        let rows = self.groups.iter().flat_map(|group| group.bars.iter().flat_map(move |bar| of_bar(group, bar)));
+        Grid { head, names: 3, rows: rows.collect() }
+    }
+
+    fn ticks(&self, canvas: &Canvas<'_>, left: i32, right: i32, bottom: i32) -> Result<(), DrawError> {
+        let step = tick_step(self.max, ((right - left) / 70).max(2) as u32);
+        for tick in (0..).map(|tick| f64::from(tick) * step).take_while(|&tick| tick <= self.max * 1.000_001) {
+            let x = self.at(tick, left, right);
+            let text = (self.tick)(tick);
+            canvas.line(vec![(x, 0), (x, bottom)], GRID, 1)?;
+            let half = Text::NOTE.width(&text) / 2;
+            canvas.text(&text, (x.min(canvas.width() - half).max(half), bottom + 12), Text::NOTE.centered())?;
+        }
+        canvas.text(self.axis, ((left + right) / 2, bottom + 32), Text::NOTE.centered())
+    }
+
+    fn at(&self, length: f64, left: i32, right: i32) -> i32 {
+        left + (length / self.max * f64::from(right - left)).round() as i32
+    }
+
+    /// Draws a bar's segments; gives where they end.
+    fn bar(
+        &self,
+        canvas: &Canvas<'_>,
+        (group, bar): (&Group, &Bar),
+        (left, right): (i32, i32),
+        (top, bottom): (i32, i32),
+    ) -> Result<i32, DrawError> {
+        let mut length = 0.0;
+        for segment in &bar.segments {
+            let from = self.at(length, left, right);
+            length += segment.value / group.whole;
+            if segment.value > 0.0 {
+                // What is there is seen, however little it is.
+                let to = self.at(length, left, right).max(from + 1);
+                canvas.rect((from, top), (to, bottom), segment.color)?;
+            }
+        }
+        Ok(self.at(length, left, right))
+    }
+
+    fn wide(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
         let bars = || self.groups.iter().flat_map(|group| &group.bars);
         let widest = |texts: &mut dyn Iterator<Item = i32>| texts.max().unwrap_or(0);
         let group_width = widest(&mut self.groups.iter().map(|group| Text::LABEL.bold().width(&group.name)));
         let name_width = widest(&mut bars().map(|bar| Text::LABEL.width(&bar.name)));
         let note_width = widest(&mut bars().map(|bar| Text::LABEL.width(&bar.note)));
         let left = LEFT + group_width + 16 + name_width + 10;
-        let right = WIDTH - LEFT - note_width - 10;
-        let rows: i32 = self.groups.iter().map(|group| group.bars.len() as i32 * BAR + GAP).sum();
-        let top = TITLES + if self.legend.is_empty() { 0 } else { legend_height(&self.legend) };
-        let bottom = top + rows;
+        let right = (canvas.width() - LEFT - note_width - 10).max(left + 60);
+        let bottom = self.groups.iter().map(|group| group.bars.len() as i32 * BAR + GAP).sum();
+        self.ticks(canvas, left, right, bottom)?;
+        let mut y = GAP / 2;
+        for group in &self.groups {
+            canvas.text(&group.name, (LEFT, y + BAR / 2), Text::LABEL.bold())?;
+            for bar in &group.bars {
+                canvas.text(&bar.name, (left - 10, y + BAR / 2), Text::LABEL.right())?;
+                let end = self.bar(canvas, (group, bar), (left, right), (y + 2, y + BAR - 2))?;
+                canvas.text_on_paper(&bar.note, (end + 8, y + BAR / 2), Text::LABEL)?;
+                y += BAR;
+            }
+            y += GAP;
+        }
+        canvas.line(vec![(left, 0), (left, bottom)], FAINT, 1)
+    }
 
-        svg(bottom + 3 * LINE, |canvas| {
-            let below = canvas.titles(&self.title, &self.subtitle)?;
-            if !self.legend.is_empty() {
-                canvas.legend(below, &self.legend)?;
+    fn narrow(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        let (left, right) = (LEFT, canvas.width() - LEFT);
+        let height = |group: &Group| LINE + group.bars.len() as i32 * (NARROW_TEXT + NARROW_BAR) + GAP;
+        let bottom = self.groups.iter().map(height).sum();
+        self.ticks(canvas, left, right, bottom)?;
+        let mut y = 0;
+        for group in &self.groups {
+            canvas.text_on_paper(&group.name, (left, y + LINE / 2), Text::LABEL.bold())?;
+            y += LINE;
+            for bar in &group.bars {
+                let middle = y + NARROW_TEXT / 2;
+                canvas.text_on_paper(&bar.name, (left, middle), Text::NOTE)?;
+                canvas.text_on_paper(&bar.note, (right, middle), Text::NOTE.right())?;
+                y += NARROW_TEXT;
+                self.bar(canvas, (group, bar), (left, right), (y, y + NARROW_BAR - 2))?;
+                y += NARROW_BAR;
             }
-            let at = |length: f64| left + (length / self.max * f64::from(right - left)).round() as i32;
-            let step = tick_step(self.max, ((right - left) / 70).max(2) as u32);
-            for tick in (0..).map(|tick| f64::from(tick) * step).take_while(|&tick| tick <= self.max * 1.000_001) {
-                canvas.line(vec![(at(tick), top), (at(tick), bottom)], palette::GRID, 1)?;
-                canvas.text(&(self.tick)(tick), (at(tick), bottom + 12), Text::NOTE.centered())?;
-            }
-            canvas.text(self.axis, ((left + right) / 2, bottom + 34), Text::NOTE.centered())?;
-
-            let mut y = top + GAP / 2;
-            for group in &self.groups {
-                canvas.text(&group.name, (LEFT, y + BAR / 2), Text::LABEL.bold())?;
-                for bar in &group.bars {
-                    canvas.text(&bar.name, (left - 10, y + BAR / 2), Text::LABEL.right())?;
-                    let mut length = 0.0;
-                    for segment in &bar.segments {
-                        let from = at(length);
-                        length += segment.length;
-                        if segment.length > 0.0 {
-                            // What is there is seen, however little it is.
-                            let to = at(length).max(from + 1);
-                            canvas.rect((from, y + 2), (to, y + BAR - 2), segment.color)?;
-                        }
-                    }
-                    let x = at(length) + 8;
-                    // No line of the grid crosses the note.
-                    canvas.rect((x - 4, y), (x + Text::LABEL.width(&bar.note), y + BAR), palette::PAPER)?;
-                    canvas.text(&bar.note, (x, y + BAR / 2), Text::LABEL)?;
-                    y += BAR;
-                }
-                y += GAP;
-            }
-            canvas.line(vec![(left, top), (left, bottom)], palette::FAINT, 1)
-        })
+            y += GAP;
+        }
+        Ok(())
     }
 }

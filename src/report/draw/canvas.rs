@@ -1,82 +1,41 @@
-//! What all plots are drawn with: a white sheet in pixels, text, colours, ticks, legends.
+//! What all plots are drawn with: a sheet in pixels, text, lines, shapes.
+
+use std::cell::RefCell;
 
 use plotters::backend::SVGBackend;
 use plotters::coord::Shift;
 use plotters::drawing::{DrawingArea, IntoDrawingArea};
-use plotters::element::{Circle, Drawable, PathElement, PointCollection, Rectangle};
+use plotters::element::{Circle, Drawable, PathElement, PointCollection, Polygon, Rectangle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontDesc, FontFamily, FontStyle, RGBColor, ShapeStyle, TextStyle};
+use plotters::style::{Color as _, FontDesc, FontFamily, FontStyle, ShapeStyle, TextStyle};
 
-use crate::stats::TrafficClass;
+use super::palette::{Color, FAINT, INK, PAPER};
 
 /// Nothing can be drawn.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot draw: {0}")]
 pub(crate) struct DrawError(String);
 
-/// Colours that people with any colour vision tell apart (Okabe and Ito 2008).
-pub(crate) mod palette {
-    use plotters::style::RGBColor;
-
-    pub(crate) const ORANGE: RGBColor = RGBColor(0xe6, 0x9f, 0x00);
-    pub(crate) const SKY: RGBColor = RGBColor(0x56, 0xb4, 0xe9);
-    pub(crate) const GREEN: RGBColor = RGBColor(0x00, 0x9e, 0x73);
-    pub(crate) const YELLOW: RGBColor = RGBColor(0xf0, 0xe4, 0x42);
-    pub(crate) const BLUE: RGBColor = RGBColor(0x00, 0x72, 0xb2);
-    pub(crate) const VERMILLION: RGBColor = RGBColor(0xd5, 0x5e, 0x00);
-    pub(crate) const PURPLE: RGBColor = RGBColor(0xcc, 0x79, 0xa7);
-    pub(crate) const GREY: RGBColor = RGBColor(0xc4, 0xc8, 0xcc);
-    pub(crate) const PAPER: RGBColor = RGBColor(0xff, 0xff, 0xff);
-    pub(crate) const INK: RGBColor = RGBColor(0x22, 0x26, 0x2a);
-    pub(crate) const FAINT: RGBColor = RGBColor(0x5f, 0x66, 0x6d);
-    pub(crate) const GRID: RGBColor = RGBColor(0xe4, 0xe6, 0xe9);
-}
-
-use palette::{BLUE, FAINT, GREEN, INK, ORANGE, PURPLE, SKY, VERMILLION, YELLOW};
-
-/// Width of every plot.
-pub(crate) const WIDTH: i32 = 960;
-/// Where titles and legends begin.
-pub(crate) const LEFT: i32 = 16;
+/// Width of a plot in a file and on a wide page.
+pub(crate) const WIDE: i32 = 960;
+/// Width of a plot on a narrow page.
+pub(crate) const NARROW: i32 = 360;
+/// Where data and text begin.
+pub(crate) const LEFT: i32 = 4;
 /// Height of a line of small text.
 pub(crate) const LINE: i32 = 20;
-
-/// The colour of a class of traffic, the same in every plot.
-pub(crate) fn class_color(class: TrafficClass) -> RGBColor {
-    match class {
-        TrafficClass::Node => BLUE,
-        TrafficClass::List => GREEN,
-        TrafficClass::Triangle => SKY,
-        TrafficClass::ModeWord => VERMILLION,
-        TrafficClass::PixelCounter => ORANGE,
-        TrafficClass::OccluderId => YELLOW,
-        TrafficClass::Ray => PURPLE,
-    }
-}
-
-/// The colour of the policy in place `index` among those that cull.
-pub(crate) fn policy_color(index: usize) -> RGBColor {
-    const COLORS: [RGBColor; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, INK, YELLOW];
-    COLORS[index % COLORS.len()]
-}
-
-/// A colour that is less than half as strong, on white.
-pub(crate) fn pale(color: RGBColor) -> RGBColor {
-    let lighter = |level: u8| (255.0 - 0.45 * f64::from(255 - level)).round() as u8;
-    RGBColor(lighter(color.0), lighter(color.1), lighter(color.2))
-}
 
 /// How a text looks and to which side of its point it lies.
 #[derive(Clone, Copy)]
 pub(crate) struct Text {
     size: i32,
     bold: bool,
-    color: RGBColor,
+    color: Color,
     side: HPos,
 }
 
 impl Text {
-    /// A plot's title.
+    /// A plot's title, in files.
     pub(crate) const TITLE: Self = Self { size: 17, bold: true, color: INK, side: HPos::Left };
     /// What is named beside the data.
     pub(crate) const LABEL: Self = Self { size: 13, bold: false, color: INK, side: HPos::Left };
@@ -99,13 +58,13 @@ impl Text {
     }
 
     /// In another colour.
-    pub(crate) const fn colored(self, color: RGBColor) -> Self {
+    pub(crate) const fn colored(self, color: Color) -> Self {
         Self { color, ..self }
     }
 
     /// The width to keep free for a text. No font is at hand to measure with: it is an estimate for wide fonts.
     pub(crate) fn width(self, text: &str) -> i32 {
-        let em = if self.bold { 0.66 } else { 0.6 };
+        let em = if self.bold { 0.62 } else { 0.57 };
         (text.chars().count() as f64 * f64::from(self.size) * em).ceil() as i32
     }
 }
@@ -113,18 +72,49 @@ impl Text {
 /// A sheet of paper in pixels, from the top left.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
+    width: i32,
+    attributes: RefCell<String>,
 }
 
-/// The SVG file of a sheet of [`WIDTH`] and `height` pixels on which `paint` paints.
-pub(crate) fn svg(height: i32, paint: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>) -> Result<String, DrawError> {
+/// What was painted on a sheet.
+pub(crate) struct Painted {
+    /// The elements of the SVG.
+    pub elements: String,
+    /// Attributes for the SVG's root.
+    pub attributes: String,
+}
+
+/// A sheet of this size on which `paint` paints.
+pub(crate) fn sheet(
+    width: i32,
+    height: i32,
+    paint: impl FnOnce(&Canvas<'_>) -> Result<(), DrawError>,
+) -> Result<Painted, DrawError> {
     let mut text = String::new();
-    let area = SVGBackend::with_string(&mut text, (WIDTH as u32, height as u32)).into_drawing_area();
-    area.fill(&palette::PAPER).map_err(failed)?;
-    let canvas = Canvas { area };
+    let area = SVGBackend::with_string(&mut text, (width as u32, height as u32)).into_drawing_area();
+    let canvas = Canvas { area, width, attributes: RefCell::default() };
     paint(&canvas)?;
     canvas.area.present().map_err(failed)?;
+    let attributes = canvas.attributes.borrow().clone();
     drop(canvas);
-    Ok(text)
+    Ok(Painted { elements: compact(&text), attributes })
+}
+
+/// The elements of what the backend writes, without its root and what is so by itself. Ink follows the text's colour, and
+/// paper that of the card below.
+fn compact(text: &str) -> String {
+    let inside = text.find('>').map_or("", |root| &text[root + 1..]);
+    let inside = inside.trim_end().trim_end_matches("</svg>");
+    inside
+        .replace('\n', "")
+        .replace(" opacity=\"1\"", "")
+        .replace(" font-family=\"sans-serif\"", "")
+        .replace(" stroke=\"none\"", "")
+        .replace(" stroke-width=\"1\"", "")
+        .replace(".000000000000002\"", "\"")
+        .replace(" \"/>", "\"/>")
+        .replace("#22262A", "currentColor")
+        .replace("#FFFFFF", "var(--card, #fff)")
 }
 
 fn failed(error: impl std::error::Error) -> DrawError {
@@ -140,24 +130,54 @@ impl<'a> Canvas<'a> {
         self.area.draw(element).map_err(failed)
     }
 
+    /// The sheet's width.
+    pub(crate) fn width(&self) -> i32 {
+        self.width
+    }
+
+    /// Whether the sheet is for a narrow page.
+    pub(crate) fn is_narrow(&self) -> bool {
+        is_narrow(self.width)
+    }
+
+    /// Sets an attribute of the SVG's root, for the page's script.
+    pub(crate) fn attribute(&self, name: &str, value: &str) {
+        *self.attributes.borrow_mut() = format!(" {name}=\"{value}\"");
+    }
+
     /// A filled rectangle with opposite corners `from` and `to`.
-    pub(crate) fn rect(&self, from: (i32, i32), to: (i32, i32), color: RGBColor) -> Result<(), DrawError> {
+    pub(crate) fn rect(&self, from: (i32, i32), to: (i32, i32), color: Color) -> Result<(), DrawError> {
         self.draw(&Rectangle::new([from, to], color.filled()))
     }
 
+    /// The outline of a rectangle.
+    pub(crate) fn frame(&self, from: (i32, i32), to: (i32, i32), color: Color, width: u32) -> Result<(), DrawError> {
+        self.draw(&Rectangle::new([from, to], stroke(color, width)))
+    }
+
     /// A line through the points.
-    pub(crate) fn line(&self, points: Vec<(i32, i32)>, color: RGBColor, width: u32) -> Result<(), DrawError> {
-        self.draw(&PathElement::new(points, ShapeStyle { color: color.to_rgba(), filled: false, stroke_width: width }))
+    pub(crate) fn line(&self, points: Vec<(i32, i32)>, color: Color, width: u32) -> Result<(), DrawError> {
+        self.draw(&PathElement::new(points, stroke(color, width)))
+    }
+
+    /// A filled polygon.
+    pub(crate) fn polygon(&self, points: Vec<(i32, i32)>, color: Color) -> Result<(), DrawError> {
+        self.draw(&Polygon::new(points, color.filled()))
     }
 
     /// A dashed line from `from` to `to` at height `y`.
-    pub(crate) fn dashes(&self, from: i32, to: i32, y: i32, color: RGBColor) -> Result<(), DrawError> {
-        (from..to).step_by(10).try_for_each(|x| self.line(vec![(x, y), ((x + 6).min(to), y)], color, 1))
+    pub(crate) fn dashes(&self, from: i32, to: i32, y: i32, color: Color) -> Result<(), DrawError> {
+        (from..to).step_by(16).try_for_each(|x| self.line(vec![(x, y), ((x + 9).min(to), y)], color, 1))
     }
 
     /// A dot.
-    pub(crate) fn dot(&self, at: (i32, i32), radius: i32, color: RGBColor) -> Result<(), DrawError> {
+    pub(crate) fn dot(&self, at: (i32, i32), radius: i32, color: Color) -> Result<(), DrawError> {
         self.draw(&Circle::new(at, radius, color.filled()))
+    }
+
+    /// A circle.
+    pub(crate) fn ring(&self, at: (i32, i32), radius: i32, color: Color, width: u32) -> Result<(), DrawError> {
+        self.draw(&Circle::new(at, radius, stroke(color, width)))
     }
 
     /// A text whose middle is at the height of `at`.
@@ -169,50 +189,26 @@ impl<'a> Canvas<'a> {
         self.area.draw_text(text, &style, at).map_err(failed)
     }
 
-    /// Title and subtitle at the top; gives the height below them.
-    pub(crate) fn titles(&self, title: &str, subtitle: &str) -> Result<i32, DrawError> {
-        self.text(title, (LEFT, 22), Text::TITLE)?;
-        self.text(subtitle, (LEFT, 45), Text::NOTE)?;
-        Ok(TITLES)
-    }
-
-    /// A legend in rows from height `top` on; gives the height below it.
-    pub(crate) fn legend(&self, top: i32, entries: &[(String, RGBColor)]) -> Result<i32, DrawError> {
-        let mut y = top + LINE / 2;
-        let mut x = LEFT;
-        for (name, color) in entries {
-            let width = legend_width(name);
-            if x > LEFT && x + width > WIDTH {
-                x = LEFT;
-                y += LINE;
-            }
-            self.rect((x, y - 6), (x + 12, y + 6), *color)?;
-            self.text(name, (x + 18, y), Text::LABEL)?;
-            x += width;
-        }
-        Ok(y + LINE)
+    /// A text over whatever is drawn there already.
+    pub(crate) fn text_on_paper(&self, text: &str, at: (i32, i32), look: Text) -> Result<(), DrawError> {
+        let width = look.width(text);
+        let left = match look.side {
+            HPos::Left => at.0,
+            HPos::Center => at.0 - width / 2,
+            HPos::Right => at.0 - width,
+        };
+        self.rect((left - 3, at.1 - LINE / 2), (left + width + 3, at.1 + LINE / 2), PAPER)?;
+        self.text(text, at, look)
     }
 }
 
-/// Height of [`Canvas::titles`].
-pub(crate) const TITLES: i32 = 62;
-
-fn legend_width(name: &str) -> i32 {
-    18 + Text::LABEL.width(name) + 14
+fn stroke(color: Color, width: u32) -> ShapeStyle {
+    ShapeStyle { color, filled: false, stroke_width: width }
 }
 
-/// Height of [`Canvas::legend`].
-pub(crate) fn legend_height(entries: &[(String, RGBColor)]) -> i32 {
-    let (mut x, mut rows) = (LEFT, 1);
-    for (name, _) in entries {
-        let width = legend_width(name);
-        if x > LEFT && x + width > WIDTH {
-            x = LEFT;
-            rows += 1;
-        }
-        x += width;
-    }
-    rows * LINE + LINE / 2
+/// Whether a sheet of this width is for a narrow page.
+pub(crate) fn is_narrow(width: i32) -> bool {
+    width < (WIDE + NARROW) / 2
 }
 
 /// The distance of ticks: 1, 2 or 5 times a power of ten, so that `span` has at most `most` of them.
@@ -224,6 +220,7 @@ pub(crate) fn tick_step(span: f64, most: u32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::palette::BLUE;
     use super::*;
 
     #[test]
@@ -235,16 +232,17 @@ mod tests {
     }
 
     #[test]
-    fn a_legend_is_as_high_as_said() {
-        for count in [1, 3, 12, 40] {
-            let entries = vec![("a class of things".to_owned(), BLUE); count];
-            let mut below = 0;
-            svg(400, |canvas| {
-                below = canvas.legend(100, &entries)?;
-                Ok(())
-            })
-            .unwrap();
-            assert_eq!(below, 100 + legend_height(&entries));
-        }
+    fn ink_is_the_texts_colour_and_paper_the_cards() {
+        let painted = sheet(WIDE, 40, |canvas| {
+            canvas.attribute("data-x", "1 2");
+            canvas.rect((0, 0), (9, 9), PAPER)?;
+            canvas.dot((5, 5), 2, BLUE)?;
+            canvas.text("a < b", (20, 20), Text::NOTE)
+        });
+        let Painted { elements, attributes } = painted.unwrap();
+        assert_eq!(attributes, " data-x=\"1 2\"");
+        assert!(elements.contains("var(--card, #fff)") && elements.contains("#0072B2"), "{elements}");
+        assert!(elements.contains("opacity=\"0.78\" fill=\"currentColor\">a &lt; b</text>"), "{elements}");
+        assert!(!elements.contains("svg") && !elements.contains('\n'), "{elements}");
     }
 }

@@ -1,9 +1,12 @@
-//! Drawing: a canvas, forms of plots that several reports use, and what a plot is.
+//! Drawing: a canvas, colours by meaning, forms of plots that several reports use, and what a plot is.
 
 pub(super) mod bars;
 pub(super) mod canvas;
+pub(super) mod figure;
+pub(super) mod marks;
 pub(super) mod over_frames;
-mod plot;
+pub(super) mod palette;
+pub(super) mod waterfall;
 
 pub(super) use canvas::DrawError;
-pub(super) use plot::{Drawing, Plot, draw_all};
+pub(super) use figure::{Drawing, Figure, Plot, draw_all};

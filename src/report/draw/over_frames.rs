@@ -1,28 +1,42 @@
 //! Panels one above the other that share an axis of frame numbers.
 
-use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDTH, palette, tick_step};
+use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, is_narrow, tick_step};
+use super::palette::{Color, FAINT, GRID};
 
-/// Where panels' data begins and ends.
-const X: (i32, i32) = (78, WIDTH - 246);
-/// Where labels of lines begin, right of the data.
-pub(crate) const LABELS: i32 = X.1 + 12;
-/// The usual height of a panel's data.
-pub(crate) const DATA: i32 = 170;
-/// The height of a label of two lines.
-pub(crate) const LABEL: i32 = 2 * LINE;
+/// Where panels' data begins and ends on a sheet.
+fn data_range(width: i32) -> (i32, i32) {
+    if is_narrow(width) { (56, width - 10) } else { (70, width - 300) }
+}
 
-/// The height of a panel whose data is `data` high, with its heading and what is below.
-pub(crate) const fn panel_height(data: i32) -> i32 {
-    data + 58
+/// The height of a panel's data.
+const DATA: i32 = 150;
+/// The height of a label: two lines beside the data, or one below.
+const LABEL: i32 = 2 * LINE;
+
+/// The height of a panel that has this many labels.
+pub(crate) fn panel_height(width: i32, labels: usize) -> i32 {
+    if is_narrow(width) { DATA + 58 + labels as i32 * LINE } else { DATA.max(labels as i32 * LABEL) + 58 }
+}
+
+/// What stands beside or below a panel: a colour, a name and a note; and the value that they belong to.
+pub(crate) struct Label {
+    /// Where the label would best stand.
+    pub value: f64,
+    /// Its colour.
+    pub color: Color,
+    /// What is meant.
+    pub name: String,
+    /// What is said of it.
+    pub note: String,
 }
 
 /// A panel's place and axes.
 pub(crate) struct Panel<'a, 'b> {
     canvas: &'a Canvas<'b>,
-    /// Height of the data's top.
+    /// Heights of the data's top and bottom.
     top: i32,
-    /// Height of the data's bottom.
     bottom: i32,
+    x: (i32, i32),
     frames: (f64, f64),
     values: (f64, f64),
 }
@@ -35,8 +49,8 @@ pub(crate) struct Axes<'a> {
     pub frames: &'a [u32],
     /// Least and largest value; the first is 0 or less.
     pub values: (f64, f64),
-    /// How high the data is, in pixels.
-    pub height: i32,
+    /// How many labels the panel has.
+    pub labels: usize,
     /// Least distance of two ticks.
     pub least_tick: f64,
     /// A value as text.
@@ -44,44 +58,50 @@ pub(crate) struct Axes<'a> {
 }
 
 impl<'a, 'b> Panel<'a, 'b> {
-    /// Draws axes from height `top` on, for [`panel_height`] pixels.
+    /// Draws axes from height `top` on, for [`panel_height`] pixels. The page's script finds the columns of frames in the
+    /// attribute `data-frames`.
     pub(crate) fn new(canvas: &'a Canvas<'b>, top: i32, axes: &Axes<'_>) -> Result<Self, DrawError> {
         let (low, high) = axes.values;
-        let step = tick_step((high - low).max(axes.least_tick), 5).max(axes.least_tick);
+        let step = tick_step((high - low).max(axes.least_tick), 4).max(axes.least_tick);
         let first = axes.frames.first().copied().map_or(0.0, f64::from);
         let last = axes.frames.last().copied().map_or(0.0, f64::from);
         // Half a bar's room at both ends.
         let margin = spacing(axes.frames) * 0.6;
+        let x = data_range(canvas.width());
+        let data = if canvas.is_narrow() { DATA } else { panel_height(canvas.width(), axes.labels) - 58 };
         let panel = Self {
             canvas,
             top: top + 30,
-            bottom: top + 30 + axes.height,
+            bottom: top + 30 + data,
+            x,
             frames: (first - margin, last + margin),
             values: ((low / step).floor() * step, (high / step).ceil().max(1.0) * step),
         };
+        canvas.attribute("data-frames", &format!("{} {} {} {}", panel.frames.0, panel.frames.1, x.0, x.1));
         canvas.text(axes.heading, (LEFT, top + 12), Text::LABEL.bold())?;
         let ticks = ((panel.values.1 - panel.values.0) / step).round() as i32;
         for value in (0..=ticks).map(|tick| panel.values.0 + f64::from(tick) * step) {
             let y = panel.y(value);
-            canvas.line(vec![(X.0, y), (X.1, y)], palette::GRID, 1)?;
-            canvas.text(&(axes.tick)(value), (X.0 - 8, y), Text::NOTE.right())?;
+            canvas.line(vec![(x.0, y), (x.1, y)], GRID, 1)?;
+            canvas.text(&(axes.tick)(value), (x.0 - 8, y), Text::NOTE.right())?;
         }
-        let step = tick_step((last - first).max(1.0), 12).max(1.0);
+        let most = if canvas.is_narrow() { 6 } else { 12 };
+        let step = tick_step((last - first).max(1.0), most).max(1.0);
         let ticks = (first / step).ceil() as i64..=(last / step).floor() as i64;
         for frame in ticks.map(|tick| tick as f64 * step) {
             let x = panel.x(frame);
-            canvas.line(vec![(x, panel.bottom), (x, panel.bottom + 4)], palette::FAINT, 1)?;
+            canvas.line(vec![(x, panel.bottom), (x, panel.bottom + 4)], FAINT, 1)?;
             canvas.text(&frame.to_string(), (x, panel.bottom + 15), Text::NOTE.centered())?;
         }
         let zero = panel.y(0.0);
-        canvas.line(vec![(X.0, zero), (X.1, zero)], palette::FAINT, 1)?;
+        canvas.line(vec![(x.0, zero), (x.1, zero)], FAINT, 1)?;
         Ok(panel)
     }
 
     /// The column of a frame.
     pub(crate) fn x(&self, frame: f64) -> i32 {
         let (first, last) = self.frames;
-        X.0 + ((frame - first) / (last - first) * f64::from(X.1 - X.0)).round() as i32
+        self.x.0 + ((frame - first) / (last - first) * f64::from(self.x.1 - self.x.0)).round() as i32
     }
 
     /// The height of a value.
@@ -90,26 +110,59 @@ impl<'a, 'b> Panel<'a, 'b> {
         self.bottom - ((value - low) / (high - low) * f64::from(self.bottom - self.top)).round() as i32
     }
 
-    /// Heights of two-line labels that belong to `values`, one beside each as far as there is room.
-    pub(crate) fn labels(&self, values: impl Iterator<Item = f64>) -> Vec<i32> {
-        apart(&values.map(|value| self.y(value)).collect::<Vec<_>>(), self.bottom - LINE / 2)
+    /// A line with a dot at each value, which ends where a frame has none.
+    pub(crate) fn curve(
+        &self,
+        values: impl Iterator<Item = (u32, Option<f64>)>,
+        color: Color,
+    ) -> Result<(), DrawError> {
+        let place = |(frame, value): (u32, Option<f64>)| Some((self.x(frame.into()), self.y(value?)));
+        for run in values.map(place).collect::<Vec<_>>().split(Option::is_none) {
+            let points: Vec<(i32, i32)> = run.iter().flatten().copied().collect();
+            points.iter().try_for_each(|&point| self.canvas.dot(point, 3, color))?;
+            if points.len() > 1 {
+                self.canvas.line(points, color, 2)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Labels beside the data at their values as far as there is room, or one below the other below the data.
+    pub(crate) fn labels(&self, labels: &[Label]) -> Result<(), DrawError> {
+        if self.canvas.is_narrow() {
+            for (label, y) in labels.iter().zip((self.bottom + 36..).step_by(LINE as usize)) {
+                self.canvas.dot((LEFT + 4, y), 4, label.color)?;
+                let text = format!("{}: {}", label.name, label.note);
+                self.canvas.text(&text, (LEFT + 14, y), Text::NOTE)?;
+            }
+            return Ok(());
+        }
+        let wanted: Vec<i32> = labels.iter().map(|label| self.y(label.value)).collect();
+        for (label, y) in labels.iter().zip(apart(&wanted, self.bottom - LINE / 2)) {
+            let x = self.x.1 + 16;
+            self.canvas.dot((x + 4, y), 4, label.color)?;
+            self.canvas.text(&label.name, (x + 14, y), Text::LABEL.bold())?;
+            self.canvas.text(&label.note, (x + 14, y + 17), Text::NOTE)?;
+        }
+        Ok(())
     }
 
     /// A dashed line over all frames.
-    pub(crate) fn level(&self, value: f64, color: plotters::style::RGBColor) -> Result<(), DrawError> {
-        self.canvas.dashes(X.0, X.1, self.y(value), color)
+    pub(crate) fn level(&self, value: f64, color: Color) -> Result<(), DrawError> {
+        self.canvas.dashes(self.x.0, self.x.1, self.y(value), color)
     }
 
     /// Half the width of a frame's bar.
     pub(crate) fn half_bar(&self, frames: &[u32]) -> i32 {
-        let pixels = f64::from(X.1 - X.0) * spacing(frames) / (self.frames.1 - self.frames.0);
+        let pixels = f64::from(self.x.1 - self.x.0) * spacing(frames) / (self.frames.1 - self.frames.0);
         ((pixels * 0.35) as i32).clamp(1, 24)
     }
 }
 
 /// The axis's name, below the last panel.
 pub(crate) fn name_frames(canvas: &Canvas<'_>, top: i32) -> Result<(), DrawError> {
-    canvas.text("frame number", ((X.0 + X.1) / 2, top + LINE / 2), Text::NOTE.centered())
+    let (from, to) = data_range(canvas.width());
+    canvas.text("frame number", ((from + to) / 2, top + LINE / 2), Text::NOTE.centered())
 }
 
 /// The least distance of two frames; 1 if there are not two.

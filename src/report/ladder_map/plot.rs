@@ -1,12 +1,10 @@
 //! The failure map of the ladder: a panel a figure, a row a rung, a column a point.
 
-use plotters::style::RGBColor;
-
-use super::data::{Figure, LadderMap, Row};
-use crate::report::draw::Plot;
-use crate::report::draw::canvas::{
-    Canvas, DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, pale, palette, svg,
-};
+use super::data::{Figure, LadderMap, Row, grid};
+use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDE};
+use crate::report::draw::palette::{Color, GREEN, INK, ORANGE, SKY, VERMILLION, YELLOW, pale};
+use crate::report::draw::{Figure as Drawn, Plot};
+use crate::report::format::percent;
 
 /// Where columns begin, and the gap between axes.
 const COLUMNS: i32 = 128;
@@ -16,41 +14,60 @@ const ROW: i32 = 22;
 const HEAD: i32 = 60;
 
 /// What an error is at most, and how it looks.
-const LOOKS: [(f64, &str, RGBColor); 5] = [
-    (0.01, "within 1 %", palette::GREEN),
-    (0.03, "3 %", palette::SKY),
-    (0.1, "10 %", palette::YELLOW),
-    (0.3, "30 %", palette::ORANGE),
-    (f64::INFINITY, "more", palette::VERMILLION),
+const LOOKS: [(f64, &str, Color); 5] = [
+    (0.01, "within 1 %", GREEN),
+    (0.03, "3 %", SKY),
+    (0.1, "10 %", YELLOW),
+    (0.3, "30 %", ORANGE),
+    (f64::INFINITY, "more", VERMILLION),
 ];
 
-fn look(error: f64) -> RGBColor {
+fn look(error: f64) -> Color {
     let (.., color) = LOOKS.into_iter().find(|&(most, ..)| error.abs() <= most).unwrap_or(LOOKS[LOOKS.len() - 1]);
     pale(color)
 }
 
-pub(super) const PLOT: Plot<LadderMap> = Plot { name: "ladder", section: (), draw: |map| draw(map).map(Some) };
+pub(super) const PLOT: Plot<LadderMap> = Plot { name: "ladder", section: (), figure: |map| Some(figure(map)) };
 
-fn draw(map: &LadderMap) -> Result<String, DrawError> {
-    let legend: Vec<_> = LOOKS.map(|(_, name, color)| (name.to_owned(), pale(color))).into();
-    let top = TITLES + legend_height(&legend);
+/// The level that is closest in cycles at its worst point.
+pub(super) fn finding(map: &LadderMap) -> String {
+    let worst = |index: usize| {
+        let points = map.axes.iter().flat_map(|axis| &axis.points);
+        let errors = points.filter_map(|point| point.rows[index].errors[Figure::Cycles as usize]);
+        errors.map(f64::abs).reduce(f64::max)
+    };
+    let all = map.rows.iter().enumerate().filter_map(|(index, name)| Some((name, worst(index)?)));
+    match (all.clone().min_by(|a, b| a.1.total_cmp(&b.1)), all.max_by(|a, b| a.1.total_cmp(&b.1))) {
+        (Some((best, least)), Some((other, most))) => {
+            format!("{best} is at most {} off Event in cycles, {other} up to {}", percent(least), percent(most))
+        }
+        _ => "No level gives cycles".into(),
+    }
+}
+
+fn figure(map: &LadderMap) -> Drawn<'_> {
     let panels: Vec<_> = Figure::ALL.into_iter().map(|figure| (figure, shown(map, figure))).collect();
     let height: i32 = panels.iter().map(|(_, rows)| HEAD + rows.len() as i32 * ROW).sum();
     let points: usize = map.axes.iter().map(|axis| axis.points.len()).sum();
-    let width = (WIDTH - COLUMNS - LEFT - GAP * map.axes.len() as i32) / points.max(1) as i32;
-    svg(top + height + LINE, |canvas| {
-        canvas.titles(
-            "Where rungs break",
-            "share in % by which each is off Event; in bold: an interval that did not hold the cycles in more than one of the samples",
-        )?;
-        canvas.legend(TITLES, &legend)?;
-        let mut y = top;
-        for (figure, rows) in &panels {
-            panel(canvas, map, *figure, rows, y, width)?;
-            y += HEAD + rows.len() as i32 * ROW;
-        }
-        Ok(())
-    })
+    let width = (WIDE - COLUMNS - LEFT - GAP * map.axes.len() as i32) / points.max(1) as i32;
+    Drawn {
+        title: finding(map),
+        about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in more than \
+                one of the samples."
+            .into(),
+        key: LOOKS.map(|(_, name, color)| (name.to_owned(), pale(color))).into(),
+        data: grid(map),
+        narrow: false,
+        height: Box::new(move |_| height + LINE),
+        paint: Box::new(move |canvas| {
+            let mut y = 0;
+            for (figure, rows) in &panels {
+                panel(canvas, map, *figure, rows, y, width)?;
+                y += HEAD + rows.len() as i32 * ROW;
+            }
+            Ok(())
+        }),
+    }
 }
 
 /// The rows that say something about a figure.
@@ -71,11 +88,11 @@ fn panel(
     canvas.text(figure.name(), (LEFT, top + 14), Text::LABEL.bold())?;
     let first = top + HEAD - 6;
     for (line, &row) in (0..).zip(rows) {
-        canvas.text(&map.rows[row], (LEFT, first + line * ROW + ROW / 2), Text::NOTE.colored(palette::INK))?;
+        canvas.text(&map.rows[row], (LEFT, first + line * ROW + ROW / 2), Text::NOTE.colored(INK))?;
     }
     let mut x = COLUMNS;
     for axis in &map.axes {
-        canvas.text(&axis.name, (x, top + 34), Text::NOTE.colored(palette::INK))?;
+        canvas.text(&axis.name, (x, top + 34), Text::NOTE.colored(INK))?;
         for point in &axis.points {
             canvas.text(&point.value, (x + width / 2, first - 7), Text::NOTE.centered())?;
             for (line, &row) in (0..).zip(rows) {
@@ -84,7 +101,7 @@ fn panel(
                 let Some(error) = errors[figure as usize] else { continue };
                 canvas.rect((x, y), (x + width - 1, y + ROW - 1), look(error))?;
                 let lies = covered.is_some_and(|covered| covered.held + 1 < covered.told) && figure == Figure::Cycles;
-                let text = Text::NOTE.colored(palette::INK).centered();
+                let text = Text::NOTE.colored(INK).centered();
                 let text = if lies { text.bold() } else { text };
                 canvas.text(&short(error), (x + width / 2, y + ROW / 2), text)?;
             }

@@ -1,11 +1,13 @@
 //! The files of a failure map.
 
+use minijinja::context;
 use serde::Serialize;
 
-use super::data::{Figure, LadderMap};
+use super::data::{Figure, LadderMap, grid};
 use super::plot;
 use crate::report::csv_table::{CsvTable, cell};
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::template;
 use crate::report::writer::Report;
 
 const PLOTS: &[Plot<LadderMap>] = &[plot::PLOT];
@@ -50,7 +52,8 @@ impl Report for LadderMap {
         draw_all(self, PLOTS)
     }
 
-    fn page(&self, _: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
-        Ok(None)
+    fn page(&self, plots: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
+        let context = context! { plots => template::plots(plots, &()), worst => template::grid(grid(self)) };
+        template::render("ladder.html", include_str!("page.html"), context).map(Some)
     }
 }

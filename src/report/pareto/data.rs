@@ -68,7 +68,7 @@ impl ParetoSummary {
     /// A row a rung.
     pub(crate) fn grid(&self, timings: &[Timing]) -> Grid {
         const HEAD: [&str; 11] = [
-            "rung",
+            "level",
             "rays/s",
             "times the truth's speed",
             "cycles",

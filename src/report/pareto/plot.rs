@@ -1,67 +1,91 @@
-//! Error of the rungs over their speed: mean and worst, what they claim, and which none beats.
+//! Error of the fidelity levels over their speed: mean and worst, what they claim, and which none beats.
 
 use super::data::ParetoSummary;
 use super::level::{Rung, Spread};
 use super::report::ParetoReport;
 use super::timing::Timing;
-use crate::report::draw::Plot;
-use crate::report::draw::canvas::{
-    Canvas, DrawError, LEFT, LINE, TITLES, Text, WIDTH, legend_height, palette, policy_color, svg,
-};
-use crate::report::format::{percent, tick};
+use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
+use crate::report::draw::marks::{Names, mark};
+use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::{Figure, Plot};
+use crate::report::format::{number, percent, tick};
+use crate::report::grid::Grid;
 
-/// Height of a panel's axes, and of what stands above and below them.
-const PANEL: i32 = 170;
-const ABOVE: i32 = 34;
-const BELOW: i32 = 52;
-/// Where the axes begin and end.
-const AXIS: i32 = 76;
-const END: i32 = WIDTH - 24;
-/// Errors below this share are drawn as this one.
+/// Height of a panel's logarithmic axis, of the place for smaller errors below it, and of what stands above and below.
+const PANEL: i32 = 160;
+const NONE: i32 = 26;
+const ABOVE: i32 = 52;
+const BELOW: i32 = 46;
+/// Where the axes begin.
+const AXIS: i32 = 64;
+/// The axis' end: errors below this share have a place of their own.
 const LEAST: f64 = 1e-4;
 
-type Figure = fn(&Rung) -> Option<Spread>;
+type ErrorOf = fn(&Rung) -> Option<Spread>;
 
 /// Panels: a title, and the errors, in the order of what rungs claim.
-const PANELS: [(&str, Figure); 4] = [
+const PANELS: [(&str, ErrorOf); 4] = [
     ("Cycles", |rung| rung.cycles),
     ("Bytes between L1s and L2", |rung| rung.l2_bytes),
     ("DRAM bytes", |rung| rung.dram_bytes),
-    ("Share of cycles saved by a policy (difference of shares)", |rung| rung.saving),
+    ("Share of cycles that a policy saves", |rung| rung.saving),
 ];
 
 pub(super) const PLOT: Plot<ParetoReport> =
-    Plot { name: "pareto", section: (), draw: |report| draw(&report.summary, &report.timings).map(Some) };
+    Plot { name: "pareto", section: (), figure: |report| Some(figure(&report.summary, &report.timings)) };
 
-fn draw(summary: &ParetoSummary, timings: &[Timing]) -> Result<String, DrawError> {
-    let legend: Vec<_> = summary
-        .rungs
-        .iter()
-        .enumerate()
-        .map(|(index, rung)| {
-            let orders = match rung.disagreements.len() {
-                0 => String::new(),
-                count => format!(" (another order {count} times)"),
-            };
-            (format!("{}{orders}", rung.name), policy_color(index))
-        })
-        .collect();
-    let top = TITLES + legend_height(&legend);
-    let title = format!("Error against {}, over speed", summary.truth);
-    svg(top + PANELS.len() as i32 * (ABOVE + PANEL + BELOW), |canvas| {
-        canvas.titles(
-            &title,
-            "dot: mean of all runs, line up: worst, tick: half the 95 % interval that the rung claims, ring: no rung is faster and closer",
-        )?;
-        canvas.legend(TITLES, &legend)?;
-        let speeds = timings.iter().filter_map(Timing::speed);
-        let slowest = speeds.clone().fold(f64::INFINITY, f64::min).log10().floor();
-        let fastest = speeds.fold(1.0, f64::max).log10().ceil().max(slowest + 1.0);
-        PANELS.into_iter().zip(0..).try_for_each(|((title, figure), panel)| {
-            let top = top + panel * (ABOVE + PANEL + BELOW) + ABOVE;
-            Panel { canvas, top, slowest, fastest }.draw(title, summary, timings, figure, panel as usize)
-        })
-    })
+/// The fastest level that is within 2 % of the truth's cycles at worst.
+pub(super) fn finding(summary: &ParetoSummary, timings: &[Timing]) -> String {
+    let levels = summary.rungs.iter().zip(timings.iter().skip(1));
+    let close = levels.filter(|(rung, _)| rung.cycles.is_some_and(|spread| spread.worst <= 0.02));
+    let fastest = close.filter_map(|(rung, timing)| Some((rung, timing.times()?, rung.cycles?)));
+    match fastest.max_by(|a, b| a.1.total_cmp(&b.1)) {
+        Some((rung, times, error)) => format!(
+            "{} is {times:.1} times as fast as {}, and at most {} off in cycles",
+            rung.name,
+            summary.truth,
+            percent(error.worst)
+        ),
+        None => format!("No level is within 2 % of {} in all runs", summary.truth),
+    }
+}
+
+fn figure<'a>(summary: &'a ParetoSummary, timings: &'a [Timing]) -> Figure<'a> {
+    let row = |(rung, timing): (&Rung, &Timing)| {
+        let shown = |value: Option<f64>| value.map_or_else(String::new, number);
+        let errors = PANELS.iter().flat_map(|(_, of)| {
+            let spread = of(rung);
+            [spread.map(|it| it.mean), spread.map(|it| it.worst)].map(shown)
+        });
+        [rung.name.clone(), shown(timing.speed())].into_iter().chain(errors).collect()
+    };
+    let names = ["cycles", "L2 bytes", "DRAM bytes", "saving"];
+    let errors = names.into_iter().flat_map(|name| [format!("{name}, mean"), format!("{name}, worst")]);
+    Figure {
+        title: finding(summary, timings),
+        about: format!(
+            "Error against {} over the simulator's speed. Mark: mean of all runs; line up: the worst; bar across: half the \
+             95 % interval that the level claims; hollow: it claims nothing; ring: no level is faster and closer.",
+            summary.truth
+        ),
+        key: Vec::new(),
+        data: Grid {
+            head: ["level".to_owned(), "rays/s".to_owned()].into_iter().chain(errors).collect(),
+            names: 1,
+            rows: summary.rungs.iter().zip(timings.iter().skip(1)).map(row).collect(),
+        },
+        narrow: true,
+        height: Box::new(|_| PANELS.len() as i32 * (ABOVE + PANEL + NONE + BELOW)),
+        paint: Box::new(move |canvas| {
+            let speeds = timings.iter().filter_map(Timing::speed);
+            let slowest = speeds.clone().fold(f64::INFINITY, f64::min).log10().floor();
+            let fastest = speeds.fold(1.0, f64::max).log10().ceil().max(slowest + 1.0);
+            PANELS.into_iter().zip(0..).try_for_each(|((title, error), index)| {
+                let top = index * (ABOVE + PANEL + NONE + BELOW) + ABOVE;
+                Panel { canvas, top, slowest, fastest }.draw(title, summary, timings, error, index as usize)
+            })
+        }),
+    }
 }
 
 struct Panel<'a, 'svg> {
@@ -74,13 +98,16 @@ struct Panel<'a, 'svg> {
 
 impl Panel<'_, '_> {
     fn x(&self, speed: f64) -> i32 {
-        AXIS + ((speed.log10() - self.slowest) / (self.fastest - self.slowest) * f64::from(END - AXIS)).round() as i32
+        let width = f64::from(self.canvas.width() - 24 - AXIS);
+        AXIS + ((speed.log10() - self.slowest) / (self.fastest - self.slowest) * width).round() as i32
     }
 
-    /// The height of an error, from [`LEAST`] to 1 on a logarithmic scale.
+    /// The height of an error: from 1 to [`LEAST`] on a logarithmic scale, and below that in a place of its own.
     fn y(&self, error: f64) -> i32 {
-        let share = error.clamp(LEAST, 1.0).log10() / LEAST.log10();
-        self.top + (share * f64::from(PANEL)).round() as i32
+        if error < LEAST {
+            return self.top + PANEL + NONE / 2 + 4;
+        }
+        self.top + (error.min(1.0).log10() / LEAST.log10() * f64::from(PANEL)).round() as i32
     }
 
     fn draw(
@@ -88,43 +115,48 @@ impl Panel<'_, '_> {
         title: &str,
         summary: &ParetoSummary,
         timings: &[Timing],
-        figure: Figure,
+        error: ErrorOf,
         claimed: usize,
     ) -> Result<(), DrawError> {
-        let (canvas, bottom) = (self.canvas, self.top + PANEL);
-        canvas.text(title, (LEFT, self.top - 20), Text::LABEL.bold())?;
-        for error in [1.0, 0.1, 0.01, 0.001, LEAST] {
-            let y = self.y(error);
-            canvas.line(vec![(AXIS, y), (END, y)], palette::GRID, 1)?;
-            canvas.text(&percent(error), (AXIS - 8, y), Text::NOTE.right())?;
+        let (canvas, end) = (self.canvas, self.canvas.width() - 24);
+        let bottom = self.top + PANEL + NONE;
+        canvas.text(title, (LEFT, self.top - 34), Text::LABEL.bold())?;
+        for share in [1.0, 0.1, 0.01, 0.001, LEAST] {
+            let y = self.y(share);
+            canvas.line(vec![(AXIS, y), (end, y)], GRID, 1)?;
+            canvas.text(&percent(share), (AXIS - 8, y), Text::NOTE.right())?;
         }
+        canvas.text("less", (AXIS - 8, self.y(0.0)), Text::NOTE.right())?;
         for decade in self.slowest as i32..=self.fastest as i32 {
             let (speed, x) = (10f64.powi(decade), self.x(10f64.powi(decade)));
-            canvas.line(vec![(x, self.top), (x, bottom)], palette::GRID, 1)?;
+            canvas.line(vec![(x, self.top), (x, bottom)], GRID, 1)?;
             canvas.text(&tick(speed), (x, bottom + 14), Text::NOTE.centered())?;
         }
-        canvas.text("rays simulated a second", (END, bottom + 14 + LINE - 2), Text::NOTE.right())?;
+        canvas.text("rays simulated a second", (end, bottom + 14 + LINE - 4), Text::NOTE.right())?;
+        let mut names = Names::default();
         if let Some(truth) = timings.first().and_then(Timing::speed) {
             let x = self.x(truth);
-            canvas.line(vec![(x, self.top), (x, bottom)], palette::FAINT, 1)?;
-            canvas.text(&summary.truth, (x, self.top - 8), Text::NOTE.centered())?;
+            canvas.line(vec![(x, self.top), (x, bottom)], FAINT, 1)?;
+            let half = Text::NOTE.width(&summary.truth) / 2;
+            canvas.text(&summary.truth, (x.clamp(half, end - half), self.top - 12), Text::NOTE.centered())?;
         }
-        let frontier = summary.frontier(timings, figure);
-        for (index, ((rung, timing), best)) in
-            summary.rungs.iter().zip(timings.iter().skip(1)).zip(frontier).enumerate()
-        {
-            let (Some(Spread { mean, worst }), Some(speed)) = (figure(rung), timing.speed()) else { continue };
-            let (x, color) = (self.x(speed), policy_color(index));
-            if best {
-                canvas.dot((x, self.y(mean)), 8, palette::INK)?;
-                canvas.dot((x, self.y(mean)), 6, palette::PAPER)?;
+        let frontier = summary.frontier(timings, error);
+        let levels = || summary.rungs.iter().zip(timings.iter().skip(1)).enumerate();
+        let place = |(rung, timing): (&Rung, &Timing)| Some((self.x(timing.speed()?), self.y(error(rung)?.mean)));
+        levels().filter_map(|(_, level)| place(level)).for_each(|at| names.point(at));
+        for (index, (rung, timing)) in levels() {
+            let (Some(Spread { worst, .. }), Some((x, y))) = (error(rung), place((rung, timing))) else { continue };
+            let (color, width) = (series_color(index), rung.claimed.and_then(|widths| widths[claimed]));
+            if frontier[index] {
+                canvas.ring((x, y), 10, INK, 1)?;
             }
-            canvas.line(vec![(x, self.y(mean)), (x, self.y(worst))], color, 2)?;
-            canvas.dot((x, self.y(mean)), 4, color)?;
-            if let Some(width) = rung.claimed.and_then(|widths| widths[claimed]) {
+            canvas.line(vec![(x, y), (x, self.y(worst))], color, 2)?;
+            mark(canvas, index, (x, y), color, width.is_some())?;
+            if let Some(width) = width {
                 let y = self.y(width);
                 canvas.line(vec![(x - 7, y), (x + 7, y)], color, 2)?;
             }
+            names.write(canvas, &rung.name, (x + 6, y))?;
         }
         Ok(())
     }

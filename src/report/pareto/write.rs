@@ -4,7 +4,7 @@ use minijinja::context;
 use serde::Serialize;
 
 use super::data::ParetoSummary;
-use super::plot;
+use super::plot::{self, finding};
 use super::report::ParetoReport;
 use super::run::Figures;
 use crate::report::csv_table::CsvTable;
@@ -79,6 +79,9 @@ impl Report for ParetoReport {
             orders => orders.collect::<Vec<_>>(),
             refused => refused.collect::<Vec<_>>(),
             rungs => template::grid(self.summary.grid(&self.timings)),
+            // The truth stands first, and needs no claim.
+            silent => std::iter::once(false).chain(rungs.iter().map(|rung| rung.claimed.is_none())).collect::<Vec<_>>(),
+            finding => finding(&self.summary, &self.timings),
             truth => truth.as_str(),
             runs => runs.len(),
         };

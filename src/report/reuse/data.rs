@@ -26,9 +26,9 @@ pub(crate) struct ReuseSummary {
 /// The size of a cache.
 pub(super) fn size(bytes: u64) -> String {
     if bytes < 1 << 20 {
-        format!("{} kB", bytes as f64 / 1024.0)
+        format!("{} KiB", bytes as f64 / 1024.0)
     } else {
-        format!("{} MB", bytes as f64 / 1024.0 / 1024.0)
+        format!("{} MiB", bytes as f64 / 1024.0 / 1024.0)
     }
 }
 

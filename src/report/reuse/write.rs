@@ -1,11 +1,13 @@
 //! The files of a report on reuse.
 
+use minijinja::context;
 use serde::Serialize;
 
-use super::data::ReuseSummary;
+use super::data::{ReuseSummary, grid};
 use super::plot;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::template;
 use crate::report::writer::Report;
 use crate::stats::ReuseCurve;
 
@@ -41,7 +43,15 @@ impl Report for ReuseSummary {
         draw_all(self, PLOTS)
     }
 
-    fn page(&self, _: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
-        Ok(None)
+    fn page(&self, plots: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
+        let context = context! {
+            scene => self.scene.as_str(),
+            policy => self.policy.as_str(),
+            machine => self.machine.as_str(),
+            of => self.of.as_str(),
+            plots => template::plots(plots, &()),
+            caches => template::grid(grid(self)),
+        };
+        template::render("profile.html", include_str!("page.html"), context).map(Some)
     }
 }

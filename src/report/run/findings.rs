@@ -22,17 +22,17 @@ pub(super) fn setting(summary: &Summary) -> String {
     )
 }
 
-/// A policy's name and the sentences that go on from it, for each that culls: what it skipped, saved, got wrong, and
-/// what that did to each machine.
-pub(super) fn of_policies(summary: &Summary) -> Vec<(String, String)> {
+/// A policy's name and what goes on from it, for each that culls: what it skipped, saved and got wrong; then what that did
+/// to each machine.
+pub(super) fn of_policies(summary: &Summary) -> Vec<(String, Vec<String>)> {
     let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     culling.map(|(name, policy)| (name.to_owned(), of_policy(summary, name, policy))).collect()
 }
 
-fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> String {
+fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> Vec<String> {
     let counts = &policy.counts;
     if counts.shadow_rays == 0 {
-        return "had no shadow ray to decide.".into();
+        return vec!["had no shadow ray to decide.".into()];
     }
     let of_shadow_rays = |rays: u64| percent(rays as f64 / counts.shadow_rays as f64);
     let mut text = format!(
@@ -66,13 +66,14 @@ fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> String {
         ),
         _ => " Whether its decisions were right was not checked.".into(),
     };
+    let mut all = vec![text];
     for (machine, found) in summary.machines.iter() {
         let off = summary.baseline.as_deref().and_then(|baseline| found.policies.get(baseline));
         if let (Some(off), Some(run)) = (off, found.policies.get(name)) {
-            text += &on_machine(machine, off, run);
+            all.push(on_machine(machine, off, run));
         }
     }
-    text
+    all
 }
 
 /// What a policy does to a machine in the mean of the measured frames, and in the first one.
@@ -85,14 +86,14 @@ fn on_machine(machine: &str, off: &MachineRun, run: &MachineRun) -> String {
     let words = run.stats.bytes.get("dram").and_then(|classes| classes.get(&TrafficClass::ModeWord));
     let words = words
         .filter(|words| words.0 > 0)
-        .map(|&words: &Bytes| format!(", of which mode words are {}", percent(words.0 as f64 / moved.0 as f64)));
+        .map(|&words: &Bytes| format!(" ({} of it for mode words)", percent(words.0 as f64 / moved.0 as f64)));
     let time = pair(|run| run.milliseconds_per_frame, |time| format!("{} ms", milliseconds(time)));
     let dram = pair(|run| run.dram_bytes_per_frame, |amount| bytes(Bytes(amount.round() as u64)));
-    let energy = pair(|run| run.joules_per_frame, joules).map(|energy| format!(" and {energy} of energy"));
+    let energy = pair(|run| run.joules_per_frame, joules).map(|energy| format!(", and {energy} of energy"));
     let cold = ColdStart::of(off, run).and_then(|cold| cold.text());
     let cold = cold.map(|cold| format!(" Cold start: {cold}."));
     format!(
-        " On {machine}, a frame takes {}, {} of DRAM traffic{}{}.{}",
+        "On {machine}, a frame takes {}, {} of DRAM traffic{}{}.{}",
         or_absent(time, |it| it),
         or_absent(dram, |it| it),
         words.unwrap_or_default(),

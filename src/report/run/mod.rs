@@ -3,7 +3,9 @@
 mod files;
 mod findings;
 pub(super) mod frames_csv;
+mod limits;
 mod machine_columns;
+mod notices;
 mod page;
 pub(crate) mod pictures;
 mod plots;

@@ -4,6 +4,7 @@ use glam::Vec3;
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Resolution;
+use crate::report::draw::palette::{Color, FALSE_DARK, FALSE_LIT, NUMERIC};
 use crate::report::file_names::FileNamed;
 use crate::validate::PixelVerdict;
 
@@ -72,13 +73,17 @@ pub(crate) enum PictureKind {
     },
 }
 
-/// Verdicts that stand out in a picture, the strongest last, each with its name in legends and its colour (Okabe and Ito
-/// 2008).
+/// Verdicts that stand out in a picture, the strongest last, each with its name in legends and its colour in
+/// plots.
 pub(crate) const SHOWN_VERDICTS: [(PixelVerdict, &str, Rgb); 3] = [
-    (PixelVerdict::Numeric, "numeric difference", [0x56, 0xb4, 0xe9]),
-    (PixelVerdict::FalseLit, "false lit", [0xf0, 0xe4, 0x42]),
-    (PixelVerdict::FalseDark, "false dark", [0xd5, 0x5e, 0x00]),
+    (PixelVerdict::Numeric, "numeric difference", rgb(NUMERIC)),
+    (PixelVerdict::FalseLit, "false lit", rgb(FALSE_LIT)),
+    (PixelVerdict::FalseDark, "false dark", rgb(FALSE_DARK)),
 ];
+
+const fn rgb(color: Color) -> Rgb {
+    [color.0, color.1, color.2]
+}
 
 /// Colours of 0..1 as on the screen. The scenes' colours are made for the screen: no curve is put on them.
 pub(crate) fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
@@ -148,6 +153,7 @@ pub(crate) fn png(image: &Image) -> Result<Vec<u8>, png::EncodingError> {
     let mut encoder = png::Encoder::new(&mut file, image.resolution.width, image.resolution.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::High);
     let mut writer = encoder.write_header()?;
     writer.write_image_data(image.pixels.as_flattened())?;
     writer.finish()?;

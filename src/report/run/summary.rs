@@ -1,8 +1,8 @@
 //! What a run found, as data: the types of `summary.json`.
 //!
 //! Other tools read these names: they change only together with [`SCHEMA`]. A number that was not measured is `null` or
-//! left out, never zero. [`Summary::wall_seconds`] and [`Summary::simulated_rays_per_wall_second`] alone differ between
-//! two runs of the same experiment.
+//! left out, never zero. [`Summary::made`], [`Summary::wall_seconds`] and [`Summary::simulated_rays_per_wall_second`]
+//! alone differ between two runs of the same experiment.
 
 use std::collections::BTreeMap;
 use std::ops::Deref;
@@ -42,6 +42,12 @@ pub(crate) struct Summary {
     pub pictures: Vec<PictureInfo>,
     /// What the run was made of: versions, seeds, hashes of inputs, by name.
     pub provenance: Named<String>,
+    /// Paths in the configuration as run of what differs from the defaults of machines and tracer.
+    #[serde(default)]
+    pub changed: Vec<String>,
+    /// How and where the run was made: command line, date, host. Differs from run to run.
+    #[serde(default)]
+    pub made: Named<String>,
     /// Wall time a stage, in seconds.
     pub wall_seconds: Named<f64>,
     /// The simulator's own speed a stage: rays simulated a second of wall time.

@@ -1,7 +1,8 @@
 //! Columns of policies, which both plots have.
 
 use crate::report::draw::DrawError;
-use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDTH, palette};
+use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDE};
+use crate::report::draw::palette::INK;
 
 /// Where columns begin, right of the cases' names.
 pub(super) const COLUMNS: i32 = 140;
@@ -12,12 +13,12 @@ pub(super) const ROW: i32 = 24;
 
 /// The columns' names, in lines that end above `bottom`; gives the columns' width.
 pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
-    let width = ((WIDTH - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
+    let width = ((WIDE - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
     for (column, name) in (0..).zip(names) {
         let lines = lines(name);
         for (line, text) in (0..).zip(&lines) {
             let y = bottom - 12 - 15 * (lines.len() as i32 - 1 - line);
-            canvas.text(text, (COLUMNS + column * width, y), Text::NOTE.colored(palette::INK))?;
+            canvas.text(text, (COLUMNS + column * width, y), Text::NOTE.colored(INK))?;
         }
     }
     Ok(width)

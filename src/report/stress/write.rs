@@ -3,12 +3,14 @@
 use minijinja::{Value, context};
 use serde::Serialize;
 
-use super::data::{CaseSummary, Effect, ModelVerdict, Outcome, StressPolicy, StressSummary};
+use super::data::{CaseSummary, Effect, FrameWrong, ModelVerdict, Outcome, StressPolicy, StressSummary};
 use super::section::Section;
 use super::{failure_map, over_frames};
 use crate::report::csv_table::CsvTable;
+use crate::report::draw::palette::css;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use crate::report::format::{exact, percent};
+use crate::report::grid::Grid;
 use crate::report::template;
 use crate::report::writer::Report;
 
@@ -30,7 +32,7 @@ impl Report for StressSummary {
     }
 
     fn page(&self, plots: &[Drawing<Section>]) -> Result<Option<String>, minijinja::Error> {
-        let names = |matters: fn(&Effect) -> bool| -> Vec<String> {
+        let matters = |matters: fn(&Effect) -> bool| -> Vec<String> {
             self.effects.iter().filter(|effect| matters(effect)).map(|effect| effect.option.clone()).collect()
         };
         let effect = |effect: &Effect| -> Vec<String> {
@@ -62,25 +64,43 @@ impl Report for StressSummary {
             ModelVerdict::Differs(share) => format!("cycles off by {}", percent(*share)),
             ModelVerdict::Failed(why) => format!("failed: {why}"),
         };
-        let cases: Vec<Value> = self
-            .cases
-            .iter()
-            .map(|case| {
-                let models: Vec<String> = case.models.iter().map(verdict).collect();
-                context! { name => case.name.as_str(), title => case.title.as_str(), models }
-            })
-            .collect();
+        let cell = |frames: &Vec<FrameWrong>| {
+            let outcome = Outcome::of(frames);
+            context! { text => failure_map::text(outcome), color => css(failure_map::look(outcome)) }
+        };
+        let case = |case: &CaseSummary| {
+            let cells: Vec<Value> = case.policies.iter().map(cell).collect();
+            context! { name => case.name.as_str(), title => case.title.as_str(), cells }
+        };
+        let verdicts = |case: &CaseSummary| -> Vec<String> {
+            std::iter::once(case.name.clone()).chain(case.models.iter().skip(1).map(verdict)).collect()
+        };
+        let names = |first: &str, names: &mut dyn Iterator<Item = String>| -> Vec<String> {
+            std::iter::once(first.to_owned()).chain(names).collect()
+        };
+        let table = |head: Vec<String>, rows: Vec<Vec<String>>| template::grid(Grid { head, names: 1, rows });
+        let totals_head = ["policy", "may be wrong", "cases failed", "false dark", "false lit", "wrong share"];
+        let effects_head = ["answer", "traversal saved, points", "wrong a million rays"];
         let context = context! {
-            map => template::plots(plots, &Section::Map),
+            verdict => failure_map::verdict(self),
+            looks => template::key(&failure_map::key()),
+            policies => self.policies.iter().map(|policy| policy.name.clone()).collect::<Vec<_>>(),
             over_frames => template::plots(plots, &Section::OverFrames),
             broken => self.broken(),
-            totals => self.policies.iter().enumerate().map(totals).collect::<Vec<_>>(),
-            effects => self.effects.iter().map(effect).collect::<Vec<_>>(),
+            totals => table(
+                totals_head.map(Into::into).to_vec(),
+                self.policies.iter().enumerate().map(totals).collect(),
+            ),
+            effects => table(effects_head.map(Into::into).to_vec(), self.effects.iter().map(effect).collect()),
             effect_scenes => self.effect_scenes,
-            saving_matters => names(|effect| effect.saving.matters()),
-            wrong_matters => names(|effect| effect.wrong_per_million.matters()),
+            saving_matters => matters(|effect| effect.saving.matters()),
+            wrong_matters => matters(|effect| effect.wrong_per_million.matters()),
             models => self.models.iter().map(|model| model.name.clone()).collect::<Vec<_>>(),
-            cases,
+            cases => self.cases.iter().map(case).collect::<Vec<_>>(),
+            verdicts => table(
+                names("case", &mut self.models.iter().skip(1).map(|model| model.name.clone())),
+                self.cases.iter().map(verdicts).collect(),
+            ),
         };
         template::render("stress.html", include_str!("page.html"), context).map(Some)
     }

@@ -25,6 +25,9 @@ pub(crate) struct SweepSummary {
     pub frames: Vec<u32>,
     /// Size of the pictures.
     pub resolution: Resolution,
+    /// Values of the varied fields in the machines' files.
+    #[serde(default)]
+    pub own: Vec<Own>,
     /// The points, in the order of the files.
     pub points: Vec<SweepPoint>,
 }
@@ -33,6 +36,17 @@ pub(crate) struct SweepSummary {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Change {
     /// Its path.
+    pub field: String,
+    /// Its value.
+    pub value: String,
+}
+
+/// A machine's own value of a field that is varied.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Own {
+    /// The machine's name.
+    pub machine: String,
+    /// The field's path.
     pub field: String,
     /// Its value.
     pub value: String,
@@ -79,7 +93,7 @@ impl SweepPoint {
     /// What differs, in words.
     pub(crate) fn label(&self) -> String {
         if self.changes.is_empty() {
-            return "as in its file".into();
+            return "baseline".into();
         }
         let short = |change: &Change| {
             let field = change.field.strip_prefix("shadow_cache.").unwrap_or(&change.field);

@@ -1,8 +1,13 @@
 //! The report of a sweep: what culling saves and costs on machines that differ in named fields.
 
+mod bytes;
+mod curves;
 mod data;
-mod plot;
+mod fields;
+mod front;
+mod heat_map;
 mod results;
+mod tornado;
 mod write;
 
-pub(crate) use data::{Change, SweepPoint, SweepSummary, grid};
+pub(crate) use data::{Change, Own, SweepPoint, SweepSummary, grid};

@@ -2,19 +2,20 @@
 
 use super::machine::{Machine, MachinePlot};
 use crate::quantity::Bytes;
+use crate::report::draw::Figure;
 use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
-use crate::report::draw::canvas::{DrawError, class_color};
+use crate::report::draw::palette::class_color;
 use crate::report::format::{bytes, change, percent_tick, words};
 use crate::report::run::summary::MachineRun;
 use crate::stats::TrafficClass;
 
-pub(super) const PLOT: MachinePlot = MachinePlot { name: "bytes", draw };
+pub(super) const PLOT: MachinePlot = MachinePlot { name: "bytes", figure };
 
 fn total(run: &MachineRun, level: &str) -> Option<Bytes> {
     run.stats.bytes.get(level).map(|classes| classes.values().copied().sum())
 }
 
-fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
+fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let mut levels = machine.keys(|run| &run.stats.bytes);
     // From the units outwards: L1s, L2, and what is neither, DRAM.
     levels.sort_by_key(|level| if level.starts_with('l') { (0, *level) } else { (1, *level) });
@@ -33,33 +34,41 @@ fn draw(machine: &Machine<'_>) -> Result<Option<String>, DrawError> {
                 if part > 0 && !seen.contains(&class) {
                     seen.push(class);
                 }
-                Some(Segment { length: part as f64 / whole.0 as f64, color: class_color(class) })
+                Some(Segment { part: words(class.name()), value: part as f64, color: class_color(class) })
             });
             let segments = segments.collect();
             max = max.max(moved.0 as f64 / whole.0 as f64);
-            let changed = off.filter(|_| machine.baseline != Some(policy));
+            let changed = off.filter(|_| !machine.is_baseline(policy));
             let changed = changed.and_then(|off| change(off.0 as f64, moved.0 as f64));
             let changed = changed.map(|change| format!(" ({change})")).unwrap_or_default();
             Some(Bar { name: policy.into(), segments, note: format!("{}{changed}", bytes(moved)) })
         };
-        groups.push(Group { name: words(level), bars: machine.runs().filter_map(bar).collect() });
+        let bars = machine.runs().filter_map(bar).collect();
+        groups.push(Group { name: words(level), whole: whole.0 as f64, bars });
     }
     if groups.is_empty() {
-        return Ok(None);
+        return None;
     }
     seen.sort();
-    let (lengths, axis) = match machine.baseline_run() {
-        Some(_) => ("the run without culling", "bytes, share of those without culling"),
-        None => ("the longest of the level", "bytes, share of the most at the level"),
+    let lengths = match machine.baseline_run() {
+        Some(_) => "the run without culling",
+        None => "the longest of the level",
     };
+    let name = machine.name;
+    let title = machine.changes(|run| total(run, "dram").map(|bytes| bytes.0 as f64));
+    let title = title.map_or_else(|| format!("{name}: bytes moved"), |changes| format!("{name}: DRAM bytes {changes}"));
     let chart = BarChart {
-        title: format!("Bytes moved at each level, by what they are for: {}", machine.name),
-        subtitle: format!("between the level and the one above it; lengths relative to {lengths}"),
-        legend: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
-        axis,
+        title,
+        about: format!(
+            "Bytes moved between a level and the one above it, towards the units, in all measured frames, by what they \
+             are for. Lengths are relative to {lengths}."
+        ),
+        key: seen.into_iter().map(|class| (words(class.name()), class_color(class))).collect(),
+        axis: "bytes, share of those without culling",
+        unit: "bytes",
         max,
         tick: percent_tick,
         groups,
     };
-    chart.draw().map(Some)
+    Some(chart.figure())
 }

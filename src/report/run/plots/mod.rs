@@ -2,12 +2,14 @@
 //! [`MACHINE_PLOTS`].
 
 mod bytes;
+mod diagram;
 mod dram_rows;
 mod hit_rates;
 mod machine;
 mod saving;
 mod section;
 mod split;
+mod times;
 mod tradeoff;
 mod utilization;
 mod wrong;
@@ -20,23 +22,27 @@ use machine::{Machine, MachinePlot};
 pub(super) use section::Section;
 
 /// Plots drawn once a run, in the page's order.
-const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, tradeoff::PLOT, wrong::PLOT];
+const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, wrong::PLOT, tradeoff::PLOT];
+
+/// Plots over frames drawn once a machine, in the page's order.
+const FRAME_PLOTS: &[MachinePlot] = &[times::PLOT];
 
 /// Plots drawn once a machine, in the page's order.
-const MACHINE_PLOTS: &[MachinePlot] = &[split::PLOT, bytes::PLOT, hit_rates::PLOT, utilization::PLOT, dram_rows::PLOT];
+const MACHINE_PLOTS: &[MachinePlot] =
+    &[diagram::PLOT, utilization::PLOT, split::PLOT, bytes::PLOT, hit_rates::PLOT, dram_rows::PLOT];
 
 /// All plots of a run that there is data for.
 pub(super) fn draw(summary: &Summary) -> Result<Vec<Drawing<Section>>, DrawError> {
     let mut drawings = draw_all(summary, RUN_PLOTS)?;
-    for MachinePlot { name, draw } in MACHINE_PLOTS {
-        let names = file_names(summary.machines.iter().map(|(name, _)| name));
+    let names = file_names(summary.machines.iter().map(|(name, _)| name));
+    let frames = FRAME_PLOTS.iter().map(|plot| (plot, true));
+    for (MachinePlot { name, figure }, over_frames) in frames.chain(MACHINE_PLOTS.iter().map(|plot| (plot, false))) {
         for (machine, (_, found)) in names.iter().zip(summary.machines.iter()) {
-            let of = Machine { name: machine.name, summary: found, baseline: summary.baseline.as_deref() };
-            drawings.extend(draw(&of)?.map(|svg| Drawing {
-                name: format!("{name}-{}", machine.file),
-                section: Section::Machine(machine.name.into()),
-                svg,
-            }));
+            let of = Machine { name: machine.name, found, run: summary };
+            let section = if over_frames { Section::Frames } else { Section::Machine(machine.name.into()) };
+            if let Some(figure) = figure(&of) {
+                drawings.push(Drawing::new(format!("{name}-{}", machine.file), section, figure)?);
+            }
         }
     }
     Ok(drawings)

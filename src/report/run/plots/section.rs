@@ -3,10 +3,10 @@
 /// The part of the page that a plot belongs to.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Section {
-    /// What culling saved.
-    Saving,
-    /// What it got wrong.
-    Correctness,
+    /// What the policies did.
+    Policies,
+    /// What happened frame by frame.
+    Frames,
     /// What the machine of that name measured.
     Machine(String),
 }

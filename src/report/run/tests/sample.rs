@@ -12,7 +12,7 @@ use crate::report::run::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
 };
 use crate::report::split::Split;
-use crate::report::sweep::{Change, SweepPoint, SweepSummary};
+use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
     Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
     ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
@@ -232,6 +232,8 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
             .map(|(name, value)| (name, value.to_owned()))
             .into_iter()
             .collect(),
+        changed: vec!["machines.small.clock_mhz".into()],
+        made: [("command line", "umbrasim run kitchen".to_owned())].into_iter().collect(),
         wall_seconds: [("trace", 12.5), ("replay small", 3.25)].into_iter().collect(),
         simulated_rays_per_wall_second: [("trace", 5.1e6), ("replay small", 20e6)].into_iter().collect(),
     };
@@ -261,6 +263,7 @@ pub(crate) fn sweep() -> SweepSummary {
         fidelity: Some("Event".into()),
         frames: vec![0, 16],
         resolution: SIZE,
+        own: vec![Own { machine: "small".into(), field: "shadow_cache.place".into(), value: "Own".into() }],
         points: vec![point(Vec::new()), point(vec![change])],
     }
 }

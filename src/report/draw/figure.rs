@@ -1,0 +1,197 @@
+//! A plot of a report: what it is of, what it says, its data, and how it is painted at any width.
+
+use minijinja::HtmlEscape;
+
+use super::canvas::{Canvas, DrawError, LEFT, LINE, NARROW, Painted, Text, WIDE, sheet};
+use super::palette::Color;
+use crate::report::grid::Grid;
+
+/// What a colour stands for.
+pub(crate) type Key = Vec<(String, Color)>;
+
+/// The height that a sheet of some width takes.
+type Height<'a> = Box<dyn Fn(i32) -> i32 + 'a>;
+type Paint<'a> = Box<dyn Fn(&Canvas<'_>) -> Result<(), DrawError> + 'a>;
+
+/// A plot before it is drawn.
+pub(crate) struct Figure<'a> {
+    /// What the data says, in a sentence.
+    pub title: String,
+    /// How to read it.
+    pub about: String,
+    /// The meaning of colours; may be empty.
+    pub key: Key,
+    /// The numbers.
+    pub data: Grid,
+    /// Whether it can be painted on a narrow sheet; a narrow page scrolls the wide one otherwise.
+    pub narrow: bool,
+    /// The height of a sheet.
+    pub height: Height<'a>,
+    /// Paints the data.
+    pub paint: Paint<'a>,
+}
+
+/// A plot of data `D` that stands in section `S` of the page.
+pub(crate) struct Plot<D, S = ()> {
+    /// Its name in files.
+    pub name: &'static str,
+    /// Where it belongs.
+    pub section: S,
+    /// Its figure; none where the data has nothing to show.
+    pub figure: for<'a> fn(&'a D) -> Option<Figure<'a>>,
+}
+
+/// A plot, drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Drawing<S = ()> {
+    /// The file's name, without its end.
+    pub name: String,
+    /// Where it belongs.
+    pub section: S,
+    /// What the data says.
+    pub title: String,
+    /// How to read it.
+    pub about: String,
+    /// The meaning of colours.
+    pub key: Key,
+    /// The numbers.
+    pub data: Grid,
+    /// The SVG file, with title and key.
+    pub file: String,
+    /// For wide pages: SVG without title and key.
+    pub wide: String,
+    /// The same for narrow pages; empty if these scroll the wide one.
+    pub narrow: String,
+}
+
+impl<S> Drawing<S> {
+    /// Draws a figure.
+    ///
+    /// # Errors
+    /// The figure cannot be drawn.
+    pub(crate) fn new(name: String, section: S, figure: Figure<'_>) -> Result<Self, DrawError> {
+        let file = file(&figure)?;
+        let draw = |width, class| {
+            let height = (figure.height)(width);
+            let Painted { elements, attributes } = sheet(width, height, |canvas| (figure.paint)(canvas))?;
+            // Style sheets of pages say what all texts have in common.
+            let elements = elements.replace(" dy=\"0.5ex\" text-anchor=\"start\"", "").replace(" dy=\"0.5ex\"", "");
+            let elements = elements.replace(" fill=\"currentColor\">", ">");
+            Ok(format!(
+                "<svg class=\"{class}\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{name}-title\" \
+                 aria-describedby=\"{name}-about\"{attributes}>{elements}</svg>"
+            ))
+        };
+        let (wide, narrow) = match figure.narrow {
+            true => (draw(WIDE, "wide")?, draw(NARROW, "narrow")?),
+            false => (draw(WIDE, "scrolled")?, String::new()),
+        };
+        let Figure { title, about, key, data, .. } = figure;
+        Ok(Self { wide, narrow, name, section, title, about, key, data, file })
+    }
+}
+
+/// All plots that there is data for, in order.
+///
+/// # Errors
+/// A plot cannot be drawn.
+pub(crate) fn draw_all<D, S: Clone>(data: &D, plots: &[Plot<D, S>]) -> Result<Vec<Drawing<S>>, DrawError> {
+    let figures = plots.iter().filter_map(|plot| Some((plot, (plot.figure)(data)?)));
+    figures.map(|(plot, figure)| Drawing::new(plot.name.into(), plot.section.clone(), figure)).collect()
+}
+
+/// The figure as a file: title, explanation and key above the data.
+fn file(figure: &Figure<'_>) -> Result<String, DrawError> {
+    let margin = 12;
+    let about = wrapped(&figure.about, Text::NOTE, WIDE - 2 * LEFT);
+    let key = key_places(&figure.key);
+    let key_rows = key.last().map_or(0, |(_, y)| y / LINE + 1);
+    let above = margin + 26 + (about.len() as i32 + key_rows) * LINE + 8;
+    let head = sheet(WIDE, above, |canvas| {
+        canvas.text(&figure.title, (LEFT, margin + 10), Text::TITLE)?;
+        let first = margin + 26;
+        for (line, y) in about.iter().zip((first + 10..).step_by(LINE as usize)) {
+            canvas.text(line, (LEFT, y), Text::NOTE)?;
+        }
+        let top = first + about.len() as i32 * LINE + 12;
+        figure.key.iter().zip(&key).try_for_each(|((name, color), (x, y))| {
+            canvas.rect((*x, top + y - 6), (x + 12, top + y + 6), *color)?;
+            canvas.text(name, (x + 18, top + y), Text::LABEL)
+        })
+    })?;
+    let below = (figure.height)(WIDE);
+    let body = sheet(WIDE, below, |canvas| (figure.paint)(canvas))?;
+    let (width, height) = (WIDE + 2 * margin, above + below + margin);
+    Ok(format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+         viewBox=\"0 0 {width} {height}\" role=\"img\" font-family=\"sans-serif\" \
+         style=\"background:#fff;color:#22262a\">\n<title>{}</title>\n<desc>{}</desc>\n\
+         <g transform=\"translate({margin})\">{}</g>\n<g transform=\"translate({margin} {above})\">{}</g>\n</svg>\n",
+        HtmlEscape(&figure.title),
+        HtmlEscape(&figure.about),
+        head.elements,
+        body.elements.replace("var(--card, #fff)", "#fff"),
+    ))
+}
+
+/// Where the entries of a key stand, in rows.
+fn key_places(key: &Key) -> Vec<(i32, i32)> {
+    let (mut x, mut y) = (LEFT, 0);
+    let place = |(name, _): &(String, Color)| {
+        let width = 18 + Text::LABEL.width(name) + 14;
+        if x > LEFT && x + width > WIDE {
+            (x, y) = (LEFT, y + LINE);
+        }
+        let place = (x, y);
+        x += width;
+        place
+    };
+    key.iter().map(place).collect()
+}
+
+/// Text in lines of at most `width`.
+pub(crate) fn wrapped(text: &str, look: Text, width: i32) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if look.width(line) + look.width(word) < width => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.into()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::palette::BLUE;
+    use super::*;
+
+    #[test]
+    fn text_is_wrapped_and_keys_stay_on_the_sheet() {
+        assert_eq!(wrapped("one two three", Text::NOTE, Text::NOTE.width("one two t")), ["one two", "three"]);
+        let key = vec![("a class of things".to_owned(), BLUE); 12];
+        let places = key_places(&key);
+        assert!(places.iter().all(|(x, _)| x + Text::LABEL.width("a class of things") < WIDE));
+        assert!(places.last().unwrap().1 > 0);
+    }
+
+    #[test]
+    fn a_figure_is_a_file_and_two_pictures_of_a_page() {
+        let figure = Figure {
+            title: "a < b".into(),
+            about: "how to read".into(),
+            key: vec![("thing".into(), BLUE)],
+            data: Grid { head: vec!["x".into()], names: 0, rows: vec![vec!["1".into()]] },
+            narrow: true,
+            height: Box::new(|width| width / 4),
+            paint: Box::new(|canvas| canvas.dot((canvas.width() / 2, 9), 3, BLUE)),
+        };
+        let drawing = Drawing::new("it".into(), (), figure).unwrap();
+        assert!(drawing.file.contains("<title>a &lt; b</title>") && drawing.file.contains("<desc>how to read</desc>"));
+        assert!(drawing.wide.contains("viewBox=\"0 0 960 240\" role=\"img\" aria-labelledby=\"it-title\""));
+        assert!(drawing.narrow.contains("viewBox=\"0 0 360 90\"") && drawing.narrow.contains("cx=\"180\""));
+    }
+}

@@ -1,0 +1,68 @@
+//! Marks of points, by shape, and names beside them.
+
+use super::canvas::{Canvas, DrawError, LINE, Text};
+use super::palette::{Color, PAPER};
+
+/// Half the size of a mark.
+const HALF: i32 = 5;
+
+/// Draws the mark of series `index`, filled or as an outline.
+pub(crate) fn mark(
+    canvas: &Canvas<'_>,
+    index: usize,
+    (x, y): (i32, i32),
+    color: Color,
+    filled: bool,
+) -> Result<(), DrawError> {
+    let corners: &[(i32, i32)] = match index % 5 {
+        0 => {
+            if filled {
+                return canvas.dot((x, y), HALF, color);
+            }
+            canvas.dot((x, y), HALF, PAPER)?;
+            return canvas.ring((x, y), HALF, color, 2);
+        }
+        1 => &[(-1, -1), (1, -1), (1, 1), (-1, 1)],
+        2 => &[(0, -1), (1, 1), (-1, 1)],
+        3 => &[(0, -1), (1, 0), (0, 1), (-1, 0)],
+        _ => &[(-1, -1), (1, -1), (0, 1)],
+    };
+    let size = if index % 5 == 1 { HALF - 1 } else { HALF + 1 };
+    let mut points: Vec<(i32, i32)> = corners.iter().map(|(dx, dy)| (x + dx * size, y + dy * size)).collect();
+    canvas.polygon(points.clone(), if filled { color } else { PAPER })?;
+    points.extend(points.first().copied());
+    canvas.line(points, color, 2)
+}
+
+/// Names beside points, none on another.
+#[derive(Default)]
+pub(crate) struct Names {
+    /// Corners of what is taken.
+    taken: Vec<((i32, i32), (i32, i32))>,
+}
+
+impl Names {
+    /// Keeps the place of a point free.
+    pub(crate) fn point(&mut self, (x, y): (i32, i32)) {
+        self.taken.push(((x - HALF, y - HALF), (x + HALF, y + HALF)));
+    }
+
+    /// Writes a name beside the point at `at`: to its right, to its left, above or below, further off if these are taken.
+    pub(crate) fn write(&mut self, canvas: &Canvas<'_>, name: &str, at: (i32, i32)) -> Result<(), DrawError> {
+        let look = Text::NOTE;
+        let width = look.width(name);
+        let rows = [0, -1, 1, -2, 2, -3, 3].map(|row| row * (LINE - 5));
+        let places = rows.into_iter().flat_map(|dy| [(HALF + 5, dy), (-HALF - 5 - width, dy), (-width / 2, dy)]);
+        let free = |&(dx, dy): &(i32, i32)| {
+            let (left, top) = (at.0 + dx, at.1 + dy - 7);
+            let is_inside = left >= 0 && left + width <= canvas.width() && top >= 0;
+            let clear =
+                |&((l, t), (r, b)): &((i32, i32), (i32, i32))| left + width < l || left > r || top + 14 < t || top > b;
+            is_inside && self.taken.iter().all(clear)
+        };
+        let (dx, dy) = places.into_iter().find(free).unwrap_or((HALF + 5, 0));
+        let (left, y) = (at.0 + dx, at.1 + dy);
+        self.taken.push(((left, y - 7), (left + width, y + 7)));
+        canvas.text(name, (left, y), look)
+    }
+}

@@ -1,0 +1,118 @@
+//! What limits a machine, in words.
+
+use super::summary::MachineRun;
+use crate::report::format::{percent, words};
+use crate::stats::Cause;
+
+/// A part that is used this much is the limit, whatever else is slow.
+const FULL: f64 = 0.75;
+/// From this share of lost cycles on a full intake is the limit.
+const INTAKE: f64 = 0.2;
+
+/// What limits a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Limit {
+    /// In a few words: `its traversal units are busy`.
+    pub short: String,
+    /// With its figures.
+    pub text: String,
+}
+
+/// The kind of units that is busy in the largest share of its cycles, and that share. The dispatcher, which only hands
+/// rays out, is not asked.
+pub(super) fn busiest(run: &MachineRun) -> Option<(&str, f64)> {
+    let units = run.utilization.iter().filter(|(unit, _)| *unit != "dispatcher");
+    units.map(|(unit, &share)| (unit.as_str(), share)).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > 0.0)
+}
+
+fn share(run: &MachineRun, unit: &str, cause: Cause) -> f64 {
+    let Some(causes) = run.stats.units.get(unit) else { return 0.0 };
+    let whole: u64 = causes.values().sum();
+    causes.get(&cause).map_or(0.0, |&cycles| cycles as f64 / whole.max(1) as f64)
+}
+
+/// What limits a run; `None` if its units were not told apart.
+pub(super) fn limit(run: &MachineRun) -> Option<Limit> {
+    let (unit, busy) = busiest(run)?;
+    let intake = run.stats.units.keys().map(|unit| (unit.as_str(), share(run, unit, Cause::Intake)));
+    if let Some((unit, lost)) = intake.max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 >= INTAKE) {
+        let name = words(unit);
+        return Some(Limit {
+            short: format!("its {name} units take no more rays a cycle"),
+            text: format!(
+                "The intake of the {name} units: in {} of their cycles they took as many rays as their width allows, \
+                 and others waited.",
+                percent(lost)
+            ),
+        });
+    }
+    if let Some(used) = run.dram_utilization.filter(|&used| used >= FULL) {
+        return Some(Limit {
+            short: "its DRAM is full".into(),
+            text: format!("DRAM bandwidth: {} of its peak is used.", percent(used)),
+        });
+    }
+    let (name, busy_text) = (words(unit), percent(busy));
+    if busy >= FULL {
+        return Some(Limit {
+            short: format!("its {name} units are busy"),
+            text: format!("The {name} units: busy in {busy_text} of their cycles."),
+        });
+    }
+    let lost = Cause::ALL.into_iter().filter(|&cause| cause != Cause::Busy);
+    let lost = lost.map(|cause| (cause, share(run, unit, cause))).max_by(|a, b| a.1.total_cmp(&b.1));
+    let (cause, lost) = lost?;
+    let (short, why) = match cause {
+        Cause::Memory => ("wait for memory", "wait for data"),
+        Cause::Blocked => ("are blocked by their neighbours", "hold results that a neighbour cannot take"),
+        Cause::Pipeline => ("have too few rays for their latency", "have all their rays in the pipeline"),
+        Cause::Intake => ("take no more rays a cycle", "have a full intake"),
+        Cause::Starved | Cause::Busy => ("have too few rays", "have no ray"),
+    };
+    Some(Limit {
+        short: format!("its {name} units {short}"),
+        text: format!(
+            "The {name} units {short}: they are busy in {busy_text} of their cycles, and {why} in {}.",
+            percent(lost)
+        ),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::quantity::Cycle;
+    use crate::stats::MachineStats;
+
+    /// A run of 100 cycles in which units of one kind lost cycles to these causes.
+    fn run(causes: &[(Cause, u64)]) -> MachineRun {
+        let lost: u64 = causes.iter().map(|(_, cycles)| cycles).sum();
+        let mut all: BTreeMap<Cause, u64> = causes.iter().copied().collect();
+        all.insert(Cause::Busy, 100 - lost);
+        let stats = MachineStats {
+            cycles: Cycle(100),
+            clock_mhz: 1.0,
+            units: BTreeMap::from([("shadow_cache".to_owned(), all)]),
+            unit_counts: BTreeMap::from([("shadow_cache".to_owned(), 1)]),
+            ..MachineStats::default()
+        };
+        MachineRun::from(stats)
+    }
+
+    #[test]
+    fn the_cause_of_the_busiest_unit_is_named() {
+        let short = |causes: &[(Cause, u64)]| limit(&run(causes)).unwrap().short;
+        assert_eq!(short(&[(Cause::Memory, 10)]), "its shadow cache units are busy");
+        assert_eq!(short(&[(Cause::Memory, 40)]), "its shadow cache units wait for memory");
+        assert_eq!(short(&[(Cause::Starved, 60)]), "its shadow cache units have too few rays");
+        assert_eq!(
+            short(&[(Cause::Intake, 30), (Cause::Starved, 40)]),
+            "its shadow cache units take no more rays a cycle"
+        );
+        let text = limit(&run(&[(Cause::Pipeline, 40)])).unwrap().text;
+        assert!(text.ends_with("busy in 60.0 % of their cycles, and have all their rays in the pipeline in 40.0 %."));
+        assert_eq!(limit(&MachineRun::from(MachineStats::default())), None);
+    }
+}

@@ -1,0 +1,109 @@
+//! `index.html`: one file that holds the whole report, pictures and plots included.
+
+mod compare;
+mod config;
+mod tables;
+mod verdict;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use minijinja::{Value, context};
+
+use super::files::PngPicture;
+use super::pictures::{NO_WORD, OCCLUSION_MODES, PictureKind, Rgb, SHADOW_MODES, word_color};
+use super::plots::Section;
+use super::summary::{MachineRun, MachineSummary, Summary};
+use super::{findings, notices};
+use crate::report::draw::Drawing;
+use crate::report::format::percent;
+use crate::report::template::{self, defined, grid, key};
+use tables::MEANINGS;
+
+/// The page as HTML. `config` is the experiment's text as run.
+pub(super) fn page(
+    summary: &Summary,
+    config: &str,
+    drawings: &[Drawing<Section>],
+    pictures: &[PngPicture],
+) -> Result<String, minijinja::Error> {
+    let plots = |section: &Section| template::plots(drawings, section);
+    let (references, comparisons) = compare::comparisons(summary, pictures);
+    let pairs = |named: &crate::named::Named<String>| -> Vec<Vec<String>> {
+        named.iter().map(|(name, value)| vec![name.to_owned(), value.clone()]).collect()
+    };
+    let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
+    let context = context! {
+        experiment => summary.experiment.as_str(),
+        finding => verdict::finding(summary),
+        setting => findings::setting(summary),
+        notices => notices::notices(summary),
+        tiles => verdict::tiles(summary),
+        findings => findings::of_policies(summary).into_iter().collect::<Vec<_>>(),
+        policies => defined(tables::policies(summary), MEANINGS),
+        machine_figures => defined(tables::machines(summary), MEANINGS),
+        policy_plots => plots(&Section::Policies),
+        frame_plots => plots(&Section::Frames),
+        shadow_rays => summary.policies.iter().any(|(_, policy)| policy.counts.shadow_rays > 0),
+        lights => defined(tables::lights(summary), MEANINGS),
+        frames => grid(tables::frames(summary)),
+        worst => compare::worst_frame(summary),
+        culling => culling.map(|(name, _)| name.to_owned()).collect::<Vec<_>>(),
+        references, comparisons,
+        outlines => key(&compare::key()),
+        word_pictures => word_pictures(pictures),
+        occlusion_modes => OCCLUSION_MODES.to_vec(),
+        word_colors => word_colors(),
+        no_word => css(NO_WORD),
+        machines => summary.machines.iter().map(|it| machine(it, drawings)).collect::<Vec<_>>(),
+        config => config::lines(config, &summary.changed),
+        changed => summary.changed.len(),
+        schema => summary.schema,
+        provenance => pairs(&summary.provenance),
+        made => pairs(&summary.made),
+        wall => grid(tables::wall(summary)),
+    };
+    template::render("page.html", include_str!("page.html"), context)
+}
+
+fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section>]) -> Value {
+    let plots = template::plots(drawings, &Section::Machine(name.into()));
+    let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
+    let needs = |(policy, run): (&str, &MachineRun)| {
+        let needs = run.stats.needs.as_ref()?;
+        let [target, pilot] = [needs.target, needs.pilot_share].map(percent);
+        Some(context! {
+            policy, target, pilot,
+            taken => needs.models.last().map(|taken| taken.model.as_str()),
+            parts => grid(super::tables::parts(needs)),
+            models => grid(super::tables::models(needs)),
+        })
+    };
+    let needs: Vec<Value> = machine.policies.iter().filter_map(needs).collect();
+    let split = defined(super::tables::split(machine), MEANINGS);
+    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, needs, split }
+}
+
+/// The legend of mode words: a row a shadow mode, a colour an occlusion mode.
+fn word_colors() -> Vec<Value> {
+    let row = |(shadow, name): (usize, &'static str)| {
+        let colors: Vec<String> =
+            (0..OCCLUSION_MODES.len()).map(|occlusion| css(word_color(occlusion, shadow))).collect();
+        context! { name, colors }
+    };
+    SHADOW_MODES.into_iter().enumerate().map(row).collect()
+}
+
+fn css([red, green, blue]: Rgb) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
+}
+
+/// Pictures of mode words.
+fn word_pictures(pictures: &[PngPicture]) -> Vec<Value> {
+    let picture = |(info, png): &PngPicture| {
+        let PictureKind::Words { light } = info.kind else { return None };
+        let policy = info.policy.as_deref().unwrap_or_default();
+        let caption = format!("frame {}, towards light {light}, {policy}", info.frame);
+        Some(context! { caption, data => STANDARD.encode(png) })
+    };
+    pictures.iter().filter_map(picture).collect()
+}

@@ -1,0 +1,190 @@
+//! What each value of a field does: a curve a machine and policy, the machine's own value ringed.
+
+use super::data::{SweepPoint, SweepSummary};
+use super::fields::{Field, fields, own, places, shown, value};
+use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text, tick_step};
+use crate::report::draw::marks::mark;
+use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::{DrawError, Drawing, Figure};
+use crate::report::format::{change, number, percent, percent_tick};
+use crate::report::grid::Grid;
+
+const PANEL: i32 = 150;
+const ABOVE: i32 = 34;
+const BELOW: i32 = 40;
+const AXIS: i32 = 62;
+
+/// A panel: its heading, and the figure of a point beside the one that it is compared with.
+type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<f64>);
+
+/// Changes against the machine as it is, and against the same machine without culling.
+const METRICS: [Metric; 3] = [
+    ("Cycles with culling, against the machine as it is", |it, own| share(it.split.cycles[2], own?.split.cycles[2])),
+    ("Cycles, change by culling", |it, _| share(it.split.cycles[2], it.split.cycles[0])),
+    ("DRAM bytes, change by culling", |it, _| share(it.split.dram[2].0, it.split.dram[0].0)),
+];
+
+fn share(with: u64, without: u64) -> Option<f64> {
+    (without > 0).then(|| with as f64 / without as f64 - 1.0)
+}
+
+/// A plot a field, if the other fields stay as they are along it.
+pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError> {
+    if summary.points.iter().any(|point| point.changes.len() > 1) {
+        return Ok(Vec::new());
+    }
+    let names: Vec<String> = fields(summary).iter().map(|field| field.path.replace('.', "-")).collect();
+    let all = fields(summary).into_iter().zip(names);
+    all.map(|(field, name)| Drawing::new(format!("field-{name}"), (), figure(summary, field))).collect()
+}
+
+/// A machine under a policy: its name, and its points along a field.
+struct Curve<'a> {
+    name: String,
+    points: Vec<(usize, &'a SweepPoint)>,
+    /// The point of the machine as it is.
+    own: Option<&'a SweepPoint>,
+}
+
+impl Curve<'_> {
+    fn figure(&self, (_, of): Metric, point: &SweepPoint) -> Option<f64> {
+        of(point, self.own)
+    }
+}
+
+fn curves<'a>(summary: &'a SweepSummary, field: &Field<'a>) -> Vec<Curve<'a>> {
+    let mut curves: Vec<Curve<'a>> = Vec::new();
+    let varies = |point: &SweepPoint| point.changes.iter().all(|change| change.field == field.path);
+    for point in summary.points.iter().filter(|point| varies(point)) {
+        let Some(value) = value(summary, point, field.path) else { continue };
+        let Some(place) = field.values.iter().position(|it| *it == value) else { continue };
+        let name = format!("{}, {}", point.machine, point.policy);
+        match curves.iter_mut().find(|curve| curve.name == name) {
+            Some(curve) => curve.points.push((place, point)),
+            None => curves.push(Curve { name, points: vec![(place, point)], own: None }),
+        }
+    }
+    for curve in &mut curves {
+        curve.points.sort_by_key(|(place, _)| *place);
+        let own = curve
+            .points
+            .iter()
+            .find(|(_, point)| value(summary, point, field.path) == own(summary, &point.machine, field.path));
+        curve.own = own.map(|(_, point)| *point);
+    }
+    curves
+}
+
+fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
+    let curves = curves(summary, &field);
+    let row = |curve: &Curve<'_>, place: usize, point: &SweepPoint| -> Vec<String> {
+        let metrics = METRICS.iter().map(|metric| curve.figure(*metric, point).map_or_else(String::new, number));
+        [curve.name.clone(), field.values[place].to_owned()].into_iter().chain(metrics).collect()
+    };
+    let rows = curves.iter().flat_map(|curve| curve.points.iter().map(|(place, point)| row(curve, *place, point)));
+    let head = ["machine, policy", field.path].into_iter().chain(METRICS.map(|(name, _)| name));
+    let data = Grid { head: head.map(Into::into).collect(), names: 1, rows: rows.collect() };
+    let labels = curves.len() as i32 * LINE;
+    Figure {
+        title: finding(&field, &curves),
+        about: format!(
+            "`{}` along the axis, all else as in the machine's file. Ring: the machine's own value.",
+            field.path
+        ),
+        key: Vec::new(),
+        data,
+        narrow: true,
+        height: Box::new(move |_| METRICS.len() as i32 * (ABOVE + PANEL + BELOW) + labels),
+        paint: Box::new(move |canvas| {
+            for (index, metric) in (0..).zip(METRICS) {
+                panel(canvas, (&field, &curves), metric, index * (ABOVE + PANEL + BELOW) + ABOVE)?;
+            }
+            let top = METRICS.len() as i32 * (ABOVE + PANEL + BELOW) + LINE / 2;
+            for (index, curve) in curves.iter().enumerate() {
+                let y = top + index as i32 * LINE;
+                mark(canvas, index, (LEFT + 7, y), series_color(index), true)?;
+                canvas.text(&curve.name, (LEFT + 20, y), Text::LABEL)?;
+            }
+            Ok(())
+        }),
+    }
+}
+
+/// The curve with the widest range of cycles, in a sentence.
+fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
+    let ends = |curve: &Curve<'_>| {
+        let cycles = |point: &SweepPoint| point.split.cycles[2] as f64;
+        let all = || curve.points.iter().map(|&(place, point)| (place, cycles(point)));
+        let least = all().min_by(|a, b| a.1.total_cmp(&b.1))?;
+        let most = all().max_by(|a, b| a.1.total_cmp(&b.1))?;
+        (most.1 > 0.0).then_some((least, most))
+    };
+    let widest = curves.iter().filter_map(|curve| Some((curve, ends(curve)?)));
+    let widest = widest.max_by(|a, b| (a.1.1.1 / a.1.0.1).total_cmp(&(b.1.1.1 / b.1.0.1)));
+    let shown = |place: usize| shown(field.path, field.values[place]);
+    match widest {
+        Some((curve, ((best, least), (worst, most)))) if most / least > 1.002 => format!(
+            "{}: {} is fastest on {}, {} cycles against {}",
+            field.path,
+            shown(best),
+            curve.name,
+            change(most, least).unwrap_or_default(),
+            shown(worst)
+        ),
+        _ => format!("{}: cycles stay the same", field.path),
+    }
+}
+
+fn panel(
+    canvas: &Canvas<'_>,
+    (field, curves): (&Field<'_>, &[Curve<'_>]),
+    metric: Metric,
+    top: i32,
+) -> Result<(), DrawError> {
+    let (end, bottom) = (canvas.width() - 34, top + PANEL);
+    canvas.text(metric.0, (LEFT, top - 20), Text::LABEL.bold())?;
+    let all = curves.iter().flat_map(|curve| curve.points.iter().filter_map(|(_, it)| curve.figure(metric, it)));
+    let (low, high) = all.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
+    let step = tick_step((high - low).max(0.01), 4);
+    let (low, high) = ((low / step).floor() * step, ((high / step).ceil() * step).max(low + step));
+    let y = |share: f64| bottom - ((share - low) / (high - low) * f64::from(PANEL)).round() as i32;
+    let xs: Vec<i32> =
+        places(&field.values).iter().map(|place| AXIS + (place * f64::from(end - AXIS)).round() as i32).collect();
+    for tick in 0..=((high - low) / step).round() as i32 {
+        let share = low + f64::from(tick) * step;
+        canvas.line(vec![(AXIS, y(share)), (end, y(share))], GRID, 1)?;
+        canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
+    }
+    canvas.line(vec![(AXIS, y(0.0)), (end, y(0.0))], FAINT, 1)?;
+    let mut free = i32::MIN;
+    for (value, &x) in field.values.iter().zip(&xs) {
+        let text = shown(field.path, value);
+        let half = Text::NOTE.width(&text) / 2;
+        canvas.line(vec![(x, top), (x, bottom)], GRID, 1)?;
+        if x - half > free {
+            canvas.text(&text, (x, bottom + 14), Text::NOTE.centered())?;
+            free = x + half + 4;
+        }
+    }
+    for (index, curve) in curves.iter().enumerate() {
+        let color = series_color(index);
+        let at = |place: usize, point: &SweepPoint| Some((xs[place], y(curve.figure(metric, point)?)));
+        let placed = || curve.points.iter().filter_map(|(place, point)| Some((*point, at(*place, point)?)));
+        let line: Vec<(i32, i32)> = placed().map(|(_, at)| at).collect();
+        if line.len() > 1 {
+            canvas.line(line, color, 2)?;
+        }
+        for (point, at) in placed() {
+            mark(canvas, index, at, color, true)?;
+            if curve.own == Some(point) {
+                canvas.ring(at, 9, INK, 2)?;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// A change as text, for other plots of the sweep.
+pub(super) fn signed(share: f64) -> String {
+    if share > 0.0 { format!("+{}", percent(share)) } else { percent(share) }
+}

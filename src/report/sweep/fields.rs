@@ -1,0 +1,108 @@
+//! The fields that a sweep varies, and the values of points along them.
+
+use super::data::{Own, SweepPoint, SweepSummary};
+use crate::report::format::tick;
+
+/// A field that was varied.
+pub(super) struct Field<'a> {
+    /// Its path.
+    pub path: &'a str,
+    /// Its values, numbers in order, others in that of the file.
+    pub values: Vec<&'a str>,
+}
+
+/// All varied fields, in the order in which they first occur.
+pub(super) fn fields(summary: &SweepSummary) -> Vec<Field<'_>> {
+    let mut fields: Vec<Field<'_>> = Vec::new();
+    for change in summary.points.iter().flat_map(|point| &point.changes) {
+        let at = fields.iter().position(|field| field.path == change.field).unwrap_or_else(|| {
+            fields.push(Field { path: &change.field, values: Vec::new() });
+            fields.len() - 1
+        });
+        if !fields[at].values.contains(&change.value.as_str()) {
+            fields[at].values.push(&change.value);
+        }
+    }
+    for field in &mut fields {
+        // A machine's own value is one of the sweep's where a point leaves the field as it is.
+        let kept = |own: &Own| {
+            let left = |point: &SweepPoint| point.changes.iter().all(|change| change.field != own.field);
+            summary.points.iter().any(|point| point.machine == own.machine && left(point))
+        };
+        for own in summary.own.iter().filter(|own| own.field == field.path && kept(own)) {
+            if !field.values.contains(&own.value.as_str()) {
+                field.values.insert(0, &own.value);
+            }
+        }
+        if field.values.iter().all(|value| amount(value).is_some()) {
+            field.values.sort_by(|a, b| amount(a).unwrap_or(0.0).total_cmp(&amount(b).unwrap_or(0.0)));
+        }
+    }
+    fields
+}
+
+/// The value that a point has in a field: what was set, or the machine's own.
+pub(super) fn value<'a>(summary: &'a SweepSummary, point: &'a SweepPoint, field: &str) -> Option<&'a str> {
+    let set = point.changes.iter().find(|change| change.field == field).map(|change| change.value.as_str());
+    set.or_else(|| own(summary, &point.machine, field))
+}
+
+/// The value of a field in a machine's file.
+pub(super) fn own<'a>(summary: &'a SweepSummary, machine: &str, field: &str) -> Option<&'a str> {
+    summary.own.iter().find(|own| own.machine == machine && own.field == field).map(|own| own.value.as_str())
+}
+
+/// A value as a number: `16384`, or `"16 KiB"`.
+pub(super) fn amount(value: &str) -> Option<f64> {
+    let text = value.trim().trim_matches('"');
+    let digits = text.trim_end_matches(|sign: char| sign.is_ascii_alphabetic()).trim_end();
+    let scale = match text[digits.len()..].trim() {
+        "" | "B" => 1.0,
+        "KiB" => 1024.0,
+        "MiB" => 1024.0 * 1024.0,
+        "GiB" => 1024.0 * 1024.0 * 1024.0,
+        _ => return None,
+    };
+    digits.parse::<f64>().ok().map(|number| number * scale)
+}
+
+/// A value of a field as people read it: sizes with a unit.
+pub(super) fn shown(field: &str, value: &str) -> String {
+    let is_size = field.rsplit('.').next().is_some_and(|name| name.contains("bytes"));
+    match amount(value) {
+        Some(bytes) if is_size && bytes >= 1024.0 * 1024.0 => format!("{} MiB", bytes / 1024.0 / 1024.0),
+        Some(bytes) if is_size && bytes >= 1024.0 => format!("{} KiB", bytes / 1024.0),
+        Some(bytes) if is_size => format!("{bytes} B"),
+        Some(number) => tick(number),
+        None => value.trim_matches('"').to_owned(),
+    }
+}
+
+/// Places of values along an axis from 0 to 1: numbers on a logarithmic scale if all are above zero, other values in
+/// steps.
+pub(super) fn places(values: &[&str]) -> Vec<f64> {
+    let numbers: Option<Vec<f64>> = values.iter().map(|value| amount(value)).collect();
+    let numbers = numbers.filter(|all| all.iter().all(|&number| number > 0.0));
+    let (Some(numbers), true) = (numbers, values.len() > 1) else {
+        let last = (values.len().max(2) - 1) as f64;
+        return (0..values.len()).map(|place| place as f64 / last).collect();
+    };
+    let (least, most) =
+        numbers.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &it| (low.min(it), high.max(it)));
+    numbers.iter().map(|number| (number / least).ln() / (most / least).ln().max(1e-9)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units_and_lie_on_a_logarithmic_axis() {
+        assert_eq!([amount("16384"), amount("\"16 KiB\""), amount("Own")], [Some(16384.0), Some(16384.0), None]);
+        assert_eq!(shown("l2.bytes", "65536"), "64 KiB");
+        assert_eq!([shown("l2.ways", "4"), shown("place", "Own")], ["4", "Own"]);
+        assert_eq!(places(&["1", "4", "16"]), [0.0, 0.5, 1.0]);
+        assert_eq!(places(&["A", "B", "C"]), [0.0, 0.5, 1.0]);
+        assert_eq!(places(&["A"]), [0.0]);
+    }
+}

@@ -1,0 +1,134 @@
+//! Cycles against DRAM bytes of all points, and the ones that none beats in both.
+
+use super::curves::signed;
+use super::data::{SweepPoint, SweepSummary};
+use super::fields::fields;
+use crate::report::draw::canvas::{LEFT, LINE, Text, tick_step};
+use crate::report::draw::marks::{Names, mark};
+use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::{Figure, Plot};
+use crate::report::format::{counted, number, percent_tick};
+use crate::report::grid::Grid;
+
+const PANEL: i32 = 300;
+const AXIS: i32 = 62;
+const BELOW: i32 = 54;
+/// More points than these are no picture: of the others only unbeaten ones are drawn.
+const MOST: usize = 2_000;
+
+pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "front", section: (), figure };
+
+/// A point's cycles and DRAM bytes against the same machine without culling.
+fn place(point: &SweepPoint) -> (f64, f64) {
+    let of = |with: u64, without: u64| with as f64 / without.max(1) as f64 - 1.0;
+    (of(point.split.cycles[2], point.split.cycles[0]), of(point.split.dram[2].0, point.split.dram[0].0))
+}
+
+/// Which points no other of the same machine and policy beats in both.
+fn unbeaten(points: &[(usize, &SweepPoint)]) -> Vec<bool> {
+    let mut order: Vec<usize> = (0..points.len()).collect();
+    let at = |index: usize| (points[index].0, place(points[index].1));
+    order.sort_by(|&a, &b| {
+        let ((of_a, (x, y)), (of_b, (u, v))) = (at(a), at(b));
+        of_a.cmp(&of_b).then(x.total_cmp(&u)).then(y.total_cmp(&v))
+    });
+    let mut best = vec![false; points.len()];
+    let mut before: Option<(usize, (f64, f64))> = None;
+    for index in order {
+        let (series, found) = at(index);
+        let beats = before.is_none_or(|(other, least)| other != series || found.1 < least.1 || found == least);
+        best[index] = beats;
+        if beats {
+            before = Some((series, found));
+        }
+    }
+    best
+}
+
+fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
+    if fields(summary).len() < 2 || summary.points.len() < 4 {
+        return None;
+    }
+    let mut names: Vec<String> = Vec::new();
+    let mut points: Vec<(usize, &SweepPoint)> = Vec::new();
+    for point in &summary.points {
+        let name = format!("{}, {}", point.machine, point.policy);
+        let series = names.iter().position(|other| *other == name).unwrap_or_else(|| {
+            names.push(name);
+            names.len() - 1
+        });
+        points.push((series, point));
+    }
+    let best = unbeaten(&points);
+    let row = |((series, point), best): (&(usize, &SweepPoint), &bool)| {
+        let (x, y) = place(point);
+        vec![names[*series].clone(), point.label(), number(x), number(y), if *best { "yes" } else { "no" }.into()]
+    };
+    let data = Grid {
+        head: ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"]
+            .map(Into::into)
+            .to_vec(),
+        names: 2,
+        rows: points.iter().zip(&best).map(row).collect(),
+    };
+    let fastest = points.iter().min_by(|a, b| place(a.1).0.total_cmp(&place(b.1).0))?.1;
+    let labels = names.len() as i32 * LINE;
+    Some(Figure {
+        title: format!(
+            "{} of {} are unbeaten; the fastest is {} on {} ({})",
+            best.iter().filter(|best| **best).count(),
+            counted(points.len(), "point"),
+            fastest.label(),
+            fastest.machine,
+            signed(place(fastest).0)
+        ),
+        about: "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no point \
+                of the machine and policy is better in both."
+            .into(),
+        key: Vec::new(),
+        data,
+        narrow: true,
+        height: Box::new(move |_| PANEL + BELOW + LINE + labels),
+        paint: Box::new(move |canvas| {
+            let (end, top) = (canvas.width() - 16, LINE);
+            let range = |of: fn((f64, f64)) -> f64| {
+                let all = points.iter().map(|(_, point)| of(place(point)));
+                let (low, high) = all.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
+                let step = tick_step((high - low).max(0.01), 4);
+                ((low / step).floor() * step, ((high / step).ceil() * step).max(low + step), step)
+            };
+            let (xs, ys) = (range(|it| it.0), range(|it| it.1));
+            let x = |share: f64| AXIS + ((share - xs.0) / (xs.1 - xs.0) * f64::from(end - AXIS)).round() as i32;
+            let y = |share: f64| top + PANEL - ((share - ys.0) / (ys.1 - ys.0) * f64::from(PANEL)).round() as i32;
+            canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
+            canvas.text("cycles", (end, top + PANEL + 34), Text::NOTE.right())?;
+            for tick in 0..=((xs.1 - xs.0) / xs.2).round() as i32 {
+                let share = xs.0 + f64::from(tick) * xs.2;
+                canvas.line(vec![(x(share), top), (x(share), top + PANEL)], if share.abs() < 1e-9 { FAINT } else { GRID }, 1)?;
+                canvas.text(&percent_tick(share), (x(share), top + PANEL + 14), Text::NOTE.centered())?;
+            }
+            for tick in 0..=((ys.1 - ys.0) / ys.2).round() as i32 {
+                let share = ys.0 + f64::from(tick) * ys.2;
+                canvas.line(vec![(AXIS, y(share)), (end, y(share))], if share.abs() < 1e-9 { FAINT } else { GRID }, 1)?;
+                canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
+            }
+            let at = |point: &SweepPoint| (x(place(point).0), y(place(point).1));
+            let mut names_of = Names::default();
+            points.iter().take(MOST).for_each(|(_, point)| names_of.point(at(point)));
+            let drawn = points.iter().zip(&best).enumerate();
+            for (_, ((series, point), best)) in drawn.filter(|(index, (_, best))| **best || *index < MOST) {
+                mark(canvas, *series, at(point), series_color(*series), *best)?;
+                if *best {
+                    canvas.ring(at(point), 9, INK, 1)?;
+                    names_of.write(canvas, &point.label(), at(point))?;
+                }
+            }
+            for (index, name) in names.iter().enumerate() {
+                let y = LINE + PANEL + BELOW + index as i32 * LINE;
+                mark(canvas, index, (LEFT + 7, y), series_color(index), true)?;
+                canvas.text(name, (LEFT + 20, y), Text::LABEL)?;
+            }
+            Ok(())
+        }),
+    })
+}
