@@ -4,7 +4,7 @@ use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
 use crate::counters::Counter;
 use crate::named::Named;
 use crate::quantity::Bytes;
-use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
+use crate::report::format::{bytes, change, exact, or_absent, percent, short};
 use crate::report::grid::{Grid, drawn, paragraph};
 use crate::report::split::Split;
 use crate::stats::{
@@ -50,7 +50,8 @@ pub(super) fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
-/// How `figure`, whose place among an accuracy's shares is `share`, changes from one run to another, with an interval if samples tell it.
+/// How `figure` changes from one run to another, with an interval if samples tell it. `share` is the figure's place
+/// among an accuracy's shares.
 pub(super) fn interval_of(
     figure: fn(&MachineRun) -> Option<f64>,
     share: usize,
@@ -68,7 +69,7 @@ pub(super) fn interval_of(
 /// How far a run's cycles and DRAM bytes may be from the truth, in a word.
 pub(super) fn error(accuracy: &Accuracy) -> String {
     match *accuracy {
-        Accuracy::Exact => "none".into(),
+        Accuracy::Exact => "exact".into(),
         Accuracy::Estimated { cycles, dram_bytes, .. } => {
             format!("\u{b1} {}, {}", percent(cycles).trim_end_matches(" %"), percent(dram_bytes))
         }
@@ -78,42 +79,9 @@ pub(super) fn error(accuracy: &Accuracy) -> String {
     }
 }
 
-/// The machines' key figures of measured frames, with the change against the run without culling. Rays a second are those
-/// answered, and energy is that of a frame.
-pub(super) fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 8] =
-        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy", "\u{b1} time, DRAM"];
-    let mut rows = Vec::new();
-    for (name, machine) in summary.machines.iter() {
-        let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
-        for (policy, run) in machine.policies.iter() {
-            let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
-                let change = off.and_then(|off| interval_of(figure, share, off, run));
-                change.map_or(text.clone(), |change| format!("{text} ({change})"))
-            };
-            rows.push(vec![
-                name.to_owned(),
-                policy.to_owned(),
-                measured(or_absent(run.milliseconds_per_frame, milliseconds), |run| run.milliseconds_per_frame, 0),
-                or_absent(run.rays_answered_per_second, short),
-                measured(or_absent(run.dram_bytes_per_frame, mean_bytes), |run| run.dram_bytes_per_frame, 2),
-                or_absent(run.dram_utilization, percent),
-                or_absent(run.joules_per_frame, joules),
-                error(&run.stats.accuracy),
-            ]);
-        }
-    }
-    Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
-}
-
 /// DRAM bytes of a frame.
 pub(super) fn dram_per_frame(run: &MachineRun) -> Option<f64> {
     run.dram_bytes_per_frame
-}
-
-fn mean_bytes(amount: f64) -> String {
-    bytes(Bytes(amount.round() as u64))
 }
 
 /// What each policy saved and paid on a machine.
