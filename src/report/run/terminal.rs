@@ -39,7 +39,7 @@ fn chosen(grid: &Grid, columns: &[usize]) -> Grid {
 const MACHINE_COLUMNS: usize = 6;
 
 /// A row for each machine and policy that culls: time and DRAM traffic of a frame without the policy and with it.
-fn machines(summary: &Summary) -> Grid {
+pub(super) fn machines(summary: &Summary) -> Grid {
     let runs = || summary.machines.iter().flat_map(|(_, machine)| machine.policies.iter());
     let all_exact = runs().all(|(_, run)| matches!(run.stats.accuracy, Accuracy::Exact));
     let mut head = vec!["machine", "policy", "ms/frame", "change", "DRAM MB/frame", "change"];
