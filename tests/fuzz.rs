@@ -11,6 +11,14 @@ mod streams;
 
 use std::process::Command;
 
+/// How many changed inputs there are where by default there are `usual` of them. The environment variable
+/// `UMBRASIM_FUZZ_CASES` sets how many of each format there are where by default there are 400: with 1000 of them, this test
+/// and `fuzz_scenes` try more than 20,000.
+fn cases(usual: usize) -> usize {
+    let wanted = std::env::var("UMBRASIM_FUZZ_CASES").ok();
+    wanted.map_or(usual, |wanted| usual * wanted.parse::<usize>().unwrap() / 400)
+}
+
 /// Set in the process that is under the limit.
 const LIMITED: &str = "UMBRASIM_UNDER_A_LIMIT";
 /// The limit on a process's address space, in kB: the test's threads and libraries take some of it.

@@ -10,8 +10,7 @@ use super::cycle::Cycle;
 use super::event::Event;
 use super::profile::Profile;
 use super::retired::WithoutRetired;
-use super::work::known_to_profile;
-use crate::machine::{MachineSpec, SpecError};
+use crate::machine::MachineSpec;
 use crate::stream::Header;
 
 /// A level that replays a stream whole, in one pass, from the cheapest to the plainest.
@@ -83,31 +82,11 @@ impl<'de> Deserialize<'de> for Sampled {
 }
 
 /// An engine of `level` for a stream with `header`; none of [`Level::Bound`], which has no machine in motion.
-///
-/// # Errors
-/// The level does not know the machine's way to access stores.
-pub(crate) fn engine(
-    level: Level,
-    machine: &MachineSpec,
-    header: &Header,
-) -> Result<Option<Box<dyn Engine>>, SpecError> {
-    Ok(match level {
+pub(crate) fn engine(level: Level, machine: &MachineSpec, header: &Header) -> Option<Box<dyn Engine>> {
+    match level {
         Level::Bound => None,
-        Level::Profile => {
-            knows_stores(machine)?;
-            Some(Box::new(Profile::new(machine, header)))
-        }
+        Level::Profile => Some(Box::new(Profile::new(machine, header))),
         Level::Event => Some(Box::new(Event::new(machine, header))),
         Level::Cycle => Some(Box::new(Cycle::new(machine, header))),
-    })
-}
-
-/// `Profile` knows few ways to access stores.
-pub(crate) fn knows_stores(machine: &MachineSpec) -> Result<(), SpecError> {
-    if known_to_profile(machine) {
-        return Ok(());
     }
-    let what = "`Profile` knows `shadow_cache` with `place: Own`, `register: 0`, `frame_end: List` and `latched: Free` or `Wide` \
-                only: with others, Event and Cycle are allowed";
-    Err(SpecError::new(what))
 }

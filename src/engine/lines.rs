@@ -1,7 +1,7 @@
 //! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were
 //! done before the next one began. It depends on the machine's memory layout, on no cache and no time.
 
-use super::work::{Holder, Work, known_to_profile, stores_as_recorded};
+use super::work::{Holder, Work, entries_as_recorded, stores_as_recorded};
 use crate::machine::kinds::Kind;
 use crate::machine::layout::Layout;
 use crate::machine::word_traffic::SilentUpdates;
@@ -28,7 +28,7 @@ impl LineStream {
             let known = Kind::ALL.map(|kind| kind.names().1).join(", ");
             return Err(SpecError::new(format!("there is no L1 called `{cache}`: {known} are")));
         };
-        let known = if kind == Kind::ShadowCache { stores_as_recorded(machine) } else { known_to_profile(machine) };
+        let known = if kind == Kind::ShadowCache { stores_as_recorded(machine) } else { entries_as_recorded(machine) };
         if !known {
             let what = "lines are known in the order of the stream only with `place: Own`, `register: 0`, `frame_end: List` and \
                         no `latched: Buffers` of `shadow_cache`, those of l1_shadow_cache only with `gather: 0` besides";

@@ -19,10 +19,12 @@ mod lines;
 mod observe;
 mod part_set;
 mod profile;
+mod register;
 pub(crate) mod retired;
 mod reuse;
 mod snapshot;
 pub(crate) mod source;
+mod store_steps;
 pub(crate) mod tally;
 #[cfg(test)]
 pub(crate) mod tests;

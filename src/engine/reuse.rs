@@ -2,10 +2,10 @@
 
 use super::error::RunError;
 use super::items::Source;
-use super::level::knows_stores;
 use super::profile::{Curves, Heat, Profile};
 use super::whole::within_bounds;
-use crate::machine::MachineSpec;
+use super::work::entries_as_recorded;
+use crate::machine::{MachineSpec, SpecError};
 use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats, ReuseLevel};
 use crate::stream::Header;
@@ -35,7 +35,11 @@ pub(crate) fn reuse(
     header: &Header,
     source: &dyn Source,
 ) -> Result<(MachineStats, Vec<ReuseLevel>), RunError> {
-    knows_stores(machine)?;
+    if !entries_as_recorded(machine) {
+        let what = "reuse distances are known only with `place: Own`, `register: 0`, `frame_end: List` and no \
+                    `latched: Buffers` of `shadow_cache`";
+        return Err(SpecError::new(what).into());
+    }
     let sample = match of {
         ReuseOf::Everything => None,
         ReuseOf::Sample { rate, hot } => {

@@ -28,7 +28,7 @@ pub(crate) fn whole(
     items: &mut ItemStream<'_>,
     observer: Option<&mut dyn Observer>,
 ) -> Result<MachineStats, RunError> {
-    let Some(mut engine) = engine(level, machine, header)? else { return bound::run(machine, header, items) };
+    let Some(mut engine) = engine(level, machine, header) else { return bound::run(machine, header, items) };
     let stats = within_bounds(engine.as_mut(), machine, header, items, observer)?;
     Ok(match level {
         Level::Profile => MachineStats { accuracy: Accuracy::Bounded, ..stats },

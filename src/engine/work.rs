@@ -30,11 +30,12 @@ impl Holder {
 /// Whether stores are accessed as the stream records it: by the shadow-cache units' own L1s, step by step.
 pub(crate) fn stores_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
-    unit.gather.get() == 0 && known_to_profile(machine)
+    unit.gather.get() == 0 && entries_as_recorded(machine)
 }
 
-/// Whether `Profile` knows the machine's way to access stores: as recorded, or with updates gathered by hits.
-pub(crate) fn known_to_profile(machine: &MachineSpec) -> bool {
+/// Whether entries are accessed as the stream records it, but for updates gathered by hits: by the shadow-cache units'
+/// own L1s, step by step.
+pub(crate) fn entries_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;
     unit.place == Place::Own && unit.register.get() == 0 && !adds

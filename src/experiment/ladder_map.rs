@@ -9,32 +9,70 @@ use super::progress::{self, Progress};
 use crate::machine::MachineSpec;
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 use crate::ranged::{Size, Within};
-use crate::replay::{Fidelity, Replay, ReuseOf, Sampled, Share};
+use crate::replay::{Fidelity, Replay, ReuseOf, RunError, Sampled, Share};
 use crate::report::ladder_map::{Axis, Covered, Figure, LadderMap, Point, Row};
 use crate::scene::builtin::shapes::hash;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{
-    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, StoreEntries, Structure, Totals,
+    Chunk, Decision, FrameInfo, Header, Item, Outcome, RayHead, RayKind, Step, Stop, Store, StoreEntries, Structure,
+    Totals,
 };
 
-/// Rays of a stream, and of a chunk of it.
-const RAYS: u64 = 131_072;
+/// Rays of a chunk of a stream, at most.
 const CHUNK: u64 = 4096;
 /// Steps of a ray: nodes, then triangles.
 const NODES: u64 = 20;
 const TRIANGLES: u64 = 3;
 /// How many times as long the rays of a burst are.
 const BURST: u64 = 10;
-/// The share that is sampled, and how many different samples are tried.
+/// The share that is sampled.
 const RATE: f64 = 0.25;
-const SEEDS: u64 = 5;
 /// The share of lines whose reuse is measured, and the hottest that are always among them.
 const LINES: f64 = 0.05;
 const HOT: usize = 256;
 
+/// How much is replayed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Effort {
+    /// Every point: some minutes.
+    Full,
+    /// Every other point, on streams an eighth as long: less than a minute.
+    Quick,
+}
+
+impl Effort {
+    /// Rays of a stream, where its length is not what is swept.
+    fn rays(self) -> u64 {
+        match self {
+            Self::Full => 131_072,
+            Self::Quick => 16_384,
+        }
+    }
+
+    /// How many different samples are tried.
+    fn seeds(self) -> u64 {
+        match self {
+            Self::Full => 5,
+            Self::Quick => 2,
+        }
+    }
+
+    /// Which points are replayed: each of so many.
+    fn step(self) -> usize {
+        match self {
+            Self::Full => 1,
+            Self::Quick => 2,
+        }
+    }
+}
+
 /// A stream and the machine that replays it.
 #[derive(Clone, Debug)]
 struct Case {
+    /// Rays of the stream.
+    rays: u64,
+    /// Updates of mode words that each ray sends to the shadow-cache unit, of which there is one.
+    updates: u64,
     /// Exponent of the law by which lines are popular (Zipf): 0 is all alike.
     skew: f64,
     /// Bytes of nodes, and of triangles a quarter of that.
@@ -46,9 +84,18 @@ struct Case {
     machine: MachineSpec,
 }
 
-impl Default for Case {
-    fn default() -> Self {
-        Self { skew: 0.8, footprint: 512 << 10, coherence: 0.8, burst: 0, machine: MachineSpec::default() }
+impl Case {
+    /// The case in which nothing is swept.
+    fn new(effort: Effort) -> Self {
+        Self {
+            rays: effort.rays(),
+            updates: 0,
+            skew: 0.8,
+            footprint: 512 << 10,
+            coherence: 0.8,
+            burst: 0,
+            machine: MachineSpec::default(),
+        }
     }
 }
 
@@ -86,6 +133,8 @@ impl Case {
 
     fn header(&self) -> Header {
         let lines = self.lines() as u32;
+        let words =
+            StoreEntries { mode_words: lines, word_owners: lines, words_per_primitive: 1, ..StoreEntries::default() };
         Header {
             scene: "made to order".into(),
             frames: vec![0],
@@ -99,7 +148,7 @@ impl Case {
             static_nodes: lines,
             static_slots: lines.div_ceil(3),
             static_list_entries: 0,
-            stores: StoreEntries::default(),
+            stores: if self.updates > 0 { words } else { StoreEntries::default() },
             unjudged_updates: false,
             input_hash: 0,
             records: Vec::new().into(),
@@ -118,8 +167,8 @@ impl Case {
         let info = FrameInfo { number: 0, dynamic_nodes: 0, dynamic_slots: 0, dynamic_list_entries: 0 };
         let (mut items, mut totals, mut chunk) = (vec![Item::Frame(info)], Totals::default(), Chunk::default());
         let mut path: Vec<u32> = Vec::new();
-        for ray in 0..RAYS {
-            let begin = (RAYS - self.burst) / 2;
+        for ray in 0..self.rays {
+            let begin = self.rays.saturating_sub(self.burst) / 2;
             let times = if (begin..begin + self.burst).contains(&ray) { BURST } else { 1 };
             let before = std::mem::take(&mut path);
             for step in 0..times * (NODES + TRIANGLES) {
@@ -138,9 +187,12 @@ impl Case {
                 pixel: PixelId(ray as u32),
                 parent: 0,
             };
-            chunk.push(head, &path, &[]);
+            let mut word = || (throw() * self.lines() as f64) as u32;
+            let updates: Vec<u32> =
+                (0..self.updates).map(|_| Step::Update { store: Store::ModeWord, index: word() }.pack()).collect();
+            chunk.push(head, &path, &updates);
             totals.count(&chunk.ray(chunk.len() - 1));
-            if (ray + 1) % CHUNK == 0 {
+            if (ray + 1) % CHUNK.min(self.rays) == 0 {
                 items.push(Item::Rays(Arc::new(std::mem::take(&mut chunk))));
             }
         }
@@ -162,51 +214,65 @@ fn bytes<const LEAST: u64, const MOST: u64>(value: u64) -> Size<LEAST, MOST> {
 type Made = (String, Case);
 
 /// The axes with their points; all else is as in the default case.
-fn axes() -> Vec<(&'static str, Vec<Made>)> {
-    fn points<T: Copy + ToString>(values: &[T], set: impl Fn(&mut Case, T)) -> Vec<Made> {
+fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
+    fn points<T: Copy + ToString>(effort: Effort, values: &[T], set: impl Fn(&mut Case, T)) -> Vec<Made> {
         let point = |&value: &T| {
-            let mut case = Case::default();
+            let mut case = Case::new(effort);
             set(&mut case, value);
             (value.to_string(), case)
         };
-        values.iter().map(point).collect()
+        values.iter().step_by(effort.step()).map(point).collect()
     }
     vec![
-        ("skew", points(&[0.0, 0.5, 0.8, 1.0, 1.2, 1.5], |case, skew| case.skew = skew)),
-        ("footprint, kB", points(&[8, 32, 128, 512, 2048, 8192], |case, size: u64| case.footprint = size << 10)),
-        ("coherence", points(&[0.0, 0.5, 0.8, 0.9, 0.95, 0.99], |case, it| case.coherence = it)),
+        // A short stream has few windows to sample, and ends before caches are warm.
+        ("stream, rays", points(effort, &[1024, 4096, 16_384], |case, rays| case.rays = rays)),
+        // The unit takes one ray a cycle, and each update is an operation: from some number on it holds up all others.
+        ("updates a ray, one unit", points(effort, &[0, 2, 8, 32], |case, updates| case.updates = updates)),
+        (
+            "pool beyond the units",
+            points(effort, &[0, 4, 16, 64], |case, more: u64| {
+                let units = case.machine.traversal.rays.get() * case.machine.traversal.count.get();
+                case.machine.dispatcher.rays = within(units + more);
+            }),
+        ),
+        ("skew", points(effort, &[0.0, 0.5, 0.8, 1.0, 1.2, 1.5], |case, skew| case.skew = skew)),
+        (
+            "footprint, kB",
+            points(effort, &[8, 32, 128, 512, 2048, 8192], |case, size: u64| case.footprint = size << 10),
+        ),
+        ("coherence", points(effort, &[0.0, 0.5, 0.8, 0.9, 0.95, 0.99], |case, it| case.coherence = it)),
         (
             "L1, kB",
-            points(&[1, 2, 8, 32, 128], |case, size: u64| {
+            points(effort, &[1, 2, 8, 32, 128], |case, size: u64| {
                 case.machine.traversal.cache.bytes = bytes(size << 10);
                 case.machine.intersection.cache.bytes = bytes(size << 10);
             }),
         ),
         (
             "rays a unit",
-            points(&[1, 4, 20, 64, 256], |case, rays: u64| {
+            points(effort, &[1, 4, 20, 64, 256], |case, rays: u64| {
                 case.machine.traversal.rays = within(rays);
                 case.machine.dispatcher.rays = within(4 * rays + 48);
             }),
         ),
         (
             "miss registers",
-            points(&[1, 2, 8, 32], |case, registers: u64| {
+            points(effort, &[1, 2, 8, 32], |case, registers: u64| {
                 case.machine.traversal.cache.mshrs = within(registers);
                 case.machine.intersection.cache.mshrs = within(registers);
             }),
         ),
-        ("burst, rays", points(&[0, 256, 1024, 4096], |case, rays: u64| case.burst = rays)),
+        ("burst, rays", points(effort, &[0, 256, 1024, 4096], |case, rays: u64| case.burst = rays)),
     ]
 }
 
 /// Runs everything.
-pub(crate) fn run() -> LadderMap {
-    let axes = axes();
+pub(crate) fn run(effort: Effort) -> LadderMap {
+    let axes = axes(effort);
     let bar = progress::bar("ladder", axes.iter().map(|(_, points)| points.len()).sum(), "points");
     let axis = |(name, points): &(&str, Vec<Made>)| Axis {
         name: (*name).into(),
-        points: points.par_iter().map(|(value, case)| point(value, case, &bar)).collect(),
+        points: points.par_iter().map(|(value, case)| point(value, case, effort.seeds(), &bar)).collect(),
     };
     let map = LadderMap { rows: rows(), axes: axes.iter().map(axis).collect() };
     drop(bar);
@@ -226,7 +292,7 @@ fn rows() -> Vec<String> {
     .into()
 }
 
-fn point(value: &str, case: &Case, bar: &Progress) -> Point {
+fn point(value: &str, case: &Case, seeds: u64, bar: &Progress) -> Point {
     let (header, items) = (case.header(), case.stream());
     let replay = Replay::new(&case.machine, &header).unwrap_or_else(|error| panic!("a machine made to order: {error}"));
     let on = |fidelity: Fidelity| {
@@ -239,9 +305,16 @@ fn point(value: &str, case: &Case, bar: &Progress) -> Point {
         |stats: &MachineStats| Row { errors: Figure::ALL.map(|figure| figure.error(stats, &event)), covered: None };
     let sampled = || {
         let (mut worst, mut covered) = ([None; Figure::ALL.len()], Covered::default());
-        for seed in 0..SEEDS {
+        for seed in 0..seeds {
             let engine = Sampled::Event;
-            let stats = on(Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None });
+            let fidelity = Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None };
+            let stats = match replay.fidelity(fidelity).run(&items) {
+                // A stream of few windows may have none in the sample: then the level says nothing.
+                Err(RunError::Sample { .. }) => continue,
+                stats => {
+                    stats.unwrap_or_else(|error| panic!("{fidelity} cannot replay what was made to order: {error}"))
+                }
+            };
             for (worst, figure) in worst.iter_mut().zip(Figure::ALL) {
                 let error = figure.error(&stats, &event);
                 if error.map(f64::abs) > worst.map(f64::abs) {
@@ -292,8 +365,8 @@ mod tests {
 
     #[test]
     fn a_point_compares_every_row() {
-        let case = Case { footprint: 8 << 10, ..Case::default() };
-        let point = point("8", &case, &Progress::hidden());
+        let case = Case { footprint: 8 << 10, ..Case::new(Effort::Quick) };
+        let point = point("8", &case, 2, &Progress::hidden());
         assert_eq!(point.rows.len(), rows().len());
         // All lines fit the L1s and the L2: first touches only.
         let [bound, profile, ..] = point.rows.as_slice() else { panic!("rows") };

@@ -175,8 +175,8 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may have no window, and `Profile` knows no words in triangle records: what the others
-    /// find is told all the same.
+    /// A sample of a short stream may have no window: what the others find is told all the same. `Profile` knows words
+    /// in triangle records.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
         let folder = tempfile::tempdir().unwrap();
@@ -192,11 +192,11 @@ mod tests {
         std::fs::write(&file, text).unwrap();
         let (summary, timings) = pareto(&file, None, &AtomicBool::new(false)).unwrap();
         let [bound, profile, sampled] = summary.rungs.as_slice() else { panic!("{:?}", summary.rungs) };
-        assert!(bound.refusals.is_empty() && bound.cycles.is_some());
+        assert!([bound, profile].iter().all(|rung| rung.refusals.is_empty() && rung.cycles.is_some()));
         let why = |rung: &Rung| rung.refusals.first().cloned().unwrap_or_default();
-        assert!(why(profile).contains("on `in_records` under `Off`: "), "{}", why(profile));
+        assert!(why(sampled).contains("on `in_records` under `Off`: "), "{}", why(sampled));
         assert!(why(sampled).contains("a higher `rate` is needed"), "{}", why(sampled));
-        assert_eq!((profile.refusals.len(), sampled.refusals.len(), sampled.cycles), (2, 2, None));
-        assert_eq!(timings.iter().map(|timing| timing.rays > 0).collect::<Vec<_>>(), [true, true, false, false]);
+        assert_eq!((sampled.refusals.len(), sampled.cycles), (2, None));
+        assert_eq!(timings.iter().map(|timing| timing.rays > 0).collect::<Vec<_>>(), [true, true, true, false]);
     }
 }

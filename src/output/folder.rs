@@ -36,7 +36,8 @@ pub(crate) struct ResultsFolder {
 }
 
 impl ResultsFolder {
-    /// Claims the folder `path` before the work begins. Nothing may be there, or an empty folder, or a folder of results.
+    /// Claims the folder `path` before the work begins. Nothing may be there, or an empty folder, or a folder of
+    /// results.
     ///
     /// # Errors
     /// Something else is there, another process writes there, or nothing can be written there.
@@ -61,8 +62,9 @@ impl ResultsFolder {
         Ok(Self { path: path.into(), target, _lock: lock, _parents: parents })
     }
 
-    /// Shares the folder `path` with other processes that keep results in it one by one. The folder is made if it is not
-    /// there. Nobody can [`claim`](Self::claim) it meanwhile, so that nobody may [`replace`](Self::replace) its files.
+    /// Shares the folder `path` with other processes that keep results in it one by one. The folder is made if it is
+    /// not there. Nobody can [`claim`](Self::claim) it meanwhile, so that nobody may [`replace`](Self::replace) its
+    /// files.
     ///
     /// # Errors
     /// As [`Self::claim`]; a process that writes there alone takes longer than some seconds.
@@ -111,8 +113,8 @@ impl ResultsFolder {
         Ok(())
     }
 
-    /// Puts what `fill` makes in a new folder into the place of the earlier own files, complete or not at all. All other
-    /// files stay.
+    /// Puts what `fill` makes in a new folder into the place of the earlier own files, complete or not at all. All
+    /// other files stay.
     ///
     /// # Errors
     /// Those of `fill`; the new files cannot take their place: they are kept beside it then.

@@ -76,7 +76,8 @@ impl Lock {
                     return Err(LockError::File(error));
                 }
             }
-            // The holder removes the file when it is done: then this is a file without a name, and the lock is nobody's.
+            // The holder removes the file when it is done: then this is a file without a name, and the lock is
+            // nobody's.
             if !is_at(&file, &path).map_err(LockError::File)? {
                 continue;
             }

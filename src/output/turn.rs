@@ -11,8 +11,9 @@ pub(crate) struct Turn {
 }
 
 impl Turn {
-    /// Takes the turn to make the file `target`; none while another process has the turn. Where no lock can be had everybody
-    /// has the turn: the same file may be made twice, and what is wrong there is told when the file is written.
+    /// Takes the turn to make the file `target`; none while another process has the turn. Where no lock can be had
+    /// everybody has the turn: the same file may be made twice, and what is wrong there is told when the file is
+    /// written.
     pub(crate) fn take(target: &Path) -> Option<Self> {
         match Lock::acquire(target) {
             Ok(lock) => Some(Self { _lock: Some(lock) }),

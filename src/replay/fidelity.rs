@@ -51,7 +51,7 @@ impl Fidelity {
 
     /// Whether it measures machines wherever their words are kept, and if they are free.
     pub fn knows_all_placements(self) -> bool {
-        self.is_exact() || matches!(self, Self::Sampled { engine: Sampled::Event, .. } | Self::Auto { .. })
+        self != Self::Bound
     }
 
     /// Where sampling towards a target begins.

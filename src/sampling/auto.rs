@@ -9,7 +9,6 @@ use super::findings::TELLING;
 use super::plan::{Cut, Plan};
 use super::sample::sample_until;
 use crate::engine::whole::whole;
-use crate::engine::work::known_to_profile;
 use crate::engine::{Items, Level, RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
@@ -158,16 +157,13 @@ pub(crate) fn auto(
             return Ok(MachineStats { needs: Some(needs), ..sampled });
         }
     }
-    // `Profile` knows stores as recorded only.
-    if let Some(machine) = [&reduced, machine].into_iter().find(|machine| known_to_profile(machine)) {
-        let check = tried(machine, Level::Profile)?;
-        needs.models.push(check.clone());
-        if check.passes {
-            return Ok(MachineStats {
-                needs: Some(needs),
-                ..whole(Level::Profile, machine, header, &mut source.open(0)?, None)?
-            });
-        }
+    let profile = tried(&reduced, Level::Profile)?;
+    needs.models.push(profile.clone());
+    if profile.passes {
+        return Ok(MachineStats {
+            needs: Some(needs),
+            ..whole(Level::Profile, &reduced, header, &mut source.open(0)?, None)?
+        });
     }
     let model = Level::Event.to_string();
     needs.models.push(ModelCheck { model, error: Some(0.0), held_back: Some(0.0), passes: true });

@@ -13,7 +13,7 @@ use super::plan::Plan;
 use super::windows::{Job, Windows};
 use crate::engine::contract::Engine;
 use crate::engine::{self, ItemStream, RunError, Sampled};
-use crate::machine::{MachineSpec, SpecError};
+use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item};
 
@@ -143,22 +143,18 @@ impl<'a> Sampler<'a> {
     }
 
     fn replay_one(&self, job: &Job) -> Numbered {
-        let found = self.engine().map_err(RunError::Spec);
-        (job.number, found.and_then(|mut engine| job::replay(engine.as_mut(), self.machine, job)))
+        (job.number, job::replay(self.engine().as_mut(), self.machine, job))
     }
 
     /// The statistics of a run in which nothing happens.
-    ///
-    /// # Errors
-    /// The engine refuses the machine.
-    pub(crate) fn nothing(&self) -> Result<MachineStats, SpecError> {
-        Ok(self.engine()?.tally(1).stats(self.machine))
+    pub(crate) fn nothing(&self) -> MachineStats {
+        self.engine().tally(1).stats(self.machine)
     }
 
     /// A new engine.
-    fn engine(&self) -> Result<Box<dyn Engine>, SpecError> {
-        let engine = engine::engine(self.engine.into(), self.machine, self.header)?;
-        Ok(engine.expect("all that replay samples have machines in motion"))
+    fn engine(&self) -> Box<dyn Engine> {
+        let engine = engine::engine(self.engine.into(), self.machine, self.header);
+        engine.expect("all that replay samples have machines in motion")
     }
 }
 

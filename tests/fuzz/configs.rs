@@ -12,8 +12,8 @@ use umbrasim::memory::dram::part::DramPart;
 use umbrasim::ron_file;
 use umbrasim::scene::spec::SceneSpec;
 
-use super::is_limited;
 use super::mutation::Random;
+use super::{cases, is_limited};
 
 /// Changes of each file.
 const CASES: usize = 60;
@@ -32,7 +32,7 @@ fn parsed<T: DeserializeOwned>(folder: &str, seed: u64, then: impl Fn(T)) -> usi
     let mut good = 0;
     for file in files(folder) {
         let text = fs::read_to_string(&file).unwrap();
-        for _ in 0..CASES {
+        for _ in 0..cases(CASES) {
             match ron_file::parse::<T>(&random.change_text(&text), &file) {
                 Ok(value) => {
                     good += 1;
@@ -92,7 +92,7 @@ fn files_that_name_others() {
     assert!(pareto::Comparison::load(&at("pareto.ron"), None).is_ok());
     let mut random = Random(7);
     for (name, text) in good.iter().filter(|(name, _)| *name != "scene.ron") {
-        for _ in 0..CASES {
+        for _ in 0..cases(CASES) {
             put(name, &random.change_text(text));
             let _ = read_machine(&at("machine.ron"));
             let _ = Experiment::load(&at("tiny.ron"), Overrides::default());

@@ -21,7 +21,10 @@ fn signals_leave_nothing_behind() {
     let desk = Desk::with_experiment();
     desk.succeed(&["trace", "tiny.ron", "-o", "x.rays", "--frames", "0..400"]);
     let before = desk.contents();
-    let commands: [&[&str]; 4] = [
+    let commands: [&[&str]; 7] = [
+        &["stress", "--out", "rep"],
+        &["ladder-map", "--out", "rep"],
+        &["validate", "tiny.ron", "--out", "rep", "--frames", "0..100000"],
         &["trace", "tiny.ron", "-o", "y.rays", "--frames", "0..100000"],
         &["run", "tiny.ron", "--out", "rep", "--frames", "0..100000"],
         &["replay", "x.rays", "--machine", "small.ron", "--fidelity", "Cycle", "--json", "y.json"],
@@ -53,12 +56,21 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
     let desk = Desk::with_experiment();
     desk.put("sweep.ron", "(experiment: \"tiny.ron\", frames: \"0..2\", vary: {\"clock_mhz\": [400, 600]})");
     desk.succeed(&["trace", "tiny.ron", "-o", "in.rays", "--frames", "0..2"]);
-    let commands: [(&[&str], &str); 5] = [
+    for folder in ["base", "other"] {
+        desk.succeed(&["run", "tiny.ron", "--frames", "0..2", "--out", folder]);
+    }
+    let exports = ["--line-trace", "x.lines", "--dram-trace", "x.dram", "--dram-commands", "x.commands"];
+    let exports = [&["replay", "in.rays", "--machine", "small.ron"][..], &exports].concat();
+    let commands: [(&[&str], &str); 9] = [
         (&["run", "tiny.ron", "--frames", "0..2", "--out", "rep"], "rep/summary.json"),
         (&["trace", "tiny.ron", "--frames", "0..2", "-o", "x.rays"], "x.rays"),
         (&["replay", "in.rays", "--machine", "small.ron", "--json", "x.json"], "x.json"),
         (&["profile", "in.rays", "--machine", "small.ron", "--out", "pro"], "pro/reuse.csv"),
         (&["sweep", "sweep.ron", "--out", "swe"], "swe/sweep.csv"),
+        (&["validate", "tiny.ron", "--frames", "0..2", "--out", "val"], "val/frames.csv"),
+        (&["chart", "base", "other", "--out", "cha"], "cha/summary.json"),
+        (&["plot", "base"], "base/index.html"),
+        (&exports, "x.lines"),
     ];
     for (command, result) in commands {
         let timings = |text: Vec<u8>| {
@@ -72,7 +84,8 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         let whole = read();
         desk.put("notes.txt", "mine");
         for moment in 0..8 {
-            if moment % 2 == 0 {
+            // What is drawn again is an input, too.
+            if moment % 2 == 0 && command[0] != "plot" {
                 let top = desk.path(result.split('/').next().unwrap());
                 let _ = if top.is_dir() { fs::remove_dir_all(top) } else { fs::remove_file(top) };
             } else {

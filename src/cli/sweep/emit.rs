@@ -20,7 +20,8 @@ struct Engine {
     quoted: fn(&Path) -> String,
 }
 
-/// Slurm's own limit on arrays is 1001 where nobody has raised it (`MaxArraySize`), and many queues refuse more than 999.
+/// Slurm's own limit on arrays is 1001 where nobody has raised it (`MaxArraySize`), and many queues refuse more than
+/// 999.
 const ENGINES: [Engine; 3] = [
     Engine { name: "hq", script: include_str!("hq.sh"), shards: 400, most: 60_000, quoted: shell },
     Engine { name: "slurm", script: include_str!("slurm.sh"), shards: 100, most: 999, quoted: shell },
@@ -31,11 +32,18 @@ const ENGINES: [Engine; 3] = [
 pub(super) struct Script(String);
 
 impl Script {
-    /// The script of an engine for the sweep `config` with so many points, whose folder is `out`.
+    /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many
+    /// points, whose folder is `out`.
     ///
     /// # Errors
     /// There is no such engine, it takes fewer shards, or a path is none.
-    pub(super) fn new(engine: &Path, config: &Path, out: &Path, points: usize, shards: Option<u16>) -> Result<Self> {
+    pub(super) fn new(
+        engine: &Path,
+        (config, level): (&Path, &str),
+        out: &Path,
+        points: usize,
+        shards: Option<u16>,
+    ) -> Result<Self> {
         let Some(engine) = ENGINES.iter().find(|known| Path::new(known.name) == engine) else {
             bail!("there is no engine `{}` for `--emit`: hq, slurm and snakemake are allowed", engine.display());
         };
@@ -43,7 +51,8 @@ impl Script {
         if shards > engine.most {
             bail!("`--shards` is {shards}: `--emit {}` takes up to {}", engine.name, engine.most);
         }
-        // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not merge.
+        // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not
+        // merge.
         let absolute =
             |path: &Path| std::path::absolute(path).with_context(|| format!("cannot find {}", path.display()));
         let is_name = config.to_str().is_some_and(|name| shipped::path(Kind::Experiment, name).is_some());
@@ -53,6 +62,8 @@ impl Script {
         let name: String =
             name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' }).collect();
         let script = engine.script.replace("@NAME@", &name).replace("@SHARDS@", &shards.to_string());
+        let level = if engine.name == "snakemake" { python(Path::new(level)) } else { level.into() };
+        let script = script.replace("@LEVEL@", &level);
         let script = script.replace("@PROGRAM@", &(engine.quoted)(&program));
         let script = script.replace("@CONFIG@", &(engine.quoted)(&config));
         Ok(Self(script.replace("@OUT@", &(engine.quoted)(&absolute(out)?))))
@@ -82,7 +93,13 @@ mod tests {
     use super::*;
 
     fn script(engine: &str, points: usize, shards: Option<u16>) -> Result<String> {
-        let script = Script::new(Path::new(engine), Path::new("/a b/words.ron"), Path::new("/out"), points, shards);
+        let script = Script::new(
+            Path::new(engine),
+            (Path::new("/a b/words.ron"), " --fidelity Profile"),
+            Path::new("/out"),
+            points,
+            shards,
+        );
         script.map(|script| script.0)
     }
 
@@ -91,7 +108,7 @@ mod tests {
         for engine in &ENGINES {
             let script = script(engine.name, 500, Some(7)).unwrap();
             assert!(!script.contains('@'), "{script}");
-            for told in ["/a b/words.ron", "/out", "7", "--shard", "--collect"] {
+            for told in ["/a b/words.ron", "/out", "7", "--shard", "--collect", "--fidelity Profile"] {
                 assert!(script.contains(told), "{told}: {script}");
             }
         }

@@ -16,8 +16,9 @@ use super::config_path::config_path;
 use super::destinations::{claim_files, results_folder};
 use super::outcome::Outcome;
 use super::print::print;
-use crate::experiment::sweep::{self, Shard};
+use crate::experiment::sweep::{self, ChosenLevel, Shard};
 use crate::output::{ResultsFolder, SharedFolder, claim_folder, signals};
+use crate::replay::{Fidelity, Share};
 use crate::report;
 use crate::report::sweep::SweepSummary;
 use crate::shipped::Kind;
@@ -35,6 +36,14 @@ pub(super) struct Sweep {
     /// Where streams, points and the report go [default: reports/, the name of the sweep's file]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// The fidelity level, in place of the file's: Bound, Profile, Event, Cycle, Sampled(engine: Event, rate: 0.05), or
+    /// Auto(error: 0.02)
+    #[arg(long, value_name = "LEVEL")]
+    fidelity: Option<Fidelity>,
+    /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share
+    /// [example: 1%]
+    #[arg(long, value_name = "SHARE")]
+    target_error: Option<Share>,
     #[command(flatten)]
     part: Part,
     /// Shards of --emit [default: as many as points, up to 100, or 400 for hq]
@@ -67,6 +76,8 @@ impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
         let config = config_path(Kind::Experiment, &self.config)?;
         let out = report_folder(self.out, &self.config)?;
+        let level = ChosenLevel { fidelity: self.fidelity, target_error: self.target_error };
+        let words = level_words(level);
         let stop = signals::stop_flag();
         let share = || -> Result<SharedFolder> {
             claim_folder("--out", &out)?;
@@ -75,27 +86,29 @@ impl Sweep {
         match self.part {
             Part { plan: Some(file), .. } => {
                 claim_files([("--plan", Some(file.as_path()))])?;
-                plan::write(&file, &sweep::list(&config)?)?;
+                plan::write(&file, &sweep::list(&config, level)?)?;
             }
-            Part { record: true, .. } => sweep::record(&config, &share()?, &stop)?,
+            Part { record: true, .. } => sweep::record(&config, level, &share()?, &stop)?,
             Part { shard: Some(shard), .. } => {
-                let points = sweep::shard(&config, &share()?, shard, &stop)?;
+                let points = sweep::shard(&config, level, &share()?, shard, &stop)?;
                 print(format!("shard {shard}: {points} points are in {}", out.display()))?;
             }
             Part { collect: Some(others), .. } => {
                 let out = results_folder(&out)?;
-                let command = |shard: Shard, folder: &Path| command(&self.config, shard, folder);
-                report(&out, &sweep::collect(&config, &out, &others, command)?)?;
+                let command = |shard: Shard, folder: &Path| {
+                    format!("umbrasim sweep {}{words} --shard {shard} --out {}", shell(&self.config), shell(folder))
+                };
+                report(&out, &sweep::collect(&config, level, &out, &others, command)?)?;
             }
             Part { emit: Some(emit), .. } => {
                 let [engine, file] = emit.try_into().ok().context("`--emit` takes an engine and a file")?;
                 claim_files([("--emit", Some(file.as_path()))])?;
-                let points = sweep::list(&config)?.points.len();
-                Script::new(&engine, &self.config, &out, points, self.shards)?.write(&file)?;
+                let points = sweep::list(&config, level)?.points.len();
+                Script::new(&engine, (&self.config, &words), &out, points, self.shards)?.write(&file)?;
             }
             _ => {
                 let out = results_folder(&out)?;
-                report(&out, &sweep::sweep(&config, &out, &stop)?)?;
+                report(&out, &sweep::sweep(&config, level, &out, &stop)?)?;
             }
         }
         Ok(Outcome::Done)
@@ -108,7 +121,9 @@ fn report(out: &ResultsFolder, summary: &SweepSummary) -> Result<()> {
     print(page.display())
 }
 
-/// The command that makes a shard in a folder.
-fn command(config: &Path, shard: Shard, folder: &Path) -> String {
-    format!("umbrasim sweep {} --shard {shard} --out {}", shell(config), shell(folder))
+/// The options that choose the level, as words of a shell, each behind a space.
+fn level_words(level: ChosenLevel) -> String {
+    let fidelity = level.fidelity.map(|it| format!(" --fidelity {}", shell(Path::new(&it.to_string()))));
+    let target = level.target_error.map(|it| format!(" --target-error {}", it.get()));
+    fidelity.unwrap_or_default() + &target.unwrap_or_default()
 }

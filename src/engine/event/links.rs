@@ -1,25 +1,22 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
-use std::collections::BTreeSet;
-
-use rustc_hash::FxHashSet;
-
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{StoreWork, StreamFault, check_step};
+use crate::engine::store_steps::StoreSteps;
 use crate::machine::MachineSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::parts::Parts;
-use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::dram::Dram;
 use crate::memory::l2::L2;
 use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{self, Header, Step, Store, Totals};
+use crate::stream::{self, Header, Step, Totals};
 
 /// A queue with a place for everything that can come.
 pub(super) type Inbox<T> = Ring<(u64, T)>;
@@ -85,17 +82,14 @@ pub(crate) struct Links {
     pub units_at_the_end: u32,
     /// Whether the frame's end is done, to the dispatcher.
     pub frame_over: bool,
-    /// Static primitives of which a ray has touched word or counters in this frame, where that matters.
-    touched: FxHashSet<u32>,
+    /// Which steps of the policy's stores are performed.
+    store_steps: StoreSteps,
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
-    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
-    learned: BTreeSet<u32>,
     /// Hits whose updates are gathered.
     pub gathering: Gathering,
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
-    header: Header,
     /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
     pub mail: Vec<u64>,
     /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is
@@ -137,12 +131,10 @@ impl Links {
             frame_end: vec![None; parts.shadow_cache as usize],
             units_at_the_end: 0,
             frame_over: false,
-            touched: FxHashSet::default(),
+            store_steps: StoreSteps::new(&spec.shadow_cache, header),
             stores: StoreWork::default(),
-            learned: BTreeSet::new(),
             gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
             shadow_cache: spec.shadow_cache,
-            header: header.clone(),
             mail: vec![u64::MAX; parts.count()],
             lines: vec![Ring::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), parts.cores, line),
@@ -154,23 +146,9 @@ impl Links {
 
     /// Takes the steps of the policy that are not performed out of a ray that is handed over, and counts them.
     pub(crate) fn leave_out(&mut self, ray: RayId) {
-        if self.shadow_cache.performs_all() {
-            return;
-        }
-        let ray = &mut self.rays[ray as usize];
-        let mut kept = ray.path_end;
-        for at in ray.path_end..ray.steps.len() {
-            let word = ray.steps[at];
-            if self.shadow_cache.performs(word) {
-                let learns = Step::unpack(word).and_then(|step| self.layout.stores().learns(step));
-                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
-                ray.steps[kept] = learns.map_or(word, Step::pack);
-                kept += 1;
-            } else {
-                count_left_out(word, &self.shadow_cache, &mut self.stores, &mut self.replayed);
-            }
-        }
-        ray.steps.truncate(kept);
+        let Self { rays, layout, store_steps, stores, replayed, .. } = self;
+        let ray = &mut rays[ray as usize];
+        store_steps.leave_out(&mut ray.steps, ray.path_end, layout, (stores, replayed));
     }
 
     /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
@@ -185,7 +163,7 @@ impl Links {
         }
         for &word in ray.packed_policy() {
             check_step(word, &self.layout)?;
-            count_left_out(word, spec, &mut self.stores, &mut self.replayed);
+            self.store_steps.count_left_out(word, &mut self.stores, &mut self.replayed);
         }
         self.stores.answered_rays += 1;
         self.replayed.shadow_rays += 1;
@@ -207,76 +185,20 @@ impl Links {
         self.layout.entry(store, index, step.writes())
     }
 
-    /// The static primitive whose counters or first word an entry is; `None` for another word.
-    fn set_at_the_end(&self, store: Store, index: u32) -> Option<u32> {
-        let owner = self.layout.stores().owner(store, index)?;
-        let first = store == Store::PixelCounter || index == owner * self.header.stores.words_per_primitive;
-        (first && owner < self.header.static_primitives).then_some(owner)
-    }
-
-    /// The updates that set a primitive's modes.
-    fn mode_setting(&self, primitive: u32) -> impl Iterator<Item = Step> + use<> {
-        let stores = &self.header.stores;
-        let word = Step::Update { store: Store::ModeWord, index: primitive * stores.words_per_primitive };
-        let counters = Step::Update { store: Store::PixelCounter, index: primitive };
-        let has_word = primitive < stores.word_owners;
-        let apart = primitive < stores.pixel_counters && !(has_word && self.layout.stores().counters_are_in_words());
-        apart.then_some(counters).into_iter().chain(has_word.then_some(word))
-    }
-
-    /// Whether a ray's next step, of this entry, is a first touch that sets modes: then the ray's next steps are those
-    /// that do.
-    pub(crate) fn first_touch(&mut self, ray: RayId, store: Store, index: u32) -> bool {
-        let lazy = self.shadow_cache.frame_end == FrameEnd::Epoch && self.header.stores.pixel_counters > 0;
-        let owner = self.layout.stores().owner(store, index).filter(|&owner| owner < self.header.static_primitives);
-        let Some(primitive) = owner.filter(|_| lazy) else { return false };
-        if !self.touched.insert(primitive) {
-            return false;
-        }
-        let addr = self.layout.entry(store, index, false).addr;
-        let setting: Vec<Step> = self.mode_setting(primitive).collect();
-        let entry_addr = |step: &Step| step.entry().map(|(store, index)| self.layout.entry(store, index, false).addr);
-        let own = setting.iter().any(|step| entry_addr(step) == Some(addr));
-        let ray = &mut self.rays[ray as usize];
-        let raised = own && matches!(ray.step(), Some(Step::Read { .. }));
-        let replaced = ray.next..ray.next + usize::from(own);
-        ray.evaluating = setting.len() as u8;
-        self.stores.added_writes += (setting.len() - usize::from(own)) as u64;
-        self.stores.raised_reads += u64::from(raised);
-        ray.steps.splice(replaced, setting.iter().map(|step| step.pack()));
+    /// Whether a ray's next step is a first touch that sets modes: then the ray's next steps are those that do.
+    pub(crate) fn first_touch(&mut self, ray: RayId) -> bool {
+        let Self { rays, layout, store_steps, stores, .. } = self;
+        let ray = &mut rays[ray as usize];
+        let Some(setting) = store_steps.first_touch(&mut ray.steps, ray.next, layout, stores) else { return false };
+        ray.evaluating = setting;
         true
     }
 
     /// A frame's end with these recorded steps begins; whether there is anything to do.
     pub(crate) fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
         let spec = self.shadow_cache;
-        self.touched.clear();
-        let counted = self.header.stores.pixel_counters > 0;
-        let mut steps = Vec::new();
-        if spec.frame_end == FrameEnd::Sweep && counted && spec.place != Place::Free {
-            (0..self.header.static_primitives).for_each(|primitive| steps.extend(self.mode_setting(primitive)));
-            self.stores.added_writes += steps.len() as u64;
-        }
-        for step in Step::unpack_all(recorded) {
-            let entry = step.entry();
-            let set = entry.filter(|_| counted && matches!(step, Step::Update { .. }));
-            if entry.is_some() && spec.place == Place::Free {
-                self.replayed.count_policy(std::iter::once(step));
-            } else if spec.frame_end == FrameEnd::List
-                || set.is_none_or(|(store, index)| self.set_at_the_end(store, index).is_none())
-            {
-                steps.push(step);
-            } else if spec.frame_end == FrameEnd::Sweep {
-                self.stores.covered_writes += 1;
-            } else {
-                self.stores.deferred_writes += 1;
-            }
-        }
-        for learned in std::mem::take(&mut self.learned) {
-            steps.extend(self.layout.stores().fold(learned));
-            self.stores.added_reads += 1;
-            self.stores.added_writes += 1;
-        }
+        let Self { layout, store_steps, stores, replayed, .. } = self;
+        let steps = store_steps.end(recorded, layout, (stores, replayed));
         let register = spec.register.get() > 0 && spec.place != Place::Free;
         if steps.is_empty() && !register {
             return false;
@@ -337,14 +259,5 @@ impl Links {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;
         dram.tick(index, now, clock, |to, line| l2.banks[(to.0 - first) as usize].deliver(line, now + 1));
-    }
-}
-
-/// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
-fn count_left_out(word: u32, spec: &ShadowCacheSpec, stores: &mut StoreWork, replayed: &mut Totals) {
-    if spec.silent.drops(word) {
-        stores.dropped_writes += 1;
-    } else {
-        replayed.count_policy(Step::unpack(word).into_iter());
     }
 }

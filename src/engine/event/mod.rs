@@ -10,7 +10,6 @@ mod links;
 mod list;
 mod pipeline;
 mod ray;
-mod register;
 mod routing;
 mod shadow_cache;
 mod traversal;

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use super::links::{Links, take};
 use super::pipeline::{Memory, Pipeline, Stages};
 use super::ray::{Owner, RayId};
-use super::register::{Kept, Register};
+use crate::engine::register::{Kept, Register};
 use crate::machine::parts::Parts;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::machine::writes::WritePolicy;
@@ -210,7 +210,7 @@ impl ShadowCache {
                 return links.pass_on(id, home, now);
             }
             let of_a_ray = id < self.first_entry;
-            if of_a_ray && links.first_touch(id, store, index) {
+            if of_a_ray && links.first_touch(id) {
                 continue;
             }
             let ray = &mut links.rays[id as usize];

@@ -3,83 +3,18 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
+use super::entries::{Entries, EntryAccess};
+use super::flight::Flight;
 use super::host::{Host, Place, Pulled};
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
-use crate::engine::source::{FrameCounts, StoreWork, StreamFault, check_step};
-use crate::engine::work::Holder;
+use crate::engine::source::{FrameCounts, StreamFault, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, RayKind, Step, Totals};
-
-/// A ray in flight, or a step of a frame's end.
-#[derive(Clone, Debug)]
-pub(crate) struct Flight {
-    /// The packed steps of the path, then those of the policy, all of them checked.
-    pub steps: Vec<u32>,
-    /// Where the policy's steps begin.
-    pub path_end: usize,
-    /// The next step.
-    pub next: usize,
-    /// What it is for.
-    pub kind: RayKind,
-    /// What the policy decided.
-    pub decision: Decision,
-    /// Whether what it asks for is counted apart.
-    pub marked: bool,
-    /// The traversal unit that holds it.
-    pub unit: u32,
-    place: Place,
-    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
-    hit: u32,
-    siblings: u32,
-}
-
-impl Flight {
-    const IDLE: Self = Self {
-        steps: Vec::new(),
-        path_end: 0,
-        next: 0,
-        kind: RayKind::Primary,
-        decision: Decision::Trace,
-        marked: false,
-        unit: 0,
-        place: Place { chunk: 0, index: 0 },
-        hit: 0,
-        siblings: 0,
-    };
-
-    /// The next step of what `holder` does; `None` after the last.
-    #[inline]
-    pub(crate) fn step(&self, holder: Holder) -> Option<Step> {
-        let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
-        (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
-    }
-
-    /// Counts the steps that were performed.
-    fn count(&self, totals: &mut Totals) {
-        let performed = &self.steps[..self.next];
-        let (path, policy) = performed.split_at(self.path_end.min(self.next));
-        let nodes = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::Node(_)))).count() as u64;
-        let lists = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::List(_)))).count() as u64;
-        let triangles = path.len() as u64 - nodes - lists;
-        totals.list_reads += lists;
-        let (visits, tests) = match self.kind {
-            RayKind::Shadow => (&mut totals.shadow_node_visits, &mut totals.shadow_triangle_tests),
-            _ => (&mut totals.node_visits, &mut totals.triangle_tests),
-        };
-        (*visits, *tests) = (*visits + nodes, *tests + triangles);
-        totals.count_policy(Step::unpack_all(policy));
-    }
-
-    /// Whether the policy has steps on the ray's account.
-    pub(crate) fn has_policy(&self) -> bool {
-        self.path_end < self.steps.len()
-    }
-}
+use crate::stream::{Decision, Header, RayKind, Step, Totals};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
@@ -100,8 +35,8 @@ enum Phase {
     Between,
     Open,
     Closing(Arc<Vec<u32>>, Totals),
-    /// So many of the end's steps are begun, so many done.
-    Ending(Arc<Vec<u32>>, Totals, usize, usize),
+    /// The end's steps to begin, each with whether it is an operand, and how many are not done.
+    Ending(VecDeque<(Step, bool)>, Totals, usize),
     Finished,
 }
 
@@ -132,8 +67,8 @@ pub(crate) struct Dispatch {
     pub busy: u64,
     /// What was performed since the frame began.
     pub replayed: Totals,
-    /// What was done otherwise than recorded since then.
-    stores: StoreWork,
+    /// The policy's stores since then.
+    entries: Entries,
     gathering: Gathering,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
@@ -143,7 +78,7 @@ pub(crate) struct Dispatch {
 
 impl Dispatch {
     /// The dispatcher of `machine`, before the stream begins.
-    pub(crate) fn new(machine: &MachineSpec) -> Self {
+    pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let (cores, pool) = (machine.cores.size(), machine.pool() as usize);
         let entries = cores * machine.shadow_cache.contexts.size() * machine.shadow_cache.count.size();
         Self {
@@ -165,7 +100,7 @@ impl Dispatch {
             given_then: 0,
             busy: 0,
             replayed: Totals::default(),
-            stores: StoreWork::default(),
+            entries: Entries::new(machine, header),
             gathering: Gathering::new(cores * machine.shadow_cache.gather.size()),
             rays_done: 0,
             freed: false,
@@ -217,22 +152,29 @@ impl Dispatch {
                 Phase::Closing(steps, totals)
                     if self.host.is_empty() && self.waiting.is_empty() && self.free.len() == self.pool =>
                 {
-                    self.phase = Phase::Ending(Arc::clone(steps), *totals, 0, 0);
+                    let (recorded, totals) = (Arc::clone(steps), *totals);
+                    check_steps(&recorded, layout)?;
+                    let counts = (&mut self.entries.work, &mut self.replayed);
+                    let planned = self.entries.steps.end(&recorded, layout, counts);
+                    let waiting = self.entries.drain().map(|step| (step, true));
+                    let steps: VecDeque<_> = waiting.chain(planned.into_iter().map(|step| (step, false))).collect();
+                    let left = steps.len();
+                    self.phase = Phase::Ending(steps, totals, left);
                 }
-                Phase::Ending(steps, totals, _, done) if *done == steps.len() => {
+                Phase::Ending(_, totals, 0) => {
                     let machine = std::mem::take(&mut self.replayed);
-                    let stores = std::mem::take(&mut self.stores);
+                    let stores = std::mem::take(&mut self.entries.work);
                     feed.frame_over(&FrameCounts { frame: self.frame, tracer: *totals, machine, stores })?;
                     self.phase = Phase::Between;
                 }
-                Phase::Ending(steps, _, begun, _) => {
-                    let Some(&step) = steps.get(*begun) else { return Ok(None) };
-                    let Some(id) = self.free_entries.pop_front() else { return Ok(None) };
-                    *begun += 1;
+                Phase::Ending(steps, ..) => {
+                    let Some(&id) = self.free_entries.front() else { return Ok(None) };
+                    let Some((step, operand)) = steps.pop_front() else { return Ok(None) };
+                    self.free_entries.pop_front();
                     let flight = &mut self.flights[id as usize];
-                    (flight.path_end, flight.next) = (0, 0);
+                    (flight.path_end, flight.next, flight.evaluating, flight.operand) = (0, 0, 0, operand);
                     flight.steps.clear();
-                    flight.steps.push(step);
+                    flight.steps.push(step.pack());
                     return Ok(Some(Given::Ending(id, at + 1)));
                 }
                 _ => return Ok(self.hand_out(at, layout)?),
@@ -267,10 +209,9 @@ impl Dispatch {
         if self.gathering.is_there() {
             (flight.hit, flight.siblings) = self.host.siblings(place, source.head.parent);
         }
-        let recorded = flight.steps.len();
-        flight.steps.truncate(flight.path_end);
-        flight.steps.extend(source.packed_policy().iter().filter(|&&word| self.words.performs(word)));
-        self.stores.dropped_writes += (recorded - flight.steps.len()) as u64;
+        let counts = (&mut self.entries.work, &mut self.replayed);
+        self.entries.steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
+        (flight.evaluating, flight.operand) = (0, false);
         (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);
@@ -295,14 +236,21 @@ impl Dispatch {
     /// The flight's next step was performed.
     #[inline]
     pub(crate) fn performed(&mut self, id: u32) {
-        self.flights[id as usize].next += 1;
+        let flight = &mut self.flights[id as usize];
+        flight.next += 1;
+        flight.evaluating = flight.evaluating.saturating_sub(1);
+    }
+
+    /// How an access to the entry of the flight's next step, at its owner `unit`, goes.
+    pub(crate) fn access(&mut self, id: u32, unit: usize, layout: &Layout) -> EntryAccess {
+        self.entries.access(&mut self.flights[id as usize], (id as usize) < self.pool, unit, layout)
     }
 
     /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
     pub(crate) fn retire(&mut self, id: u32, layout: &Layout) {
         let Flight { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.flights[id as usize];
         let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
-        self.stores.gathered_writes += self.gathering.retire(ray, layout.stores());
+        self.entries.work.gathered_writes += self.gathering.retire(ray, layout.stores());
     }
 
     /// The ray has left its traversal unit.
@@ -317,8 +265,8 @@ impl Dispatch {
         self.flights[id as usize].count(&mut self.replayed);
         if id as usize >= self.pool() {
             self.free_entries.push_back(id);
-            if let Phase::Ending(_, _, _, done) = &mut self.phase {
-                *done += 1;
+            if let Phase::Ending(.., left) = &mut self.phase {
+                *left -= 1;
             }
             return;
         }
@@ -353,13 +301,13 @@ impl Dispatch {
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
-        let Self { spec, host, words, stores, replayed, .. } = self;
+        let Self { spec, host, words, entries: Entries { steps, work, .. }, replayed, .. } = self;
         host.shaded(now, spec.shading_cycles.get(), |ray| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {
-                stores.answered_rays += 1;
-                stores.dropped_writes += ray.packed_policy().len() as u64;
+                work.answered_rays += 1;
+                ray.packed_policy().iter().for_each(|&word| steps.count_left_out(word, work, replayed));
                 replayed.shadow_rays += 1;
                 replayed.shadow_rays_skipped += 1;
             }

@@ -3,9 +3,11 @@
 use super::agenda::Agenda;
 use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
+use super::entries::EntryAccess;
 use super::memory::Memory;
 use super::unit::Unit;
 use super::watch::Watch;
+use super::whereabouts::{Stage, Way, Whereabouts};
 use crate::engine::contract::Engine;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
@@ -13,41 +15,17 @@ use crate::engine::tally::{Tally, busy};
 use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
 use crate::machine::division::DivisionSpec;
-use crate::machine::kinds::Kind;
+use crate::machine::kinds::{Kind, KindSpec};
 use crate::machine::layout::{Element, Layout};
+use crate::machine::shadow_cache::Place;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::{Header, Step};
-
-/// What a ray does when it acts next.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Stage {
-    /// Its holder looks at its next step.
-    Step,
-    /// The first operation of its step begins, at a unit that its holder sent it to.
-    First,
-    /// The second does.
-    Second,
-    /// It comes back from a unit that its holder sent it to.
-    Back,
-    /// It comes to a shadow-cache unit.
-    Policy,
-}
-
-/// Where a ray is.
-#[derive(Clone, Copy, Debug)]
-struct Whereabouts {
-    stage: Stage,
-    holder: Holder,
-    /// The shadow-cache unit that holds it, and the unit that it was sent to.
-    policy_unit: u32,
-    away: u32,
-    /// Whether the shadow-cache unit's decision is still to come.
-    undecided: bool,
-}
 
 /// The machine, simplified.
 pub(crate) struct Profile<W = ()> {
     division: DivisionSpec,
+    /// Which way accesses to stores go.
+    place: Place,
     cores: usize,
     layout: Layout,
     pub dispatch: Dispatch,
@@ -76,19 +54,20 @@ impl<W: Watch> Profile<W> {
         let crossing = Crossing::new(machine);
         let of_kind = |kind: Kind| {
             let spec = kind.spec(machine);
+            let writes = if kind == Kind::Intersection { machine.triangle_writes() } else { spec.writes };
+            let spec = KindSpec { writes, ..spec };
             crossing.of_kind(kind).map(|unit| Unit::new(&spec, unit, crossing.core(unit), line)).collect::<Vec<_>>()
         };
-        let dispatch = Dispatch::new(machine);
+        let dispatch = Dispatch::new(machine, header);
         let rays = dispatch.flights.len();
-        let idle =
-            Whereabouts { stage: Stage::Step, holder: Holder::Traversal, policy_unit: 0, away: 0, undecided: false };
         Self {
             division: machine.division,
+            place: machine.shadow_cache.place,
             cores: machine.cores.size(),
             divisions: vec![(0, 0); machine.cores.size() * machine.division.count.size()],
             layout: Layout::new(header, machine),
             dispatch,
-            rays: vec![idle; rays],
+            rays: vec![Whereabouts::IDLE; rays],
             units: Kind::ALL.into_iter().flat_map(of_kind).collect(),
             crossing,
             memory: Memory::new(machine, watch),
@@ -120,6 +99,7 @@ impl<W: Watch> Profile<W> {
                 self.step(id, now);
             }
             Stage::Policy => self.crossing.arrive(id, self.shadow_cache(id), now),
+            Stage::Entry => self.access(id, now),
         }
         self.take_on_all();
     }
@@ -128,22 +108,66 @@ impl<W: Watch> Profile<W> {
     fn step(&mut self, id: u32, now: u64) {
         let ray = &mut self.rays[id as usize];
         ray.stage = Stage::Step;
+        if std::mem::take(&mut ray.fetched) {
+            let end = self.units[ray.policy_unit as usize].decide(now);
+            self.dispatch.performed(id);
+            return self.agenda.put(end, id);
+        }
         let flight = &self.dispatch.flights[id as usize];
         let Some(step) = flight.step(ray.holder) else { return self.leave_holder(id, now) };
         let holder = match ray.holder {
             Holder::Traversal => flight.unit as usize,
             Holder::ShadowCache => ray.policy_unit as usize,
         };
+        if step.entry().is_some() {
+            return self.entry(id, holder, now);
+        }
         let work = Work::of(step, ray.holder, flight.kind, &self.layout);
         if work.kind != ray.holder.kind() {
             let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
             return self.crossing.send(id, holder, self.crossing.performer(work.kind, holder, home), now);
         }
-        if step.entry().is_some() && self.shadow_cache(id) != holder {
+        if let Some(end) = self.perform(id, holder, &work.first, Way::Cached, now) {
+            self.dispatch.performed(id);
+            self.agenda.put(end, id);
+        }
+    }
+
+    /// The ray's next step is an entry, and shadow-cache unit `holder` has the ray.
+    fn entry(&mut self, id: u32, holder: usize, now: u64) {
+        if self.shadow_cache(id) != holder {
             self.crossing.leave(holder, now + 1);
             return self.crossing.arrive(id, self.shadow_cache(id), now + 1);
         }
-        if let Some(end) = self.perform(id, holder, &work.first, now) {
+        let unit = holder - self.crossing.of_kind(Kind::ShadowCache).start;
+        match self.dispatch.access(id, unit, &self.layout) {
+            EntryAccess::Taken => self.step(id, now),
+            EntryAccess::Performed { sets_modes } => {
+                self.rays[id as usize].sets_modes = sets_modes;
+                self.access(id, now);
+            }
+        }
+    }
+
+    /// The ray's shadow-cache unit accesses the entry of its next step.
+    fn access(&mut self, id: u32, now: u64) {
+        let element = self.work_away(id).first;
+        let ray = &mut self.rays[id as usize];
+        let (unit, sets_modes) = (ray.policy_unit as usize, ray.sets_modes);
+        let way = match self.place {
+            Place::Triangle => {
+                let units = self.crossing.of_kind(Kind::Intersection);
+                let (line, _) = self.layout.lines(&element);
+                let to = units.start + (line.0 % units.len() as u64) as usize;
+                return self.crossing.send(id, unit, to, now);
+            }
+            Place::L2 if element.write && !sets_modes => Way::Operand,
+            Place::L2 => Way::Past,
+            Place::Own | Place::Free => Way::Cached,
+        };
+        ray.stage = Stage::Entry;
+        if let Some(end) = self.perform(id, unit, &element, way, now) {
+            self.rays[id as usize].stage = Stage::Step;
             self.dispatch.performed(id);
             self.agenda.put(end, id);
         }
@@ -152,15 +176,21 @@ impl<W: Watch> Profile<W> {
     /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts
     /// again then.
     #[inline]
-    fn perform(&mut self, id: u32, unit: usize, element: &Element, at: u64) -> Option<u64> {
+    fn perform(&mut self, id: u32, unit: usize, element: &Element, way: Way, at: u64) -> Option<u64> {
         let Self { units, memory, layout, agenda, dispatch, .. } = self;
         let performer = &mut units[unit];
         let waited = performer.stalled.front() == Some(&id);
-        if !waited && !performer.stalled.is_empty() {
+        if !waited && !performer.stalled.is_empty() && way != Way::Operand {
             performer.stalled.push_back(id);
             return None;
         }
-        match performer.perform(element, dispatch.flights[id as usize].marked, at, layout, memory) {
+        let marked = dispatch.flights[id as usize].marked;
+        let performed = match way {
+            Way::Cached => performer.perform(element, marked, at, layout, memory),
+            Way::Past => performer.perform_past(element, marked, at, layout, memory),
+            Way::Operand => Ok(performer.write_past(element, at, layout, memory)),
+        };
+        match performed {
             Ok(end) => {
                 if waited {
                     performer.stalled.pop_front();
@@ -211,7 +241,7 @@ impl<W: Watch> Profile<W> {
         let work = self.work_away(id);
         self.rays[id as usize].stage = Stage::First;
         let unit = self.rays[id as usize].away as usize;
-        let Some(end) = self.perform(id, unit, &work.first, at) else { return };
+        let Some(end) = self.perform(id, unit, &work.first, Way::Cached, at) else { return };
         if work.second.is_some() {
             self.rays[id as usize].stage = Stage::Second;
             self.agenda.put(end, id);
@@ -224,12 +254,17 @@ impl<W: Watch> Profile<W> {
         let work = self.work_away(id);
         let second = work.second.expect("a second operation has something to fetch");
         let unit = self.rays[id as usize].away as usize;
-        let Some(end) = self.perform(id, unit, &second, at) else { return };
+        let Some(end) = self.perform(id, unit, &second, Way::Cached, at) else { return };
         self.go_back(id, &work, end);
     }
 
     fn go_back(&mut self, id: u32, work: &Work, mut end: u64) {
         let ray = &mut self.rays[id as usize];
+        // A test is done then; an entry's operation follows at its owner.
+        ray.fetched = work.kind == Kind::ShadowCache;
+        if !ray.fetched {
+            self.dispatch.performed(id);
+        }
         if work.divides {
             let (core, a_core) = (self.units[ray.away as usize].core(), self.divisions.len() / self.cores);
             let (open_at, begun) = &mut self.divisions[core * a_core + id as usize % a_core];
@@ -238,7 +273,6 @@ impl<W: Watch> Profile<W> {
             end = begin + self.division.latency.get();
         }
         ray.stage = Stage::Back;
-        self.dispatch.performed(id);
         self.agenda.put(end + 1, id);
     }
 
@@ -300,7 +334,7 @@ impl<W: Watch> Profile<W> {
                 Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
             };
             let undecided = matches!(given, Given::Skipped(..)) && self.dispatch.units_decide();
-            self.rays[id as usize] = Whereabouts { stage, holder, policy_unit: 0, away: 0, undecided };
+            self.rays[id as usize] = Whereabouts { stage, holder, undecided, ..Whereabouts::IDLE };
             self.agenda.put(at, id);
         }
         self.tell_frame(at, feed)

@@ -41,7 +41,6 @@ pub(super) struct Memory<W> {
     of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
     dram: Dram,
-    line: Bytes,
 }
 
 impl<W: Watch> Memory<W> {
@@ -64,15 +63,22 @@ impl<W: Watch> Memory<W> {
             of_core: machine.l2.banks() as usize,
             homes: machine.l2.homes(),
             dram: Dram::new(&machine.dram, machine.clock_mhz.get(), line),
-            line: Bytes(line),
         }
     }
 
-    /// An L1 of core `core` asks for a line in cycle `at`, for a ray that is marked or not; gives when it comes.
-    pub(super) fn read(&mut self, core: usize, line: LineAddr, class: TrafficClass, marked: bool, at: u64) -> u64 {
+    /// A unit of core `core` asks for so many bytes of a line in cycle `at`, for a ray that is marked or not; gives
+    /// when they come.
+    pub(super) fn read(
+        &mut self,
+        core: usize,
+        (line, bytes): (LineAddr, Bytes),
+        class: TrafficClass,
+        marked: bool,
+        at: u64,
+    ) -> u64 {
         let Accessed { bank, ready, missed } = self.access(core, line, class, false, at);
         let bank = &mut self.banks[bank];
-        bank.served.read(class, self.line, missed, marked);
+        bank.served.read(class, bytes, missed, marked);
         ready + bank.latency + 1
     }
 

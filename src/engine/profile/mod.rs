@@ -13,12 +13,15 @@ mod curves;
 mod dispatch;
 mod dram;
 mod engine;
+mod entries;
+mod flight;
 mod host;
 mod level;
 mod memory;
 mod slots;
 mod unit;
 mod watch;
+mod whereabouts;
 
 pub(super) use self::curves::{Curves, Heat};
 pub(super) use self::engine::Profile;

@@ -38,6 +38,10 @@ pub(super) struct Unit {
     operations: u64,
     requested: PerClass<Bytes>,
     written_through: PerClass<Past>,
+    /// When the lines of reads past the L1 come, and how many can be under way.
+    past: Vec<u64>,
+    most_past: usize,
+    read_past: PerClass<Past>,
     marked: PerClass<u64>,
 }
 
@@ -65,6 +69,9 @@ impl Unit {
             operations: 0,
             requested: PerClass::default(),
             written_through: PerClass::default(),
+            past: Vec::new(),
+            most_past: mshrs.size(),
+            read_past: PerClass::default(),
             marked: PerClass::default(),
         }
     }
@@ -99,7 +106,7 @@ impl Unit {
                 Found::Passed => unreachable!("a ray waits for the data"),
                 Found::Missing => {
                     self.marked[class as usize] += u64::from(marked);
-                    let comes = memory.read(core, line, class, marked, when);
+                    let comes = memory.read(core, (line, size), class, marked, when);
                     self.level.expect(line, class, access, comes);
                     comes
                 }
@@ -110,12 +117,53 @@ impl Unit {
         self.began(at, releases + lines.div_ceil(self.ports).max(self.interval));
         self.requested[class as usize] += Bytes(element.bytes);
         if access == Access::WriteThrough {
-            let through = &mut self.written_through[class as usize];
-            through.count += 1;
-            through.bytes += Bytes(element.bytes);
+            self.written_through[class as usize].add(Bytes(element.bytes));
             memory.write(core, first, class, Bytes(element.bytes), data_at);
         }
         Ok(data_at + self.latency)
+    }
+
+    /// As [`Self::perform`] with data from the L2, past the L1, that are not kept.
+    pub(super) fn perform_past<W: Watch>(
+        &mut self,
+        element: &Element,
+        marked: bool,
+        at: u64,
+        layout: &Layout,
+        memory: &mut Memory<W>,
+    ) -> Result<u64, u64> {
+        let at = at.max(self.free_at);
+        self.past.retain(|&comes| comes > at);
+        let soonest = self.past.iter().min().copied();
+        if let Some(until) = soonest.filter(|_| self.past.len() == self.most_past) {
+            return Err(until);
+        }
+        let ((line, _), class, bytes) = (layout.lines(element), element.class, Bytes(element.bytes));
+        let comes = memory.read(self.core, (line, bytes), class, marked, at);
+        self.past.push(comes);
+        self.read_past[class as usize].add(bytes);
+        self.began(at, self.interval);
+        if element.write {
+            self.written_through[class as usize].add(bytes);
+            memory.write(self.core, line, class, bytes, comes);
+        }
+        Ok(comes + self.latency)
+    }
+
+    /// An operation that sends what it writes to the L2 and needs no data; gives when it ends.
+    pub(super) fn write_past<W: Watch>(
+        &mut self,
+        element: &Element,
+        at: u64,
+        layout: &Layout,
+        memory: &mut Memory<W>,
+    ) -> u64 {
+        let at = at.max(self.free_at);
+        self.began(at, self.interval);
+        let ((line, _), class, bytes) = (layout.lines(element), element.class, Bytes(element.bytes));
+        self.written_through[class as usize].add(bytes);
+        memory.write(self.core, line, class, bytes, at);
+        at + self.latency
     }
 
     /// An operation without data; gives when it ends.
@@ -171,7 +219,7 @@ impl Unit {
             l1: Default::default(),
             requested: self.requested,
             written_through: self.written_through,
-            read_straight: PerClass::default(),
+            read_straight: self.read_past,
             marked: self.marked,
         }
     }

@@ -8,7 +8,6 @@ use super::recorded::{on, quickstart, shipped};
 use super::synthetic::header;
 use super::*;
 use crate::engine::tally::{BankTally, PerClass};
-use crate::engine::work::known_to_profile;
 use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
@@ -112,10 +111,8 @@ fn misses_are_those_of_the_rays_that_ask() {
             let header = header();
             let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
             let mut by = vec![("Event", streams.each_ref().map(event))];
-            if known_to_profile(&machine) {
-                let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
-                by.push(("Profile", streams.each_ref().map(profile)));
-            }
+            let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
+            by.push(("Profile", streams.each_ref().map(profile)));
             for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
                 // A register writes entries of stores out for no ray.
                 let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];

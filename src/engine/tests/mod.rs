@@ -4,6 +4,7 @@ mod anomalies;
 pub(crate) mod frames;
 mod ideal;
 mod levels;
+mod profile_words;
 pub(crate) mod random;
 pub(crate) mod recorded;
 pub(crate) mod synthetic;

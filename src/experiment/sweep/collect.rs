@@ -12,8 +12,8 @@ use super::shard::Shard;
 /// Copies the points of the plan that are not in `own`, but in one of `others`.
 ///
 /// # Errors
-/// A point is nowhere, or was made by another build of the program, or cannot be copied. `command` gives the command that
-/// makes a shard in a folder.
+/// A point is nowhere, or was made by another build of the program, or cannot be copied. `command` gives the command
+/// that makes a shard in a folder.
 pub(super) fn collect(
     plan: &Plan,
     own: &Path,

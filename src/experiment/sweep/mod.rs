@@ -1,8 +1,8 @@
 //! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
 //!
-//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their inputs. So
-//! a sweep that was stopped goes on where it was, and ends with the same bytes. Processes share the work without talking
-//! to each other: each reads the same files, has the same plan, and makes its shard of the plan.
+//! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their
+//! inputs: a sweep that was stopped goes on, and ends with the same bytes. Processes share the work without talking to
+//! each other: each reads the same files, has the same plan, and makes its shard of the plan.
 
 mod collect;
 mod error;
@@ -28,6 +28,7 @@ use self::places::Places;
 use self::plan::Plan;
 pub(super) use self::replay::replay;
 pub(crate) use self::shard::Shard;
+pub(crate) use self::spec::ChosenLevel;
 use self::spec::Sweep;
 pub(crate) use self::spec::SweepSpec;
 pub(super) use self::streams::Streams;
@@ -39,8 +40,13 @@ use crate::report::sweep::SweepSummary;
 ///
 /// # Errors
 /// A file is wrong or cannot be written, a replay fails, or `stop` was set.
-pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> Result<SweepSummary, SweepError> {
-    let sweep = Sweep::load(path)?;
+pub(crate) fn sweep(
+    path: &Path,
+    level: ChosenLevel,
+    folder: &ResultsFolder,
+    stop: &AtomicBool,
+) -> Result<SweepSummary, SweepError> {
+    let sweep = Sweep::load(path, level)?;
     folder.make()?;
     let places = Places::of(folder.path());
     let plan = make(&sweep, &places, Shard::WHOLE, stop)?;
@@ -51,8 +57,14 @@ pub(crate) fn sweep(path: &Path, folder: &ResultsFolder, stop: &AtomicBool) -> R
 ///
 /// # Errors
 /// As [`sweep`].
-pub(crate) fn shard(path: &Path, folder: &SharedFolder, shard: Shard, stop: &AtomicBool) -> Result<usize, SweepError> {
-    let sweep = Sweep::load(path)?;
+pub(crate) fn shard(
+    path: &Path,
+    level: ChosenLevel,
+    folder: &SharedFolder,
+    shard: Shard,
+    stop: &AtomicBool,
+) -> Result<usize, SweepError> {
+    let sweep = Sweep::load(path, level)?;
     let plan = make(&sweep, &Places::of(folder.path()), shard, stop)?;
     Ok(plan.share(shard).len())
 }
@@ -61,8 +73,13 @@ pub(crate) fn shard(path: &Path, folder: &SharedFolder, shard: Shard, stop: &Ato
 ///
 /// # Errors
 /// As [`sweep`].
-pub(crate) fn record(path: &Path, folder: &SharedFolder, stop: &AtomicBool) -> Result<(), SweepError> {
-    let sweep = Sweep::load(path)?;
+pub(crate) fn record(
+    path: &Path,
+    level: ChosenLevel,
+    folder: &SharedFolder,
+    stop: &AtomicBool,
+) -> Result<(), SweepError> {
+    let sweep = Sweep::load(path, level)?;
     let places = Places::of(folder.path());
     places.make()?;
     Kept::new(&sweep.experiment, &places.streams).have(|_| true, stop)?;
@@ -76,11 +93,12 @@ pub(crate) fn record(path: &Path, folder: &SharedFolder, stop: &AtomicBool) -> R
 /// As [`sweep`]; points are missing, or are of another build of the program.
 pub(crate) fn collect(
     path: &Path,
+    level: ChosenLevel,
     folder: &ResultsFolder,
     others: &[PathBuf],
     command: impl Fn(Shard, &Path) -> String,
 ) -> Result<SweepSummary, SweepError> {
-    let sweep = Sweep::load(path)?;
+    let sweep = Sweep::load(path, level)?;
     folder.make()?;
     let places = Places::of(folder.path());
     places.make()?;
@@ -93,8 +111,8 @@ pub(crate) fn collect(
 ///
 /// # Errors
 /// A file is wrong.
-pub(crate) fn list(path: &Path) -> Result<Listing, SweepError> {
-    let sweep = Sweep::load(path)?;
+pub(crate) fn list(path: &Path, level: ChosenLevel) -> Result<Listing, SweepError> {
+    let sweep = Sweep::load(path, level)?;
     let plan = Plan::new(&sweep, &Kept::new(&sweep.experiment, Path::new("")).identities)?;
     Listing::new(&sweep, &plan)
 }
@@ -104,7 +122,7 @@ pub(crate) fn list(path: &Path) -> Result<Listing, SweepError> {
 /// # Errors
 /// A file is wrong.
 pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
-    Ok(Sweep::load(path)?.len())
+    Ok(Sweep::load(path, ChosenLevel::default())?.len())
 }
 
 /// Makes the points of a shard that are not kept yet.

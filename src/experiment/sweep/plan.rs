@@ -112,8 +112,8 @@ fn rays(sweep: &Sweep) -> u64 {
     pixels * (1 + experiment.scene.light_count as u64)
 }
 
-/// What a replay costs, in tenths of one without culling: processor time of `Event`, BART kitchen, `Published`, mean of the
-/// machines `small` and `desktop`.
+/// What a replay costs, in tenths of one without culling: processor time of `Event`, BART kitchen, `Published`, mean of
+/// the machines `small` and `desktop`.
 fn weight(role: Role) -> u64 {
     match role {
         Role::WithoutUnit => 10,

@@ -1,5 +1,5 @@
-//! Points that a sweep keeps: what replays measured, each in a file named by a hash of its inputs, with a checksum and the
-//! build of the program that made the point.
+//! Points that a sweep keeps: what replays measured, each in a file named by a hash of its inputs, with a checksum and
+//! the build of the program that made the point.
 
 use std::fmt;
 use std::io;

@@ -17,6 +17,7 @@ use super::error::SweepError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::replay::{Fidelity, Share};
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
 
@@ -35,12 +36,24 @@ pub(crate) struct SweepSpec {
     /// Another size of the pictures.
     #[serde(default)]
     resolution: Option<Resolution>,
+    /// Another fidelity level than the experiment's.
+    #[serde(default)]
+    fidelity: Option<Fidelity>,
     /// Paths of fields in a machine's file, each with the values to try.
     #[schemars(with = "Named<Vec<Value>>")]
     vary: Named<Vec<Box<RawValue>>>,
     /// Which combinations.
     #[serde(default)]
     points: Points,
+}
+
+/// What the command line sets in place of a sweep's file.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct ChosenLevel {
+    /// The fidelity level.
+    pub(crate) fidelity: Option<Fidelity>,
+    /// Sample until the intervals are within this share.
+    pub(crate) target_error: Option<Share>,
 }
 
 /// Which combinations of values are tried.
@@ -83,11 +96,14 @@ pub(super) struct Machine {
 
 impl Sweep {
     /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
-    pub(super) fn load(path: &Path) -> Result<Self, SweepError> {
+    pub(super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
         let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, ..Overrides::default() };
-        let experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
+        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
+        let fidelity = level.fidelity.or(spec.fidelity).unwrap_or(experiment.spec.fidelity);
+        let sampled = level.target_error.map_or(Ok(fidelity), |target| fidelity.with_target_error(target));
+        experiment.spec.fidelity = sampled.map_err(wrong)?;
         let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();
         let fields = spec.vary.iter().map(|(path, tried)| Field { path: path.into(), values: values(tried) }).collect();
         let mut sweep = Self { experiment, fields, machines: Vec::new() };

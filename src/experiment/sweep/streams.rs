@@ -108,8 +108,9 @@ impl<'a> Streams<'a> {
         Self { experiment, tracer, policies, headers, paths, folder: folder.into(), identities }
     }
 
-    /// Takes the streams that are there, and records the others. Those that are `wanted`, by policy, are read whole first,
-    /// so that a damaged one is noticed before a replay. One process records in a folder, and others wait for its streams.
+    /// Takes the streams that are there, and records the others. Those that are `wanted`, by policy, are read whole
+    /// first, so that a damaged one is noticed before a replay. One process records in a folder, and others wait for
+    /// its streams.
     pub(in super::super) fn have(
         mut self,
         wanted: impl Fn(usize) -> bool,

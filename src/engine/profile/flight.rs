@@ -1,0 +1,78 @@
+//! A ray in flight.
+
+use super::host::Place;
+use crate::engine::work::Holder;
+use crate::stream::{Decision, RayKind, Step, Totals};
+
+/// A ray in flight, or a step of a frame's end.
+#[derive(Clone, Debug)]
+pub(crate) struct Flight {
+    /// The packed steps of the path, then those of the policy, all of them checked.
+    pub steps: Vec<u32>,
+    /// Where the policy's steps begin.
+    pub path_end: usize,
+    /// The next step.
+    pub next: usize,
+    /// What it is for.
+    pub kind: RayKind,
+    /// What the policy decided.
+    pub decision: Decision,
+    /// Whether what it asks for is counted apart.
+    pub marked: bool,
+    /// The traversal unit that holds it.
+    pub unit: u32,
+    /// How many of its next steps set modes at a first touch.
+    pub evaluating: u8,
+    /// Whether it is an update that waited in a register, so that no data is needed for it.
+    pub operand: bool,
+    /// Where it is in the stream.
+    pub(super) place: Place,
+    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    pub hit: u32,
+    pub siblings: u32,
+}
+
+impl Flight {
+    pub(super) const IDLE: Self = Self {
+        steps: Vec::new(),
+        path_end: 0,
+        next: 0,
+        kind: RayKind::Primary,
+        decision: Decision::Trace,
+        marked: false,
+        unit: 0,
+        evaluating: 0,
+        operand: false,
+        place: Place { chunk: 0, index: 0 },
+        hit: 0,
+        siblings: 0,
+    };
+
+    /// The next step of what `holder` does; `None` after the last.
+    #[inline]
+    pub(super) fn step(&self, holder: Holder) -> Option<Step> {
+        let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
+        (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
+    }
+
+    /// Counts the steps that were performed.
+    pub(super) fn count(&self, totals: &mut Totals) {
+        let performed = &self.steps[..self.next];
+        let (path, policy) = performed.split_at(self.path_end.min(self.next));
+        let nodes = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::Node(_)))).count() as u64;
+        let lists = path.iter().filter(|&&word| matches!(Step::unpack(word), Some(Step::List(_)))).count() as u64;
+        let triangles = path.len() as u64 - nodes - lists;
+        totals.list_reads += lists;
+        let (visits, tests) = match self.kind {
+            RayKind::Shadow => (&mut totals.shadow_node_visits, &mut totals.shadow_triangle_tests),
+            _ => (&mut totals.node_visits, &mut totals.triangle_tests),
+        };
+        (*visits, *tests) = (*visits + nodes, *tests + triangles);
+        totals.count_policy(Step::unpack_all(policy));
+    }
+
+    /// Whether the policy has steps on the ray's account.
+    pub(super) fn has_policy(&self) -> bool {
+        self.path_end < self.steps.len()
+    }
+}

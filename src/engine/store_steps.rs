@@ -1,0 +1,152 @@
+//! Which steps of a policy's stores a machine performs: as the stream records them, or otherwise, by the layout, the
+//! frame end and the latched copies of its spec. No step here has a time.
+
+use std::collections::BTreeSet;
+
+use rustc_hash::FxHashSet;
+
+use super::source::StoreWork;
+use crate::machine::layout::Layout;
+use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
+use crate::stream::{Header, Step, Store, StoreEntries, Totals};
+
+/// The steps of a frame, and what of them was changed.
+#[derive(Clone, Debug)]
+pub(super) struct StoreSteps {
+    spec: ShadowCacheSpec,
+    entries: StoreEntries,
+    static_primitives: u32,
+    /// Static primitives of which a ray has touched word or counters in this frame, where that matters.
+    touched: FxHashSet<u32>,
+    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
+    learned: BTreeSet<u32>,
+}
+
+impl StoreSteps {
+    /// Of a machine's units, before a stream begins.
+    pub(super) fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
+        Self {
+            spec: *spec,
+            entries: header.stores,
+            static_primitives: header.static_primitives,
+            touched: FxHashSet::default(),
+            learned: BTreeSet::new(),
+        }
+    }
+
+    /// Takes the steps of the policy that are not performed out of a ray's `steps`, from `policy` on, and counts them.
+    pub(super) fn leave_out(
+        &mut self,
+        steps: &mut Vec<u32>,
+        policy: usize,
+        layout: &Layout,
+        (work, replayed): (&mut StoreWork, &mut Totals),
+    ) {
+        if self.spec.performs_all() {
+            return;
+        }
+        let mut kept = policy;
+        for at in policy..steps.len() {
+            let word = steps[at];
+            if self.spec.performs(word) {
+                let learns = Step::unpack(word).and_then(|step| layout.stores().learns(step));
+                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
+                steps[kept] = learns.map_or(word, Step::pack);
+                kept += 1;
+            } else {
+                self.count_left_out(word, work, replayed);
+            }
+        }
+        steps.truncate(kept);
+    }
+
+    /// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
+    pub(super) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
+        if self.spec.silent.drops(word) {
+            work.dropped_writes += 1;
+        } else {
+            replayed.count_policy(Step::unpack(word).into_iter());
+        }
+    }
+
+    /// Changes the steps of a ray whose step `next` is a first touch that sets modes: its next steps are those that do.
+    /// Returns how many these are; none if the step is no such touch.
+    pub(super) fn first_touch(
+        &mut self,
+        steps: &mut Vec<u32>,
+        next: usize,
+        layout: &Layout,
+        work: &mut StoreWork,
+    ) -> Option<u8> {
+        let lazy = self.spec.frame_end == FrameEnd::Epoch && self.entries.pixel_counters > 0;
+        let step = Step::unpack(steps[next]).filter(|_| lazy)?;
+        let (store, index) = step.entry()?;
+        let primitive = layout.stores().owner(store, index).filter(|&owner| owner < self.static_primitives)?;
+        if !self.touched.insert(primitive) {
+            return None;
+        }
+        let addr = |step: &Step| step.entry().map(|(store, index)| layout.entry(store, index, false).addr);
+        let setting: Vec<Step> = self.mode_setting(primitive, layout).collect();
+        let own = setting.iter().any(|other| addr(other) == addr(&step));
+        let raised = own && matches!(step, Step::Read { .. });
+        work.added_writes += (setting.len() - usize::from(own)) as u64;
+        work.raised_reads += u64::from(raised);
+        steps.splice(next..next + usize::from(own), setting.iter().map(|step| step.pack()));
+        Some(setting.len() as u8)
+    }
+
+    /// The steps of a frame's end of which these are recorded.
+    pub(super) fn end(
+        &mut self,
+        recorded: &[u32],
+        layout: &Layout,
+        (work, replayed): (&mut StoreWork, &mut Totals),
+    ) -> Vec<Step> {
+        self.touched.clear();
+        let Self { spec, .. } = *self;
+        let counted = self.entries.pixel_counters > 0;
+        let mut steps = Vec::new();
+        if spec.frame_end == FrameEnd::Sweep && counted && spec.place != Place::Free {
+            (0..self.static_primitives).for_each(|primitive| steps.extend(self.mode_setting(primitive, layout)));
+            work.added_writes += steps.len() as u64;
+        }
+        for step in Step::unpack_all(recorded) {
+            let entry = step.entry();
+            let set = entry.filter(|_| counted && matches!(step, Step::Update { .. }));
+            if entry.is_some() && spec.place == Place::Free {
+                replayed.count_policy(std::iter::once(step));
+            } else if spec.frame_end == FrameEnd::List
+                || set.is_none_or(|(store, index)| self.set_at_the_end(store, index, layout).is_none())
+            {
+                steps.push(step);
+            } else if spec.frame_end == FrameEnd::Sweep {
+                work.covered_writes += 1;
+            } else {
+                work.deferred_writes += 1;
+            }
+        }
+        for learned in std::mem::take(&mut self.learned) {
+            steps.extend(layout.stores().fold(learned));
+            work.added_reads += 1;
+            work.added_writes += 1;
+        }
+        steps
+    }
+
+    /// The static primitive whose counters or first word an entry is; `None` for another word.
+    fn set_at_the_end(&self, store: Store, index: u32, layout: &Layout) -> Option<u32> {
+        let owner = layout.stores().owner(store, index)?;
+        let first = store == Store::PixelCounter || index == owner * self.entries.words_per_primitive;
+        (first && owner < self.static_primitives).then_some(owner)
+    }
+
+    /// The updates that set a primitive's modes.
+    fn mode_setting(&self, primitive: u32, layout: &Layout) -> impl Iterator<Item = Step> + use<> {
+        let entries = &self.entries;
+        let word = Step::Update { store: Store::ModeWord, index: primitive * entries.words_per_primitive };
+        let counters = Step::Update { store: Store::PixelCounter, index: primitive };
+        let has_word = primitive < entries.word_owners;
+        let apart = primitive < entries.pixel_counters && !(has_word && layout.stores().counters_are_in_words());
+        apart.then_some(counters).into_iter().chain(has_word.then_some(word))
+    }
+}
