@@ -62,12 +62,15 @@
 #![warn(unreachable_pub)]
 
 pub mod accel;
+pub(crate) mod alike;
 pub mod cli;
+pub(crate) mod console;
 pub(crate) mod counters;
 pub mod culling;
 pub(crate) mod energy;
 pub(crate) mod engine;
 pub mod experiment;
+pub(crate) mod fields;
 pub(crate) mod input;
 pub mod machine;
 pub mod memory;

@@ -108,7 +108,11 @@ pub struct Resolution {
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename = "Resolution", deny_unknown_fields)]
 struct Sides {
+    /// Pixels in a row.
+    #[schemars(range(min = 1, max = 8192))]
     width: u32,
+    /// Rows.
+    #[schemars(range(min = 1, max = 8192))]
     height: u32,
 }
 

@@ -11,7 +11,8 @@ use serde::Deserializer;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{DeserializeOwned, Error, MapAccess, Visitor};
 
-use crate::{input, shipped};
+pub(crate) use crate::shipped::Kind;
+use crate::{alike, input, shipped};
 
 /// Why a config cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -61,11 +62,57 @@ impl fmt::Display for Place {
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
-    let failed = |source| ConfigError::Read { path: path.into(), source };
-    match shipped::text(path) {
-        Some(text) => parse(text.map_err(failed)?, path),
-        None => parse(&input::read_text(path, input::MAX_CONFIG_BYTES).map_err(failed)?, path),
+    parse(&text(path)?, path)
+}
+
+/// The text of the config at `path`.
+///
+/// # Errors
+/// The file cannot be read.
+pub(crate) fn text(path: &Path) -> Result<String, ConfigError> {
+    let text = match shipped::text(path) {
+        Some(text) => text.map(str::to_owned),
+        None => input::read_text(path, input::MAX_CONFIG_BYTES),
+    };
+    text.map_err(|source| ConfigError::Read { path: path.into(), source })
+}
+
+/// The names of the outermost fields, or the name in front of the outermost brackets.
+pub(crate) fn top_names(text: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let (mut depth, mut in_text, mut word) = (0usize, false, String::new());
+    for line in text.lines().filter(|line| !line.trim_start().starts_with("#!")) {
+        let mut letters = line.chars().peekable();
+        while let Some(letter) = letters.next() {
+            if in_text {
+                if letter == '\\' {
+                    letters.next();
+                }
+                in_text = letter != '"';
+                continue;
+            }
+            match letter {
+                '/' if letters.peek() == Some(&'/') => break,
+                '"' => in_text = true,
+                '(' | '[' | '{' => {
+                    if depth == 0 && !word.is_empty() {
+                        names.push(std::mem::take(&mut word));
+                    }
+                    depth += 1;
+                }
+                ')' | ']' | '}' => depth = depth.saturating_sub(1),
+                ':' if depth == 1 && !word.is_empty() => names.push(std::mem::take(&mut word)),
+                letter if letter.is_alphanumeric() || letter == '_' => {
+                    word.push(letter);
+                    continue;
+                }
+                letter if letter.is_whitespace() => continue,
+                _ => {}
+            }
+            word.clear();
+        }
     }
+    names
 }
 
 /// Reads `text`, which came from `path`, as RON.
@@ -83,10 +130,13 @@ thread_local! {
     static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
 }
 
-/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it.
-/// Written back, it is its values.
-pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -> Result<T, D::Error> {
-    struct ValuesOrFile<T>(PhantomData<T>);
+/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it, or
+/// of a shipped config of that kind. Written back, it is its values.
+pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
+    from: D,
+    kind: Kind,
+) -> Result<T, D::Error> {
+    struct ValuesOrFile<T>(Kind, PhantomData<T>);
 
     impl<'de, T: DeserializeOwned> Visitor<'de> for ValuesOrFile<T> {
         type Value = T;
@@ -96,7 +146,7 @@ pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -
         }
 
         fn visit_str<E: Error>(self, file: &str) -> Result<T, E> {
-            let file = FOLDER.with_borrow(|folder| folder.join(file));
+            let file = FOLDER.with_borrow(|folder| shipped::named(self.0, folder, Path::new(file)));
             read(&file).map_err(|error| match error {
                 ConfigError::Read { source, .. } => E::custom(format!("cannot read {}: {source}", file.display())),
                 error => E::custom(error),
@@ -108,7 +158,7 @@ pub fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(from: D) -
         }
     }
 
-    from.deserialize_any(ValuesOrFile(PhantomData))
+    from.deserialize_any(ValuesOrFile(kind, PhantomData))
 }
 
 /// What all files may use beyond plain RON: no `Some` around optional values, no second brackets in `Variant((a: 1))`.
@@ -122,7 +172,7 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
         // The whole number before the fraction was read; of what follows, RON says that a comma is missing.
         "a whole number is allowed here, without a fraction".to_owned()
     } else {
-        error.code.to_string()
+        told(&error.code)
     };
     let (line, column) = named_field(&what, text).unwrap_or(found);
     Place {
@@ -131,6 +181,21 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
         column,
         source_line: text.lines().nth(line.saturating_sub(1)).unwrap_or_default().replace('\t', " "),
         what,
+    }
+}
+
+/// What an error says. Of names that are not known, those that are alike and those that are allowed.
+fn told(error: &ron::Error) -> String {
+    let unknown = |what: &str, found: &str, allowed: &[&str]| {
+        let alike = alike::closest(found, allowed);
+        let alike = alike.map(|alike| format!("did you mean `{alike}`? Allowed: ")).unwrap_or("allowed: ".into());
+        let allowed = allowed.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+        format!("unknown {what} `{found}`; {alike}{allowed}")
+    };
+    match error {
+        ron::Error::NoSuchStructField { expected, found, .. } => unknown("field", found, expected),
+        ron::Error::NoSuchEnumVariant { expected, found, .. } => unknown("name", found, expected),
+        error => error.to_string(),
     }
 }
 

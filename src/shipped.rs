@@ -15,6 +15,8 @@ const ROOT: &str = "shipped:";
 pub(crate) enum Kind {
     Experiment,
     Machine,
+    Scene,
+    Dram,
 }
 
 impl Kind {
@@ -23,6 +25,8 @@ impl Kind {
         match self {
             Self::Experiment => "experiment",
             Self::Machine => "machine",
+            Self::Scene => "scene",
+            Self::Dram => "DRAM part",
         }
     }
 
@@ -30,6 +34,8 @@ impl Kind {
         match self {
             Self::Experiment => "experiments",
             Self::Machine => "machines",
+            Self::Scene => "scenes",
+            Self::Dram => "dram",
         }
     }
 }
@@ -45,6 +51,18 @@ pub(crate) fn names(kind: Kind) -> Vec<&'static str> {
 /// The path under which [`text`] finds the shipped config `name`; none if there is no such config.
 pub(crate) fn path(kind: Kind, name: &str) -> Option<PathBuf> {
     names(kind).contains(&name).then(|| Path::new(ROOT).join(kind.folder()).join(format!("{name}.ron")))
+}
+
+/// The config that another one names, whose folder is `folder`: a file relative to that, or a shipped config by its name.
+pub(crate) fn named(kind: Kind, folder: &Path, name: &Path) -> PathBuf {
+    let there = folder.join(name);
+    let plain = name.to_str().filter(|name| is_name(name) && !there.exists());
+    plain.and_then(|name| path(kind, name)).unwrap_or(there)
+}
+
+/// Whether a text can be the name of a shipped config, and no path.
+pub(crate) fn is_name(text: &str) -> bool {
+    !text.contains(['.', '/', '\\'])
 }
 
 /// The text of the shipped config at `path`; none if the path is not that of a shipped config.
@@ -78,5 +96,8 @@ mod tests {
         assert_eq!(path(Kind::Machine, "large"), None);
         assert_eq!(text(&small.with_file_name("large.ron")).unwrap().unwrap_err().kind(), io::ErrorKind::NotFound);
         assert!(text(Path::new("configs/machines/small.ron")).is_none());
+        let named = |name: &str| named(Kind::Scene, Path::new("there"), Path::new(name));
+        assert!(text(&named("room")).is_some_and(|text| text.is_ok()));
+        assert_eq!(named("room.ron"), Path::new("there/room.ron"));
     }
 }

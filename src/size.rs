@@ -43,6 +43,13 @@ pub(crate) fn parse(text: &str) -> Result<u64, String> {
     u64::try_from(bytes / parts).map_err(|_| wrong(""))
 }
 
+/// `bytes` in the largest unit of 1024 of which it is a whole number: `16 KiB`, `100 B`.
+pub(crate) fn told(bytes: u64) -> String {
+    let unit = UNITS.iter().rev().filter(|(name, _)| name.ends_with("iB"));
+    let whole = unit.clone().find(|(_, unit)| bytes > 0 && bytes.is_multiple_of(*unit));
+    whole.map_or_else(|| format!("{bytes} B"), |(name, unit)| format!("{} {name}", bytes / unit))
+}
+
 /// Reads a size: a number of bytes, or text with a unit.
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
     struct Bytes;
@@ -92,5 +99,14 @@ mod tests {
             let error = parse(text).unwrap_err();
             assert!(error.contains("KiB, MiB or GiB (of 1024)"), "{text}: {error}");
         }
+    }
+
+    #[test]
+    fn sizes_are_told_in_units_of_1024() {
+        assert_eq!(
+            [0, 100, 1024, 16_384, 1536, 1 << 20].map(told),
+            ["0 B", "100 B", "1 KiB", "16 KiB", "1536 B", "1 MiB"]
+        );
+        assert_eq!(parse(&told(3 << 20)), Ok(3 << 20));
     }
 }

@@ -25,8 +25,11 @@ impl Eq for Spread {}
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename = "Spread", deny_unknown_fields)]
 struct Values {
+    /// The lowest value.
     low: f64,
+    /// The typical value: reports show figures made of these.
     typical: f64,
+    /// The highest value.
     high: f64,
 }
 

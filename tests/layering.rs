@@ -15,6 +15,8 @@ use std::path::Path;
 const ROOMS: &[(&str, &[&str])] = &[
     // Common ground.
     ("quantity", &[]),
+    ("alike", &[]),
+    ("console", &[]),
     ("size", &[]),
     ("random", &[]),
     ("ranged", &["size"]),
@@ -22,7 +24,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("output", &[]),
     ("input", &["output"]),
     ("shipped", &[]),
-    ("ron_file", &["ranged", "input", "shipped"]),
+    ("ron_file", &["alike", "ranged", "input", "shipped"]),
     ("counters", &[]),
     ("spread", &[]),
     ("stats", &["quantity", "counters"]),
@@ -49,12 +51,15 @@ const ROOMS: &[(&str, &[&str])] = &[
     (
         "experiment",
         &[
+            "alike",
+            "console",
             "quantity",
             "ranged",
             "named",
             "output",
             "input",
             "ron_file",
+            "shipped",
             "stats",
             "stream",
             "scene",
@@ -69,7 +74,25 @@ const ROOMS: &[(&str, &[&str])] = &[
             "report",
         ],
     ),
-    ("cli", &["quantity", "shipped", "output", "stream", "machine", "replay", "report", "experiment"]),
+    ("fields", &["alike", "size", "ron_file", "memory", "machine", "scene", "experiment"]),
+    (
+        "cli",
+        &[
+            "alike",
+            "console",
+            "quantity",
+            "shipped",
+            "output",
+            "ron_file",
+            "stream",
+            "machine",
+            "named",
+            "replay",
+            "report",
+            "experiment",
+            "fields",
+        ],
+    ),
 ];
 
 const FUNCTIONAL: [&str; 5] = ["scene", "reference", "accel", "culling", "tracer"];

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Error, Result};
 use clap::Args;
 
-use super::config_path::config_path;
+use super::config_path::{config_path, other_kind};
+use crate::console::{note, warn};
 use crate::experiment::frames::FrameRange;
-use crate::experiment::{self, Experiment, Overrides};
+use crate::experiment::{self, Experiment, Overrides, Setting, warnings};
+use crate::fields::Root;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
 use crate::shipped::Kind;
@@ -27,32 +29,67 @@ pub(super) struct ExperimentArgs {
     /// Replay N frames before measured ones, and leave them out of all means [default: 1 where a policy learns]
     #[arg(long, value_name = "N")]
     warmup: Option<u32>,
+    /// Set a field of the experiment or of all machines; may be given again [example: traversal.cache.bytes=16KiB]
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Setting>,
 }
 
 impl ExperimentArgs {
-    /// Loads the experiment, and tells what of the scene's files has no effect.
-    pub(super) fn load(&self) -> Result<Experiment> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: self.warmup };
-        let experiment = Experiment::load(&config_path(Kind::Experiment, &self.config)?, overrides)?;
-        eprintln!("{}: {}", experiment.spec.name, experiment.need());
-        experiment.scene.origin.notices.iter().for_each(|notice| eprintln!("note: {notice}"));
+    /// Loads the experiment, on the machines `machines` if there are any. Tells what of the scene's files has no effect,
+    /// and what makes the work useless.
+    pub(super) fn load(&self, machines: &[PathBuf], with_machines: bool) -> Result<Experiment> {
+        let path = config_path(Kind::Experiment, &self.config)?;
+        let overrides = Overrides {
+            frames: self.frames,
+            resolution: self.resolution,
+            warmup: self.warmup,
+            machines: machine_paths(machines)?,
+            set: self.set.clone(),
+        };
+        let experiment = Experiment::load(&path, overrides)
+            .map_err(|error| other_kind(&path, Root::Experiment).unwrap_or_else(|| error.into()))?;
+        note(format!("{}: {}", experiment.spec.name, experiment.need()));
+        experiment.scene.origin.notices.iter().for_each(|notice| note(format!("note: {notice}")));
+        warnings::warnings(&experiment, with_machines).iter().for_each(warn);
         Ok(experiment)
     }
 }
 
-/// A recorded ray stream and the machine that replays it.
+/// The files of machines that the command line names.
+fn machine_paths(machines: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    machines.iter().map(|machine| config_path(Kind::Machine, machine)).collect()
+}
+
+/// A recorded ray stream and the machines that replay it.
 #[derive(Args)]
 pub(super) struct StreamAndMachine {
     /// The stream's file, from `umbrasim trace`
     pub(super) stream: PathBuf,
-    /// The machine: a file, or the name of a shipped one, such as small
-    #[arg(long, value_name = "MACHINE")]
-    machine: PathBuf,
+    /// Machines: files, or names of shipped ones; may be given again [example: small,desktop]
+    #[arg(long = "machine", value_name = "MACHINE", value_delimiter = ',', required = true)]
+    machines: Vec<PathBuf>,
+    /// Set a field of all machines; may be given again [example: traversal.cache.bytes=16KiB]
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Setting>,
 }
 
 impl StreamAndMachine {
-    pub(super) fn machine(&self) -> Result<MachineSpec> {
-        Ok(experiment::read_machine(&config_path(Kind::Machine, &self.machine)?)?)
+    /// The machines in the order of the command line.
+    pub(super) fn machines(&self) -> Result<Vec<MachineSpec>> {
+        let read = |path: &PathBuf| {
+            warnings::of_machine(path).iter().for_each(warn);
+            let settings: Vec<&Setting> = self.set.iter().collect();
+            experiment::machine_with(path, &settings)
+                .map_err(|error| other_kind(path, Root::Machine).unwrap_or_else(|| Error::from(error)))
+        };
+        machine_paths(&self.machines)?.iter().map(read).collect()
+    }
+
+    /// The machine, where there can be one only: `what` needs it.
+    pub(super) fn machine(&self, what: &str) -> Result<MachineSpec> {
+        let mut machines = self.machines()?;
+        anyhow::ensure!(machines.len() == 1, "{what} is of one machine: {} are given", machines.len());
+        Ok(machines.remove(0))
     }
 }
 

@@ -4,10 +4,16 @@ use anyhow::Result;
 use clap::Subcommand;
 
 use super::chart::Chart;
+use super::check::Check;
+use super::completions::Completions;
+use super::describe::Describe;
+use super::diff::Diff;
 use super::explain::Explain;
 use super::identities::Identities;
 use super::inspect::Inspect;
 use super::ladder_map::LadderMap;
+use super::man::Man;
+use super::new::New;
 use super::outcome::Outcome;
 use super::paper_table::PaperTable;
 use super::pareto::Pareto;
@@ -15,6 +21,7 @@ use super::plot::Plot;
 use super::profile::Profile;
 use super::replay::Replay;
 use super::run::Run;
+use super::schema::Schema;
 use super::stress::Stress;
 use super::sweep::Sweep;
 use super::trace::Trace;
@@ -54,5 +61,7 @@ groups! {
     "Simulate" Simulate { Run, Trace, Replay, Profile, Validate }
     "Study" Study { Sweep, Pareto, Stress, LadderMap, Chart }
     "Paper" Paper { PaperTable, Identities }
-    "Look" Look { Inspect, Explain, Plot }
+    "Look" Look { Inspect, Explain, Plot, Diff }
+    "Configs" Configs { New, Check, Describe, Schema }
+    "Set up" SetUp { Completions, Man }
 }

@@ -2,30 +2,41 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Result, bail};
+use anyhow::{Error, Result, anyhow, bail};
 
+use crate::alike;
+use crate::fields::{Root, kind_of};
+use crate::ron_file;
 use crate::shipped::{self, Kind};
-
-/// How alike two names must be for one to be proposed in place of the other, from 0 to 1.
-const ALIKE: f64 = 0.7;
 
 /// The path of the config that `argument` names: a file, or the shipped config of that name.
 ///
 /// # Errors
 /// `argument` looks like a name, and there is neither a file nor a shipped config of that name.
 pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
-    let name = argument.to_str().filter(|text| !text.contains(['.', '/', '\\']));
+    let name = argument.to_str().filter(|text| shipped::is_name(text));
     let Some(name) = name.filter(|_| !argument.exists()) else { return Ok(argument.into()) };
     if let Some(path) = shipped::path(kind, name) {
         return Ok(path);
     }
     let names = shipped::names(kind);
-    let alike = names.iter().map(|other| (strsim::jaro_winkler(name, other), other));
-    let closest = alike.filter(|(alike, _)| *alike >= ALIKE).max_by(|(one, _), (other, _)| one.total_cmp(other));
-    let proposal = closest.map(|(_, other)| format!("; did you mean `{other}`?")).unwrap_or_default();
+    let proposal = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?")).unwrap_or_default();
     let known = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
     let kind = kind.name();
     bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")
+}
+
+/// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
+pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
+    let kind = kind_of(&ron_file::text(path).ok()?).filter(|kind| *kind != expected)?;
+    let option = match kind {
+        Root::Machine => format!(": use --machine {}", path.display()),
+        Root::Experiment => format!(": use umbrasim run {}", path.display()),
+        Root::Scene => ", which an experiment names as its `scene`".into(),
+        Root::Sweep => format!(": use umbrasim sweep {}", path.display()),
+        Root::Dram => ", which a machine names as its `dram.part`".into(),
+    };
+    Some(anyhow!("{} is {}{option}; {} is needed here", path.display(), kind.title(), expected.title()))
 }
 
 #[cfg(test)]

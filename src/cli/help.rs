@@ -40,7 +40,8 @@ mod tests {
             let line = format!("\n  {} ", command.get_name());
             assert_eq!(help.matches(&line).count(), 1, "{help}");
         }
-        let titles = ["\nSimulate:\n", "\nStudy:\n", "\nPaper:\n", "\nLook:\n", "\nOptions:\n"];
+        let titles =
+            ["\nSimulate:\n", "\nStudy:\n", "\nPaper:\n", "\nLook:\n", "\nConfigs:\n", "\nSet up:\n", "\nOptions:\n"];
         let places: Vec<_> = titles.iter().map(|title| help.find(title)).collect();
         assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{help}");
         let list = help.split("\nOptions:").next().unwrap_or_default();

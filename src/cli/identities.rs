@@ -27,7 +27,7 @@ pub(super) struct Identities {
     #[arg(default_value = "identities")]
     config: PathBuf,
     /// Write all rows to this file too, as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 }
 

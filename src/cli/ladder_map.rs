@@ -1,13 +1,14 @@
 //! `ladder-map`: where each fidelity level breaks.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
 use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::experiment::ladder_map::{self, Effort};
 use crate::report;
 
@@ -24,15 +25,18 @@ pub(super) struct LadderMap {
     /// Every other point, on streams an eighth as long: less than a minute
     #[arg(long)]
     quick: bool,
+    #[command(flatten)]
+    ending: Ending,
 }
 
 impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         let out = results_folder(&self.out)?;
         let map = ladder_map::run(if self.quick { Effort::Quick } else { Effort::Full });
         let plot = report::write(&out, &map)?;
-        print(report::drawn(&report::ladder_map::grid(&map)))?;
-        print(plot.display())?;
+        let table = report::drawn(&report::ladder_map::grid(&map));
+        self.ending.tell(&map, &table, report::ladder_map::verdict(&map).as_deref(), begin, Some(&plot))?;
         Ok(Outcome::Done)
     }
 }

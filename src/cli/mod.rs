@@ -3,27 +3,37 @@
 
 mod arguments;
 mod chart;
+mod check;
 mod command;
+mod completions;
 mod config_path;
+mod describe;
 mod destinations;
+mod diff;
+mod ending;
 mod explain;
 mod help;
 mod identities;
 mod inspect;
 mod json_file;
 mod ladder_map;
+mod man;
+mod new;
 mod outcome;
 mod paper_table;
 mod pareto;
 mod plot;
 mod print;
 mod profile;
+mod program;
 mod replay;
 mod replay_exports;
 mod replay_views;
 mod run;
+mod schema;
 mod stress;
 mod sweep;
+mod text_file;
 mod trace;
 mod validate;
 
@@ -35,6 +45,7 @@ use clap::{CommandFactory, FromArgMatches, Parser};
 use command::Command;
 use outcome::Outcome;
 
+use crate::console;
 use crate::output::signals;
 
 /// Simulator of a fixed-function ray-tracing accelerator that culls shadow rays with mode words kept per primitive.
@@ -46,6 +57,9 @@ struct Cli {
     /// Threads that trace, validate and replay samples; results don't depend on it [default: one a core]
     #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
+    /// Say nothing but errors and where the result lies
+    #[arg(long, global = true)]
+    quiet: bool,
 }
 
 const AFTER_HELP: &str = "\
@@ -58,7 +72,7 @@ Exit status: 0 done; 1 stopped by Ctrl-C, or a simulation failed; 2 a wrong comm
 pub fn main() -> ExitCode {
     #[cfg(unix)]
     outlive_size_limits();
-    let matches = help::grouped(Cli::command()).get_matches();
+    let matches = program::set(help::grouped(Cli::command())).get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     let done = signals::watch().context("cannot watch for signals");
     match done.and_then(|()| execute(cli)) {
@@ -71,6 +85,9 @@ pub fn main() -> ExitCode {
 }
 
 fn execute(cli: Cli) -> Result<Outcome> {
+    if cli.quiet {
+        console::be_quiet();
+    }
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
         pool.build_global().context("cannot start the threads")?;

@@ -25,7 +25,7 @@ pub(super) struct PaperTable {
     #[arg(default_value = "paper_table")]
     config: PathBuf,
     /// Write all readings to this file too, as JSON
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
 }
 

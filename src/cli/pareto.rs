@@ -1,6 +1,7 @@
 //! `pareto`: error against speed of every fidelity level.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
@@ -8,8 +9,8 @@ use clap::Args;
 use super::arguments::report_folder;
 use super::config_path::config_path;
 use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::experiment::pareto;
 use crate::output::signals;
 use crate::replay::Fidelity;
@@ -33,17 +34,21 @@ pub(super) struct Pareto {
     /// Where the report goes [default: reports/, the name of the comparison's file]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    ending: Ending,
 }
 
 impl Pareto {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
         let (summary, timings) = pareto::pareto(&config_path(Kind::Experiment, &self.config)?, self.truth, &stop)?;
         let table = report::drawn(&summary.grid(&timings));
-        let page = report::write(&out, &ParetoReport { summary, timings })?;
-        print(table)?;
-        print(page.display())?;
+        let found = ParetoReport { summary, timings };
+        let page = report::write(&out, &found)?;
+        let verdict = found.summary.verdict(&found.timings);
+        self.ending.tell(&found.summary, &table, Some(&verdict), begin, Some(&page))?;
         Ok(Outcome::Done)
     }
 }

@@ -1,14 +1,15 @@
 //! `profile`: reuse distances of a recorded ray stream.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
 use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::experiment::reuse::reuse;
 use crate::replay::{ReuseOf, Share};
 use crate::report;
@@ -16,7 +17,7 @@ use crate::report;
 /// Measure how a recorded ray stream misses in caches of all sizes
 ///
 /// One pass replays the stream as the fidelity Profile does. The requests to each cache of the machine give reuse
-/// distances, and these the misses of LRU caches of 1 kB to 16 MB in its place, by class of traffic: a table,
+/// distances, and these the misses of LRU caches of 1 KiB to 16 MiB in its place, by class of traffic: a table,
 /// `reuse.csv` and a plot.
 #[derive(Args)]
 pub(super) struct Profile {
@@ -31,17 +32,20 @@ pub(super) struct Profile {
     /// Where the report goes
     #[arg(long, value_name = "DIR", default_value = "reports/profile")]
     out: PathBuf,
+    #[command(flatten)]
+    ending: Ending,
 }
 
 impl Profile {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         let out = results_folder(&self.out)?;
-        let machine = self.input.machine()?;
+        let machine = self.input.machine("a profile")?;
         let of = self.sample.map_or(ReuseOf::Everything, |rate| ReuseOf::Sample { rate, hot: self.hot });
         let summary = reuse(&machine, of, &self.input.stream)?;
         let plot = report::write(&out, &summary)?;
-        print(report::drawn(&report::reuse::grid(&summary)))?;
-        print(plot.display())?;
+        let table = report::drawn(&report::reuse::grid(&summary));
+        self.ending.tell(&summary, &table, None, begin, Some(&plot))?;
         Ok(Outcome::Done)
     }
 }

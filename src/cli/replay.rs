@@ -1,25 +1,29 @@
 //! `replay`: a recorded ray stream on a machine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Result, ensure};
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
 use super::destinations::claim_files;
+use super::ending::took;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
 use super::replay_views::ViewArgs;
+use crate::console::{self, note};
 use crate::experiment::exports::Exports;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
+use crate::named::Named;
 use crate::replay::{Fidelity, Share};
 use crate::report::run::replayed;
 use crate::stream::StreamReader;
 
-/// Replay a recorded ray stream on a machine and print the figures
+/// Replay a recorded ray stream on machines and print the figures
 #[derive(Args)]
 pub(super) struct Replay {
     #[command(flatten)]
@@ -32,8 +36,8 @@ pub(super) struct Replay {
     /// [example: 1%]
     #[arg(long, value_name = "SHARE")]
     target_error: Option<Share>,
-    /// Write all measurements to this file too, as JSON
-    #[arg(long, value_name = "FILE")]
+    /// Write all measurements to this file too, as JSON; without a name, to standard output
+    #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
     #[command(flatten)]
     dram: DramArgs,
@@ -49,26 +53,42 @@ impl Replay {
         self.dram.claim()?;
         self.lines.claim()?;
         self.views.claim()?;
-        let (stream, machine) = (&self.input.stream, self.input.machine()?);
+        let (begin, stream) = (Instant::now(), &self.input.stream);
+        let machines = self.input.machines()?;
+        let is_exported = self.dram.is_wanted() || self.lines.is_wanted() || self.views.is_wanted();
+        ensure!(
+            machines.len() == 1 || !is_exported,
+            "a trace or a timeline is of one machine: {} are given",
+            machines.len()
+        );
         let fidelity = match self.target_error {
             Some(target) => self.fidelity.with_target_error(target).map_err(anyhow::Error::msg)?,
             None => self.fidelity,
         };
         let header = StreamReader::open(stream)?.header().clone();
+        let is_alone = self.json.as_deref() == Some(Path::new("-"));
         let json = JsonFile::begin(self.json)?;
-        let mut lines = self.lines.begin(&machine, &header)?;
-        let mut exports = Exports {
-            dram: self.dram.begin(&machine)?,
-            timeline: self.views.timeline(&machine, &header)?,
-            interval: self.views.interval(&header)?,
-        };
-        let stats = replay_file(&machine, fidelity, stream, &mut exports, lines.as_mut())?;
-        let told = exports.finish()?;
-        lines.map_or(Ok(()), LineExport::finish)?;
-        json.finish(&stats)?;
-        print(replayed(&machine.name, &header.policy, &stats))?;
-        if let Some(told) = told {
-            print(told)?;
+        let (mut found, mut told) = (Named::default(), Vec::new());
+        for machine in &machines {
+            let mut lines = self.lines.begin(machine, &header)?;
+            let mut exports = Exports {
+                dram: self.dram.begin(machine)?,
+                timeline: self.views.timeline(machine, &header)?,
+                interval: self.views.interval(&header)?,
+            };
+            let stats = replay_file(machine, fidelity, stream, &mut exports, lines.as_mut())?;
+            told.extend(exports.finish()?);
+            lines.map_or(Ok(()), LineExport::finish)?;
+            found.insert(machine.name.clone(), stats);
+        }
+        match found.iter().next() {
+            Some((_, stats)) if machines.len() == 1 => json.finish(stats)?,
+            _ => json.finish(&found)?,
+        }
+        if !is_alone && !console::is_quiet() {
+            print(replayed(&fidelity.to_string(), &header.policy, &found))?;
+            told.iter().try_for_each(print)?;
+            note(took(begin.elapsed()));
         }
         Ok(Outcome::Done)
     }

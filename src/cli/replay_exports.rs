@@ -39,9 +39,14 @@ impl DramArgs {
         claim_files([("--dram-trace", self.dram_trace.as_deref()), ("--dram-commands", self.dram_commands.as_deref())])
     }
 
+    /// Whether a file is wanted.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.dram_trace.is_some() || self.dram_commands.is_some()
+    }
+
     /// Begins the files that are wanted.
     pub(super) fn begin(&self, machine: &MachineSpec) -> Result<Option<DramExport>> {
-        if self.dram_trace.is_none() && self.dram_commands.is_none() {
+        if !self.is_wanted() {
             return Ok(None);
         }
         let trace = self.dram_trace.as_deref().map(|path| (self.dram_trace_format, path));
@@ -69,6 +74,11 @@ impl LineArgs {
     /// Claims the file that is wanted.
     pub(super) fn claim(&self) -> Result<()> {
         claim_files([("--line-trace", self.line_trace.as_deref())])
+    }
+
+    /// Whether a file is wanted.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.line_trace.is_some()
     }
 
     /// Begins the file that is wanted.

@@ -36,6 +36,11 @@ pub(super) struct ViewArgs {
 }
 
 impl ViewArgs {
+    /// Whether a file is wanted.
+    pub(super) fn is_wanted(&self) -> bool {
+        self.timeline.is_some() || self.interval.is_some()
+    }
+
     /// Claims the files that are wanted.
     pub(super) fn claim(&self) -> Result<()> {
         let interval_out = self.interval.map(|_| self.interval_out.as_path());

@@ -1,13 +1,14 @@
 //! `stress`: every policy on every scene that is known to break one.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
 use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::experiment::stress;
 use crate::report;
 
@@ -20,16 +21,19 @@ pub(super) struct Stress {
     /// Where the report goes
     #[arg(long, value_name = "DIR", default_value = "reports/stress")]
     out: PathBuf,
+    #[command(flatten)]
+    ending: Ending,
 }
 
 impl Stress {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         let out = results_folder(&self.out)?;
         let summary = stress::run();
         let page = report::write(&out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
-        print(page.display())?;
+        self.ending.tell(&summary, "", Some(&summary.verdict()), begin, Some(&page))?;
         Ok(Outcome::failed_if(!broken.is_empty()))
     }
 }

@@ -31,7 +31,7 @@ impl Trace {
     pub(super) fn run(self) -> Result<Outcome> {
         claim_files([("-o", Some(self.output.as_path()))])?;
         let stop = signals::stop_flag();
-        trace(&self.experiment.load()?, self.policy.as_deref(), &self.output, &stop)?;
+        trace(&self.experiment.load(&[], false)?, self.policy.as_deref(), &self.output, &stop)?;
         print(self.output.display())?;
         Ok(Outcome::Done)
     }

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::arguments::ExperimentArgs;
 use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
 use super::run::run_and_report;
 
@@ -18,6 +19,8 @@ use super::run::run_and_report;
 pub(super) struct Validate {
     #[command(flatten)]
     experiment: ExperimentArgs,
+    #[command(flatten)]
+    ending: Ending,
     /// Write a report with the pictures too
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -26,6 +29,6 @@ pub(super) struct Validate {
 impl Validate {
     pub(super) fn run(self) -> Result<Outcome> {
         let out = self.out.as_deref().map(results_folder).transpose()?;
-        run_and_report(&self.experiment.load()?, false, out.as_ref())
+        run_and_report(&self.experiment.load(&[], false)?, false, out.as_ref(), &self.ending)
     }
 }

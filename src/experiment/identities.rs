@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::files::{beside, read_machine};
+use super::files::{named, read_machine};
 use super::load::ExperimentError;
 use super::progress;
 use crate::accel::AccelSpec;
@@ -15,7 +15,7 @@ use crate::quantity::Resolution;
 use crate::replay::{Replay, RunError};
 use crate::report::Grid;
 use crate::report::format::percent;
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::spec::SceneSpec;
 use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
@@ -117,11 +117,11 @@ pub const MOST_GAP: f64 = 1e-9;
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
 pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
-    let machine = read_machine(&beside(path, &spec.machine)).map_err(ExperimentError::from)?;
-    let bar = progress::bar(spec.scenes.len() * Alone::ALL.len(), "rows").with_message("identities");
+    let machine = read_machine(&named(Kind::Machine, path, &spec.machine)).map_err(ExperimentError::from)?;
+    let bar = progress::bar("identities", spec.scenes.len() * Alone::ALL.len(), "rows");
     let mut rows = Vec::new();
     for SceneFrame { scene, frame: number } in &spec.scenes {
-        let scene_path = beside(path, scene);
+        let scene_path = named(Kind::Scene, path, scene);
         let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(ExperimentError::from)?;
         let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(ExperimentError::from)?;
         if *number >= scene.frame_count {
@@ -143,7 +143,7 @@ pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured
             bar.inc(1);
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok((rows, spec.published))
 }
 

@@ -3,10 +3,9 @@
 
 use std::sync::Arc;
 
-use indicatif::ProgressBar;
 use rayon::prelude::*;
 
-use super::progress;
+use super::progress::{self, Progress};
 use crate::machine::MachineSpec;
 use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId, Resolution, TriangleSlot};
 use crate::ranged::{Size, Within};
@@ -270,13 +269,13 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
 /// Runs everything.
 pub(crate) fn run(effort: Effort) -> LadderMap {
     let axes = axes(effort);
-    let bar = progress::bar(axes.iter().map(|(_, points)| points.len()).sum(), "points").with_message("ladder");
+    let bar = progress::bar("ladder", axes.iter().map(|(_, points)| points.len()).sum(), "points");
     let axis = |(name, points): &(&str, Vec<Made>)| Axis {
         name: (*name).into(),
         points: points.par_iter().map(|(value, case)| point(value, case, effort.seeds(), &bar)).collect(),
     };
     let map = LadderMap { rows: rows(), axes: axes.iter().map(axis).collect() };
-    bar.finish_and_clear();
+    drop(bar);
     map
 }
 
@@ -293,7 +292,7 @@ fn rows() -> Vec<String> {
     .into()
 }
 
-fn point(value: &str, case: &Case, seeds: u64, bar: &ProgressBar) -> Point {
+fn point(value: &str, case: &Case, seeds: u64, bar: &Progress) -> Point {
     let (header, items) = (case.header(), case.stream());
     let replay = Replay::new(&case.machine, &header).unwrap_or_else(|error| panic!("a machine made to order: {error}"));
     let on = |fidelity: Fidelity| {
@@ -367,7 +366,7 @@ mod tests {
     #[test]
     fn a_point_compares_every_row() {
         let case = Case { footprint: 8 << 10, ..Case::new(Effort::Quick) };
-        let point = point("8", &case, 2, &ProgressBar::hidden());
+        let point = point("8", &case, 2, &Progress::hidden());
         assert_eq!(point.rows.len(), rows().len());
         // All lines fit the L1s and the L2: first touches only.
         let [bound, profile, ..] = point.rows.as_slice() else { panic!("rows") };

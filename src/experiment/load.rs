@@ -1,25 +1,26 @@
 //! An experiment with everything that its files name.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::files::{beside, read_machine};
+use super::files::{machine_with, named, not_set};
 use super::frames::{FrameChoice, FrameRange, Replayed};
 use super::need::Need;
+use super::set::{self, Setting};
 use super::spec::ExperimentSpec;
 use crate::culling::{Policy, PolicySpec, SceneFacts};
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::MAX_LIGHTS;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
 use crate::stream::{Step, StoreEntries, Structure};
 
 /// What the command line sets in place of the file.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Overrides {
     /// Other frames.
     pub frames: Option<FrameRange>,
@@ -27,6 +28,10 @@ pub struct Overrides {
     pub resolution: Option<Resolution>,
     /// Another number of warm-up frames.
     pub warmup: Option<u32>,
+    /// Files of machines in place of the experiment's; paths are as the command line has them.
+    pub machines: Vec<PathBuf>,
+    /// Fields of the experiment, or of all its machines.
+    pub set: Vec<Setting>,
 }
 
 /// Why an experiment cannot be run.
@@ -50,6 +55,8 @@ pub struct Experiment {
     pub scene: Scene,
     /// The machines by name.
     pub machines: Named<MachineSpec>,
+    /// Where they were read.
+    pub(super) machine_files: Vec<PathBuf>,
     /// Numbers of the frames, in order.
     pub frames: Vec<u32>,
     /// Those of them that the machines replay.
@@ -64,6 +71,24 @@ struct AsRun<'a> {
     machines: &'a Named<MachineSpec>,
 }
 
+/// The first word of paths that name a field of the experiment.
+const EXPERIMENT: &str = "experiment";
+
+/// Reads a scene's file and all files that it names.
+///
+/// # Errors
+/// A file cannot be read or is wrong.
+pub(crate) fn read_scene(path: &Path) -> Result<(SceneSpec, Scene), ExperimentError> {
+    let spec: SceneSpec = ron_file::read(path)?;
+    let scene = spec.load(path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+        SceneError::Read { path: file, source } => {
+            ron_file::named_in(path, ConfigError::Read { path: file, source }).into()
+        }
+        other => ExperimentError::Scene(other),
+    })?;
+    Ok((spec, scene))
+}
+
 impl Experiment {
     /// Reads an experiment and all files that it names.
     ///
@@ -71,27 +96,43 @@ impl Experiment {
     /// A file cannot be read or is wrong, or the experiment asks for more than its scene has.
     pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
         let mut spec = ExperimentSpec::read(path)?;
+        let known = set::names(&spec);
+        let is_own = |setting: &&Setting| {
+            let first = setting.path.split('.').next().unwrap_or_default();
+            // `warmup` is not written where the file leaves it out.
+            first == EXPERIMENT || first == "warmup" || known.iter().any(|name| name == first)
+        };
+        let (own, of_machines): (Vec<&Setting>, Vec<&Setting>) = overrides.set.iter().partition(is_own);
+        for setting in own {
+            let field = setting.path.strip_prefix("experiment.").unwrap_or(&setting.path);
+            spec = set::field(&spec, field, &setting.value).map_err(|what| not_set(setting, what))?;
+        }
         spec.frames = overrides.frames.unwrap_or(spec.frames);
         spec.resolution = overrides.resolution.unwrap_or(spec.resolution);
         spec.warmup = overrides.warmup.or(spec.warmup);
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
 
         let mut machines = Named::default();
+        let mut machine_files = Vec::new();
+        if !overrides.machines.is_empty() {
+            spec.machines = overrides.machines.clone();
+        }
         for file in &spec.machines {
-            let file = beside(path, file);
-            let machine = read_machine(&file).map_err(|error| ron_file::named_in(path, error))?;
+            let file = if overrides.machines.is_empty() { named(Kind::Machine, path, file) } else { file.clone() };
+            let machine = machine_with(&file, &of_machines).map_err(|error| ron_file::named_in(path, error))?;
             if machines.get(&machine.name).is_some() {
                 return Err(wrong(format!("`machines` names two machines called `{}`", machine.name)).into());
             }
             machines.insert(machine.name.clone(), machine);
+            machine_files.push(file);
         }
-        let scene_path = beside(path, &spec.scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(|error| ron_file::named_in(path, error))?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
-            SceneError::Read { path, source } => {
-                ron_file::named_in(&scene_path, ConfigError::Read { path, source }).into()
-            }
-            other => ExperimentError::Scene(other),
+        if let Some(setting) = of_machines.first().filter(|_| machines.is_empty()) {
+            let what = format!("the experiment has no machines, and its own fields are {}", known.join(", "));
+            return Err(not_set(setting, what).into());
+        }
+        let (scene_spec, scene) = read_scene(&named(Kind::Scene, path, &spec.scene)).map_err(|error| match error {
+            ExperimentError::Config(error) => ron_file::named_in(path, error).into(),
+            other => other,
         })?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
@@ -125,7 +166,7 @@ impl Experiment {
             return Err(wrong(what).into());
         }
         spec.warmup = Some(warmup);
-        let experiment = Self { spec, scene_spec, scene, machines, frames, replayed };
+        let experiment = Self { spec, scene_spec, scene, machines, machine_files, frames, replayed };
         experiment.need().check().map_err(wrong)?;
         Ok(experiment)
     }

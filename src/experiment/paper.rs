@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::files::beside;
+use super::files::named;
 use super::frames::FrameRange;
 use super::load::ExperimentError;
 use super::load::check_boxes;
@@ -17,7 +17,7 @@ use crate::quantity::Resolution;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
 use crate::report::run::{FrameResult, PolicySummary};
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;
@@ -123,9 +123,9 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
     }
     let mut readings = Vec::new();
     let ranges = spec.frames.len() * spec.structures.len() * spec.depths.len() * spec.shadow_rays.len();
-    let bar = progress::bar(ranges * spec.scenes.len(), "readings").with_message("paper");
+    let bar = progress::bar("paper", ranges * spec.scenes.len(), "readings");
     for PaperScene { scene, published } in &spec.scenes {
-        let scene_path = beside(path, scene);
+        let scene_path = named(Kind::Scene, path, scene);
         let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
         let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
         for &frames in &spec.frames {
@@ -142,7 +142,7 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
             }
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok(readings)
 }
 

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde::Deserialize;
 
-use super::files::{beside, read_machine};
+use super::files::{named, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
@@ -17,7 +17,7 @@ use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::replay::{Fidelity, RunError};
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 
 /// A comparison as its RON file says it.
 #[derive(Deserialize)]
@@ -71,7 +71,7 @@ impl Comparison {
             return Err(wrong(format!("`truth` is {truth}: Event and Cycle are allowed")).into());
         }
         let experiments = spec.experiments.iter().map(|source| source.load(path)).collect::<Result<Vec<_>, _>>()?;
-        let machines = spec.machines.iter().map(|file| read_machine(&beside(path, file)));
+        let machines = spec.machines.iter().map(|file| read_machine(&named(Kind::Machine, path, file)));
         let machines = machines.collect::<Result<Vec<_>, _>>()?;
         for (count, what) in
             [(experiments.len(), "experiments"), (machines.len(), "machines"), (spec.rungs.len(), "rungs")]
@@ -96,7 +96,7 @@ pub(crate) fn pareto(
         rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, truth_seconds: 0.0, rays: 0 }).collect();
     let streams: usize = experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
     let mut runs = Vec::new();
-    let bar = progress::bar(streams * machines.len() * rungs.len(), "replays").with_message("replaying");
+    let bar = progress::bar("replaying", streams * machines.len() * rungs.len(), "replays");
     for experiment in &experiments {
         let folder = TemporaryFolder::create();
         let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
@@ -135,15 +135,15 @@ pub(crate) fn pareto(
             }
         }
     }
-    bar.finish_and_clear();
+    drop(bar);
     let names = rungs.iter().skip(1).map(Fidelity::to_string).collect();
     Ok((ParetoSummary::new(truth.to_string(), names, runs), timings))
 }
 
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
-        let overrides = Overrides { frames: self.frames, resolution: self.resolution, warmup: None };
-        let mut experiment = Experiment::load(&beside(path, &self.file), overrides)?;
+        let overrides = Overrides { frames: self.frames, resolution: self.resolution, ..Overrides::default() };
+        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &self.file), overrides)?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {
             let known: Vec<_> = policies.iter().map(|(name, _)| format!("`{name}`")).collect();

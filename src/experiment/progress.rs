@@ -1,14 +1,146 @@
-//! Progress bars on standard error; nothing where that is no terminal.
+//! Progress on standard error: a bar on a terminal, a line every half minute elsewhere.
 
+use std::fmt::Write as _;
+use std::io::{IsTerminal, stderr};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::Duration;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-/// A bar over `length` things, named in the plural.
-pub(super) fn bar(length: usize, things: &str) -> ProgressBar {
-    let template = format!("{{msg:>10}} [{{bar:32}}] {{pos}}/{{len}} {things}, {{per_sec}}, {{eta}} left");
+use crate::console;
+
+/// How often a line is written where there is no terminal.
+const EVERY: Duration = Duration::from_secs(30);
+/// An estimate is made from this time on, and from a tenth of the work on.
+const STABLE: Duration = Duration::from_secs(3);
+
+/// The progress of one piece of work. Its end removes the bar.
+pub(super) struct Progress {
+    bar: ProgressBar,
+    lines: Option<(Arc<AtomicBool>, JoinHandle<()>)>,
+}
+
+impl Progress {
+    /// Nothing that anybody sees.
+    #[cfg(test)]
+    pub(super) fn hidden() -> Self {
+        Self { bar: ProgressBar::hidden(), lines: None }
+    }
+
+    /// `count` more things are done.
+    pub(super) fn inc(&self, count: u64) {
+        self.bar.inc(count);
+    }
+
+    /// The work begins again from its start.
+    pub(super) fn reset(&self) {
+        self.bar.reset();
+    }
+
+    /// Names what is done from here on.
+    pub(super) fn set_message(&self, message: &'static str) {
+        self.bar.set_message(message);
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
+        if let Some((done, thread)) = self.lines.take() {
+            done.store(true, Ordering::Relaxed);
+            thread.thread().unpark();
+            // A thread that prints has no result to lose.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The progress of `message` over `length` things, named in the plural.
+pub(super) fn bar(message: &'static str, length: usize, things: &'static str) -> Progress {
+    if console::is_quiet() {
+        return Progress { bar: ProgressBar::hidden(), lines: None };
+    }
+    let template = format!("{{msg:>10}} [{{bar:24}}] {{pos}}/{{len}} {things}, {{elapsed}}{{rate}}{{left}}");
     let style = ProgressStyle::with_template(&template).expect("the template is right").progress_chars("=> ");
-    let bar = ProgressBar::new(length as u64).with_style(style);
+    // A text that cannot be written is a bar without it.
+    let rate = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        let _ = text.write_str(&rate(state));
+    };
+    let left = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
+        let _ = text.write_str(&left(state));
+    };
+    let bar = ProgressBar::new(length as u64);
+    bar.set_style(style.with_key("rate", rate).with_key("left", left));
+    bar.set_message(message);
     bar.enable_steady_tick(Duration::from_millis(250));
-    bar
+    let lines = (!stderr().is_terminal()).then(|| lines(bar.clone(), things));
+    Progress { bar, lines }
+}
+
+/// Writes a line every half minute until the work is done.
+fn lines(bar: ProgressBar, things: &'static str) -> (Arc<AtomicBool>, JoinHandle<()>) {
+    let done = Arc::new(AtomicBool::new(false));
+    let is_done = Arc::clone(&done);
+    let thread = std::thread::spawn(move || {
+        let mut told = Duration::ZERO;
+        while !is_done.load(Ordering::Relaxed) {
+            let next = (told + EVERY).saturating_sub(bar.elapsed());
+            if next.is_zero() {
+                told += EVERY;
+                let (at, of) = (bar.position(), bar.length().unwrap_or_default());
+                let left = if is_stable(at, of, bar.elapsed()) { about(bar.eta()) } else { String::new() };
+                let message = bar.message();
+                console::note(format!("{message}: {at} of {of} {things} after {} s{left}", told.as_secs()));
+            } else {
+                std::thread::park_timeout(next);
+            }
+        }
+    });
+    (done, thread)
+}
+
+fn is_stable(at: u64, of: u64, elapsed: Duration) -> bool {
+    at < of && at >= 2 && at * 10 >= of && elapsed >= STABLE
+}
+
+fn about(left: Duration) -> String {
+    let seconds = Duration::from_secs(left.as_secs().max(1));
+    format!(", about {} left", humantime::format_duration(seconds))
+}
+
+/// How fast it goes: things a second, or seconds a thing.
+fn rate(state: &ProgressState) -> String {
+    let per_second = state.per_sec();
+    let mut text = String::new();
+    if state.pos() > 0 && per_second > 0.0 {
+        let _ = match per_second >= 1.0 {
+            true => write!(text, ", {per_second:.1}/s"),
+            false => write!(text, ", {:.1} s each", 1.0 / per_second),
+        };
+    }
+    text
+}
+
+fn left(state: &ProgressState) -> String {
+    let is_told = is_stable(state.pos(), state.len().unwrap_or_default(), state.elapsed());
+    if is_told { about(state.eta()) } else { String::new() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_estimate_is_made_when_there_is_something_to_go_by() {
+        let seconds = Duration::from_secs;
+        assert!(!is_stable(1, 4, seconds(100)), "one thing tells nothing");
+        assert!(!is_stable(4, 100, seconds(100)), "too little of the whole");
+        assert!(!is_stable(20, 100, seconds(1)), "too early");
+        assert!(is_stable(20, 100, seconds(10)));
+        assert!(!is_stable(100, 100, seconds(10)), "nothing is left");
+        assert_eq!(about(seconds(90)), ", about 1m 30s left");
+        assert_eq!(about(Duration::ZERO), ", about 1s left");
+    }
 }

@@ -6,11 +6,9 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
-
 use super::exports::Exports;
 use super::line_export::LineExport;
-use super::progress;
+use super::progress::{self, Progress};
 use super::split::Role;
 use crate::machine::MachineSpec;
 use crate::output::TemporaryFolder;
@@ -130,21 +128,21 @@ pub(crate) fn replay_file(
     lines: Option<&mut LineExport>,
 ) -> Result<MachineStats, RunError> {
     let header = StreamReader::open(path)?.header().clone();
-    let bar = progress::bar(header.frames.len(), "frames").with_message("replaying");
+    let bar = progress::bar("replaying", header.frames.len(), "frames");
     let told = Told { file: StreamFile(path), bar: &bar, lines: RefCell::new(lines) };
     let replay = Replay::new(machine, &header)?;
     let stats = match exports.is_empty() {
         true => replay.fidelity(fidelity).run(&told),
         false => replay.fidelity(fidelity.exact()?).observe(exports)?.run(told.open(0)?),
     };
-    bar.finish_and_clear();
+    drop(bar);
     stats
 }
 
 /// A recorded stream, while a bar shows how far it is read, and its lines go to a file if they are wanted.
 struct Told<'a> {
     file: StreamFile<'a>,
-    bar: &'a ProgressBar,
+    bar: &'a Progress,
     lines: RefCell<Option<&'a mut LineExport>>,
 }
 

@@ -81,7 +81,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     let headers = headers(experiment, &tracer, &policies);
     let mut gathered = Gathered::new(experiment);
     let mut clock = Clock::default();
-    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
+    let bar = progress::bar("tracing", experiment.frames.len(), "frames");
 
     let none = Named::<MachineSpec>::default();
     let machines = if machines { &experiment.machines } else { &none };
@@ -138,7 +138,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
         clock.machines += waiting.elapsed();
         Ok::<_, RunFailure>(finished)
     })?;
-    bar.finish_and_clear();
+    drop(bar);
     if gathered.frames.is_empty() && finished.iter().all(|run| run.result.is_ok()) {
         return Err(RunFailure::Stopped);
     }

@@ -4,9 +4,7 @@
 use std::convert::Infallible;
 use std::path::Path;
 
-use indicatif::ProgressBar;
-
-use super::progress;
+use super::progress::{self, Progress};
 use super::stress_models::{self, MODELS, Recorded};
 use crate::culling::published::rules::{
     Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
@@ -82,10 +80,10 @@ pub(crate) fn run() -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
     let models = MODELS.map(|model| StressModel { name: model.to_string(), exact: model.is_exact() });
-    let bar = progress::bar(Case::all().count() + SCENES as usize, "cases").with_message("stress");
+    let bar = progress::bar("stress", Case::all().count() + SCENES as usize, "cases");
     let cases = Case::all().map(|case| run_case(case, &policies)).inspect(|_| bar.inc(1)).collect();
     let summary = StressSummary::new(named.collect(), models.to_vec(), cases, effects(&bar), SCENES);
-    bar.finish_and_clear();
+    drop(bar);
     summary
 }
 
@@ -118,7 +116,7 @@ fn run_case(case: Case, policies: &[(String, PolicySpec)]) -> CaseSummary {
 }
 
 /// What each answer changes on random scenes, against the default answers on the same scene.
-fn effects(bar: &ProgressBar) -> Vec<Effect> {
+fn effects(bar: &Progress) -> Vec<Effect> {
     let published = |text: &str| {
         let spec = ron_file::parse(&format!("({text})"), Path::new("answers"));
         PolicySpec::Published(spec.expect("the list holds what a config can"))

@@ -49,7 +49,7 @@ pub(crate) fn trace(
         ..tracer.header(wanted, policies[0].as_ref(), experiment.frames.clone(), &experiment.inputs())
     };
     let mut writer = StreamWriter::create(path, &header)?;
-    let bar = progress::bar(experiment.frames.len(), "frames").with_message("tracing");
+    let bar = progress::bar("tracing", experiment.frames.len(), "frames");
     for &number in &experiment.frames {
         if stop.load(Ordering::Relaxed) {
             return Err(TraceError::Stopped);
@@ -57,6 +57,6 @@ pub(crate) fn trace(
         tracer.frame(&scene.animation.frame(number), &mut policies, |_, item| writer.write(&item))?;
         bar.inc(1);
     }
-    bar.finish_and_clear();
+    drop(bar);
     Ok(writer.finish()?)
 }

@@ -5,9 +5,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::ranged::{Size, Within};
 
-/// The dispatcher. The defaults are the T&I engine's (Nah et al. 2011, section 4: rays of 128 bytes, one handed over a
-/// cycle; its FIFOs have 128 places); the latency is its reciprocal of 16 cycles and a box test of 8; shading is
-/// assumed.
+/// The dispatcher.
+///
+/// Source: the T&I engine (Nah et al. 2011, section 4: rays of 128 bytes, one handed over a cycle; its FIFOs have 128
+/// places); the latency is its reciprocal of 16 cycles and a box test of 8; shading is assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DispatcherSpec {

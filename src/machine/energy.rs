@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 use crate::spread::Spread;
 use crate::stream::Structure;
 
-/// Constants of a machine's energy.
+/// Constants of a machine's energy, each with the lowest, a typical and the highest value.
+///
+/// Source: docs/model/energy.md has a table of all constants with their sources.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 #[schemars(extend("unit" = "pJ"))]

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::memory::cache::CacheSpec;
 use crate::ranged::{Size, Within};
 
-/// List units. The defaults are the T&I engine's (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each), one of
-/// its six; latency, contexts and queue are assumed.
+/// List units.
+///
+/// Source: the T&I engine (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each), one of its six units; latency,
+/// contexts and queue are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ListSpec {

@@ -36,8 +36,9 @@ pub enum FrameEnd {
     Epoch,
 }
 
-/// Shadow-cache units. No such hardware is published: all defaults are assumed, sized like the T&I engine's list unit
-/// (4 KB of 2 ways).
+/// Shadow-cache units.
+///
+/// Source: assumed, as no such hardware is published; sized like the T&I engine's list unit (4 KB of 2 ways).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShadowCacheSpec {

@@ -6,8 +6,10 @@ use serde::{Deserialize, Serialize};
 use crate::memory::cache::CacheSpec;
 use crate::ranged::Within;
 
-/// Traversal units. The defaults are the T&I engine's (Nah et al. 2011, table 4: 8 stages, one ray a cycle, 20 resident
-/// rays, 8 KB of 2 ways each), four of them.
+/// Traversal units.
+///
+/// Source: the T&I engine (Nah et al. 2011, table 4: 8 stages, one ray a cycle, 20 resident rays, 8 KB of 2 ways each),
+/// four of its units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TraversalSpec {

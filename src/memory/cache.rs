@@ -21,8 +21,10 @@ pub enum Release {
     OneByOne,
 }
 
-/// An L1 cache. The defaults are the T&I engine's traversal cache (Nah et al. 2011, section 5: 8 KB, 2 ways, latency 1,
-/// one port; 8 rows of 4 rays wait for lines).
+/// An L1 cache.
+///
+/// Source: the T&I engine's traversal cache (Nah et al. 2011, section 5: 8 KB, 2 ways, latency 1, one port; 8 rows of 4
+/// rays wait for lines).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSpec {

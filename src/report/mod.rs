@@ -8,6 +8,7 @@
 
 pub(crate) mod chart;
 mod csv_table;
+pub(crate) mod diff;
 mod draw;
 mod error;
 pub mod explain;
@@ -24,9 +25,10 @@ pub(crate) mod split;
 pub(crate) mod stress;
 pub(crate) mod sweep;
 mod template;
+mod terminal;
 mod writer;
 
 pub(crate) use error::ReportError;
-pub(crate) use grid::{Grid, drawn};
+pub(crate) use grid::{Grid, definitions, drawn, paragraph};
 pub(crate) use numbers::read_numbers;
 pub(crate) use writer::{SUMMARY_FILE, write};

@@ -72,7 +72,11 @@ impl Desk {
     /// The program with these arguments, to be run in the folder.
     pub fn program(&self, args: &[&str]) -> Command {
         let mut program = Command::cargo_bin("umbrasim").unwrap();
-        program.current_dir(self.dir.path()).args(args).timeout(std::time::Duration::from_secs(300));
+        program
+            .current_dir(self.dir.path())
+            .args(args)
+            .env_remove("COLUMNS")
+            .timeout(std::time::Duration::from_secs(300));
         program
     }
 

@@ -4,9 +4,8 @@ use std::io::{IsTerminal, stderr};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use indicatif::ProgressBar;
-
-use super::super::progress;
+use super::super::progress::{self, Progress};
+use crate::console::note;
 
 /// The time between two lines of a log.
 const INTERVAL: Duration = Duration::from_secs(30);
@@ -19,7 +18,7 @@ pub(super) struct Log {
     subject: String,
     points: usize,
     begin: Instant,
-    bar: Option<ProgressBar>,
+    bar: Option<Progress>,
     state: Mutex<State>,
 }
 
@@ -37,9 +36,9 @@ impl Log {
         let begin = Instant::now();
         let kept = points - left.len();
         if !is_terminal {
-            eprintln!("{subject}: {points} points, {kept} kept, {} to make", left.len());
+            note(format!("{subject}: {points} points, {kept} kept, {} to make", left.len()));
         }
-        let bar = is_terminal.then(|| progress::bar(left.len(), "points").with_message("replaying"));
+        let bar = is_terminal.then(|| progress::bar("replaying", left.len(), "points"));
         let state = Mutex::new(State { done: kept, cost: [0, left.iter().sum()], told: begin });
         Self { subject, points, begin, bar, state }
     }
@@ -54,7 +53,7 @@ impl Log {
             Some(bar) => bar.inc(1),
             None if state.told.elapsed() >= INTERVAL => {
                 state.told = Instant::now();
-                eprintln!("{}", self.line(&state, self.begin.elapsed()));
+                note(self.line(&state, self.begin.elapsed()));
             }
             None => {}
         }
@@ -63,10 +62,10 @@ impl Log {
     /// All points are done.
     pub(super) fn finish(self) {
         match self.bar {
-            Some(bar) => bar.finish_and_clear(),
+            Some(bar) => drop(bar),
             None => {
                 let took = humantime::format_duration(Duration::from_secs(self.begin.elapsed().as_secs()));
-                eprintln!("{}: all {} points done in {took}", self.subject, self.points);
+                note(format!("{}: all {} points done in {took}", self.subject, self.points));
             }
         }
     }

@@ -30,6 +30,7 @@ pub(super) use self::replay::replay;
 pub(crate) use self::shard::Shard;
 pub(crate) use self::spec::ChosenLevel;
 use self::spec::Sweep;
+pub(crate) use self::spec::SweepSpec;
 pub(super) use self::streams::Streams;
 use self::streams::Streams as Kept;
 use crate::output::{ResultsFolder, SharedFolder};

@@ -9,16 +9,17 @@ use serde::Deserialize;
 use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::super::files::beside;
+use super::super::files::named;
 use super::super::frames::FrameRange;
 use super::super::load::{Experiment, Overrides};
+use super::super::set;
 use super::error::SweepError;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::replay::{Fidelity, Share};
 use crate::report::sweep::{Change, Own};
-use crate::ron_file::{self, ConfigError};
+use crate::ron_file::{self, ConfigError, Kind};
 
 /// The most machines of a sweep: some years of replays.
 const MAX_MACHINES: u128 = 100_000;
@@ -26,7 +27,7 @@ const MAX_MACHINES: u128 = 100_000;
 /// A sweep as its RON file says it.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct SweepSpec {
+pub(crate) struct SweepSpec {
     /// The experiment whose streams and machines are used, relative to this file.
     experiment: PathBuf,
     /// Other frames than the experiment's.
@@ -97,8 +98,8 @@ impl Sweep {
     /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
     pub(super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
-        let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, warmup: None };
-        let mut experiment = Experiment::load(&beside(path, &spec.experiment), overrides)?;
+        let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, ..Overrides::default() };
+        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
         let fidelity = level.fidelity.or(spec.fidelity).unwrap_or(experiment.spec.fidelity);
         let sampled = level.target_error.map_or(Ok(fidelity), |target| fidelity.with_target_error(target));
@@ -202,7 +203,8 @@ impl Sweep {
             .collect();
         let mut spec = base.clone();
         for &(field, value) in &changes {
-            spec = with_field(&spec, field, value)?;
+            let wrong = |what: String| format!("`vary` has the value `{value}` for `{field}`: {what}");
+            spec = set::field(&spec, field, value).map_err(wrong)?;
         }
         spec.check().map_err(|error| format!("machine `{name}` with {}: {error}", listed(&changes)))?;
         let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });
@@ -212,51 +214,4 @@ impl Sweep {
 
 fn listed(changes: &[(&str, &str)]) -> String {
     changes.iter().map(|(field, value)| format!("`{field}: {value}`")).collect::<Vec<_>>().join(", ")
-}
-
-/// The machine with another value of the field at `path`, such as `shadow_cache.cache.bytes`.
-fn with_field(spec: &MachineSpec, path: &str, value: &str) -> Result<MachineSpec, String> {
-    let mut all = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
-    let mut place = &mut all;
-    for (index, name) in path.split('.').enumerate() {
-        let Value::Object(fields) = place else {
-            let parent = path.split('.').take(index).collect::<Vec<_>>().join(".");
-            return Err(format!("`vary` names `{path}`, but `{parent}` has no fields of its own"));
-        };
-        let known = fields.keys().map(|field| format!("`{field}`")).collect::<Vec<_>>().join(", ");
-        place = fields.get_mut(name).ok_or_else(|| {
-            format!("`vary` names `{path}`, but a machine has no `{name}` there: {known} are allowed")
-        })?;
-    }
-    *place = plain(value).map_err(|error| format!("`vary` has the value `{value}` for `{path}`: {error}"))?;
-    serde_json::from_value(all).map_err(|error| format!("`vary` has the value `{value}` for `{path}`: {error}"))
-}
-
-/// A value of a RON file as data. A bare name is a variant's.
-fn plain(text: &str) -> Result<Value, String> {
-    let is_name = text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_')
-        && text.starts_with(|letter: char| letter.is_ascii_uppercase());
-    if is_name {
-        return Ok(Value::String(text.into()));
-    }
-    ron::from_str(text).map_err(|error| error.code.to_string())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::machine::shadow_cache::Place;
-
-    #[test]
-    fn any_field_can_be_set_and_errors_say_what_is_allowed() {
-        let base = MachineSpec::default();
-        let set = |path, value| with_field(&base, path, value);
-        assert_eq!(set("shadow_cache.cache.bytes", "65536").unwrap().shadow_cache.cache.bytes.get(), 65536);
-        assert_eq!(set("shadow_cache.place", "L2").unwrap().shadow_cache.place, Place::L2);
-        let error = |path, value| set(path, value).unwrap_err();
-        assert!(error("shadow_cache.size", "1").contains("a machine has no `size` there: `count`, `latency`,"));
-        assert!(error("clock_mhz.x", "1").contains("`clock_mhz` has no fields of its own"));
-        assert!(error("shadow_cache.place", "Onw").contains("expected one of `Own`, `Triangle`, `L2`, `Free`"));
-        assert!(error("shadow_cache.count", "0").contains("0 is not allowed here: a whole number from 1 to 64 is"));
-    }
 }

@@ -172,7 +172,7 @@ impl<'a> Streams<'a> {
             writers.push(if is_missing { Some(StreamWriter::create(path, header)?) } else { None });
         }
         let frames = &self.experiment.frames;
-        let bar = progress::bar(frames.len(), "frames").with_message("tracing");
+        let bar = progress::bar("tracing", frames.len(), "frames");
         for &number in frames {
             if stop.load(Ordering::Relaxed) {
                 return Err(SweepError::Stopped);
@@ -183,7 +183,7 @@ impl<'a> Streams<'a> {
             })?;
             bar.inc(1);
         }
-        bar.finish_and_clear();
+        drop(bar);
         Ok(writers.into_iter().flatten().try_for_each(StreamWriter::finish)?)
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use schemars::JsonSchema;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 use super::mapping::{Field, Mapping, Place};
 use super::part::DramPart;
@@ -45,8 +45,9 @@ pub enum Model {
 pub struct DramSpec {
     /// How it is modelled.
     pub model: Model,
-    /// The part: the name of its file, relative to the file that names it, or its values.
-    #[serde(deserialize_with = "ron_file::values_or_file")]
+    /// The part: the name of its file, relative to the file that names it, the name of a shipped part, or its values.
+    #[serde(deserialize_with = "part")]
+    #[schemars(extend("or_file" = true))]
     pub part: DramPart,
     /// Independent channels.
     pub channels: PowerOfTwo<1, 64>,
@@ -56,6 +57,10 @@ pub struct DramSpec {
     pub page: Page,
     /// Where an address lies.
     pub mapping: Mapping,
+}
+
+fn part<'de, D: Deserializer<'de>>(from: D) -> Result<DramPart, D::Error> {
+    ron_file::values_or_file(from, ron_file::Kind::Dram)
 }
 
 impl Default for DramSpec {

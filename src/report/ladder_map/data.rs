@@ -142,6 +142,18 @@ pub(crate) fn grid(map: &LadderMap) -> Grid {
     Grid { head, names: 2, rows }
 }
 
+/// The worst error of cycles of each level.
+pub(crate) fn verdict(map: &LadderMap) -> Option<String> {
+    let worst = |(index, name): (usize, &String)| {
+        let points = map.axes.iter().flat_map(|axis| &axis.points);
+        let errors = points.filter_map(|point| point.rows[index].errors[Figure::Cycles as usize]);
+        let worst = errors.max_by(|a, b| a.abs().total_cmp(&b.abs()))?;
+        Some(format!("{name} {}", signed(worst)))
+    };
+    let worst: Vec<String> = map.rows.iter().enumerate().filter_map(worst).collect();
+    (!worst.is_empty()).then(|| format!("worst errors of cycles against Event: {}", worst.join(", ")))
+}
+
 fn signed(share: f64) -> String {
     format!("{:+.1} %", share * 100.0)
 }

@@ -4,4 +4,4 @@ mod data;
 mod plot;
 mod write;
 
-pub(crate) use data::{Axis, Covered, Figure, LadderMap, Point, Row, grid};
+pub(crate) use data::{Axis, Covered, Figure, LadderMap, Point, Row, grid, verdict};

@@ -57,6 +57,14 @@ impl ParetoSummary {
         points.iter().map(|point| !beaten(point)).collect()
     }
 
+    /// Which levels no other one beats in speed and in the error of cycles.
+    pub(crate) fn verdict(&self, timings: &[Timing]) -> String {
+        let front = self.frontier(timings, |rung| rung.cycles);
+        let names = self.rungs.iter().zip(front).filter(|(_, is_front)| *is_front).map(|(rung, _)| rung.name.as_str());
+        let names: Vec<&str> = names.collect();
+        format!("no level is both faster and closer to {} than: {}", self.truth, names.join("; "))
+    }
+
     /// A row a rung.
     pub(crate) fn grid(&self, timings: &[Timing]) -> Grid {
         const HEAD: [&str; 11] = [

@@ -13,6 +13,7 @@ mod results;
 mod steady;
 mod summary;
 mod tables;
+mod terminal;
 mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
@@ -20,7 +21,8 @@ pub(crate) use machine_columns::{CountedColumn, counted_columns};
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
-pub(crate) use tables::{replayed, terminal};
+pub(crate) use tables::replayed;
+pub(crate) use terminal::{terminal, verdict};
 pub(crate) use write::redraw;
 
 #[cfg(test)]

@@ -54,6 +54,14 @@ pub(crate) struct Summary {
     pub simulated_rays_per_wall_second: Named<f64>,
 }
 
+impl Summary {
+    /// Whether no ray of the camera came to anything that a light could reach.
+    pub(crate) fn sees_nothing(&self) -> bool {
+        let off = self.baseline.as_deref().and_then(|baseline| self.policies.get(baseline));
+        self.scene.lights > 0 && off.is_some_and(|off| off.counts.primary_rays > 0 && off.counts.shadow_rays == 0)
+    }
+}
+
 /// The scene.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct SceneSummary {

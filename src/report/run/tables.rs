@@ -1,11 +1,11 @@
 //! The few figures that sum a run up, for the terminal and the page.
 
-use super::steady;
 use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
 use crate::counters::Counter;
+use crate::named::Named;
 use crate::quantity::Bytes;
-use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
-use crate::report::grid::{Grid, drawn};
+use crate::report::format::{bytes, change, exact, or_absent, percent, short};
+use crate::report::grid::{Grid, drawn, paragraph};
 use crate::report::split::Split;
 use crate::stats::{
     Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
@@ -50,8 +50,9 @@ pub(super) fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
-/// How `figure`, whose place among an accuracy's shares is `share`, changes from one run to another, with an interval if samples tell it.
-fn change_of(
+/// How `figure` changes from one run to another, with an interval if samples tell it. `share` is the figure's place
+/// among an accuracy's shares.
+pub(super) fn interval_of(
     figure: fn(&MachineRun) -> Option<f64>,
     share: usize,
     before: &MachineRun,
@@ -66,9 +67,9 @@ fn change_of(
 }
 
 /// How far a run's cycles and DRAM bytes may be from the truth, in a word.
-fn error(accuracy: &Accuracy) -> String {
+pub(super) fn error(accuracy: &Accuracy) -> String {
     match *accuracy {
-        Accuracy::Exact => "none".into(),
+        Accuracy::Exact => "exact".into(),
         Accuracy::Estimated { cycles, dram_bytes, .. } => {
             format!("\u{b1} {}, {}", percent(cycles).trim_end_matches(" %"), percent(dram_bytes))
         }
@@ -78,37 +79,9 @@ fn error(accuracy: &Accuracy) -> String {
     }
 }
 
-/// The machines' key figures of measured frames, with the change against the run without culling. Rays a second are those
-/// answered, and energy is that of a frame.
-pub(super) fn machines(summary: &Summary) -> Grid {
-    const HEAD: [&str; 8] =
-        ["machine", "policy", "ms/frame", "rays/s", "DRAM/frame", "DRAM use", "energy", "\u{b1} time, DRAM"];
-    let mut rows = Vec::new();
-    for (name, machine) in summary.machines.iter() {
-        let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
-        for (policy, run) in machine.policies.iter() {
-            let off = off.filter(|_| summary.baseline.as_deref() != Some(policy));
-            let measured = |text: String, figure: fn(&MachineRun) -> Option<f64>, share: usize| {
-                let change = off.and_then(|off| change_of(figure, share, off, run));
-                change.map_or(text.clone(), |change| format!("{text} ({change})"))
-            };
-            rows.push(vec![
-                name.to_owned(),
-                policy.to_owned(),
-                measured(or_absent(run.milliseconds_per_frame, milliseconds), |run| run.milliseconds_per_frame, 0),
-                or_absent(run.rays_answered_per_second, short),
-                measured(or_absent(run.dram_bytes_per_frame, mean_bytes), |run| run.dram_bytes_per_frame, 2),
-                or_absent(run.dram_utilization, percent),
-                or_absent(run.joules_per_frame, joules),
-                error(&run.stats.accuracy),
-            ]);
-        }
-    }
-    Grid { head: HEAD.map(Into::into).to_vec(), names: 2, rows }
-}
-
-fn mean_bytes(amount: f64) -> String {
-    bytes(Bytes(amount.round() as u64))
+/// DRAM bytes of a frame.
+pub(super) fn dram_per_frame(run: &MachineRun) -> Option<f64> {
+    run.dram_bytes_per_frame
 }
 
 /// What each policy saved and paid on a machine.
@@ -123,23 +96,12 @@ pub(super) fn split(machine: &MachineSummary) -> Grid {
     }
 }
 
-/// The run in a dozen lines for the terminal, without a line's end at the end.
-pub(crate) fn terminal(summary: &Summary) -> String {
-    let grids = [policies(summary), machines(summary)];
-    let shown = grids.iter().filter(|grid| !grid.rows.is_empty()).map(drawn);
-    let lines: Vec<String> = steady::frames(summary).into_iter().chain(steady::cold_starts(summary)).collect();
-    let lines = (!lines.is_empty()).then(|| lines.join("\n"));
-    shown.chain(lines).collect::<Vec<_>>().join("\n\n")
-}
-
-/// What one machine measured on one stream, for the terminal, without a line's end at the end.
-pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> String {
-    let run = MachineRun::from(stats.clone());
-    let head = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>();
-    let sum = Grid {
-        head: head(&["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"]),
-        names: 2,
-        rows: vec![vec![
+/// What machines measured on one stream in a model, for the terminal, without a line's end at the end.
+pub(crate) fn replayed(model: &str, policy: &str, machines: &Named<MachineStats>) -> String {
+    let head = ["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"];
+    let row = |(machine, stats): (&str, &MachineStats)| {
+        let run = MachineRun::from(stats.clone());
+        vec![
             machine.to_owned(),
             policy.to_owned(),
             exact(stats.rays),
@@ -148,9 +110,18 @@ pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> Str
             or_absent(dram_bytes(&run), bytes),
             or_absent(run.dram_utilization, percent),
             or_absent(run.dram_row_hit_rate, percent),
-        ]],
+        ]
     };
-    let caches = caches(stats);
+    let sum = Grid { head: head.map(Into::into).to_vec(), names: 2, rows: machines.iter().map(row).collect() };
+    let parts = machines.iter().map(|(machine, stats)| {
+        let name = (machines.len() > 1).then(|| format!("{machine}:"));
+        name.into_iter().chain([in_detail(model, stats)]).collect::<Vec<_>>().join("\n")
+    });
+    std::iter::once(drawn(&sum)).chain(parts).collect::<Vec<_>>().join("\n\n")
+}
+
+/// How far the numbers of a machine can be trusted, and where its cycles and bytes go.
+fn in_detail(model: &str, stats: &MachineStats) -> String {
     let units = stats.units.iter().map(|(unit, causes)| {
         // A rung that does not tell all causes leaves them out.
         let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
@@ -169,8 +140,8 @@ pub(crate) fn replayed(machine: &str, policy: &str, stats: &MachineStats) -> Str
     };
     let dram = format!("DRAM: {}", stats.dram_organization);
     let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
-    let rest = [dram, drawn(&caches), drawn(&units)];
-    [drawn(&sum), trust(stats)].into_iter().chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
+    let rest = [paragraph(&dram), drawn(&caches(stats)), drawn(&units)];
+    std::iter::once(trust(model, stats)).chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
 }
 
 /// What each cache counted, a class a row; a counter that a level does not have is absent there.
@@ -195,9 +166,9 @@ fn caches(stats: &MachineStats) -> Grid {
 }
 
 /// How far from the truth the numbers may be, and what no machine can leave.
-fn trust(stats: &MachineStats) -> String {
+fn trust(model: &str, stats: &MachineStats) -> String {
     let error = match stats.accuracy {
-        Accuracy::Exact => "none: the machine's rules, cycle for cycle".to_owned(),
+        Accuracy::Exact => "exact; no sampling".to_owned(),
         Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
             let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);
             format!(
@@ -205,12 +176,12 @@ fn trust(stats: &MachineStats) -> String {
             )
         }
         Accuracy::Few { windows, telling } => {
-            format!("unknown: the sample has {windows} windows, too few to tell ({telling} would)")
+            format!("error unknown: the sample has {windows} windows, too few to tell ({telling} would)")
         }
-        Accuracy::Bounded => "not known, but within the bounds".to_owned(),
-        Accuracy::Unknown => "unknown".to_owned(),
+        Accuracy::Bounded => "error not known, but within the bounds".to_owned(),
+        Accuracy::Unknown => "error unknown".to_owned(),
     };
-    let mut lines = vec![format!("Error: {error}")];
+    let mut lines = vec![paragraph(&format!("Model: {model} ({error})"))];
     if let Some(Bounds { cycles, dram_bytes, .. }) = stats.bounds {
         lines.push(format!(
             "Bounds: {} to {} cycles, {} to {} of DRAM traffic",

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Cycle;
-use crate::report::format::percent;
+use crate::report::format::{counted, percent};
 
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 2;
@@ -174,6 +174,18 @@ impl StressSummary {
         effect_scenes: u32,
     ) -> Self {
         Self { schema: SCHEMA, policies, models, cases, effects, effect_scenes }
+    }
+
+    /// How often policies that must never be wrong were: `8 exact policies: 0 wrong in 45 cases`.
+    pub(crate) fn verdict(&self) -> String {
+        let exact: Vec<usize> = (0..self.policies.len()).filter(|&at| self.policies[at].exact).collect();
+        let is_wrong = |case: &&CaseSummary| exact.iter().any(|&at| Outcome::of(&case.policies[at]) != Outcome::Right);
+        let wrong = self.cases.iter().filter(is_wrong).count();
+        let failed = self.broken().len().saturating_sub(wrong);
+        let models =
+            if failed > 0 { format!("; {} must agree and do not", counted(failed, "result")) } else { String::new() };
+        let policies = if exact.len() == 1 { "policy" } else { "policies" };
+        format!("{} exact {policies}: {wrong} wrong in {}{models}", exact.len(), counted(self.cases.len(), "case"))
     }
 
     /// Wrong decisions of policies that must not make any, and timing models that failed or differ where they must not.

@@ -37,6 +37,7 @@ use crate::ranged::Within;
 pub struct ComposedSpec {
     /// The files of what stays, and of what glTF animations move. The first one names the scene.
     #[serde(alias = "path", deserialize_with = "files::read")]
+    #[schemars(extend("or_file" = true))]
     pub files: Vec<FileSpec>,
     /// Whether the pictures that colour surfaces are used.
     #[serde(default)]

@@ -1,0 +1,58 @@
+//! How a command ends: what it found, in how long, and where that lies.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use anyhow::Result;
+use clap::Args;
+use serde::Serialize;
+
+use super::print::print;
+use crate::console;
+use crate::report::paragraph;
+
+/// How a command tells what it found.
+#[derive(Args)]
+pub(super) struct Ending {
+    /// Print the numbers as JSON on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Ending {
+    /// Tells what was found: `summary` as JSON if that is wanted; otherwise tables, a verdict, the time since `begin`
+    /// and the address of `page`. Quiet, the address alone.
+    pub(super) fn tell(
+        &self,
+        summary: &impl Serialize,
+        tables: &str,
+        verdict: Option<&str>,
+        begin: Instant,
+        page: Option<&Path>,
+    ) -> Result<()> {
+        if self.json {
+            return print(serde_json::to_string_pretty(summary)?);
+        }
+        if console::is_quiet() {
+            return page.map_or(Ok(()), |page| print(page.display()));
+        }
+        let verdict = verdict.unwrap_or_default().lines().map(paragraph).collect::<Vec<_>>().join("\n");
+        let parts = [tables, &verdict].into_iter().filter(|part| !part.is_empty());
+        print(parts.collect::<Vec<_>>().join("\n\n"))?;
+        console::note(took(begin.elapsed()));
+        page.map_or(Ok(()), |page| print(format!("report: {}", page.display())))
+    }
+}
+
+/// The time that a command took.
+pub(super) fn took(time: Duration) -> String {
+    let threads = rayon::current_num_threads();
+    let plural = if threads == 1 { "" } else { "s" };
+    match time.as_secs_f64() {
+        seconds if seconds < 60.0 => format!("took {seconds:.1} s on {threads} thread{plural}"),
+        seconds => {
+            let whole = humantime::format_duration(Duration::from_secs(seconds.round() as u64));
+            format!("took {whole} on {threads} thread{plural}")
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! Fields of specs set by their paths.
+
+use std::str::FromStr;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+
+use crate::alike;
+
+/// A field's path and the value that it gets, written `PATH=VALUE`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Setting {
+    /// Such as `shadow_cache.cache.bytes`.
+    pub path: String,
+    /// As a file has it.
+    pub value: String,
+}
+
+impl FromStr for Setting {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('=').map(|(path, value)| (path.trim(), value.trim()));
+        match parts.filter(|(path, value)| !path.is_empty() && !value.is_empty()) {
+            Some((path, value)) => Ok(Self { path: path.into(), value: value.into() }),
+            None => Err(format!("`{text}` is no PATH=VALUE, such as traversal.cache.bytes=16KiB")),
+        }
+    }
+}
+
+impl std::fmt::Display for Setting {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}={}", self.path, self.value)
+    }
+}
+
+/// The names of a spec's fields.
+pub(super) fn names(spec: &impl Serialize) -> Vec<String> {
+    match data(spec) {
+        Value::Object(fields) => fields.keys().cloned().collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// `spec` with another value of the field at `path`. The name of a choice may be left out of the path: `l2.bytes` is
+/// `l2.Unified.bytes` where `l2` is `Unified`.
+///
+/// # Errors
+/// There is no such field, or it cannot have that value; the error says what is allowed.
+pub(super) fn field<T: Serialize + DeserializeOwned>(spec: &T, path: &str, value: &str) -> Result<T, String> {
+    let mut all = data(spec);
+    let mut place = &mut all;
+    let mut known = Vec::new();
+    let parts: Vec<&str> = path.split('.').collect();
+    for (index, &name) in parts.iter().enumerate() {
+        let parent = parts[..index].join(".");
+        place = inside(place, name);
+        let Value::Object(fields) = place else {
+            return Err(format!("`{parent}` has no fields of its own"));
+        };
+        known = fields.keys().cloned().collect();
+        let is_last = index + 1 == parts.len();
+        if !fields.contains_key(name) && !is_last {
+            return Err(missing(&parent, name, &known));
+        }
+        // A field that is left open is not written: whether there is one shows when the spec is read.
+        place = fields.entry(name).or_insert(Value::Null);
+    }
+    let is_there = !place.is_null();
+    *place = plain(value);
+    serde_json::from_value(all).map_err(|error| {
+        let (parent, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let what = error.to_string();
+        if !is_there && what.starts_with("unknown field") { missing(parent, name, &known) } else { what }
+    })
+}
+
+fn data(spec: &impl Serialize) -> Value {
+    serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold")
+}
+
+/// `place`, or what is in the brackets of the choice that it is.
+fn inside<'a>(place: &'a mut Value, name: &str) -> &'a mut Value {
+    let variant = match place {
+        Value::Object(fields) if fields.len() == 1 && !fields.contains_key(name) => {
+            fields.keys().next().filter(|key| key.starts_with(|letter: char| letter.is_ascii_uppercase())).cloned()
+        }
+        _ => None,
+    };
+    match variant {
+        Some(variant) if place[&variant].is_object() => &mut place[&variant],
+        _ => place,
+    }
+}
+
+fn missing(parent: &str, name: &str, known: &[String]) -> String {
+    let names: Vec<&str> = known.iter().map(String::as_str).collect();
+    let alike = alike::closest(name, &names).map(|alike| format!("; did you mean `{alike}`?")).unwrap_or_default();
+    let names = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
+    let place = if parent.is_empty() { String::new() } else { format!(" in `{parent}`") };
+    format!("there is no field `{name}`{place}{alike} Allowed: {names}").replace("` Allowed", "`; allowed")
+}
+
+/// A value as a file or a command line has it, as data. A bare name is a variant's or a text.
+fn plain(text: &str) -> Value {
+    let is_word = |text: &str| text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    // A variant with something in brackets.
+    if let Some((name, rest)) = text.split_once('(')
+        && let Some(inner) = rest.strip_suffix(')')
+        && is_word(name)
+        && name.starts_with(|letter: char| letter.is_ascii_uppercase())
+    {
+        let payload = if inner.contains(':') || inner.is_empty() { plain(&format!("({inner})")) } else { plain(inner) };
+        return Value::Object([(name.to_owned(), payload)].into_iter().collect());
+    }
+    match text {
+        "true" | "false" | "None" => ron::from_str(text).unwrap_or(Value::Null),
+        "()" => Value::Object(serde_json::Map::new()),
+        _ if is_word(text) && text.starts_with(|letter: char| letter.is_alphabetic()) => Value::String(text.into()),
+        _ => ron::from_str(text).unwrap_or_else(|_| Value::String(text.into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::MachineSpec;
+    use crate::machine::shadow_cache::Place;
+
+    #[test]
+    fn any_field_can_be_set_and_errors_say_what_is_allowed() {
+        let base = MachineSpec::default();
+        let set = |path, value| field(&base, path, value);
+        for size in ["65536", "64KiB", "\"64 KiB\""] {
+            assert_eq!(set("shadow_cache.cache.bytes", size).unwrap().shadow_cache.cache.bytes.get(), 65536, "{size}");
+        }
+        assert_eq!(set("shadow_cache.place", "L2").unwrap().shadow_cache.place, Place::L2);
+        assert_eq!(set("traversal.cache.banks", "4").unwrap().traversal.cache.banks.map(|banks| banks.get()), Some(4));
+        assert_eq!(set("l2.bytes", "256 KiB"), set("l2.Unified.bytes", "262144"));
+        assert_eq!(set("dram.model", "Flat(latency: 50)").unwrap().dram.peak_bytes_per_cycle(500), None);
+        let error = |path, value| set(path, value).unwrap_err();
+        let known = "there is no field `cont` in `shadow_cache`; did you mean `count`? Allowed: `count`, `latency`,";
+        assert!(error("shadow_cache.cont", "1").starts_with(known), "{}", error("shadow_cache.cont", "1"));
+        assert!(error("shadow_cash.place", "L2").starts_with("there is no field `shadow_cash`; did you mean"));
+        assert!(error("clock_mhz.x", "1").contains("`clock_mhz` has no fields of its own"));
+        assert!(error("shadow_cache.place", "Onw").contains("expected one of `Own`, `Triangle`, `L2`, `Free`"));
+        assert!(error("shadow_cache.count", "0").contains("0 is not allowed here: a whole number from 1 to 64 is"));
+    }
+
+    #[test]
+    fn a_setting_is_a_path_and_a_value() {
+        let setting: Setting = "dram.model = Flat(latency: 50)".parse().unwrap();
+        assert_eq!((setting.path.as_str(), setting.value.as_str()), ("dram.model", "Flat(latency: 50)"));
+        assert!("dram".parse::<Setting>().unwrap_err().contains("is no PATH=VALUE"));
+    }
+}

@@ -1,0 +1,57 @@
+//! What in an experiment makes a run useless, though nothing in it is wrong.
+
+use std::path::Path;
+
+use super::load::Experiment;
+use crate::culling::SceneFacts;
+use crate::ron_file;
+use crate::scene::camera::Projection;
+use crate::stream::StoreEntries;
+
+/// Parts of a machine that are missed where its file leaves them out, with what then stands.
+const PARTS: [(&str, &str); 2] =
+    [("l2", "one cache of 128 KiB for all classes"), ("dram", "one channel of LPDDR4-3200")];
+/// Vertical angles of view that somebody may have wanted, in degrees.
+const ANGLES: std::ops::RangeInclusive<f64> = 2.0..=150.0;
+
+/// What makes a run useless, or less than it seems.
+pub(crate) fn warnings(experiment: &Experiment, with_machines: bool) -> Vec<String> {
+    let mut found = Vec::new();
+    let scene = &experiment.scene;
+    if with_machines && experiment.machines.is_empty() {
+        found.push("`machines` is empty: no machine is measured; name one, as in `--machine small`".into());
+    }
+    if scene.light_count == 0 {
+        found.push(format!("`{}` has no lights: there is no shadow ray that could be culled", scene.name));
+    }
+    let learns = |(_, policy): &(&str, &crate::culling::PolicySpec)| {
+        policy.build(SceneFacts::of(scene)).stores() != StoreEntries::default()
+    };
+    if let Some((name, _)) = experiment.spec.policies.iter().find(learns).filter(|_| experiment.frames.len() == 1) {
+        found.push(format!(
+            "`{name}` learns from frame to frame, and there is one frame: at least two show what it saves"
+        ));
+    }
+    if let Some(&first) = experiment.frames.first()
+        && let Projection::Perspective { tan_half_fov } = scene.animation.frame(first).camera.projection
+    {
+        let degrees = 2.0 * tan_half_fov.atan().to_degrees();
+        if !ANGLES.contains(&degrees) {
+            found.push(format!(
+                "the camera of `{}` sees {degrees:.1} degrees from bottom to top: `fov` is in degrees",
+                scene.name
+            ));
+        }
+    }
+    found.extend(experiment.machine_files.iter().flat_map(|file| of_machine(file)));
+    found
+}
+
+/// Parts of a machine that its file leaves to a default.
+pub(crate) fn of_machine(file: &Path) -> Vec<String> {
+    let Ok(text) = ron_file::text(file) else { return Vec::new() };
+    let names = ron_file::top_names(&text);
+    let missing = PARTS.iter().filter(|(part, _)| !names.iter().any(|name| name == part));
+    let told = |(part, default): &(&str, &str)| format!("{} has no `{part}`: {default} stands for it", file.display());
+    missing.map(told).collect()
+}

@@ -1,0 +1,120 @@
+//! A run on the terminal: its main table, and its verdict in a sentence.
+
+use super::steady;
+use super::summary::{MachineRun, Summary};
+use super::tables::{dram_per_frame, error, interval_of, policies};
+use crate::report::format::{ABSENT, change, counted, exact, joules, milliseconds, or_absent, percent, short};
+use crate::report::grid::{Grid, drawn_most, paragraph};
+use crate::stats::Accuracy;
+
+/// Changes below this share are told as none.
+const SAME: f64 = 0.005;
+/// Columns of the policies' table that a narrow terminal shows: the others follow where there is room.
+const POLICY_COLUMNS: [usize; 9] = [0, 1, 3, 4, 6, 7, 5, 8, 2];
+
+/// The run in a dozen lines, without a line's end at the end.
+pub(crate) fn terminal(summary: &Summary) -> String {
+    let head = format!(
+        "{}: {}, {} of {}",
+        summary.experiment,
+        summary.scene.name,
+        counted(summary.frames.len(), "frame"),
+        summary.resolution
+    );
+    let stopped = summary.provenance.get("stopped early").map(|done| format!("stopped early: {done}"));
+    let notes = steady::frames(summary).into_iter().chain(steady::cold_starts(summary)).chain(stopped);
+    let notes = std::iter::once(head).chain(notes).map(|line| paragraph(&line)).collect::<Vec<_>>().join("\n");
+    let grid = machines(summary);
+    let machines = (!grid.rows.is_empty()).then(|| drawn_most(&grid, MACHINE_COLUMNS));
+    let policies = drawn_most(&chosen(&policies(summary), &POLICY_COLUMNS), 6);
+    [Some(notes), machines, Some(policies)].into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+}
+
+fn chosen(grid: &Grid, columns: &[usize]) -> Grid {
+    let of = |row: &Vec<String>| columns.iter().filter_map(|&column| row.get(column).cloned()).collect();
+    Grid { head: of(&grid.head), names: grid.names, rows: grid.rows.iter().map(of).collect() }
+}
+
+/// Columns of the machines' table that a terminal of 80 columns shows.
+const MACHINE_COLUMNS: usize = 6;
+
+/// A row for each machine and policy that culls: time and DRAM traffic of a frame without the policy and with it.
+pub(super) fn machines(summary: &Summary) -> Grid {
+    let runs = || summary.machines.iter().flat_map(|(_, machine)| machine.policies.iter());
+    let all_exact = runs().all(|(_, run)| matches!(run.stats.accuracy, Accuracy::Exact));
+    let mut head = vec!["machine", "policy", "ms/frame", "change", "DRAM MB/frame", "change"];
+    if !all_exact {
+        head.push("\u{b1} time, DRAM");
+    }
+    head.extend(["rays answered/s", "DRAM use", "energy/frame"]);
+    let mut rows = Vec::new();
+    for (name, machine) in summary.machines.iter() {
+        let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
+        let culling = machine.policies.iter().filter(|(policy, _)| summary.baseline.as_deref() != Some(*policy));
+        let culling: Vec<_> = culling.collect();
+        // Without a policy that culls, the machine alone is told.
+        let shown = if culling.is_empty() { machine.policies.iter().collect() } else { culling };
+        for (policy, run) in shown {
+            let pair = |figure: fn(&MachineRun) -> Option<f64>, show: fn(f64) -> String| {
+                let after = or_absent(figure(run), show);
+                off.map_or(after.clone(), |off| format!("{} \u{2192} {after}", or_absent(figure(off), show)))
+            };
+            let changed = |figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+                let change = off.and_then(|off| interval_of(figure, share, off, run));
+                change.unwrap_or_else(|| ABSENT.into())
+            };
+            let megabytes = |bytes: f64| milliseconds(bytes / 1e6);
+            let mut row = vec![
+                name.to_owned(),
+                policy.to_owned(),
+                pair(|run| run.milliseconds_per_frame, milliseconds),
+                changed(|run| run.milliseconds_per_frame, 0),
+                pair(dram_per_frame, megabytes),
+                changed(dram_per_frame, 2),
+            ];
+            if !all_exact {
+                row.push(error(&run.stats.accuracy));
+            }
+            row.push(or_absent(run.rays_answered_per_second, short));
+            row.push(or_absent(run.dram_utilization, percent));
+            row.push(or_absent(run.joules_per_frame, joules));
+            rows.push(row);
+        }
+    }
+    Grid { head: head.into_iter().map(Into::into).collect(), names: 2, rows }
+}
+
+/// What the run found, in sentences: how much faster each machine is, and how many decisions were wrong.
+pub(crate) fn verdict(summary: &Summary) -> Option<String> {
+    let culling = || summary.policies.iter().filter(|(name, _)| summary.baseline.as_deref() != Some(*name));
+    let speed = culling().filter_map(|(policy, _)| {
+        let told = summary.machines.iter().filter_map(|(name, machine)| {
+            let off = machine.policies.get(summary.baseline.as_deref()?)?.milliseconds_per_frame?;
+            let with = machine.policies.get(policy)?.milliseconds_per_frame?;
+            Some(format!("{name} {}", faster(off, with)?))
+        });
+        let told: Vec<String> = told.collect();
+        (!told.is_empty()).then(|| format!("{policy} makes {}", told.join(", ")))
+    });
+    let wrong = culling().filter_map(|(policy, of)| {
+        let (wrong, asked) = (of.counts.wrong()?, of.counts.shadow_rays);
+        let share = (wrong > 0 && asked > 0).then(|| format!(" ({})", percent(wrong as f64 / asked as f64)));
+        let told = format!("{} of {}{}", exact(wrong), short(asked as f64), share.unwrap_or_default());
+        Some(if culling().count() == 1 { told } else { format!("{policy} {told}") })
+    });
+    let wrong: Vec<String> = wrong.collect();
+    let wrong = (!wrong.is_empty()).then(|| format!("wrong shadow decisions: {}", wrong.join(", ")));
+    let lines: Vec<String> = speed.chain(wrong).collect();
+    (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
+/// How much less or more time a frame takes.
+fn faster(before: f64, after: f64) -> Option<String> {
+    let share = after / before - 1.0;
+    let size = change(before, after)?.trim_start_matches(['+', '\u{2212}']).to_owned();
+    Some(match share {
+        share if share.abs() < SAME => "neither faster nor slower".into(),
+        share if share < 0.0 => format!("{size} faster"),
+        _ => format!("{size} slower"),
+    })
+}

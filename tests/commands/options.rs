@@ -1,0 +1,97 @@
+//! Options that commands share, and what is said of useless runs.
+
+use super::common::{Desk, error_text};
+use super::fits;
+
+fn json(text: &str) -> serde_json::Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn fields_of_experiment_and_machines_are_set_on_the_command_line() {
+    let desk = Desk::with_experiment();
+    let set = ["--set", "traversal.cache.bytes=16KiB", "--set", "tracer.render.depth=2"];
+    desk.prints(&[&["run", "tiny.ron", "--out", "a"][..], &set].concat());
+    let config = std::fs::read_to_string(desk.path("a/config.ron")).unwrap();
+    assert!(config.contains("bytes: 16384") && config.contains("depth: 2"), "{config}");
+    let refused = |setting| desk.refuses(&["run", "tiny.ron", "--out", "b", "--set", setting]);
+    insta::assert_snapshot!(refused("traversal.cach.bytes=16KiB"), @"error: --set traversal.cach.bytes=16KiB: there is no field `cach` in `traversal`; did you mean `cache`? Allowed: `count`, `latency`, `interval`, `rays`, `cache`");
+    insta::assert_snapshot!(refused("traversal.cache.bytes=16KB"), @"error: --set traversal.cache.bytes=16KB: `16KB` is no size: a number of B, kB, MB, GB (of 1000), KiB, MiB or GiB (of 1024) is");
+    insta::assert_snapshot!(refused("traversal.cache.ways=0"), @"error: --set traversal.cache.ways=0: 0 is not allowed here: a whole number from 1 to 64 is");
+    assert!(!desk.path("b").exists());
+    desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1"]);
+    let cycles = |setting: &[&str]| {
+        let args = [&["replay", "s.rays", "--machine", "small.ron", "--json"][..], setting].concat();
+        json(&desk.prints(&args))["cycles"].as_u64().unwrap()
+    };
+    assert!(cycles(&["--set", "traversal.cache.latency=90"]) > cycles(&[]));
+}
+
+#[test]
+fn several_machines_are_named_in_a_list() {
+    let desk = Desk::with_experiment();
+    let summary =
+        json(&desk.prints(&["run", "tiny.ron", "--machine", "small,ideal", "--machine", "desktop", "--json"]));
+    let machines: Vec<&String> = summary["machines"].as_object().unwrap().keys().collect();
+    assert_eq!(machines, ["small", "ideal", "desktop"]);
+    desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1"]);
+    let told = desk.prints(&["replay", "s.rays", "--machine", "small,desktop"]);
+    assert!(fits(&told, 80), "{told}");
+    assert_eq!(told.matches("Model: Event (exact; no sampling)").count(), 2, "{told}");
+    let message = desk.refuses(&["replay", "s.rays", "--machine", "small,dekstop"]);
+    assert!(message.contains("did you mean `desktop`?"), "{message}");
+}
+
+#[test]
+fn quiet_and_json_say_nothing_else() {
+    let desk = Desk::with_experiment();
+    let output = desk.program(&["run", "tiny.ron", "--out", "a", "--quiet"]).output().unwrap();
+    assert_eq!(String::from_utf8(output.stdout.clone()).unwrap(), "a/index.html\n");
+    assert!(output.stderr.is_empty(), "{}", error_text(&output));
+    let printed = json(&desk.prints(&["run", "tiny.ron", "--out", "b", "--json"]));
+    let there = json(&std::fs::read_to_string(desk.path("b/summary.json")).unwrap());
+    assert_eq!(printed["machines"], there["machines"]);
+}
+
+#[test]
+fn a_run_tells_its_finding_in_80_columns() {
+    let desk = Desk::with_experiment();
+    let output = desk.program(&["run", "tiny.ron", "--out", "a"]).output().unwrap();
+    let told = String::from_utf8(output.stdout.clone()).unwrap();
+    assert!(fits(&told, 80), "{told}");
+    let lines: Vec<&str> = told.lines().collect();
+    assert_eq!(lines.last(), Some(&"report: a/index.html"), "{told}");
+    for part in ["ms/frame", "DRAM MB/frame", " makes small ", "wrong shadow decisions: "] {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    assert!(!told.contains("\u{b1} time"), "all runs are exact: {told}");
+    assert!(error_text(&output).contains("took "), "{}", error_text(&output));
+    let wide = desk.program(&["run", "tiny.ron", "--out", "a"]).env("COLUMNS", "120").output().unwrap();
+    let wide = String::from_utf8(wide.stdout).unwrap();
+    assert!(fits(&wide, 120) && wide.contains("energy/frame"), "{wide}");
+}
+
+#[test]
+fn a_file_of_another_kind_is_told() {
+    let desk = Desk::with_experiment();
+    insta::assert_snapshot!(desk.refuses(&["run", "small.ron"]), @"error: small.ron is a machine file: use --machine small.ron; an experiment file is needed here");
+    desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1"]);
+    insta::assert_snapshot!(desk.refuses(&["replay", "s.rays", "--machine", "tiny.ron"]), @"error: tiny.ron is an experiment file: use umbrasim run tiny.ron; a machine file is needed here");
+}
+
+#[test]
+fn useless_runs_are_warned_of() {
+    let desk = Desk::with_experiment();
+    let warned = |args: &[&str]| {
+        let output = desk.program(&[&["run", "tiny.ron", "--out", "a"][..], args].concat()).output().unwrap();
+        assert!(output.status.success(), "{}", error_text(&output));
+        error_text(&output).lines().filter(|line| line.starts_with("warning: ")).collect::<Vec<_>>().join("\n")
+    };
+    assert_eq!(warned(&[]), "");
+    insta::assert_snapshot!(warned(&["--frames", "0..1", "--set", "machines=[]"]), @r"
+    warning: `machines` is empty: no machine is measured; name one, as in `--machine small`
+    warning: `Published` learns from frame to frame, and there is one frame: at least two show what it saves
+    ");
+    desk.put_changed("small.ron", &super::common::machine(), "l2: Unified(", "// Unified(");
+    insta::assert_snapshot!(warned(&[]), @"warning: small.ron has no `l2`: one cache of 128 KiB for all classes stands for it");
+}
