@@ -21,7 +21,7 @@ fn a_report() {
     let run = ["run", "tiny.ron", "--out", "report"];
     insta::assert_snapshot!(desk.refuses(desk.limited(1, &run)), @"error: cannot write report/config.ron: File too large (os error 27)");
     // Room for the numbers, but not for the page.
-    insta::assert_snapshot!(desk.refuses(desk.limited(64, &run)), @"error: cannot write report/summary.json: File too large (os error 27)");
+    insta::assert_snapshot!(desk.refuses(desk.limited(64, &run)), @"error: cannot write report/results.csv: File too large (os error 27)");
     // An earlier report stays as it is.
     desk.succeed(&run);
     desk.refuses(desk.limited(64, &run));
@@ -31,7 +31,7 @@ fn a_report() {
 fn a_page_drawn_again() {
     let desk = Desk::with_experiment();
     desk.succeed(&["run", "tiny.ron", "--out", "report"]);
-    insta::assert_snapshot!(desk.refuses(desk.limited(64, &["plot", "report"])), @"error: cannot write report/summary.json: File too large (os error 27)");
+    insta::assert_snapshot!(desk.refuses(desk.limited(64, &["plot", "report"])), @"error: cannot write report/results.csv: File too large (os error 27)");
 }
 
 #[test]
