@@ -164,10 +164,10 @@ fn frames_csv_has_a_row_a_policy_and_frame() {
 }
 
 #[test]
-fn the_terminal_gets_a_dozen_lines() {
+fn the_terminal_gets_a_screenful() {
     let text = terminal(&sample(&[0, 16]).summary);
-    assert!(text.lines().count() <= 18, "{text}");
-    assert!(text.lines().all(|line| line.chars().count() <= 120), "{text}");
+    assert!(text.lines().count() <= 24, "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 80), "{text}");
     insta::assert_snapshot!(text);
 }
 
