@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn a_typo_is_shown_with_its_line_and_what_is_allowed() {
         insta::assert_snapshot!(message("(\n    ways: 4,\n    nmae: \"L1\",\n)"), @r#"
-        x.ron:3:5: Unexpected field named `nmae` in `Cache`, expected either `ways` or `name` instead
+        x.ron:3:5: unknown field `nmae`; did you mean `name`? Allowed: `ways`, `name`
            |
          3 |     nmae: "L1",
            |     ^
