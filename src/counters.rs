@@ -17,7 +17,8 @@ pub(crate) struct Counter {
 
 /// Declares a struct of `u64` counters: `counters! { pub struct Counts { hits: "accesses", "the line was there"; } }`.
 ///
-/// The fields of `peaks { ... }` behind the struct are maxima: a sum takes the larger one, and a difference keeps that of the later counts.
+/// The fields of `peaks { ... }` behind the struct are maxima: a sum takes the larger one, and a difference keeps that
+/// of the later counts.
 macro_rules! counters {
     (
         $(#[$attribute:meta])*

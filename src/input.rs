@@ -21,8 +21,8 @@ const MAX_SCENE_BYTES: u64 = 1 << 30;
 /// Opens the regular file at `path`.
 ///
 /// # Errors
-/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come. A file that
-/// the command writes.
+/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come. A file
+/// that the command writes.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
     // The kind is looked up before the file is opened: opening a pipe waits for its writer.
     check_regular(&path.metadata()?)?;

@@ -12,8 +12,8 @@
 //! ```
 //!
 //! The *functional wing* turns frames into rays: every ray is traced once without culling, and each policy's ray stream
-//! holds what that policy leaves of it. The *timing wing* replays a stream on a machine. The two meet in the stream only,
-//! so that machines can be compared on the same rays, and policies on the same machine.
+//! holds what that policy leaves of it. The *timing wing* replays a stream on a machine. The two meet in the stream
+//! only, so that machines can be compared on the same rays, and policies on the same machine.
 //!
 //! # Layers
 //!

@@ -53,7 +53,8 @@ pub(crate) fn path(kind: Kind, name: &str) -> Option<PathBuf> {
     names(kind).contains(&name).then(|| Path::new(ROOT).join(kind.folder()).join(format!("{name}.ron")))
 }
 
-/// The config that another one names, whose folder is `folder`: a file relative to that, or a shipped config by its name.
+/// The config that another one names, whose folder is `folder`: a file relative to that, or a shipped config by its
+/// name.
 pub(crate) fn named(kind: Kind, folder: &Path, name: &Path) -> PathBuf {
     let there = folder.join(name);
     let plain = name.to_str().filter(|name| is_name(name) && !there.exists());

@@ -1,4 +1,5 @@
-//! The pages of reports in a browser: what a reader sees and can do. Each test says that it skips where Chromium is absent.
+//! The pages of reports in a browser: what a reader sees and can do. Each test says that it skips where Chromium is
+//! absent.
 
 #[path = "browser/chromium.rs"]
 mod chromium;

@@ -12,8 +12,8 @@ mod streams;
 use std::process::Command;
 
 /// How many changed inputs there are where by default there are `usual` of them. The environment variable
-/// `UMBRASIM_FUZZ_CASES` sets how many of each format there are where by default there are 400: with 1000 of them, this test
-/// and `fuzz_scenes` try more than 20,000.
+/// `UMBRASIM_FUZZ_CASES` sets how many of each format there are where by default there are 400: with 1000 of them, this
+/// test and `fuzz_scenes` try more than 20,000.
 fn cases(usual: usize) -> usize {
     let wanted = std::env::var("UMBRASIM_FUZZ_CASES").ok();
     wanted.map_or(usual, |wanted| usual * wanted.parse::<usize>().unwrap() / 400)

@@ -1,5 +1,5 @@
-//! What commands write: outputs destroy nothing, kept results are never stale, and whatever ends a command leaves nothing
-//! that looks complete and is not.
+//! What commands write: outputs destroy nothing, kept results are never stale, and whatever ends a command leaves
+//! nothing that looks complete and is not.
 
 mod common;
 #[path = "outputs/files.rs"]

@@ -35,8 +35,8 @@ pub(super) struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
-    /// Loads the experiment, on the machines `machines` if there are any. Tells what of the scene's files has no effect,
-    /// and what makes the work useless.
+    /// Loads the experiment, on the machines `machines` if there are any. Tells what of the scene's files has no
+    /// effect, and what makes the work useless.
     pub(super) fn load(&self, machines: &[PathBuf], with_machines: bool) -> Result<Experiment> {
         let path = config_path(Kind::Experiment, &self.config)?;
         let overrides = Overrides {

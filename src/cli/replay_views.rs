@@ -17,8 +17,8 @@ use crate::stream::Header;
 pub(super) struct ViewArgs {
     /// Write a frame's timeline to this file, to be opened at ui.perfetto.dev; Event and Cycle only
     ///
-    /// The file has Perfetto's TrackEvent form. A track a unit shows the cause of each of its cycles; others show depths
-    /// of queues, misses under way, and open rows of the DRAM's banks. A nanosecond there is a cycle.
+    /// The file has Perfetto's TrackEvent form. A track a unit shows the cause of each of its cycles; others show
+    /// depths of queues, misses under way, and open rows of the DRAM's banks. A nanosecond there is a cycle.
     #[arg(long, value_name = "FILE")]
     timeline: Option<PathBuf>,
     /// The timeline's frame [default: the first one that is measured]
@@ -26,8 +26,8 @@ pub(super) struct ViewArgs {
     timeline_frame: Option<u32>,
     /// Write counters of every N cycles, as CSV; Event and Cycle only
     ///
-    /// The columns are those of a machine in `frames.csv`. The last interval of a frame ends with it, so that the rows of
-    /// a frame sum to its counters.
+    /// The columns are those of a machine in `frames.csv`. The last interval of a frame ends with it, so that the rows
+    /// of a frame sum to its counters.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     interval: Option<u64>,
     /// Where these counters go; `-` is standard output

@@ -22,8 +22,8 @@ pub struct Need {
 }
 
 impl Need {
-    /// The need of so many frames of a size for so many policies, in a scene of so many lights and triangles, on machines
-    /// that take so many bytes each.
+    /// The need of so many frames of a size for so many policies, in a scene of so many lights and triangles, on
+    /// machines that take so many bytes each.
     pub(super) fn new(
         resolution: Resolution,
         frames: usize,

@@ -47,8 +47,8 @@ pub struct ExperimentSpec {
     /// Which of the traced frames the machines measure.
     #[serde(default = "all")]
     pub replay: FrameChoice,
-    /// Frames that warm caches and words up: the machines replay so many before each measured frame, and leave the first
-    /// so many of the experiment out. By default 1 where a policy learns and another frame is left to measure, 0
+    /// Frames that warm caches and words up: the machines replay so many before each measured frame, and leave the
+    /// first so many of the experiment out. By default 1 where a policy learns and another frame is left to measure, 0
     /// otherwise.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warmup: Option<u32>,

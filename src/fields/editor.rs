@@ -1,7 +1,7 @@
 //! Schemas for editors: the files that ron2's language server reads.
 //!
-//! A file describes one type. ron2 has no ranges, and no type for "one or the other": a size, which is a number or text,
-//! and a part of a file that may be named instead refer to types that no file describes, which takes any value.
+//! A file describes one type. ron2 has no ranges, and no type for "one or the other": a size, which is a number or
+//! text, and a part of a file that may be named instead refer to types that no file describes, which takes any value.
 
 use std::collections::BTreeMap;
 

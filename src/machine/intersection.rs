@@ -8,8 +8,8 @@ use crate::ranged::{Size, Within};
 
 /// Intersection units.
 ///
-/// Source: the T&I engine (Nah et al. 2011, table 4: 18 stages, 16 KB of 4 ways each), two of its units; the queue and the
-/// number of tests are assumed.
+/// Source: the T&I engine (Nah et al. 2011, table 4: 18 stages, 16 KB of 4 ways each), two of its units; the queue and
+/// the number of tests are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct IntersectionSpec {

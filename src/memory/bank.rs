@@ -18,8 +18,8 @@ use crate::stats::TrafficClass;
 
 /// A cache of the L2.
 ///
-/// Source: the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20 cycles); registers and
-/// queues are assumed.
+/// Source: the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20 cycles); registers
+/// and queues are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankedSpec {

@@ -48,8 +48,8 @@ fn collect(folder: &Path, within: &Path, own: &mut Own) -> io::Result<()> {
     Ok(())
 }
 
-/// Gives `new` all that is in `old` and not `own`: folders are made again, everything in them is linked, so that it is in
-/// both. Nothing in `old` changes.
+/// Gives `new` all that is in `old` and not `own`: folders are made again, everything in them is linked, so that it is
+/// in both. Nothing in `old` changes.
 pub(super) fn carry(old: &Path, new: &Path, own: &Own) -> Result<(), FolderError> {
     each_foreign(old, Path::new(""), own, &mut |within, is_folder| {
         let (from, to) = (old.join(within), new.join(within));

@@ -1,7 +1,7 @@
 //! What the command of this process writes: no two outputs may be the same file, and none may be a file that it reads.
 //!
-//! Outputs are claimed before anything is read. The one reader of files ([`crate::input`]) then refuses what is claimed, so
-//! that this holds for every file of every command, those that are named in other files included.
+//! Outputs are claimed before anything is read. The one reader of files ([`crate::input`]) then refuses what is
+//! claimed, so that this holds for every file of every command, those that are named in other files included.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -79,9 +79,14 @@ fn claim(claims: &mut Vec<Claim>, option: &'static str, path: &Path) -> Result<(
     Ok(())
 }
 
-/// Whether standard output is one of the command's files.
+/// Whether standard output is one of the command's files, by whatever name.
 pub(crate) fn is_standard_output_claimed() -> bool {
-    claims().iter().any(|claim| claim.identity == Identity::Standard)
+    let id = FileId::of_standard_output();
+    claims().iter().any(|claim| match claim.identity {
+        Identity::Standard => true,
+        Identity::There(other) => id == Some(other),
+        Identity::Named(_) => false,
+    })
 }
 
 /// Refuses a file that is to be read and is an output.

@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 use super::links::folder_of;
 use super::names::{EARLIER, NEW};
 
-/// Puts the folder [`NEW`] of the temporary folder `work`, which lies beside `target`, at `target`. An earlier one is [`NEW`] in `work` then, or
-/// lies in [`EARLIER`].
+/// Puts the folder [`NEW`] of the temporary folder `work`, which lies beside `target`, at `target`. An earlier one is
+/// [`NEW`] in `work` then, or lies in [`EARLIER`].
 ///
 /// # Errors
 /// The target cannot be replaced; it is as it was.

@@ -11,9 +11,9 @@ use super::temporary::TemporaryFile;
 /// The path that stands for standard output.
 const STANDARD: &str = "-";
 
-/// A file on its way. A regular file comes into its place whole: bytes go to a temporary file beside it, which takes its name
-/// in [`OutputFile::finish`] only. One that is dropped leaves nothing behind, and what was there before stays. A device, a
-/// pipe and standard output (`-`) are written to at once.
+/// A file on its way. A regular file comes into its place whole: bytes go to a temporary file beside it, which takes
+/// its name in [`OutputFile::finish`] only. One that is dropped leaves nothing behind, and what was there before stays.
+/// A device, a pipe and standard output (`-`) are written to at once.
 #[derive(Debug)]
 pub struct OutputFile(Inner);
 

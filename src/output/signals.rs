@@ -9,9 +9,9 @@ use super::registry;
 /// Set by the first signal, where a command asked for it.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Watches for INT, TERM and HUP from now on. A command that asked for a [`stop_flag`] is stopped by the first signal and
-/// ended by the second; others are ended by the first. Temporary files are removed in any case, and the exit status is 128
-/// and the signal's number, as shells have it.
+/// Watches for INT, TERM and HUP from now on. A command that asked for a [`stop_flag`] is stopped by the first signal
+/// and ended by the second; others are ended by the first. Temporary files are removed in any case, and the exit status
+/// is 128 and the signal's number, as shells have it.
 ///
 /// # Errors
 /// The system does not allow to watch.

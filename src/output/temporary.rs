@@ -1,7 +1,7 @@
 //! Temporary files and folders of this process, all of them in the register.
 //!
-//! Each is locked (an advisory lock, which dies with its holder) as long as its process lives: [`super::leftovers`] removes
-//! those that nobody locks.
+//! Each is locked (an advisory lock, which dies with its holder) as long as its process lives: [`super::leftovers`]
+//! removes those that nobody locks.
 
 use std::fs::{File, TryLockError};
 use std::io;

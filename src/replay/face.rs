@@ -90,8 +90,8 @@ impl Replay<'_, OnePass> {
 }
 
 impl<'a> Replay<'a, Exact> {
-    /// The same, while `observer` watches. Every command of the DRAM that it is told of is checked against the timing of
-    /// the DRAM's part.
+    /// The same, while `observer` watches. Every command of the DRAM that it is told of is checked against the timing
+    /// of the DRAM's part.
     ///
     /// # Errors
     /// The DRAM has no clocks and commands, and the observer wants them.

@@ -10,9 +10,10 @@ use crate::stream::Totals;
 /// A number of `summary.json`, or a column of `frames.csv`.
 #[derive(Clone, Debug)]
 pub struct Statistic {
-    /// Its path in `summary.json`; `*` stands for a name of the experiment's, a part of the machine, or a class of traffic.
-    /// What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`), and what is declared of
-    /// what a policy saved and paid on a machine (`machines.*.split.*`) is there of each point of a sweep (`points.*`).
+    /// Its path in `summary.json`; `*` stands for a name of the experiment's, a part of the machine, or a class of
+    /// traffic. What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`),
+    /// and what is declared of what a policy saved and paid on a machine (`machines.*.split.*`) is there of each point
+    /// of a sweep (`points.*`).
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
@@ -340,8 +341,8 @@ pub fn undeclared(summary: &Value) -> Vec<String> {
     found.into_iter().filter(|(path, _)| declarations(path) != 1).map(|(path, _)| path.join(".")).collect()
 }
 
-/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one; `Err` says
-/// what else is there when nothing is called so.
+/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one; `Err`
+/// says what else is there when nothing is called so.
 pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, String> {
     let meant = |statistic: &&Statistic| name.is_none_or(|name| statistic.is_meant(name));
     let statistics = statistics();

@@ -95,8 +95,8 @@ pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>
     Ok(text)
 }
 
-/// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that are not
-/// the report's stay. Returns the file to look at first.
+/// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that
+/// are not the report's stay. Returns the file to look at first.
 ///
 /// # Errors
 /// A file cannot be made, or a file or folder cannot be written.

@@ -175,7 +175,8 @@ impl Chunk {
     }
 
     /// A chunk of `rays`, each with the numbers of its path's and its policy's steps, which `steps` holds one ray after
-    /// another; `None` if they are not that many in all. Until a `Checker` has seen the chunk, no step must be unpacked.
+    /// another; `None` if they are not that many in all. Until a `Checker` has seen the chunk, no step must be
+    /// unpacked.
     pub(super) fn from_columns<E>(
         rays: impl ExactSizeIterator<Item = Result<(RayHead, [u32; 2]), E>>,
         steps: Vec<u32>,

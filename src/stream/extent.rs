@@ -6,7 +6,8 @@ use crate::quantity::{ListId, NodeId, TriangleSlot};
 /// The largest ids that the steps of some rays name, and whether all packed steps are steps.
 ///
 /// A chunk knows its extent ([`Chunk::extent`](super::Chunk::extent)). Whoever replays a chunk checks the steps of
-/// [`Extent::outermost`] once, [`Extent::unknown`] and [`Extent::strays`], and needs to check no single step after that.
+/// [`Extent::outermost`] once, [`Extent::unknown`] and [`Extent::strays`], and needs to check no single step after
+/// that.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
     /// One more than the largest id of a node, 0 without a node; the same of the other kinds.
@@ -20,8 +21,8 @@ pub struct Extent {
 }
 
 impl Extent {
-    /// For each kind of thing (nodes, list entries, triangle slots, entries of each store) a step that names the largest
-    /// id. A layout that holds what these steps name holds what every step names.
+    /// For each kind of thing (nodes, list entries, triangle slots, entries of each store) a step that names the
+    /// largest id. A layout that holds what these steps name holds what every step names.
     pub fn outermost(&self) -> impl Iterator<Item = Step> + use<> {
         // The extent of triangle slots does not say how far the tests went, and no check depends on that.
         let slot = |slot| Step::Triangle { slot: TriangleSlot(slot), stop: super::step::Stop::Plane };

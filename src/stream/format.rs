@@ -260,7 +260,8 @@ pub(crate) fn index_len(frames: usize, primitives: usize, version: Version) -> u
     frames.saturating_mul(entry).saturating_add(primitives.saturating_mul(4))
 }
 
-/// Reads an INDX payload of `frames` frames and `primitives` static primitives: the frames, and the primitives' records.
+/// Reads an INDX payload of `frames` frames and `primitives` static primitives: the frames, and the primitives'
+/// records.
 pub(crate) fn index(
     payload: &[u8],
     frames: usize,

@@ -44,8 +44,8 @@ pub struct Header {
     pub unjudged_updates: bool,
     /// Hash of the scene and the settings that the stream was traced with.
     pub input_hash: u64,
-    /// The triangle record of each static primitive, [`NO_RECORD`] for one that has none: it cannot be seen. (In a file it stands
-    /// in the index, not in the header's text.)
+    /// The triangle record of each static primitive, [`NO_RECORD`] for one that has none: it cannot be seen. (In a file
+    /// it stands in the index, not in the header's text.)
     #[serde(skip)]
     pub records: Arc<[TriangleSlot]>,
 }
@@ -57,8 +57,8 @@ pub const NO_RECORD: TriangleSlot = TriangleSlot(u32::MAX);
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoreEntries {
-    /// Entries of the store of mode words: first `words_per_primitive` for each of the first `word_owners` primitives, then whatever
-    /// else the policy keeps there. An entry has 32 bits.
+    /// Entries of the store of mode words: first `words_per_primitive` for each of the first `word_owners` primitives,
+    /// then whatever else the policy keeps there. An entry has 32 bits.
     pub mode_words: u32,
     /// Primitives that have mode words.
     pub word_owners: u32,

@@ -113,7 +113,8 @@ impl Browser {
         self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
     }
 
-    /// What the page complained about and asked the network for since it was opened, files beside it and data in it left out.
+    /// What the page complained about and asked the network for since it was opened, files beside it and data in it
+    /// left out.
     pub fn complaints(&mut self) -> Vec<String> {
         self.value("0");
         let complaint = |told: &Value| {

@@ -1,4 +1,5 @@
-//! A disk that is full. A limit on the length of files stands for it: it needs no rights, and ends a write the same way.
+//! A disk that is full. A limit on the length of files stands for it: it needs no rights, and ends a write the same
+//! way.
 
 use std::fs;
 use std::process::Stdio;

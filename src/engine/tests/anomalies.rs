@@ -1,5 +1,5 @@
-//! Timing anomalies: changes of a machine that look like improvements and can make it slower, and the laws that hold all the
-//! same. `docs/model/anomalies.md` has the table that these tests print with `--nocapture`.
+//! Timing anomalies: changes of a machine that look like improvements and can make it slower, and the laws that hold
+//! all the same. `docs/model/anomalies.md` has the table that these tests print with `--nocapture`.
 
 use std::sync::{Arc, Mutex};
 
@@ -150,7 +150,8 @@ fn what_looks_better_can_be_slower() {
     }
 }
 
-/// No change of timing changes what traversal, list and intersection units do, words by way of intersection units apart.
+/// No change of timing changes what traversal, list and intersection units do, words by way of intersection units
+/// apart.
 fn check_work(before: &MachineStats, after: &MachineStats, machine: &MachineSpec) -> Result<(), String> {
     let of_words = machine.shadow_cache.place == Place::Triangle;
     let is_work = |name: &str| !(name.contains("shadow_cache") || of_words && name.contains("intersection"));
@@ -167,8 +168,9 @@ fn check_work(before: &MachineStats, after: &MachineStats, machine: &MachineSpec
     if before == after { Ok(()) } else { Err(format!("{before} becomes {after}")) }
 }
 
-/// True LRU keeps all that a cache of the same sets and fewer ways keeps (Mattson et al. 1970): the same accesses never miss
-/// more in more ways. Rays in another order are other accesses, so the law is one of a line stream, not of a machine.
+/// True LRU keeps all that a cache of the same sets and fewer ways keeps (Mattson et al. 1970): the same accesses never
+/// miss more in more ways. Rays in another order are other accesses, so the law is one of a line stream, not of a
+/// machine.
 #[test]
 fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
     let compared = Mutex::new(0);
@@ -215,9 +217,9 @@ fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
 /// Changes that leave the order in which one ray finds its lines.
 const ORDERLY: [&str; 2] = ["traversal units that take half as long", "ideal L1s of one cycle"];
 
-/// A ray that is alone in a machine on a flat DRAM only gains by what leaves the order of its accesses. (Another unit's L1 is
-/// cold. More miss registers bring the lines of one fetch in another order. Banks have rows that an earlier request finds
-/// open or closed.)
+/// A ray that is alone in a machine on a flat DRAM only gains by what leaves the order of its accesses. (Another unit's
+/// L1 is cold. More miss registers bring the lines of one fetch in another order. Banks have rows that an earlier
+/// request finds open or closed.)
 #[test]
 fn one_ray_at_a_time_knows_no_anomaly() {
     check_many(

@@ -22,8 +22,8 @@ pub(super) fn read(folder: &Path) -> Result<Fields, ReportError> {
     }
 }
 
-/// Takes a config apart that the program wrote: a field, a name or an item of a list a line, and what stands in brackets
-/// on lines of its own.
+/// Takes a config apart that the program wrote: a field, a name or an item of a list a line, and what stands in
+/// brackets on lines of its own.
 fn fields(text: &str) -> Fields {
     let mut found = Fields::new();
     // Names of the brackets that are open, and how many items each has had.

@@ -100,8 +100,8 @@ pub(crate) fn sheet(
     Ok(Painted { elements: compact(&text), attributes })
 }
 
-/// The elements of what the backend writes, without its root and what is so by itself. Ink follows the text's colour, and
-/// paper that of the card below.
+/// The elements of what the backend writes, without its root and what is so by itself. Ink follows the text's colour,
+/// and paper that of the card below.
 fn compact(text: &str) -> String {
     let inside = text.find('>').map_or("", |root| &text[root + 1..]);
     let inside = inside.trim_end().trim_end_matches("</svg>");

@@ -47,7 +47,8 @@ impl Names {
         self.taken.push(((x - HALF, y - HALF), (x + HALF, y + HALF)));
     }
 
-    /// Writes a name beside the point at `at`: to its right, to its left, above or below, further off if these are taken.
+    /// Writes a name beside the point at `at`: to its right, to its left, above or below, further off if these are
+    /// taken.
     pub(crate) fn write(&mut self, canvas: &Canvas<'_>, name: &str, at: (i32, i32)) -> Result<(), DrawError> {
         let look = Text::NOTE;
         let width = look.width(name);

@@ -58,8 +58,8 @@ pub(crate) struct Axes<'a> {
 }
 
 impl<'a, 'b> Panel<'a, 'b> {
-    /// Draws axes from height `top` on, for [`panel_height`] pixels. The page's script finds the columns of frames in the
-    /// attribute `data-frames`.
+    /// Draws axes from height `top` on, for [`panel_height`] pixels. The page's script finds the columns of frames in
+    /// the attribute `data-frames`.
     pub(crate) fn new(canvas: &'a Canvas<'b>, top: i32, axes: &Axes<'_>) -> Result<Self, DrawError> {
         let (low, high) = axes.values;
         let step = tick_step((high - low).max(axes.least_tick), 4).max(axes.least_tick);

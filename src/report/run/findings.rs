@@ -22,8 +22,8 @@ pub(super) fn setting(summary: &Summary) -> String {
     )
 }
 
-/// A policy's name and what goes on from it, for each that culls: what it skipped, saved and got wrong; then what that did
-/// to each machine.
+/// A policy's name and what goes on from it, for each that culls: what it skipped, saved and got wrong; then what that
+/// did to each machine.
 pub(super) fn of_policies(summary: &Summary) -> Vec<(String, Vec<String>)> {
     let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     culling.map(|(name, policy)| (name.to_owned(), of_policy(summary, name, policy))).collect()

@@ -91,8 +91,8 @@ pub(crate) fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
     Image { resolution, pixels: colors.iter().map(|color| color.to_array().map(shown)).collect() }
 }
 
-/// Pixels by verdict on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side for
-/// every 256 pixels of the picture's width, so that a single one is seen.
+/// Pixels by verdict on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side
+/// for every 256 pixels of the picture's width, so that a single one is seen.
 pub(crate) fn difference(render: &Image, verdicts: &[PixelVerdict]) -> Image {
     let Resolution { width, height } = render.resolution;
     let mut pixels: Vec<Rgb> = render.pixels.iter().map(|&rgb| dimmed(rgb)).collect();

@@ -191,8 +191,9 @@ impl Counts {
         self.shadow_triangle_tests + self.policy_triangle_tests - self.occlusion_tests
     }
 
-    /// All that is fetched on account of shadows: nodes, triangles, list entries, and what the policy does itself, its stores and
-    /// occlusion tests included. (Lists are counted for all rays together, so on a kd-tree those of other rays are in it.)
+    /// All that is fetched on account of shadows: nodes, triangles, list entries, and what the policy does itself, its
+    /// stores and occlusion tests included. (Lists are counted for all rays together, so on a kd-tree those of other
+    /// rays are in it.)
     fn accesses(&self) -> u64 {
         let policy = self.policy_node_visits + self.policy_triangle_tests + self.policy_reads + self.policy_writes;
         self.shadow_node_visits + self.shadow_triangle_tests + self.list_reads + policy
@@ -296,8 +297,8 @@ impl PolicySummary {
 }
 
 impl PolicySummary {
-    /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that the policy
-    /// does itself counted in; `None` if that did not run the same frames.
+    /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that
+    /// the policy does itself counted in; `None` if that did not run the same frames.
     pub(crate) fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
         let pairs = self.frames.iter().zip(&baseline.frames);
         let same =

@@ -16,7 +16,8 @@ const MANY: usize = 3;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "sensitivity", section: (), figure };
 
-/// What a field does to a machine under a policy: the values with the fewest and the most cycles, against the reference.
+/// What a field does to a machine under a policy: the values with the fewest and the most cycles, against the
+/// reference.
 struct Reach {
     field: String,
     least: (String, f64),

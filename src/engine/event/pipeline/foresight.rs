@@ -44,11 +44,11 @@ impl Pipeline {
     }
 
     /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and
-    /// all before it have left the ready list: the port is free from cycle `access_at` on, a line is there a hit's latency
-    /// after its access, and the operation begins when those before it have begun. So accesses are made at once, in
-    /// their turn, from cycle `from` on, and the ray enters the pipeline, for a later cycle. All that is before cycle
-    /// `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes on as others
-    /// do.
+    /// all before it have left the ready list: the port is free from cycle `access_at` on, a line is there a hit's
+    /// latency after its access, and the operation begins when those before it have begun. So accesses are made at
+    /// once, in their turn, from cycle `from` on, and the ray enters the pipeline, for a later cycle. All that is
+    /// before cycle `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes
+    /// on as others do.
     #[inline]
     pub(super) fn foresee(&mut self, ray: RayId, fetch: &mut Fetch, from: u64, bound: u64) -> bool {
         let access = if fetch.write { Access::Write } else { Access::Read };

@@ -14,7 +14,8 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::PowerOfTwo;
 use crate::stats::TrafficClass;
 
-/// Two groups of four banks, a line of 64 B in two bursts of 2 clocks; all parameters `clocks`, but refreshes every 5000.
+/// Two groups of four banks, a line of 64 B in two bursts of 2 clocks; all parameters `clocks`, but refreshes every
+/// 5000.
 fn spec(clocks: u64) -> DramSpec {
     let mut spec = DramSpec {
         part: DramPart { bank_groups: PowerOfTwo::new(2).unwrap(), burst_clocks: num(2), ..DramPart::default() },
