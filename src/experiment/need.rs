@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::quantity::Resolution;
+use crate::report::format::counted;
 
 /// The most bytes that pictures, scene and machines may take together.
 const MOST: u128 = 1 << 32;
@@ -32,7 +33,9 @@ impl Need {
         triangles: usize,
         machines: &[u128],
     ) -> Self {
-        let what = format!("{frames} frames of {resolution}, {policies} policies, {} machines", machines.len());
+        let policies_told = if policies == 1 { "1 policy".into() } else { format!("{policies} policies") };
+        let (frames, machines_told) = (counted(frames, "frame"), counted(machines.len(), "machine"));
+        let what = format!("{frames} of {resolution}, {policies_told}, {machines_told}");
         let policies = policies as u128;
         // The reference renderer's frame is one more; pictures are kept of two frames.
         let shown = 2 * (1 + policies * (3 + lights as u128));
@@ -69,7 +72,7 @@ mod tests {
         };
         let small = need(64, 2, 1 << 20);
         assert_eq!(small.check(), Ok(()));
-        assert_eq!(small.to_string(), "4 frames of 64x64, 2 policies, 1 machines; about 6 MB of memory");
+        assert_eq!(small.to_string(), "4 frames of 64x64, 2 policies, 1 machine; about 6 MB of memory");
         for large in [need(8192, 10, 0), need(64, 100, 1 << 28)] {
             let told = large.check().unwrap_err();
             assert!(told.contains(&large.bytes.to_string()) && told.contains("up to 4294967296"), "{told}");
