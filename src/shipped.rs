@@ -20,6 +20,9 @@ pub(crate) enum Kind {
 }
 
 impl Kind {
+    /// All kinds.
+    pub(crate) const ALL: [Self; 4] = [Self::Experiment, Self::Machine, Self::Scene, Self::Dram];
+
     /// The kind's name for a user.
     pub(crate) fn name(self) -> &'static str {
         match self {

@@ -6,6 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
+use super::config_path::any_config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::console::{note, warn};
@@ -25,7 +26,7 @@ const SIDE: u32 = 48;
 /// is traced and replayed, which tells about how many rays the whole takes, and how long.
 #[derive(Args)]
 pub(super) struct Check {
-    /// Experiments, machines, scenes, sweeps or DRAM parts
+    /// Experiments, machines, scenes, sweeps or DRAM parts: files, or names of shipped ones
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -34,7 +35,7 @@ impl Check {
     pub(super) fn run(self) -> Result<Outcome> {
         let mut wrong = Vec::new();
         for file in &self.files {
-            match check(file) {
+            match check(&any_config_path(file)) {
                 Ok(text) => print(format!("{}: {text}", file.display()))?,
                 Err(error) => wrong.push(error),
             }

@@ -26,6 +26,13 @@ pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
     bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")
 }
 
+/// The path of the config of any kind that `argument` names: a file, or the first shipped config of that name.
+pub(super) fn any_config_path(argument: &Path) -> PathBuf {
+    let name = argument.to_str().filter(|text| shipped::is_name(text) && !argument.exists());
+    let shipped = name.and_then(|name| Kind::ALL.into_iter().find_map(|kind| shipped::path(kind, name)));
+    shipped.unwrap_or_else(|| argument.into())
+}
+
 /// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
 pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
     let kind = kind_of(&ron_file::text(path).ok()?).filter(|kind| *kind != expected)?;

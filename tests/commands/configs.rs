@@ -111,6 +111,7 @@ fn editors_get_a_schema_of_each_kind() {
     }
     desk.put("typed.ron", "#![type = \"umbrasim::Machine\"]\n(name: \"typed\")");
     assert!(desk.prints(&["check", "typed.ron"]).contains("`typed`"));
+    assert!(desk.prints(&["check", "small"]).starts_with("small: a machine file; `small`"));
 }
 
 #[test]
