@@ -124,6 +124,36 @@ fn a_plan_lists_every_point_once_and_shards_cost_the_same() {
     assert!(costs.iter().all(|cost| cost.abs_diff(all / 5) <= all / 39), "{costs:?} of {all}");
 }
 
+/// Every level replays a sweep with what was saved and paid, and its points stand beside those of other levels.
+#[test]
+fn a_sweep_takes_every_level() {
+    let desk = Desk::with_experiment();
+    let vary = "vary: {\"shadow_cache.place\": [L2], \"shadow_cache.register\": [4]}";
+    desk.put("w.ron", &format!("(experiment: \"tiny.ron\", frames: \"0..3\", fidelity: Profile, {vary})"));
+    let words = |level: Option<&str>| {
+        let option = level.map(|level| ["--fidelity", level]);
+        let option: &[&str] = option.as_ref().map_or(&[], |it| &it[..]);
+        desk.succeed(&[&["sweep", "w.ron", "--out", "s"], option].concat());
+        let summary = fs::read(desk.path("s/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+        assert_eq!(summary["fidelity"], level.unwrap_or("Profile"));
+        let points = summary["points"].as_array().unwrap();
+        assert_eq!(points.len(), 3);
+        points.iter().map(|point| point["words"].as_u64().unwrap()).collect::<Vec<_>>()
+    };
+    let profile = words(None);
+    let event = words(Some("Event"));
+    assert!(
+        profile.iter().zip(&event).all(|(ours, theirs)| ours.abs_diff(*theirs) * 10 <= *theirs),
+        "{profile:?} {event:?}"
+    );
+    words(Some("Auto(error: 0.1)"));
+    assert_eq!(words(Some("Profile")), profile);
+    let mut program = desk.program(&["sweep", "w.ron", "--out", "s", "--fidelity", "Cycle", "--target-error", "1%"]);
+    let told = error_text(&program.output().unwrap());
+    assert!(told.contains("w.ron: `Cycle` is not sampled: a target error goes with"), "{told}");
+}
+
 /// What `sbatch` does with an array, on this machine: every element at once.
 const SBATCH: &str = r#"
 last=$(sed -n 's/^#SBATCH --array=1-\([0-9]*\)$/\1/p' "$1")
