@@ -237,12 +237,12 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
         ),
         ("skew", points(effort, &[0.0, 0.5, 0.8, 1.0, 1.2, 1.5], |case, skew| case.skew = skew)),
         (
-            "footprint, kB",
+            "footprint, KiB",
             points(effort, &[8, 32, 128, 512, 2048, 8192], |case, size: u64| case.footprint = size << 10),
         ),
         ("coherence", points(effort, &[0.0, 0.5, 0.8, 0.9, 0.95, 0.99], |case, it| case.coherence = it)),
         (
-            "L1, kB",
+            "L1, KiB",
             points(effort, &[1, 2, 8, 32, 128], |case, size: u64| {
                 case.machine.traversal.cache.bytes = bytes(size << 10);
                 case.machine.intersection.cache.bytes = bytes(size << 10);

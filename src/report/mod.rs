@@ -29,6 +29,6 @@ mod terminal;
 mod writer;
 
 pub(crate) use error::ReportError;
-pub(crate) use grid::{Grid, definitions, drawn, paragraph};
+pub(crate) use grid::{Grid, definitions, drawn, drawn_most, paragraph};
 pub(crate) use numbers::read_numbers;
 pub(crate) use writer::{SUMMARY_FILE, write};

@@ -5,6 +5,7 @@ mod plan;
 mod quote;
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use clap::Args;
@@ -14,6 +15,7 @@ use self::quote::shell;
 use super::arguments::report_folder;
 use super::config_path::config_path;
 use super::destinations::{claim_files, results_folder};
+use super::ending::Ending;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::sweep::{self, ChosenLevel, Shard};
@@ -49,31 +51,37 @@ pub(super) struct Sweep {
     /// Shards of --emit [default: as many as points, up to 100, or 400 for hq]
     #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u16).range(1..))]
     shards: Option<u16>,
+    #[command(flatten)]
+    ending: Ending,
 }
+
+/// Columns that a terminal needs: the point's names, and changes of cycles and DRAM bytes.
+const NEEDED: usize = 5;
 
 /// What is done of a sweep; everything if nothing is said.
 #[derive(Args)]
 #[group(multiple = false)]
 struct Part {
     /// Write the points to FILE as CSV, or as JSON lines if it ends in .jsonl; - is standard output
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "json")]
     plan: Option<PathBuf>,
     /// Record the ray streams alone
-    #[arg(long)]
+    #[arg(long, conflicts_with = "json")]
     record: bool,
     /// Make one of N shards of even cost; any number of shards may run at once in one folder
-    #[arg(long, value_name = "I/N")]
+    #[arg(long, value_name = "I/N", conflicts_with = "json")]
     shard: Option<Shard>,
     /// Merge what shards kept in these folders and in --out, and write the report
     #[arg(long, value_name = "DIR", num_args = 0..)]
     collect: Option<Vec<PathBuf>>,
     /// Write a script that runs all shards: hq (HyperQueue), slurm (a job array) or snakemake
-    #[arg(long, value_names = ["ENGINE", "FILE"], num_args = 2)]
+    #[arg(long, value_names = ["ENGINE", "FILE"], num_args = 2, conflicts_with = "json")]
     emit: Option<Vec<PathBuf>>,
 }
 
 impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         let config = config_path(Kind::Experiment, &self.config)?;
         let out = report_folder(self.out, &self.config)?;
         let level = ChosenLevel { fidelity: self.fidelity, target_error: self.target_error };
@@ -98,7 +106,7 @@ impl Sweep {
                 let command = |shard: Shard, folder: &Path| {
                     format!("umbrasim sweep {}{words} --shard {shard} --out {}", shell(&self.config), shell(folder))
                 };
-                report(&out, &sweep::collect(&config, level, &out, &others, command)?)?;
+                report(&out, &sweep::collect(&config, level, &out, &others, command)?, &self.ending, begin)?;
             }
             Part { emit: Some(emit), .. } => {
                 let [engine, file] = emit.try_into().ok().context("`--emit` takes an engine and a file")?;
@@ -108,17 +116,18 @@ impl Sweep {
             }
             _ => {
                 let out = results_folder(&out)?;
-                report(&out, &sweep::sweep(&config, level, &out, &stop)?)?;
+                report(&out, &sweep::sweep(&config, level, &out, &stop)?, &self.ending, begin)?;
             }
         }
         Ok(Outcome::Done)
     }
 }
 
-fn report(out: &ResultsFolder, summary: &SweepSummary) -> Result<()> {
+/// Writes the report and tells what was found.
+fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
-    print(report::drawn(&report::sweep::grid(summary)))?;
-    print(page.display())
+    let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
+    ending.tell(summary, &table, Some(&report::sweep::finding(summary)), begin, Some(&page))
 }
 
 /// The options that choose the level, as words of a shell, each behind a space.

@@ -1,4 +1,4 @@
-//! The failure map of the ladder: how far each rung is from `Event` where streams and machines are made to hurt it.
+//! The failure map of the ladder: how far each level is from `Event` where streams and machines are made to hurt it.
 
 use serde::{Deserialize, Serialize};
 
@@ -45,10 +45,10 @@ pub(crate) struct Covered {
     pub told: u32,
 }
 
-/// What a rung makes of a point.
+/// What a level makes of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// Share by which each of [`Figure::ALL`] is off; absent where the rung doesn't say, or `Event` has none. The worst
+    /// Share by which each of [`Figure::ALL`] is off; absent where the level doesn't say, or `Event` has none. The worst
     /// of several samples.
     pub errors: [Option<f64>; Figure::ALL.len()],
     /// What a sample's intervals are worth.
@@ -116,7 +116,7 @@ fn off(found: f64, truth: f64) -> Option<f64> {
 
 /// The worst of each row and figure, and where that is.
 pub(crate) fn grid(map: &LadderMap) -> Grid {
-    let head = ["rung", "figure", "mean", "worst", "where"].map(String::from).to_vec();
+    let head = ["level", "figure", "mean", "worst", "where"].map(String::from).to_vec();
     let mut rows = Vec::new();
     for (index, name) in map.rows.iter().enumerate() {
         for figure in Figure::ALL {

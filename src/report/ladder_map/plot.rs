@@ -1,14 +1,15 @@
-//! The failure map of the ladder: a panel a figure, a row a rung, a column a point.
+//! The failure map of the ladder: a panel a figure and band of axes, a row a level, a column a point.
 
-use super::data::{Figure, LadderMap, Row, grid};
+use super::data::{Axis, Figure, LadderMap, Row, grid};
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDE};
 use crate::report::draw::palette::{Color, GREEN, INK, ORANGE, SKY, VERMILLION, YELLOW, pale};
 use crate::report::draw::{Figure as Drawn, Plot};
 use crate::report::format::percent;
 
-/// Where columns begin, and the gap between axes.
+/// Where columns begin, the gap between axes, and the width of a column at least.
 const COLUMNS: i32 = 128;
-const GAP: i32 = 8;
+const GAP: i32 = 12;
+const COLUMN: i32 = 36;
 /// Height of a row, and of what stands above a panel's rows.
 const ROW: i32 = 22;
 const HEAD: i32 = 60;
@@ -47,9 +48,9 @@ pub(super) fn finding(map: &LadderMap) -> String {
 
 fn figure(map: &LadderMap) -> Drawn<'_> {
     let panels: Vec<_> = Figure::ALL.into_iter().map(|figure| (figure, shown(map, figure))).collect();
+    let bands = bands(map);
     let height: i32 = panels.iter().map(|(_, rows)| HEAD + rows.len() as i32 * ROW).sum();
-    let points: usize = map.axes.iter().map(|axis| axis.points.len()).sum();
-    let width = (WIDE - COLUMNS - LEFT - GAP * map.axes.len() as i32) / points.max(1) as i32;
+    let height = height * bands.len() as i32;
     Drawn {
         title: finding(map),
         about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in more than \
@@ -62,8 +63,10 @@ fn figure(map: &LadderMap) -> Drawn<'_> {
         paint: Box::new(move |canvas| {
             let mut y = 0;
             for (figure, rows) in &panels {
-                panel(canvas, map, *figure, rows, y, width)?;
-                y += HEAD + rows.len() as i32 * ROW;
+                for band in &bands {
+                    panel(canvas, (map, band), *figure, rows, y)?;
+                    y += HEAD + rows.len() as i32 * ROW;
+                }
             }
             Ok(())
         }),
@@ -77,13 +80,35 @@ fn shown(map: &LadderMap, figure: Figure) -> Vec<usize> {
     (0..map.rows.len()).filter(|&index| points().any(|point| says(&point.rows[index]))).collect()
 }
 
+/// How wide an axis is: as its points, or as its name.
+fn axis_width(axis: &Axis) -> i32 {
+    (axis.points.len() as i32 * COLUMN).max(Text::NOTE.width(&axis.name))
+}
+
+/// The axes in bands, each as wide as the plot at most.
+fn bands(map: &LadderMap) -> Vec<Vec<&Axis>> {
+    let mut bands: Vec<Vec<&Axis>> = Vec::new();
+    let mut end = WIDE;
+    for axis in &map.axes {
+        let width = axis_width(axis);
+        match bands.last_mut().filter(|_| end + width + LEFT <= WIDE) {
+            Some(band) => band.push(axis),
+            None => {
+                bands.push(vec![axis]);
+                end = COLUMNS;
+            }
+        }
+        end += width + GAP;
+    }
+    bands
+}
+
 fn panel(
     canvas: &Canvas<'_>,
-    map: &LadderMap,
+    (map, band): (&LadderMap, &[&Axis]),
     figure: Figure,
     rows: &[usize],
     top: i32,
-    width: i32,
 ) -> Result<(), DrawError> {
     canvas.text(figure.name(), (LEFT, top + 14), Text::LABEL.bold())?;
     let first = top + HEAD - 6;
@@ -91,7 +116,8 @@ fn panel(
         canvas.text(&map.rows[row], (LEFT, first + line * ROW + ROW / 2), Text::NOTE.colored(INK))?;
     }
     let mut x = COLUMNS;
-    for axis in &map.axes {
+    for axis in band {
+        let width = axis_width(axis) / axis.points.len().max(1) as i32;
         canvas.text(&axis.name, (x, top + 34), Text::NOTE.colored(INK))?;
         for point in &axis.points {
             canvas.text(&point.value, (x + width / 2, first - 7), Text::NOTE.centered())?;

@@ -1,7 +1,8 @@
 //! What each value of a field does: a curve a machine and policy, the machine's own value ringed.
 
 use super::data::{SweepPoint, SweepSummary};
-use super::fields::{Field, fields, own, places, shown, value};
+use super::fields::{Field, fields, own, places, value};
+use super::values::{amount, shown};
 use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text, tick_step};
 use crate::report::draw::marks::mark;
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
@@ -36,6 +37,12 @@ pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError
     let names: Vec<String> = fields(summary).iter().map(|field| field.path.replace('.', "-")).collect();
     let all = fields(summary).into_iter().zip(names);
     all.map(|(field, name)| Drawing::new(format!("field-{name}"), (), figure(summary, field))).collect()
+}
+
+/// What the first field does, in a sentence; none if nothing was varied.
+pub(super) fn finding_of_first(summary: &SweepSummary) -> Option<String> {
+    let field = fields(summary).into_iter().next()?;
+    Some(finding(&field, &curves(summary, &field)))
 }
 
 /// A machine under a policy: its name, and its points along a field.
@@ -171,7 +178,8 @@ fn panel(
         let at = |place: usize, point: &SweepPoint| Some((xs[place], y(curve.figure(metric, point)?)));
         let placed = || curve.points.iter().filter_map(|(place, point)| Some((*point, at(*place, point)?)));
         let line: Vec<(i32, i32)> = placed().map(|(_, at)| at).collect();
-        if line.len() > 1 {
+        // Between names there is nothing.
+        if line.len() > 1 && field.values.iter().all(|value| amount(value).is_some()) {
             canvas.line(line, color, 2)?;
         }
         for (point, at) in placed() {

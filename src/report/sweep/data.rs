@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
+use super::values::shown;
 use crate::quantity::{Bytes, Resolution};
 use crate::report::format::{or_absent, percent, words};
 use crate::report::grid::Grid;
@@ -97,7 +98,7 @@ impl SweepPoint {
         }
         let short = |change: &Change| {
             let field = change.field.strip_prefix("shadow_cache.").unwrap_or(&change.field);
-            format!("{field}: {}", change.value)
+            format!("{field}: {}", shown(&change.field, &change.value))
         };
         self.changes.iter().map(short).collect::<Vec<_>>().join(", ")
     }

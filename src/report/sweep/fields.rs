@@ -1,7 +1,7 @@
 //! The fields that a sweep varies, and the values of points along them.
 
 use super::data::{Own, SweepPoint, SweepSummary};
-use crate::report::format::tick;
+use super::values::amount;
 
 /// A field that was varied.
 pub(super) struct Field<'a> {
@@ -52,32 +52,6 @@ pub(super) fn own<'a>(summary: &'a SweepSummary, machine: &str, field: &str) -> 
     summary.own.iter().find(|own| own.machine == machine && own.field == field).map(|own| own.value.as_str())
 }
 
-/// A value as a number: `16384`, or `"16 KiB"`.
-pub(super) fn amount(value: &str) -> Option<f64> {
-    let text = value.trim().trim_matches('"');
-    let digits = text.trim_end_matches(|sign: char| sign.is_ascii_alphabetic()).trim_end();
-    let scale = match text[digits.len()..].trim() {
-        "" | "B" => 1.0,
-        "KiB" => 1024.0,
-        "MiB" => 1024.0 * 1024.0,
-        "GiB" => 1024.0 * 1024.0 * 1024.0,
-        _ => return None,
-    };
-    digits.parse::<f64>().ok().map(|number| number * scale)
-}
-
-/// A value of a field as people read it: sizes with a unit.
-pub(super) fn shown(field: &str, value: &str) -> String {
-    let is_size = field.rsplit('.').next().is_some_and(|name| name.contains("bytes"));
-    match amount(value) {
-        Some(bytes) if is_size && bytes >= 1024.0 * 1024.0 => format!("{} MiB", bytes / 1024.0 / 1024.0),
-        Some(bytes) if is_size && bytes >= 1024.0 => format!("{} KiB", bytes / 1024.0),
-        Some(bytes) if is_size => format!("{bytes} B"),
-        Some(number) => tick(number),
-        None => value.trim_matches('"').to_owned(),
-    }
-}
-
 /// Places of values along an axis from 0 to 1: numbers on a logarithmic scale if all are above zero, other values in
 /// steps.
 pub(super) fn places(values: &[&str]) -> Vec<f64> {
@@ -97,10 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_have_units_and_lie_on_a_logarithmic_axis() {
-        assert_eq!([amount("16384"), amount("\"16 KiB\""), amount("Own")], [Some(16384.0), Some(16384.0), None]);
-        assert_eq!(shown("l2.bytes", "65536"), "64 KiB");
-        assert_eq!([shown("l2.ways", "4"), shown("place", "Own")], ["4", "Own"]);
+    fn numbers_lie_on_a_logarithmic_axis() {
         assert_eq!(places(&["1", "4", "16"]), [0.0, 0.5, 1.0]);
         assert_eq!(places(&["A", "B", "C"]), [0.0, 0.5, 1.0]);
         assert_eq!(places(&["A"]), [0.0]);

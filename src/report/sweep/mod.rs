@@ -8,6 +8,8 @@ mod front;
 mod heat_map;
 mod results;
 mod tornado;
+mod values;
 mod write;
 
 pub(crate) use data::{Change, Own, SweepPoint, SweepSummary, grid};
+pub(crate) use write::finding;

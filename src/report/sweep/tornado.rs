@@ -2,7 +2,8 @@
 
 use super::curves::signed;
 use super::data::{SweepPoint, SweepSummary};
-use super::fields::{Field, fields, shown, value};
+use super::fields::{Field, fields, value};
+use super::values::shown;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, tick_step};
 use crate::report::draw::palette::{FAINT, GREEN, GRID, VERMILLION};
 use crate::report::draw::{Figure, Plot};

@@ -52,7 +52,7 @@ impl Report for SweepSummary {
         let context = context! {
             experiment => self.experiment.as_str(),
             scene => self.scene.as_str(),
-            finding => finding(plots),
+            finding => finding(self),
             frames => counted(self.frames.len(), "frame"),
             count => self.points.len(),
             resolution => self.resolution.to_string(),
@@ -64,11 +64,11 @@ impl Report for SweepSummary {
     }
 }
 
-/// What the plots say: what moves cycles most.
-fn finding(plots: &[Drawing]) -> String {
-    let order = ["sensitivity", "heat-map", "field-"];
-    let found = order.iter().find_map(|name| plots.iter().find(|plot| plot.name.starts_with(name)));
-    found.or(plots.first()).map_or("Nothing was varied".into(), |plot| format!("{}.", plot.title))
+/// What the sweep found, in a sentence: what moves cycles most.
+pub(crate) fn finding(summary: &SweepSummary) -> String {
+    let mut found = [tornado::PLOT, heat_map::PLOT].into_iter().filter_map(|plot| (plot.figure)(summary));
+    let title = found.next().map(|figure| figure.title).or_else(|| curves::finding_of_first(summary));
+    title.map_or("Nothing was varied".into(), |title| format!("{title}."))
 }
 
 fn first_rows(mut table: Grid) -> Grid {

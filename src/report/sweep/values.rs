@@ -1,0 +1,34 @@
+//! Values of fields, as numbers and as people read them.
+
+use crate::report::format::tick;
+use crate::size;
+
+/// A value as a number: `16384`, or `"16 KiB"`.
+pub(super) fn amount(value: &str) -> Option<f64> {
+    let text = plain(value);
+    text.parse().ok().or_else(|| size::parse(text).ok().map(|bytes| bytes as f64))
+}
+
+/// A value without the quotes of a text.
+fn plain(value: &str) -> &str {
+    value.trim().trim_matches('"')
+}
+
+/// A value of a field as people read it: sizes with a unit.
+pub(super) fn shown(field: &str, value: &str) -> String {
+    let is_size = field.rsplit('.').next().is_some_and(|name| name.contains("bytes"));
+    let bytes = size::parse(plain(value)).ok().filter(|_| is_size);
+    bytes.map_or_else(|| amount(value).map_or_else(|| plain(value).to_owned(), tick), size::told)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_have_units() {
+        assert_eq!([amount("16384"), amount("\"16 KiB\""), amount("Own")], [Some(16384.0), Some(16384.0), None]);
+        assert_eq!([shown("l2.bytes", "65536"), shown("l2.bytes", "\"64 KiB\"")], ["64 KiB", "64 KiB"]);
+        assert_eq!([shown("l2.ways", "4"), shown("place", "Own"), shown("rate", "0.5")], ["4", "Own", "0.5"]);
+    }
+}
