@@ -97,7 +97,7 @@ fn twice<const LO: u64, const HI: u64>(field: &mut Within<LO, HI>) -> bool {
     more(field, field.get())
 }
 
-fn l1s(machine: &mut MachineSpec) -> [&mut CacheSpec; 4] {
+pub(super) fn l1s(machine: &mut MachineSpec) -> [&mut CacheSpec; 4] {
     let MachineSpec { traversal, list, intersection, shadow_cache, .. } = machine;
     [&mut traversal.cache, &mut list.cache, &mut intersection.cache, &mut shadow_cache.cache]
 }
@@ -263,7 +263,7 @@ fn one_ray_at_a_time_knows_no_anomaly() {
 }
 
 /// The stream without what the policy does, which goes on beside the next ray.
-fn without_policy(stream: &[Item]) -> Vec<Item> {
+pub(super) fn without_policy(stream: &[Item]) -> Vec<Item> {
     let mut counted = Totals::default();
     let without = |item: &Item| match item {
         Item::Frame(_) => item.clone(),
