@@ -4,10 +4,11 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::files::{named, read_machine};
-use super::load::ExperimentError;
+use super::load::{ExperimentError, read_scene};
 use super::progress;
 use crate::accel::AccelSpec;
 use crate::machine::MachineSpec;
@@ -16,13 +17,13 @@ use crate::replay::{Replay, RunError};
 use crate::report::Grid;
 use crate::report::format::percent;
 use crate::ron_file::{self, ConfigError, Kind};
-use crate::scene::spec::SceneSpec;
+use crate::scene::Scene;
 use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
 use crate::tracer::{Alone, Tracer, TracerSpec};
 
-/// What is measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Rays of one kind on a machine, beside published rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IdentitiesSpec {
     /// The machine's file.
@@ -38,7 +39,7 @@ pub struct IdentitiesSpec {
 }
 
 /// A frame of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFrame {
     /// The scene's file.
@@ -48,7 +49,7 @@ pub struct SceneFrame {
 }
 
 /// A figure of each kind of units; of division units where they have one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PerUnit {
     /// Traversal units.
@@ -63,7 +64,7 @@ pub struct PerUnit {
 }
 
 /// A row of the table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Scene and kind of rays.
@@ -114,23 +115,50 @@ pub enum IdentitiesError {
 /// occupies its unit for its interval exactly. (TI's own table meets the identity within 17 points.)
 pub const MOST_GAP: f64 = 1e-9;
 
+/// A table and all that its file names.
+pub(crate) struct Table {
+    spec: IdentitiesSpec,
+    machine: MachineSpec,
+    /// Each with the number of its frame.
+    scenes: Vec<(Scene, u32)>,
+}
+
+impl Table {
+    /// Reads the table of the file `path`.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, or a scene has no such frame.
+    pub(crate) fn load(path: &Path) -> Result<Self, ExperimentError> {
+        let spec: IdentitiesSpec = ron_file::read(path)?;
+        let machine = read_machine(&named(Kind::Machine, path, &spec.machine))?;
+        let load = |SceneFrame { scene, frame }: &SceneFrame| {
+            let (_, scene) = read_scene(&named(Kind::Scene, path, scene))?;
+            if *frame >= scene.frame_count {
+                let what = format!("`frame` is {frame}, but `{}` has {} frames", scene.name, scene.frame_count);
+                return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }));
+            }
+            Ok((scene, *frame))
+        };
+        let scenes = spec.scenes.iter().map(load).collect::<Result<_, _>>()?;
+        Ok(Self { spec, machine, scenes })
+    }
+
+    /// How many rows are measured.
+    pub(crate) fn rows(&self) -> usize {
+        self.scenes.len() * Alone::ALL.len()
+    }
+}
+
 /// Measures all scenes and kinds of rays; those done when `stop` became true.
 pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
-    let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
-    let machine = read_machine(&named(Kind::Machine, path, &spec.machine)).map_err(ExperimentError::from)?;
-    let bar = progress::bar("identities", spec.scenes.len() * Alone::ALL.len(), "rows");
+    let table = Table::load(path)?;
+    let bar = progress::bar("identities", table.rows(), "rows");
+    let Table { spec, machine, scenes } = table;
     let mut rows = Vec::new();
-    for SceneFrame { scene, frame: number } in &spec.scenes {
-        let scene_path = named(Kind::Scene, path, scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(ExperimentError::from)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(ExperimentError::from)?;
-        if *number >= scene.frame_count {
-            let what = format!("`frame` is {number}, but `{}` has {} frames", scene.name, scene.frame_count);
-            return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }).into());
-        }
+    for (scene, number) in &scenes {
         let frame = scene.animation.frame(*number);
         let tracer_spec = TracerSpec { accel: spec.accel, ..TracerSpec::default() };
-        let tracer = Tracer::new(&scene, &frame, spec.resolution, tracer_spec);
+        let tracer = Tracer::new(scene, &frame, spec.resolution, tracer_spec);
         for kind in Alone::ALL {
             if stop.load(Ordering::Relaxed) {
                 return Ok((rows, spec.published));
@@ -298,8 +326,7 @@ mod tests {
     #[test]
     fn the_identities_hold_and_both_engines_agree_on_every_kind_of_rays() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-        let scene: SceneSpec = ron_file::read(&root.join("scenes/room.ron")).unwrap();
-        let scene = scene.load(&root).unwrap();
+        let (_, scene) = read_scene(&root.join("scenes/room.ron")).unwrap();
         let frame = scene.animation.frame(3);
         let tables: IdentitiesSpec = ron_file::read(&root.join("experiments/identities.ron")).unwrap();
         let tracer_spec = TracerSpec { accel: tables.accel, ..TracerSpec::default() };
