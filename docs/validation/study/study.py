@@ -45,7 +45,7 @@ def experiments(part, folder):
         for scene in ("kitchen", "living_room"):
             yield scene, root / f"configs/studies/{scene}.ron", 256
     if part == "resolutions":
-        for size in (64, 128, 256, 512):
+        for size in (64, 128, 256):
             yield size, root / "configs/studies/kitchen.ron", size
     if part == "lights":
         study = (root / "configs/studies/living_room.ron").read_text()
