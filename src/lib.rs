@@ -60,6 +60,8 @@
 //! ```
 
 #![warn(unreachable_pub)]
+// `println!` panics where standard output is full or closed: the command line has a function for it.
+#![deny(clippy::print_stdout)]
 
 pub mod accel;
 pub(crate) mod alike;

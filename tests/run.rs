@@ -251,7 +251,8 @@ fn a_sweep_goes_on_where_it_was_and_ends_with_the_same_bytes() {
     desk.put("sweep.ron", sweep);
     let printed = desk.succeed(&["sweep", "sweep.ron", "--out", "s"]);
     assert!(printed.contains("layout: Beside") && printed.contains("count: 2"), "{printed}");
-    assert!(!printed.contains("layout: Dense"), "the machine has it already:\n{printed}");
+    let is_point = |line: &str| line.starts_with("small") && line.contains("layout: Dense");
+    assert!(!printed.lines().any(is_point), "the machine has it already:\n{printed}");
     let files = ["sweep.csv", "summary.json", "plots/sweep.svg", "index.html"];
     let read = || files.map(|name| fs::read(desk.path("s").join(name)).unwrap());
     let before = read();

@@ -214,6 +214,23 @@ fn read(
 }
 
 /// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
+/// The reading that comes nearest in each scene, and what the distance is.
+pub(crate) fn verdict(readings: &[Reading]) -> String {
+    let mut scenes: Vec<&str> = readings.iter().map(|reading| reading.scene.as_str()).collect();
+    scenes.dedup();
+    let nearest = |scene: &&str| {
+        let of_scene = readings.iter().filter(|reading| reading.scene == **scene);
+        let Reading { frames, structure, depth, shadow_rays, policy, distance, .. } =
+            of_scene.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        let points = 100.0 * distance;
+        Some(format!(
+            "nearest in {scene}: {policy}, {frames}, {structure:?}, depth {depth}, {shadow_rays:?}: {points:.1} points"
+        ))
+    };
+    let distance = "distance: root mean square of the differences of the four shares, in points";
+    scenes.iter().filter_map(nearest).chain([distance.to_owned()]).collect::<Vec<_>>().join("\n")
+}
+
 pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",
