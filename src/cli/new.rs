@@ -9,8 +9,8 @@ use super::config_path::config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use super::text_file::write_new;
+use crate::experiment::scene_around;
 use crate::ron_file;
-use crate::scene::composed::starter;
 use crate::shipped::{self, Kind};
 
 /// Write a machine, experiment, scene or sweep file to start from
@@ -92,7 +92,7 @@ impl New {
         let is_beside = mesh.parent() == self.file.parent();
         let named = if is_beside { mesh.file_name().map(PathBuf::from) } else { std::path::absolute(mesh).ok() };
         let named = named.with_context(|| format!("{} is no name of a file", mesh.display()))?;
-        let text = starter::config(mesh, &named.to_string_lossy())?;
+        let text = scene_around(mesh, &named.to_string_lossy())?;
         Ok((format!("of {}", mesh.display()), text))
     }
 }
