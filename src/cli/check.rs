@@ -81,7 +81,7 @@ fn check(file: &Path) -> Result<String> {
         }
         Root::Sweep => counted(sweep::machine_count(file)?, "machine"),
         Root::Pareto => counted(pareto::Comparison::load(file, None)?.replays(), "replay"),
-        Root::Identities => counted(identities::Table::load(file)?.rows(), "row"),
+        Root::Identities => counted(identities::Table::load(file, &[])?.rows(), "row"),
         Root::PaperTable => counted(paper::Table::load(file)?.readings(), "reading"),
         Root::Dram => {
             let part = experiment::read_dram_part(file)?;

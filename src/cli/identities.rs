@@ -12,7 +12,7 @@ use super::destinations::claim_files;
 use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
-use crate::experiment::identities;
+use crate::experiment::{Setting, identities};
 use crate::output::signals;
 use crate::report;
 use crate::shipped::Kind;
@@ -27,6 +27,9 @@ pub(super) struct Identities {
     /// The table: a file, or the name of a shipped one
     #[arg(default_value = "identities")]
     config: PathBuf,
+    /// Set a field of the table or of its machine; may be given again [example: traversal.count=48]
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Setting>,
     /// Write all rows to this file too, as JSON
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
@@ -37,7 +40,8 @@ impl Identities {
         let (begin, stop) = (Instant::now(), signals::stop_flag());
         claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
-        let (rows, published) = identities::identities(&config_path(Kind::Experiment, &self.config)?, &stop)?;
+        let table = identities::Table::load(&config_path(Kind::Experiment, &self.config)?, &self.set)?;
+        let (rows, published) = identities::identities(table, &stop)?;
         let is_alone = json.is_alone();
         json.finish(&rows)?;
         let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);

@@ -7,9 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::files::{named, read_machine};
+use super::files::{machine_with, named, not_set};
 use super::load::{ExperimentError, read_scene};
 use super::progress;
+use super::set::{self, Setting};
 use crate::accel::AccelSpec;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
@@ -137,13 +138,22 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Reads the table of the file `path`.
+    /// Reads the table of the file `path`. `settings` are of the table's own fields and of the machine's.
     ///
     /// # Errors
-    /// A file cannot be read or is wrong, or a scene has no such frame.
-    pub(crate) fn load(path: &Path) -> Result<Self, ExperimentError> {
-        let spec: IdentitiesSpec = ron_file::read(path)?;
-        let machine = read_machine(&named(Kind::Machine, path, &spec.machine))?;
+    /// A file cannot be read or is wrong, a field cannot be set, or a scene has no such frame.
+    pub(crate) fn load(path: &Path, settings: &[Setting]) -> Result<Self, ExperimentError> {
+        let mut spec: IdentitiesSpec = ron_file::read(path)?;
+        let known = set::names(&spec);
+        let is_own = |setting: &&Setting| match setting.path.split_once('.') {
+            Some((first, _)) => first != "machine" && known.iter().any(|name| name == first),
+            None => known.contains(&setting.path),
+        };
+        let (own, of_machine): (Vec<&Setting>, Vec<&Setting>) = settings.iter().partition(is_own);
+        for setting in own {
+            spec = set::field(&spec, &setting.path, &setting.value).map_err(|what| not_set(setting, what))?;
+        }
+        let machine = machine_with(&named(Kind::Machine, path, &spec.machine), &of_machine)?;
         let load = |SceneFrame { scene, frame, reach }: &SceneFrame| {
             let wrong = |what: String| ExperimentError::from(ConfigError::Content { path: path.into(), what });
             let (_, scene) = read_scene(&named(Kind::Scene, path, scene))?;
@@ -166,9 +176,8 @@ impl Table {
     }
 }
 
-/// Measures all scenes and kinds of rays; those done when `stop` became true.
-pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
-    let table = Table::load(path)?;
+/// Measures all scenes and kinds of rays of a table; those done when `stop` became true.
+pub(crate) fn identities(table: Table, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let bar = progress::bar("identities", table.rows(), "rows");
     let Table { spec, machine, scenes } = table;
     let mut rows = Vec::new();
@@ -352,6 +361,7 @@ pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::files::read_machine;
     use crate::replay::Fidelity;
 
     /// All rows of the room, on each of the shipped machines with a kd-tree's units.

@@ -34,16 +34,17 @@ FAIR = {
     "fair, `register: 16`": {"register": "16"},
     "that, `width: 4`, 64 contexts, 4 L1 ports": {
         "register": "16", "width": "4", "contexts": "64", "cache.ports": "4"},
+    "four of those units": {"register": "16", "width": "4", "contexts": "64", "cache.ports": "4", "count": "4"},
     "fair, an L1 that never misses": {"cache.contents": "Ideal"},
     "free words": {"place": "Free"},
 }
 # What is replayed with `--few`, for the question whether culling pays.
 FEW = ["naive: as read from the poster", "fair: the same and `gather: 128`",
-       "that, `width: 4`, 64 contexts, 4 L1 ports", "free words"]
+       "four of those units", "free words"]
 # `Hybrid` updates no words of primitives within a frame: options of updates do nothing there.
 OF_HYBRID = ["naive: as read from the poster", "`count: 4` alone", "fair: the same and `gather: 128`",
-             "fair, `register: 16`", "that, `width: 4`, 64 contexts, 4 L1 ports", "fair, an L1 that never misses",
-             "free words"]
+             "fair, `register: 16`", "that, `width: 4`, 64 contexts, 4 L1 ports", "four of those units",
+             "fair, an L1 that never misses", "free words"]
 CAUSES = ["busy", "pipeline", "memory", "blocked", "intake", "starved"]
 
 
@@ -81,17 +82,20 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene", help="a file of configs/studies without .ron")
     parser.add_argument("csv")
-    parser.add_argument("--few", action="store_true", help="four designs alone")
+    parser.add_argument("--few", default="", help="machines on which four designs alone are replayed")
+    parser.add_argument("--resolution", default="512x512")
+    parser.add_argument("--frames", help="other frames than the file's")
     parser.add_argument("--program", default="target/release/umbrasim")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--machines", default="desktop,small")
     chosen = parser.parse_args()
+    frames = ["--frames", chosen.frames] if chosen.frames else []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(chosen.threads) as pool:
         streams = {policy: str(pathlib.Path(folder) / f"{policy}.rays") for policy in ("Off", "Published", "Hybrid")}
         for policy, stream in streams.items():
             subprocess.run([chosen.program, "trace", f"configs/studies/{chosen.scene}.ron", "--policy", policy,
-                            "--warmup", "1", "--threads", str(chosen.threads), "--quiet", "-o", stream], check=True,
-                           stdout=subprocess.DEVNULL)
+                            "--warmup", "1", "--threads", str(chosen.threads), "--quiet", "-o", stream,
+                            "--resolution", chosen.resolution, *frames], check=True, stdout=subprocess.DEVNULL)
         plan = []
         for machine in chosen.machines.split(","):
             plan.append((machine, "Off", "no culling", machine, {}))
@@ -99,7 +103,7 @@ def main():
                 for base, designs in ((f"{machine}_naive", ALONE), (machine, FAIR)):
                     plan += [(machine, policy, design, base, changes) for design, changes in designs.items()
                              if (policy == "Published" or design in OF_HYBRID)
-                             and (not chosen.few or design in FEW)]
+                             and (machine not in chosen.few or design in FEW)]
         stats = list(pool.map(lambda it: replay(chosen.program, streams[it[1]], it[3], it[4]), plan))
     off = {it[0]: found for it, found in zip(plan, stats) if it[1] == "Off"}
     rows = [row(it[0], it[1], it[2], it[4], found, off[it[0]]) for it, found in zip(plan, stats)]
