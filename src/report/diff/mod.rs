@@ -2,6 +2,8 @@
 
 mod config;
 mod figures;
+mod plot;
+mod write;
 
 use std::path::Path;
 
@@ -15,6 +17,8 @@ use super::writer::SUMMARY_FILE;
 /// Two reports, and what differs between them.
 #[derive(Serialize)]
 pub(crate) struct Diff {
+    /// The reports' folders.
+    folders: [String; 2],
     /// Fields of the experiments as run: the path, and the value in each.
     config: Vec<[String; 3]>,
     figures: Vec<figures::Figure>,
@@ -29,7 +33,9 @@ impl Diff {
         let [a, b] = folders.map(|folder| read_numbers(&folder.join(SUMMARY_FILE)));
         let [a, b] = [a?, b?];
         let [config_a, config_b] = folders.map(config::read);
-        Ok(Self { config: config::differences(&config_a?, &config_b?), figures: figures::differences(&a, &b, all) })
+        let config = config::differences(&config_a?, &config_b?);
+        let folders = folders.map(|folder| folder.display().to_string());
+        Ok(Self { folders, config, figures: figures::differences(&a, &b, all) })
     }
 
     /// How many figures differ.
@@ -44,7 +50,8 @@ impl Diff {
             1 => "1 field of the configuration".to_owned(),
             count => format!("{count} fields of the configuration"),
         };
-        format!("{config} and {} of {} figures differ", self.differing(), self.figures.len())
+        let most = plot::finding(self).map(|most| format!("; {most}")).unwrap_or_default();
+        format!("{config} and {} of {} figures differ{most}", self.differing(), self.figures.len())
     }
 
     /// Both, without what is the same.
