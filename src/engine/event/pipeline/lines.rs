@@ -13,20 +13,27 @@ impl Pipeline {
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
     #[inline]
     pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
-        self.filled = links.line_is_there(self.part, now) && self.fill(links);
+        self.filled = self.line_at(links) <= now && self.fill(now, links);
         self.stuck &= !self.filled;
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
     }
 
-    /// Step 1, of a line that is there; whether it was taken.
-    pub(super) fn fill(&mut self, links: &mut Links) -> bool {
+    /// When the next line can be put in; [`u64::MAX`] if none is known to come.
+    #[inline]
+    pub(crate) fn line_at(&self, links: &Links) -> u64 {
+        links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at.max(self.fill_at))
+    }
+
+    /// Step 1, of a line that is there in cycle `now`; whether it was taken.
+    pub(super) fn fill(&mut self, now: u64, links: &mut Links) -> bool {
         let lines = &mut links.lines[self.part.0 as usize];
         let Some(&Answer { line, .. }) = lines.front() else { return false };
         let past = self.straight.iter().position(|(asked, _)| *asked == line);
         if let Some(at) = past {
             lines.drop_front();
+            self.fill_at = now + 1;
             if let Some((_, ray)) = self.straight.remove(at) {
                 self.line_came(ray, &mut links.rays);
             }
@@ -36,6 +43,7 @@ impl Pipeline {
         let room = self.out.len() < self.out_places;
         let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
         lines.drop_front();
+        self.fill_at = now + 1;
         if let Some(victim) = victim {
             self.push_out(victim.line, victim.class, true, self.line);
         }

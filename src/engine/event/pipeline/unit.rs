@@ -77,6 +77,8 @@ pub(crate) struct Pipeline {
     /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
     pub(super) foresees: bool,
     pub(super) answer_latency: u64,
+    /// The first cycle in which a line can be put in.
+    pub(super) fill_at: u64,
     /// The first cycle in which the port of the L1 is free.
     pub(super) access_at: u64,
     /// When the last operation begins of those that were entered ahead.
@@ -133,6 +135,7 @@ impl Pipeline {
             accessed: false,
             foresees,
             answer_latency,
+            fill_at: 0,
             access_at: 0,
             begins_last: 0,
             filled_for: Vec::new(),
