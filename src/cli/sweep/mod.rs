@@ -127,7 +127,7 @@ impl Sweep {
 fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
     let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
-    ending.tell(summary, &table, Some(&report::sweep::finding(summary)), begin, Some(&page))
+    ending.tell(summary, &table, &report::sweep::finding(summary), begin, Some(&page))
 }
 
 /// The options that choose the level, as words of a shell, each behind a space.

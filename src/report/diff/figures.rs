@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use serde::Serialize;
 use serde_json::Value;
 
 use crate::report::format::{ABSENT, change, exact, or_absent, short, words};
@@ -27,6 +28,7 @@ const KEY: [&str; 12] = [
 ];
 
 /// A figure in two reports.
+#[derive(Serialize)]
 pub(super) struct Figure {
     path: String,
     values: [Option<f64>; 2],

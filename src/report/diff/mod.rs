@@ -5,15 +5,18 @@ mod figures;
 
 use std::path::Path;
 
+use serde::Serialize;
+
 use super::error::ReportError;
 use super::grid::Grid;
 use super::numbers::read_numbers;
 use super::writer::SUMMARY_FILE;
 
 /// Two reports, and what differs between them.
+#[derive(Serialize)]
 pub(crate) struct Diff {
     /// Fields of the experiments as run: the path, and the value in each.
-    pub config: Vec<[String; 3]>,
+    config: Vec<[String; 3]>,
     figures: Vec<figures::Figure>,
 }
 
@@ -29,24 +32,34 @@ impl Diff {
         Ok(Self { config: config::differences(&config_a?, &config_b?), figures: figures::differences(&a, &b, all) })
     }
 
-    /// How many figures both reports have or one of them alone has.
-    pub(crate) fn compared(&self) -> usize {
-        self.figures.len()
-    }
-
-    /// How many of them differ.
-    pub(crate) fn differing(&self) -> usize {
+    /// How many figures differ.
+    fn differing(&self) -> usize {
         self.figures.iter().filter(|figure| figure.differs()).count()
     }
 
+    /// What was found, in a sentence.
+    pub(crate) fn verdict(&self) -> String {
+        let config = match self.config.len() {
+            0 => "no field of the configuration".to_owned(),
+            1 => "1 field of the configuration".to_owned(),
+            count => format!("{count} fields of the configuration"),
+        };
+        format!("{config} and {} of {} figures differ", self.differing(), self.figures.len())
+    }
+
+    /// Both, without what is the same.
+    pub(crate) fn grids(&self) -> impl Iterator<Item = Grid> {
+        [self.config_grid(), self.figures_grid()].into_iter().filter(|grid| !grid.rows.is_empty())
+    }
+
     /// The fields that differ.
-    pub(crate) fn config_grid(&self) -> Grid {
+    fn config_grid(&self) -> Grid {
         let head = ["configuration", "A", "B"].map(Into::into).to_vec();
         Grid { head, names: 3, rows: self.config.iter().map(|row| row.to_vec()).collect() }
     }
 
     /// The figures that differ, with the change from A to B.
-    pub(crate) fn figures_grid(&self) -> Grid {
+    fn figures_grid(&self) -> Grid {
         let rows = self.figures.iter().filter(|figure| figure.differs()).map(figures::Figure::row);
         Grid { head: ["figure", "A", "B", "change"].map(Into::into).to_vec(), names: 1, rows: rows.collect() }
     }
