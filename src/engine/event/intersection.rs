@@ -1,7 +1,8 @@
 //! The intersection unit: fetches triangle records in two phases and tests them.
 
 use super::links::Links;
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::{FREES_LIST, GONE, RayId};
 use crate::machine::intersection::IntersectionSpec;
 use crate::machine::writes::WritePolicy;

@@ -1,7 +1,7 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
-use super::pipeline::Memory;
+use super::memory::Memory;
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
 use crate::engine::gathering::{Gathering, HitId, Retiring};

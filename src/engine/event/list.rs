@@ -2,7 +2,8 @@
 //! tested.
 
 use super::links::{Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::{GONE, Owner, RayId};
 use crate::machine::list::ListSpec;
 use crate::machine::writes::WritePolicy;

@@ -5,7 +5,8 @@ use crate::memory::ring::Ring;
 use std::collections::VecDeque;
 
 use super::links::{Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::{Owner, RayId};
 use crate::engine::register::{Kept, Register};
 use crate::machine::parts::Parts;

@@ -1,7 +1,8 @@
 //! The traversal unit: fetches nodes and tests their boxes.
 
 use super::links::{Back, Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::RayId;
 use crate::machine::parts::Parts;
 use crate::machine::traversal::TraversalSpec;
@@ -38,7 +39,8 @@ impl Traversal {
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let (part, index) = (self.pipeline.part(), self.index as usize);
         if now < self.worked_to {
-            return links.clock.wake_if(part, links.wakes[index]);
+            let sends = self.pipeline.send_due(now, links);
+            return links.clock.wake_if(part, sends.min(links.wakes[index]));
         }
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
@@ -65,63 +67,60 @@ impl Traversal {
         let next = if !leaving && self.pipeline.can_work_ahead() {
             let next = self.work_ahead(now, links);
             self.worked_to = next.min(now + links.horizon + 1);
+            links.clock.wake_if(part, self.pipeline.sends_at().max(now + 1));
             next
         } else if sent && leaving {
             now + 1
         } else {
-            next.min(self.pipeline.ends_at()).min(self.next_ray(links))
+            next.min(self.pipeline.ends_at()).min(returned_at(links, index)).min(dispatched_at(links, index))
         };
         links.wakes[index] = next;
         links.clock.wake_if(part, next);
     }
 
-    /// When the next ray comes; [`u64::MAX`] if none is known to.
-    #[inline]
-    fn next_ray(&self, links: &Links) -> u64 {
-        let index = self.index as usize;
-        let returned = links.returned[index].front().map_or(u64::MAX, |back| back.at);
-        returned.min(links.dispatched[index].front().map_or(u64::MAX, |&(at, _)| at))
-    }
-
-    /// After cycle `now`, does what concerns the unit alone: lines come, rays come back and fetch nodes that are there,
-    /// and their operations begin and end. Returns the first cycle in which something else happens, or in which
-    /// something may come that is not known yet; [`u64::MAX`] if nothing is known.
+    /// After cycle `now`, does what concerns the unit alone: lines come, rays come back and fetch nodes, and their
+    /// operations begin and end. Returns the first cycle in which something else happens, or in which something may
+    /// come that is not known yet; [`u64::MAX`] if nothing is known.
     fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
         let horizon = now + links.horizon;
+        let last = horizon.saturating_sub(self.pipeline.hit_latency());
+        let mut line = self.pipeline.line_at(links);
+        let mut returned = returned_at(links, index);
+        let mut dispatched = dispatched_at(links, index);
         loop {
-            let (line, ends) = (self.pipeline.line_at(links), self.pipeline.ends_at());
-            let returned = links.returned[index].front().map_or(u64::MAX, |back| back.at);
-            let dispatched = links.dispatched[index].front().map_or(u64::MAX, |&(at, _)| at);
+            let ends = self.pipeline.ends_at();
             let at = ends.min(returned).min(dispatched);
-            if at.min(line) > horizon {
-                return at.min(line);
-            }
             if line <= at {
-                if !self.pipeline.fill_ahead(line, links) {
+                if line > horizon || !self.pipeline.fill_ahead(line, links) {
                     return line;
                 }
+                line = self.pipeline.line_at(links);
                 continue;
             }
-            let passed = ends == at;
-            let id = if passed {
+            if at > last {
+                return at;
+            }
+            let id = if ends == at {
                 self.pipeline.next_to_leave()
             } else if returned == at {
                 links.returned[index].front().map(|back| back.ray)
             } else {
                 links.dispatched[index].front().map(|&(_, ray)| ray)
             };
-            let Some(id) = id.filter(|_| at + self.pipeline.hit_latency() <= horizon) else { return at };
+            let Some(id) = id else { return at };
             let ray = &mut links.rays[id as usize];
-            let Some(node) = ray.node(usize::from(passed)) else { return at };
-            ray.next += usize::from(passed);
-            if passed {
+            let Some(node) = ray.node(usize::from(ends == at)) else { return at };
+            if ends == at {
+                ray.next += 1;
                 links.replayed.count_visit(ray.kind);
-                self.pipeline.leave(at);
+                self.pipeline.drop_first();
             } else if returned == at {
                 links.returned[index].drop_front();
+                returned = returned_at(links, index);
             } else {
                 links.dispatched[index].drop_front();
+                dispatched = dispatched_at(links, index);
             }
             let element = links.layout.node(node);
             if !self.pipeline.fetch_ahead(id, &element, at, line.min(horizon + 1), links) {
@@ -171,4 +170,16 @@ impl Traversal {
     pub(crate) fn queues(&self) -> String {
         format!("{}, leaving for lists or intersection {}", self.pipeline.queues(), self.leaving.len())
     }
+}
+
+/// When the first ray comes back to traversal unit `index`; [`u64::MAX`] if none is known to.
+#[inline]
+fn returned_at(links: &Links, index: usize) -> u64 {
+    links.returned[index].front().map_or(u64::MAX, |back| back.at)
+}
+
+/// When the first ray comes from the dispatcher to traversal unit `index`; [`u64::MAX`] if none is known to.
+#[inline]
+fn dispatched_at(links: &Links, index: usize) -> u64 {
+    links.dispatched[index].front().map_or(u64::MAX, |&(at, _)| at)
 }

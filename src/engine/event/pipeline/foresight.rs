@@ -104,11 +104,11 @@ impl Pipeline {
         }
     }
 
-    /// Whether nothing waits for an access or an operation, or to go to the L2, so that lines and rays that come are
-    /// all that can change anything.
+    /// Whether nothing waits for an access or an operation, so that lines and rays that come are all that can change
+    /// anything.
     #[inline]
     pub(crate) fn can_work_ahead(&self) -> bool {
-        self.foresees && self.queued() | self.out.len() | self.straight.len() == 0
+        self.foresees && self.queued() | self.straight.len() == 0
     }
 
     /// The ray whose operation ends next.
@@ -123,22 +123,38 @@ impl Pipeline {
         self.hit_latency
     }
 
-    /// A ray begins to fetch `element` in cycle `at`, which is to come; the first line that is to be put in comes in
-    /// cycle `line` or later. Whether all is known of the fetch; if not, something is to be done in cycle `at`.
+    /// A ray begins to read `element` in cycle `at`, which is to come. Cycle `line` is the first in which a line may be
+    /// put in. Whether all accesses were made; if not, something is to be done in cycle `at`.
     #[inline]
     pub(crate) fn fetch_ahead(&mut self, ray: RayId, element: &Element, at: u64, line: u64, links: &mut Links) -> bool {
         let mut fetch = Fetch::of(element, &links.layout);
-        let known = self.foresee(ray, &mut fetch, at, line);
-        if known {
-            if !self.causes.is_busy_from(at) {
-                self.account(at, false);
+        let state = &mut links.rays[ray as usize];
+        while fetch.left > 0 {
+            let access_at = at.max(self.access_at);
+            let there_at = access_at + self.hit_latency;
+            let hit = there_at < line && self.cache.hit(fetch.line, fetch.class, Access::Read);
+            if !hit && (there_at >= line || !self.miss(ray, state.marked, &fetch, Access::Read, access_at)) {
+                state.fetch = fetch;
+                self.fetching.push_back(ray);
+                return false;
             }
-            self.account_ahead(at, false);
-        } else {
-            links.rays[ray as usize].fetch = fetch;
-            self.fetching.push_back(ray);
+            self.access_at = access_at + 1;
+            fetch.line.0 += 1;
+            fetch.left -= 1;
+            fetch.missing += u8::from(!hit);
         }
-        known
+        self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
+        if fetch.missing == 0 {
+            self.enter_ahead(ray, (self.access_at - 1 + self.hit_latency).max(self.open_at));
+        } else {
+            self.waiting += 1;
+            state.fetch = fetch;
+        }
+        if self.begins_last <= at || !self.causes.is_busy_from(at) {
+            self.account(at, false);
+        }
+        self.account_ahead(at, false);
+        true
     }
 
     /// Puts in the line that comes in cycle `at`, which is to come, and enters the rays that wait for it; whether that

@@ -15,6 +15,12 @@ impl Pipeline {
         take(&mut self.stages, now)
     }
 
+    /// Drops the first operation, which has ended.
+    #[inline]
+    pub(crate) fn drop_first(&mut self) {
+        self.stages.drop_front();
+    }
+
     /// Drops the first operation if it ended before cycle `now`; whether there was one.
     #[inline]
     pub(crate) fn left_before(&mut self, now: u64) -> bool {
@@ -83,7 +89,7 @@ impl Pipeline {
     #[inline]
     pub(super) fn begin_first(&mut self, now: u64, rays: &[Ray]) -> bool {
         let Some(&ray) = self.ready.front() else { return false };
-        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
+        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch, now) {
             return false;
         }
         self.ready.drop_front();
@@ -98,8 +104,8 @@ impl Pipeline {
         self.open_at = at + self.timing.interval;
     }
 
-    /// Sends the write of an operation down, if it goes through; false if there is no place.
-    pub(super) fn write_through(&mut self, fetch: &Fetch) -> bool {
+    /// Sends the write of an operation that begins down, if it goes through; false if there is no place.
+    pub(super) fn write_through(&mut self, fetch: &Fetch, now: u64) -> bool {
         if !fetch.write || !self.writes.go_through(fetch.class) {
             return true;
         }
@@ -108,7 +114,7 @@ impl Pipeline {
         }
         // An entry of a store lies in one line.
         let bytes = Bytes(fetch.bytes.into());
-        self.push_out(fetch.first, fetch.class, true, bytes);
+        self.push_out(fetch.first, fetch.class, true, bytes, now);
         self.written_through[fetch.class as usize].add(bytes);
         true
     }
@@ -158,7 +164,9 @@ impl Pipeline {
             return now + 1;
         }
         let access = if self.fetching.is_empty() || stalled { u64::MAX } else { self.access_at.max(now + 1) };
-        self.next_event(now, lines).min(access)
+        // What waits to go since this cycle or longer is woken when there is a place for it.
+        let sends = if self.sends_at() > now { self.sends_at() } else { u64::MAX };
+        self.next_event(now, lines).min(access).min(sends)
     }
 
     /// The next cycle in which an operation may begin or a line come; [`u64::MAX`] if none is known. `lines` is when the first
