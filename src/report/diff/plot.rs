@@ -1,6 +1,6 @@
 //! How far figures change from one report to the other: a bar a figure.
 
-use super::Diff;
+use super::data::{Diff, changes, signed, told};
 use super::figures::Figure as Compared;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, tick_step};
 use crate::report::draw::palette::{FAINT, GRID, ORANGE, SKY};
@@ -14,23 +14,6 @@ const BAR: i32 = 36;
 const AXIS: i32 = 30;
 /// More figures than these stand in the table alone: those that change least.
 const MOST: usize = 30;
-
-/// Figures that change, the largest change first; equal ones in the order of the report.
-fn changes(diff: &Diff) -> Vec<(&Compared, f64)> {
-    let changes = diff.figures.iter().filter_map(|it| Some((it, it.change()?)));
-    let mut changes: Vec<_> = changes.filter(|(_, change)| *change != 0.0).collect();
-    changes.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    changes
-}
-
-/// The largest change, in a sentence.
-pub(super) fn finding(diff: &Diff) -> Option<String> {
-    changes(diff).first().map(|(figure, change)| told(figure, *change))
-}
-
-fn told(figure: &Compared, change: f64) -> String {
-    format!("{} changes most, by {}", figure.name(), signed(change))
-}
 
 fn figure(diff: &Diff) -> Option<Figure<'_>> {
     let mut changes = changes(diff);
@@ -50,10 +33,6 @@ fn figure(diff: &Diff) -> Option<Figure<'_>> {
         }),
         paint: Box::new(move |canvas| paint(canvas, &changes)),
     })
-}
-
-fn signed(share: f64) -> String {
-    format!("{:+.1} %", 100.0 * share).replace('-', "\u{2212}")
 }
 
 fn paint(canvas: &Canvas<'_>, changes: &[(&Compared, f64)]) -> Result<(), DrawError> {

@@ -3,7 +3,8 @@
 use minijinja::context;
 use serde::Serialize;
 
-use super::{Diff, plot};
+use super::data::Diff;
+use super::plot;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use crate::report::template;
