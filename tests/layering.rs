@@ -27,6 +27,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ron_file", &["alike", "ranged", "input", "shipped"]),
     ("counters", &[]),
     ("spread", &[]),
+    ("surrogate", &[]),
     ("stats", &["quantity", "counters"]),
     ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
@@ -70,6 +71,7 @@ const ROOMS: &[(&str, &[&str])] = &[
             "memory",
             "machine",
             "replay",
+            "surrogate",
             "validate",
             "report",
         ],

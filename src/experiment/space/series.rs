@@ -1,0 +1,169 @@
+//! A machine of the experiment under a policy, with all its designs: what is known of each, and what is measured.
+
+use super::super::sweep::Point;
+use crate::replay::Estimate;
+use crate::stats::MachineStats;
+use crate::surrogate::{Group, Kernel, Prediction, Process, fit};
+
+/// A figure that designs are compared by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Figure {
+    Cycles,
+    DramBytes,
+    Joules,
+}
+
+impl Figure {
+    pub(super) const ALL: [Self; 3] = [Self::Cycles, Self::DramBytes, Self::Joules];
+
+    /// Its name in files.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Cycles => "cycles",
+            Self::DramBytes => "dram_bytes",
+            Self::Joules => "joules",
+        }
+    }
+
+    /// What was measured; none of an energy that is not known.
+    pub(super) fn measured(self, stats: &MachineStats) -> Option<f64> {
+        match self {
+            Self::Cycles => Some(stats.cycles.0 as f64),
+            Self::DramBytes => Some(stats.moved("dram").0 as f64),
+            Self::Joules => stats.energy.as_ref().map(|energy| energy.joules),
+        }
+    }
+
+    /// What is estimated; 1 of an energy that is not known.
+    fn estimated(self, estimate: &Estimate) -> f64 {
+        match self {
+            Self::Cycles => estimate.cycles,
+            Self::DramBytes => estimate.dram_bytes,
+            Self::Joules => estimate.joules.unwrap_or(1.0),
+        }
+    }
+}
+
+/// A machine of the space under a policy.
+pub(super) struct Design {
+    pub(super) point: Point,
+    pub(super) estimate: Estimate,
+    /// What a surrogate knows of it.
+    inputs: Vec<f64>,
+    /// Each figure, once it was replayed.
+    pub(super) measured: Option<Vec<f64>>,
+    /// What was predicted of each figure before it was replayed.
+    pub(super) foreseen: Option<Vec<Foreseen>>,
+}
+
+/// A figure as it is predicted: its logarithm is normal.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Foreseen {
+    pub(super) mean: f64,
+    /// Ends of the 95 % interval.
+    pub(super) low: f64,
+    pub(super) high: f64,
+}
+
+/// All designs of a machine of the experiment under a policy.
+pub(super) struct Series {
+    pub(super) base: usize,
+    pub(super) policy: usize,
+    /// Wrong pixels of the policy.
+    pub(super) wrong: u64,
+    pub(super) designs: Vec<Design>,
+    groups: Vec<Group>,
+    /// The surrogate of each figure, and its kernel as the last fit left it.
+    processes: Vec<Process>,
+    /// Of each design, what the surrogates say of it.
+    predictions: Vec<Vec<Prediction>>,
+    figures: Vec<Figure>,
+}
+
+impl Series {
+    /// Designs with what is known of each.
+    pub(super) fn new(
+        (base, policy, wrong): (usize, usize, u64),
+        points: Vec<Point>,
+        estimates: Vec<Estimate>,
+        (inputs, groups): (Vec<Vec<f64>>, Vec<Group>),
+    ) -> Self {
+        let design = |((point, estimate), inputs)| Design { point, estimate, inputs, measured: None, foreseen: None };
+        let designs = points.into_iter().zip(estimates).zip(inputs).map(design).collect();
+        let (processes, predictions) = (Vec::new(), Vec::new());
+        Self { base, policy, wrong, designs, groups, processes, predictions, figures: Figure::ALL.to_vec() }
+    }
+
+    /// A design was replayed.
+    pub(super) fn measure(&mut self, design: usize, stats: &MachineStats) {
+        self.figures.retain(|figure| figure.measured(stats).is_some());
+        let foreseen = (!self.processes.is_empty()).then(|| self.foreseen(design));
+        let design = &mut self.designs[design];
+        design.measured = Some(Figure::ALL.iter().filter_map(|figure| figure.measured(stats)).collect());
+        design.foreseen = foreseen;
+    }
+
+    /// The figures that are known.
+    pub(super) fn figures(&self) -> &[Figure] {
+        &self.figures
+    }
+
+    /// Fits the surrogates to all that was measured.
+    pub(super) fn learn(&mut self) {
+        let known: Vec<&Design> = self.designs.iter().filter(|design| design.measured.is_some()).collect();
+        let points: Vec<Vec<f64>> = known.iter().map(|design| design.inputs.clone()).collect();
+        let of_figure = |(at, figure): (usize, &Figure)| {
+            let value = |design: &&Design| {
+                let measured = design.measured.as_ref().map_or(1.0, |measured| measured[at]);
+                (measured.max(1.0e-30) / figure.estimated(&design.estimate).max(1.0e-30)).ln()
+            };
+            let values: Vec<f64> = known.iter().map(value).collect();
+            let kernel =
+                self.processes.get(at).map_or_else(|| Kernel::new(self.groups.clone()), |it| it.kernel().clone());
+            fit(kernel, &points, &values)
+        };
+        self.processes = self.figures.iter().enumerate().map(of_figure).collect();
+        self.predict();
+    }
+
+    /// Has the surrogates say of every design what they know by what was measured.
+    pub(super) fn predict(&mut self) {
+        let predict = |design: &Design| self.processes.iter().map(|process| process.predict(&design.inputs)).collect();
+        self.predictions = self.designs.iter().map(predict).collect();
+    }
+
+    /// What is said of each figure of a design: the logarithms' means and standard deviations.
+    pub(super) fn logarithms(&self, design: usize) -> Vec<(f64, f64)> {
+        let estimate = &self.designs[design].estimate;
+        let of = |(figure, found): (&Figure, &Prediction)| {
+            (found.mean + figure.estimated(estimate).max(1.0e-30).ln(), found.deviation)
+        };
+        self.figures.iter().zip(&self.predictions[design]).map(of).collect()
+    }
+
+    /// What is said of each figure of a design.
+    pub(super) fn foreseen(&self, design: usize) -> Vec<Foreseen> {
+        let of = |((mean, deviation), process): ((f64, f64), &Process)| {
+            let half = process.student() * deviation;
+            Foreseen { mean: mean.exp(), low: (mean - half).exp(), high: (mean + half).exp() }
+        };
+        self.logarithms(design).into_iter().zip(&self.processes).map(of).collect()
+    }
+
+    /// The error of the figure's surrogate without the design itself at each measured one, as a logarithm, and half the
+    /// width of its 95 % interval.
+    pub(super) fn left_out(&self, figure: usize) -> Vec<(f64, f64)> {
+        let process = &self.processes[figure];
+        process.left_out_errors().into_iter().map(|(error, it)| (error, process.student() * it)).collect()
+    }
+
+    /// A design will be known: what is said of others becomes surer.
+    pub(super) fn count_in(&mut self, chosen: usize) {
+        for (at, process) in self.processes.iter().enumerate() {
+            let (inputs, own) = (self.designs[chosen].inputs.clone(), self.predictions[chosen][at].clone());
+            for (design, predictions) in self.designs.iter().zip(&mut self.predictions) {
+                process.count_in((&inputs, &own), (&design.inputs, &mut predictions[at]));
+            }
+        }
+    }
+}
