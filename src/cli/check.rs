@@ -79,7 +79,11 @@ fn check(file: &Path) -> Result<String> {
                 counted(scene.frame_count as usize, "frame"),
             )
         }
-        Root::Sweep => counted(sweep::machine_count(file)?, "machine"),
+        Root::Sweep => {
+            let machines = counted(sweep::machine_count(file)?, "machine");
+            let budget = sweep::budget(file)?.map(|replays| format!(" of a space, {}", counted(replays, "replay")));
+            machines + &budget.unwrap_or_default()
+        }
         Root::Dram => {
             let part = experiment::read_dram_part(file)?;
             format!("`{}`, {} MHz", part.name, part.clock_mhz)

@@ -425,6 +425,9 @@ mod tests {
         let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
         numbers(&sweep, &mut Vec::new(), &mut found);
+        let space = serde_json::to_value(crate::report::run::tests::sample::space()).unwrap();
+        assert_eq!(undeclared(&space), Vec::<String>::new());
+        numbers(&space, &mut Vec::new(), &mut found);
         let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let statistics = statistics();
         let columns: Vec<_> =

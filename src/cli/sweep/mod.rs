@@ -31,7 +31,8 @@ use crate::shipped::Kind;
 ///
 /// The frames of an experiment are traced once. Every replay is kept, so that a sweep that was stopped by Ctrl-C goes
 /// on when it is started again. The report has a table (`sweep.csv`), a plot and a page. Shards share the work between
-/// processes and machines, and --collect makes the same report of what they kept.
+/// processes and machines, and --collect makes the same report of what they kept. Of a space of machines (`points:
+/// Space(budget: 60)`) a few are replayed and the others predicted; shards make its first set.
 #[derive(Args)]
 pub(super) struct Sweep {
     /// The sweep: a file, or the name of a shipped one
@@ -92,7 +93,7 @@ impl Sweep {
         let level = ChosenLevel { fidelity: self.fidelity, target_error: self.target_error };
         let words = level_words(level);
         let stop = signals::stop_flag();
-        let is_space = sweep::is_space(&config)?;
+        let is_space = sweep::budget(&config)?.is_some();
         let share = || -> Result<SharedFolder> {
             claim_folder("--out", &out)?;
             Ok(ResultsFolder::share(&out)?)

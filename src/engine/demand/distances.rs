@@ -28,11 +28,6 @@ impl Distances {
         self.bins[bin] += 1;
     }
 
-    /// All accesses.
-    pub(super) fn accesses(&self) -> u64 {
-        self.first + self.bins.iter().sum::<u64>()
-    }
-
     /// Expected misses of an LRU cache with so many sets and ways, if lines fall into sets at random (Smith 1978).
     pub(super) fn misses(&self, sets: u64, ways: u64) -> f64 {
         let missed = self.bins.iter().enumerate().filter(|(_, count)| **count > 0);
@@ -87,8 +82,7 @@ mod tests {
     fn misses_are_those_of_the_distances() {
         let mut distances = Distances::default();
         distances.count(None);
-        [0, 3, 4, 100].map(|distance| distances.count(Some(distance)));
-        assert_eq!(distances.accesses(), 5);
+        [0, 3, 4, 100].into_iter().for_each(|distance| distances.count(Some(distance)));
         assert_eq!([1, 4, 5, 128].map(|ways| distances.misses(1, ways)), [4.0, 3.0, 2.0, 1.0]);
         // Of 3, 4 and 100 other lines, one falls into the line's own of two sets.
         let [three, four] = [1.0 - 0.125, 1.0 - 0.0625];

@@ -161,7 +161,7 @@ impl Demand {
         dram.reads = fetched as u64;
         let bytes = (dram.reads + dram.writes) * machine.line_bytes.get();
         let moved = stats.moved("dram").0 as f64;
-        for classes in stats.bytes.get_mut("dram") {
+        if let Some(classes) = stats.bytes.get_mut("dram") {
             classes.values_mut().for_each(|of| *of = Bytes(scale(of.0 as f64, moved, bytes as f64) as u64));
         }
         stats

@@ -34,11 +34,11 @@ impl Axis {
         Self::Amounts(scaled.iter().map(place).collect())
     }
 
-    /// The inputs of the value at `place`.
-    fn inputs(&self, place: usize) -> Vec<f64> {
+    /// The inputs of the value at `place`; those in the middle without one.
+    fn inputs(&self, place: Option<usize>) -> Vec<f64> {
         match self {
-            Self::Amounts(places) => vec![places[place]],
-            Self::Names(count) => (1..*count).map(|name| f64::from(u8::from(name == place))).collect(),
+            Self::Amounts(places) => vec![place.map_or(0.0, |place| places[place])],
+            Self::Names(count) => (1..*count).map(|name| f64::from(u8::from(place == Some(name)))).collect(),
         }
     }
 }
@@ -47,8 +47,13 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// The inputs of all designs of a series, and their groups: one a field, one of all resources, one a figure's estimate.
-pub(super) fn inputs(axes: &[&Axis], places: &[Vec<usize>], estimates: &[Estimate]) -> (Vec<Vec<f64>>, Vec<Group>) {
+/// The inputs of all designs, and their groups: one an axis, one of all resources, one a figure's estimate. Each design
+/// has a place on each axis, or none where it does not have the field.
+pub(super) fn inputs(
+    axes: &[Axis],
+    places: &[Vec<Option<usize>>],
+    estimates: &[Estimate],
+) -> (Vec<Vec<f64>>, Vec<Group>) {
     let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
     for (field, axis) in axes.iter().enumerate() {
         blocks.push(places.iter().map(|places| axis.inputs(places[field])).collect());
@@ -96,9 +101,10 @@ mod tests {
     #[test]
     fn numbers_and_sizes_lie_on_a_logarithmic_axis_and_names_have_one_each() {
         let sizes = axis(&["256", "\"1 KiB\"", "4096"]);
-        assert_eq!([0, 1, 2].map(|place| sizes.inputs(place)[0].round()), [-1.0, 0.0, 1.0]);
-        assert_eq!(axis(&["0", "1", "4"]).inputs(1), [-0.5]);
-        assert_eq!(axis(&["Own", "L2", "Free"]).inputs(2), [0.0, 1.0]);
+        assert_eq!([0, 1, 2].map(|place| sizes.inputs(Some(place))[0].round()), [-1.0, 0.0, 1.0]);
+        assert_eq!(axis(&["0", "1", "4"]).inputs(Some(1)), [-0.5]);
+        assert_eq!(axis(&["Own", "L2", "Free"]).inputs(Some(2)), [0.0, 1.0]);
+        assert_eq!(sizes.inputs(None), [0.0]);
     }
 
     #[test]
@@ -110,8 +116,11 @@ mod tests {
             resources: vec![busy, 1.0, busy],
         };
         let (field, fixed) = (axis(&["1", "2"]), axis(&["7"]));
-        let (rows, groups) =
-            inputs(&[&field, &fixed], &[vec![0, 0], vec![1, 0]], &[estimate(100.0, 80.0), estimate(100.0, 40.0)]);
+        let (rows, groups) = inputs(
+            &[field, fixed],
+            &[vec![Some(0), Some(0)], vec![Some(1), Some(0)]],
+            &[estimate(100.0, 80.0), estimate(100.0, 40.0)],
+        );
         assert_eq!(groups, [0..1, 1..2].map(|inputs| Group { inputs }));
         assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [-1.0, 1.0]);
         assert!((rows[0][1] - rows[1][1] - 2f64.ln()).abs() < 1e-12);

@@ -39,7 +39,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn it_is_what_a_search_of_all_pairs_finds(all in prop::collection::vec(prop::collection::vec(0..6u8, 3), 0..40)) {
+        fn it_is_what_a_search_of_pairs_finds(all in prop::collection::vec(prop::collection::vec(0..6u8, 3), 0..40)) {
             let all: Vec<Vec<f64>> = all.iter().map(|of| of.iter().map(|&it| f64::from(it)).collect()).collect();
             let searched: Vec<bool> = all.iter().map(|it| !all.iter().any(|other| beats(other, it))).collect();
             prop_assert_eq!(unbeaten(&all), searched);

@@ -4,12 +4,12 @@ use std::collections::BTreeMap;
 
 use super::super::sweep::{Sweep, SweepError};
 use super::front::unbeaten;
-use super::series::{Figure, Series};
+use super::pool::{Figure, LEAST, Pool};
 use crate::report::space::{Accuracy, Design, Errors, PolicyPixels, Sensitivity, Size, SpaceSummary};
 
 /// Puts a value for each figure under its name.
-fn by_name<T>(series: &Series, values: impl IntoIterator<Item = T>) -> BTreeMap<String, T> {
-    series.figures().iter().map(|figure| figure.name().to_owned()).zip(values).collect()
+fn by_name<T>(pool: &Pool, values: impl IntoIterator<Item = T>) -> BTreeMap<String, T> {
+    pool.figures().iter().map(|figure| figure.name().to_owned()).zip(values).collect()
 }
 
 /// The summary of a space that was explored.
@@ -18,17 +18,13 @@ fn by_name<T>(series: &Series, values: impl IntoIterator<Item = T>) -> BTreeMap<
 /// A machine cannot be made.
 pub(super) fn summary(
     sweep: &Sweep,
-    all: &[Series],
+    pool: &Pool,
     size: Size,
     policies: Vec<PolicyPixels>,
 ) -> Result<SpaceSummary, SweepError> {
     let experiment = &sweep.experiment;
-    let mut designs = Vec::new();
-    for series in all {
-        for at in 0..series.designs.len() {
-            designs.push(design(sweep, series, at, &policies[series.policy])?);
-        }
-    }
+    let design = |at: usize| design(sweep, pool, at, &policies[pool.designs[at].point.policy].policy);
+    let mut designs = (0..pool.designs.len()).map(design).collect::<Result<Vec<_>, _>>()?;
     mark_front(&mut designs);
     Ok(SpaceSummary {
         experiment: experiment.spec.name.clone(),
@@ -38,34 +34,34 @@ pub(super) fn summary(
         resolution: experiment.spec.resolution,
         size,
         designs,
-        sensitivities: sensitivities(sweep, all, &policies),
-        accuracy: accuracy(all),
+        sensitivities: sensitivities(sweep, pool, &policies),
+        accuracy: accuracy(pool),
         policies,
     })
 }
 
-fn design(sweep: &Sweep, series: &Series, at: usize, policy: &PolicyPixels) -> Result<Design, SweepError> {
-    let design = &series.designs[at];
+fn design(sweep: &Sweep, pool: &Pool, at: usize, policy: &str) -> Result<Design, SweepError> {
+    let design = &pool.designs[at];
     let machine = sweep.machine(design.point.machine)?;
     let changes = machine.changes.into_iter().filter(|change| design.point.role.has_field(&change.field)).collect();
-    let predicted = series.foreseen(at);
+    let predicted = pool.foreseen(at);
     let (figures, half_widths) = match &design.measured {
-        Some(measured) => (by_name(series, measured.clone()), BTreeMap::new()),
+        Some(measured) => (by_name(pool, measured.clone()), BTreeMap::new()),
         None => (
-            by_name(series, predicted.iter().map(|it| it.mean)),
-            by_name(series, predicted.iter().map(|it| (it.high - it.low) / 2.0)),
+            by_name(pool, predicted.iter().map(|it| it.mean)),
+            by_name(pool, predicted.iter().map(|it| (it.high - it.low) / 2.0)),
         ),
     };
     let foreseen =
-        design.foreseen.iter().flat_map(|all| by_name(series, all.iter().map(|it| [it.mean, it.low, it.high])));
+        design.foreseen.iter().flat_map(|all| by_name(pool, all.iter().map(|it| [it.mean, it.low, it.high])));
     let figure = |figure: Figure| figures.get(figure.name()).copied();
     Ok(Design {
         machine: machine.name,
-        policy: policy.policy.clone(),
+        policy: policy.into(),
         changes,
         replayed: design.measured.is_some(),
         front: false,
-        wrong_pixels: series.wrong,
+        wrong_pixels: design.wrong,
         cycles: figure(Figure::Cycles).unwrap_or_default(),
         dram_bytes: figure(Figure::DramBytes).unwrap_or_default(),
         joules: figure(Figure::Joules),
@@ -82,29 +78,31 @@ fn mark_front(designs: &mut [Design]) {
     replayed.into_iter().zip(front).for_each(|(design, front)| design.front = front);
 }
 
-/// What each field does to each figure, from all designs, replayed or predicted.
-fn sensitivities(sweep: &Sweep, all: &[Series], policies: &[PolicyPixels]) -> Vec<Sensitivity> {
+/// What each field does to each figure of the machines of each of the experiment's under each policy, from all designs,
+/// replayed or predicted.
+fn sensitivities(sweep: &Sweep, pool: &Pool, policies: &[PolicyPixels]) -> Vec<Sensitivity> {
+    let mut series: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+    for (at, design) in pool.designs.iter().enumerate() {
+        series.entry((sweep.base(design.point.machine), design.point.policy)).or_default().push(at);
+    }
+    let names: Vec<&str> = sweep.experiment.machines.iter().map(|(name, _)| name).collect();
     let mut found = Vec::new();
-    for series in all {
-        let Some(first) = series.designs.first() else { continue };
-        let name = sweep.experiment.machines.iter().nth(series.base).map_or("", |(name, _)| name);
-        for (at, figure) in series.figures().iter().enumerate() {
-            let logarithm = |number: usize| match &series.designs[number].measured {
-                Some(measured) => measured[at].max(1e-30).ln(),
-                None => series.logarithms(number)[at].0,
+    for ((base, policy), designs) in series {
+        for (at, figure) in pool.figures().iter().enumerate() {
+            let logarithm = |&design: &usize| match &pool.designs[design].measured {
+                Some(measured) => measured[at].max(LEAST).ln(),
+                None => pool.logarithms(design)[at].0,
             };
-            let logarithms: Vec<f64> = (0..series.designs.len()).map(logarithm).collect();
+            let logarithms: Vec<f64> = designs.iter().map(logarithm).collect();
             for (field, (path, tried)) in sweep.fields().zip(sweep.tried()).enumerate() {
-                if !first.point.role.has_field(path) {
-                    continue;
-                }
-                let place = |number: usize| sweep.places(series.designs[number].point.machine).nth(field);
-                let places: Vec<usize> = (0..series.designs.len()).filter_map(place).collect();
+                let has = |&&design: &&usize| pool.designs[design].point.role.has_field(path);
+                let of = |&design: &usize| sweep.places(pool.designs[design].point.machine).nth(field);
+                let places: Vec<usize> = designs.iter().filter(has).filter_map(of).collect();
                 let Some(effect) = Effect::new(&places, &logarithms, tried.len()) else { continue };
-                let value = |(place, change): (usize, f64)| (tried[place].clone(), change.exp() - 1.0);
+                let value = |(place, change): (usize, f64)| (tried[place].clone(), change.exp_m1());
                 found.push(Sensitivity {
-                    machine: name.into(),
-                    policy: policies[series.policy].policy.clone(),
+                    machine: names[base].into(),
+                    policy: policies[policy].policy.clone(),
                     field: path.into(),
                     figure: figure.name().into(),
                     least: value(effect.least),
@@ -126,7 +124,7 @@ struct Effect {
 }
 
 impl Effect {
-    /// Of designs with a value's place and a logarithm each; none if all are the same.
+    /// Of designs with a value's place and a logarithm each; none without places.
     fn new(places: &[usize], logarithms: &[f64], values: usize) -> Option<Self> {
         let count = logarithms.len() as f64;
         let mean = logarithms.iter().sum::<f64>() / count;
@@ -146,26 +144,18 @@ impl Effect {
     }
 }
 
-fn accuracy(all: &[Series]) -> BTreeMap<String, Accuracy> {
-    let mut errors: BTreeMap<String, [Vec<(f64, bool)>; 2]> = BTreeMap::new();
-    for series in all {
-        for (at, figure) in series.figures().iter().enumerate() {
-            let [foreseen, left_out] = errors.entry(figure.name().into()).or_default();
-            for design in &series.designs {
-                if let (Some(found), Some(measured)) = (&design.foreseen, &design.measured) {
-                    let (found, value) = (found[at], measured[at]);
-                    foreseen.push(((found.mean / value - 1.0).abs(), found.low <= value && value <= found.high));
-                }
-            }
-            left_out.extend(
-                series.left_out(at).into_iter().map(|(error, half)| (error.exp_m1().abs(), error.abs() <= half)),
-            );
-        }
-    }
-    let summed = |(name, [foreseen, left_out]): (String, [Vec<_>; 2])| {
-        (name, Accuracy { foreseen: Errors::new(foreseen), left_out: Errors::new(left_out) })
+fn accuracy(pool: &Pool) -> BTreeMap<String, Accuracy> {
+    let of_figure = |(at, figure): (usize, &Figure)| {
+        let foreseen = pool.designs.iter().filter_map(|design| {
+            let (found, value) = (design.foreseen.as_ref()?[at], design.measured.as_ref()?[at]);
+            Some(((found.mean / value - 1.0).abs(), (found.low..=found.high).contains(&value)))
+        });
+        let left_out = pool.left_out(at).into_iter().map(|(error, half)| (error.exp_m1().abs(), error.abs() <= half));
+        let accuracy =
+            Accuracy { foreseen: Errors::new(foreseen.collect()), left_out: Errors::new(left_out.collect()) };
+        (figure.name().to_owned(), accuracy)
     };
-    errors.into_iter().map(summed).collect()
+    pool.figures().iter().enumerate().map(of_figure).collect()
 }
 
 #[cfg(test)]

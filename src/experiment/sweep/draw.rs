@@ -83,7 +83,7 @@ mod tests {
         all.sort();
         all.dedup();
         assert_eq!(all.len(), 105);
-        assert_eq!(Draw::new(Vec::new()).collect::<Vec<_>>(), [Vec::new()]);
+        assert_eq!(Draw::new(Vec::new()).count(), 1, "no field has one combination");
     }
 
     #[test]

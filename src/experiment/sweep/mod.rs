@@ -38,6 +38,7 @@ pub(super) use self::streams::{BUILD, Recorded, Streams};
 pub(super) use self::summary::read as read_point;
 use crate::output::{ResultsFolder, SharedFolder};
 use crate::report::sweep::SweepSummary;
+use crate::ron_file;
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
 ///
@@ -120,13 +121,12 @@ pub(crate) fn list(path: &Path, level: ChosenLevel) -> Result<Listing, SweepErro
     Listing::new(&sweep, &plan)
 }
 
-/// Whether the machines of the sweep of the file `path` are a space.
+/// The replays that the sweep of the file `path` allows; none where its machines are no space.
 ///
 /// # Errors
 /// The file is wrong.
-pub(crate) fn is_space(path: &Path) -> Result<bool, SweepError> {
-    let spec: SweepSpec = crate::ron_file::read(path)?;
-    Ok(spec.is_space())
+pub(crate) fn budget(path: &Path) -> Result<Option<usize>, SweepError> {
+    Ok(ron_file::read::<SweepSpec>(path)?.budget())
 }
 
 /// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.

@@ -51,9 +51,12 @@ pub(crate) struct SweepSpec {
 }
 
 impl SweepSpec {
-    /// Whether the machines are a space.
-    pub(super) fn is_space(&self) -> bool {
-        matches!(self.points, Points::Space(_))
+    /// The replays that a space allows; none where the machines are no space.
+    pub(super) fn budget(&self) -> Option<usize> {
+        match self.points {
+            Points::Space(space) => Some(space.budget.size()),
+            Points::Single | Points::All => None,
+        }
     }
 }
 
@@ -275,7 +278,7 @@ impl Sweep {
         self.try_each_value()?;
         let bases = self.experiment.machines.len();
         let policies = self.experiment.spec.policies.len();
-        let least = 2 * bases * policies * (self.fields.len() + 2);
+        let least = 2 * (self.fields.len() + 2).max(2 * bases * policies);
         if space.budget.size() < least {
             return Err(format!(
                 "`budget` is {}: at least {least} replays are needed to tell {} apart on {} under {}",

@@ -36,7 +36,7 @@ pub(super) enum Range {
 
 /// An end of a range: a number, or text with a unit.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
+#[serde(untagged, expecting = "an end of a range is a whole number, or a size in quotes such as \"64 KiB\"")]
 pub(super) enum End {
     /// A number.
     Number(u64),
@@ -87,18 +87,19 @@ impl Tried {
             let values = list.iter().map(|value| value.get_ron().trim().to_owned()).collect();
             return Ok(Self { values, is_range: false });
         }
+        if !text.starts_with(|letter: char| letter.is_ascii_uppercase()) {
+            return Err(format!("`vary` has `{text}` for `{path}`, which is neither a list nor a range: {ALLOWED}"));
+        }
         let range: Range = options.from_str(text).map_err(|error| unreadable(path, text, &error))?;
         let values = range.values().map_err(|what| format!("`vary` has `{text}` for `{path}`: {what}"))?;
         Ok(Self { values, is_range: true })
     }
 }
 
+const ALLOWED: &str = "a list such as [1, 2, 4] is allowed, and in a space Log(256, 65536) and Integers(1, 8)";
+
 fn unreadable(path: &str, text: &str, error: &ron::error::SpannedError) -> String {
-    format!(
-        "`vary` has `{text}` for `{path}`: {}; a list such as [1, 2, 4] is allowed, and in a space Log(256, 65536) and \
-         Integers(1, 8)",
-        error.code
-    )
+    format!("`vary` has `{text}` for `{path}`: {}; {ALLOWED}", error.code)
 }
 
 impl Range {

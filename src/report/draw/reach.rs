@@ -78,9 +78,11 @@ fn paint(canvas: &Canvas<'_>, groups: &[(String, Vec<Reach>)]) -> Result<(), Dra
         canvas.text_on_paper(name, (LEFT, y + LINE / 2), Text::LABEL.bold())?;
         y += LINE;
         for it in reaches {
+            // The last two words of a path tell it where there is no room for all.
+            let short = it.field.rmatch_indices('.').nth(1).map_or(it.field.as_str(), |(at, _)| &it.field[at + 1..]);
             let text = format!(
                 "{}: {} {} \u{2026} {} {}",
-                it.field,
+                if canvas.is_narrow() { short } else { &it.field },
                 it.least.0,
                 signed(it.least.1),
                 it.most.0,

@@ -1,9 +1,14 @@
-//! A machine of the experiment under a policy, with all its designs: what is known of each, and what is measured.
+//! All designs: what is known of each, what was measured, and what a surrogate says of the others.
+
+use rayon::prelude::*;
 
 use super::super::sweep::Point;
 use crate::replay::Estimate;
 use crate::stats::MachineStats;
 use crate::surrogate::{Group, Kernel, Prediction, Process, fit};
+
+/// What a figure is at least where its logarithm is taken.
+pub(super) const LEAST: f64 = 1e-30;
 
 /// A figure that designs are compared by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,6 +52,8 @@ impl Figure {
 /// A machine of the space under a policy.
 pub(super) struct Design {
     pub(super) point: Point,
+    /// Wrong pixels of the policy.
+    pub(super) wrong: u64,
     pub(super) estimate: Estimate,
     /// What a surrogate knows of it.
     inputs: Vec<f64>,
@@ -65,33 +72,34 @@ pub(super) struct Foreseen {
     pub(super) high: f64,
 }
 
-/// All designs of a machine of the experiment under a policy.
-pub(super) struct Series {
-    pub(super) base: usize,
-    pub(super) policy: usize,
-    /// Wrong pixels of the policy.
-    pub(super) wrong: u64,
+/// All designs, and a surrogate for each figure.
+pub(super) struct Pool {
     pub(super) designs: Vec<Design>,
     groups: Vec<Group>,
-    /// The surrogate of each figure, and its kernel as the last fit left it.
+    figures: Vec<Figure>,
+    /// The surrogate of each figure, as the last fit left it.
     processes: Vec<Process>,
     /// Of each design, what the surrogates say of it.
     predictions: Vec<Vec<Prediction>>,
-    figures: Vec<Figure>,
 }
 
-impl Series {
-    /// Designs with what is known of each.
+impl Pool {
+    /// Designs with what is known of each: its replay, its policy's wrong pixels, an estimate, and inputs in groups.
     pub(super) fn new(
-        (base, policy, wrong): (usize, usize, u64),
-        points: Vec<Point>,
+        points: Vec<(Point, u64)>,
         estimates: Vec<Estimate>,
         (inputs, groups): (Vec<Vec<f64>>, Vec<Group>),
     ) -> Self {
-        let design = |((point, estimate), inputs)| Design { point, estimate, inputs, measured: None, foreseen: None };
+        let design = |(((point, wrong), estimate), inputs)| Design {
+            point,
+            wrong,
+            estimate,
+            inputs,
+            measured: None,
+            foreseen: None,
+        };
         let designs = points.into_iter().zip(estimates).zip(inputs).map(design).collect();
-        let (processes, predictions) = (Vec::new(), Vec::new());
-        Self { base, policy, wrong, designs, groups, processes, predictions, figures: Figure::ALL.to_vec() }
+        Self { designs, groups, figures: Figure::ALL.to_vec(), processes: Vec::new(), predictions: Vec::new() }
     }
 
     /// A design was replayed.
@@ -110,33 +118,32 @@ impl Series {
 
     /// Fits the surrogates to all that was measured.
     pub(super) fn learn(&mut self) {
-        let known: Vec<&Design> = self.designs.iter().filter(|design| design.measured.is_some()).collect();
-        let points: Vec<Vec<f64>> = known.iter().map(|design| design.inputs.clone()).collect();
+        let known: Vec<(&Design, &Vec<f64>)> =
+            self.designs.iter().filter_map(|design| Some((design, design.measured.as_ref()?))).collect();
+        let points: Vec<Vec<f64>> = known.iter().map(|(design, _)| design.inputs.clone()).collect();
         let of_figure = |(at, figure): (usize, &Figure)| {
-            let value = |design: &&Design| {
-                let measured = design.measured.as_ref().map_or(1.0, |measured| measured[at]);
-                (measured.max(1.0e-30) / figure.estimated(&design.estimate).max(1.0e-30)).ln()
+            let value = |(design, measured): &(&Design, &Vec<f64>)| {
+                measured[at].max(LEAST).ln() - figure.estimated(&design.estimate).max(LEAST).ln()
             };
             let values: Vec<f64> = known.iter().map(value).collect();
-            let kernel =
-                self.processes.get(at).map_or_else(|| Kernel::new(self.groups.clone()), |it| it.kernel().clone());
-            fit(kernel, &points, &values)
+            let last = self.processes.get(at).map(|it| it.kernel().clone());
+            fit(last.unwrap_or_else(|| Kernel::new(self.groups.clone())), &points, &values)
         };
-        self.processes = self.figures.iter().enumerate().map(of_figure).collect();
+        self.processes = self.figures.par_iter().enumerate().map(of_figure).collect();
         self.predict();
     }
 
     /// Has the surrogates say of every design what they know by what was measured.
     pub(super) fn predict(&mut self) {
         let predict = |design: &Design| self.processes.iter().map(|process| process.predict(&design.inputs)).collect();
-        self.predictions = self.designs.iter().map(predict).collect();
+        self.predictions = self.designs.par_iter().map(predict).collect();
     }
 
     /// What is said of each figure of a design: the logarithms' means and standard deviations.
     pub(super) fn logarithms(&self, design: usize) -> Vec<(f64, f64)> {
         let estimate = &self.designs[design].estimate;
         let of = |(figure, found): (&Figure, &Prediction)| {
-            (found.mean + figure.estimated(estimate).max(1.0e-30).ln(), found.deviation)
+            (found.mean + figure.estimated(estimate).max(LEAST).ln(), found.deviation)
         };
         self.figures.iter().zip(&self.predictions[design]).map(of).collect()
     }
@@ -150,7 +157,7 @@ impl Series {
         self.logarithms(design).into_iter().zip(&self.processes).map(of).collect()
     }
 
-    /// The error of the figure's surrogate without the design itself at each measured one, as a logarithm, and half the
+    /// The error of a figure's surrogate without the design itself at each measured one, as a logarithm, and half the
     /// width of its 95 % interval.
     pub(super) fn left_out(&self, figure: usize) -> Vec<(f64, f64)> {
         let process = &self.processes[figure];
@@ -159,11 +166,12 @@ impl Series {
 
     /// A design will be known: what is said of others becomes surer.
     pub(super) fn count_in(&mut self, chosen: usize) {
-        for (at, process) in self.processes.iter().enumerate() {
-            let (inputs, own) = (self.designs[chosen].inputs.clone(), self.predictions[chosen][at].clone());
-            for (design, predictions) in self.designs.iter().zip(&mut self.predictions) {
-                process.count_in((&inputs, &own), (&design.inputs, &mut predictions[at]));
+        let Self { processes, designs, predictions, .. } = self;
+        let (inputs, own) = (&designs[chosen].inputs, predictions[chosen].clone());
+        predictions.par_iter_mut().zip(designs.par_iter()).for_each(|(predictions, design)| {
+            for ((process, own), found) in processes.iter().zip(&own).zip(predictions) {
+                process.count_in((inputs, own), (&design.inputs, found));
             }
-        }
+        });
     }
 }
