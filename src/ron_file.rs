@@ -61,6 +61,9 @@ impl fmt::Display for Place {
 }
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
+///
+/// # Errors
+/// As [`parse`]; the file cannot be read.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
     parse(&text(path)?, path)
 }
@@ -116,6 +119,9 @@ pub(crate) fn top_names(text: &str) -> Vec<String> {
 }
 
 /// Reads `text`, which came from `path`, as RON.
+///
+/// # Errors
+/// The text is no RON, or none of a `T`; the error points at the line.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
     let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());
@@ -204,7 +210,17 @@ fn told(error: &ron::Error) -> String {
 pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
     let ConfigError::Read { path, source } = error else { return error };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    let text = input::read_text(config, input::MAX_CONFIG_BYTES).unwrap_or_default();
+    let text = text(config).unwrap_or_default();
+    // The program has configs in it, and no scenes' files.
+    let hint = if shipped::text(config).is_some() {
+        let name = config.file_stem().unwrap_or_default().to_string_lossy();
+        format!(
+            "\nThe program has this config in it, but not the files that it names. Write a copy with \
+             `umbrasim new scene FILE.ron --from {name}`, and set its paths"
+        )
+    } else {
+        String::new()
+    };
     let found = text.lines().enumerate().find_map(|(at, line)| Some((at, line, line.find(&name)?)));
     match found {
         Some((at, line, start)) => ConfigError::At(Box::new(Place {
@@ -212,7 +228,7 @@ pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
             line: at + 1,
             column: line[..start].chars().count() + 1,
             source_line: line.replace('\t', " "),
-            what: format!("cannot read {}: {source}", path.display()),
+            what: format!("cannot read {}: {source}{hint}", path.display()),
         })),
         None => ConfigError::Read { path, source },
     }

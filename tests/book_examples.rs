@@ -86,3 +86,42 @@ fn programs_in_the_book_print_what_stands_below_them() {
     }
     assert_eq!(updated, page);
 }
+
+/// All functions that are tests, by name: those of `proptest!` among them.
+fn functions(folder: &Path, found: &mut std::collections::BTreeSet<String>) {
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        if path.is_dir() {
+            functions(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            let text = fs::read_to_string(&path).unwrap();
+            let mut is_test = false;
+            for line in text.lines().map(str::trim) {
+                match line.strip_prefix("fn ") {
+                    Some(rest) if is_test => drop(found.insert(rest.split('(').next().unwrap().to_owned())),
+                    _ if line.starts_with("#[") && is_test => continue,
+                    _ => {}
+                }
+                is_test = line == "#[test]";
+            }
+        }
+    }
+}
+
+#[test]
+fn tests_that_the_book_names_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let mut tests = std::collections::BTreeSet::new();
+    ["src", "tests"].into_iter().for_each(|folder| functions(&root.join(folder), &mut tests));
+    let page = fs::read_to_string(root.join("docs/validation/files.md")).unwrap();
+    // Names of tests are sentences; other words in code have no underscores.
+    let named: Vec<&str> = page
+        .split('`')
+        .skip(1)
+        .step_by(2)
+        .filter(|word| word.matches('_').count() > 1 && word.is_ascii() && **word == word.to_lowercase())
+        .collect();
+    assert!(named.len() > 50, "{named:?}");
+    let absent: Vec<&&str> = named.iter().filter(|name| !tests.contains(**name)).collect();
+    assert!(absent.is_empty(), "no test has these names: {absent:?}");
+}

@@ -47,7 +47,17 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("validate", &["quantity", "scene"]),
     (
         "report",
-        &["quantity", "named", "output", "input", "counters", "stats", "stream::Totals", "validate::PixelVerdict"],
+        &[
+            "size",
+            "quantity",
+            "named",
+            "output",
+            "input",
+            "counters",
+            "stats",
+            "stream::Totals",
+            "validate::PixelVerdict",
+        ],
     ),
     (
         "experiment",

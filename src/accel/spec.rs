@@ -23,6 +23,8 @@ pub struct AccelSpec {
     pub kd_stack: Option<Within<1, 64>>,
     /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
     pub kd_depth: Option<Within<1, 64>>,
+    /// Triangles up to which a cell of a kd-tree is not split; by cost alone if it is not given.
+    pub kd_leaf: Option<Within<1, 1024>>,
 }
 
 impl Default for AccelSpec {
@@ -34,6 +36,7 @@ impl Default for AccelSpec {
             kd_layout: KdLayout::Ordered,
             kd_stack: None,
             kd_depth: None,
+            kd_leaf: None,
         }
     }
 }

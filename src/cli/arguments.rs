@@ -20,6 +20,10 @@ pub(super) struct ExperimentArgs {
     /// The experiment: a file, or the name of a shipped one, such as quickstart
     #[arg(value_name = "CONFIG")]
     config: PathBuf,
+    /// Another scene than the file's: a file, the name of a shipped one, or an OBJ, PLY or glTF file, which a camera
+    /// then goes round
+    #[arg(long, value_name = "SCENE")]
+    scene: Option<PathBuf>,
     /// Trace these frames instead of the file's: A..B:STEP, B not included [example: 0..800:16]
     #[arg(long, value_name = "A..B:STEP")]
     frames: Option<FrameRange>,
@@ -40,6 +44,7 @@ impl ExperimentArgs {
     pub(super) fn load(&self, machines: &[PathBuf], with_machines: bool) -> Result<Experiment> {
         let path = config_path(Kind::Experiment, &self.config)?;
         let overrides = Overrides {
+            scene: self.scene.as_deref().map(|scene| config_path(Kind::Scene, scene)).transpose()?,
             frames: self.frames,
             resolution: self.resolution,
             warmup: self.warmup,

@@ -36,7 +36,7 @@ impl Chart {
         let runs = self.reports.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
         let chart = ChartSummary::new(&runs);
         let page = report::write(&out, &chart)?;
-        self.ending.tell(&chart, &report::drawn(&chart.grid()), None, begin, Some(&page))?;
+        self.ending.tell(&chart, &report::drawn(&chart.grid()), &report::chart::finding(&chart), begin, Some(&page))?;
         Ok(Outcome::Done)
     }
 }

@@ -10,7 +10,7 @@ use super::config_path::any_config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::console::{note, warn};
-use crate::experiment::{self, Experiment, Overrides, run, sweep, warnings};
+use crate::experiment::{self, Experiment, Overrides, identities, paper, pareto, run, sweep, warnings};
 use crate::fields::{Root, kind_of};
 use crate::output::signals;
 use crate::quantity::Resolution;
@@ -26,7 +26,7 @@ const SIDE: u32 = 48;
 /// is traced and replayed, which tells about how many rays the whole takes, and how long.
 #[derive(Args)]
 pub(super) struct Check {
-    /// Experiments, machines, scenes, sweeps or DRAM parts: files, or names of shipped ones
+    /// Configs of any kind: files, or names of shipped ones
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
 }
@@ -84,6 +84,9 @@ fn check(file: &Path) -> Result<String> {
             let budget = sweep::budget(file)?.map(|replays| format!(" of a space, {}", counted(replays, "replay")));
             machines + &budget.unwrap_or_default()
         }
+        Root::Pareto => counted(pareto::Comparison::load(file, None)?.replays(), "replay"),
+        Root::Identities => counted(identities::Table::load(file, &[])?.rows(), "row"),
+        Root::PaperTable => counted(paper::Table::load(file)?.readings(), "reading"),
         Root::Dram => {
             let part = experiment::read_dram_part(file)?;
             format!("`{}`, {} MHz", part.name, part.clock_mhz)

@@ -41,6 +41,9 @@ pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
         Root::Experiment => format!(": use umbrasim run {}", path.display()),
         Root::Scene => ", which an experiment names as its `scene`".into(),
         Root::Sweep => format!(": use umbrasim sweep {}", path.display()),
+        Root::Pareto => format!(": use umbrasim pareto {}", path.display()),
+        Root::Identities => format!(": use umbrasim identities {}", path.display()),
+        Root::PaperTable => format!(": use umbrasim paper-table {}", path.display()),
         Root::Dram => ", which a machine names as its `dram.part`".into(),
     };
     Some(anyhow!("{} is {}{option}; {} is needed here", path.display(), kind.title(), expected.title()))

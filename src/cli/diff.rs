@@ -1,12 +1,14 @@
 //! `diff`: two reports beside each other.
 
 use std::path::PathBuf;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
+use super::destinations::results_folder;
+use super::ending::Ending;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::report;
 use crate::report::diff::Diff as Differences;
 
@@ -23,26 +25,23 @@ pub(super) struct Diff {
     /// All numbers of the reports, not the key figures alone
     #[arg(long)]
     all: bool,
+    /// Write a report of the comparison: tables, a plot and a page
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    ending: Ending,
 }
 
 impl Diff {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
+        let out = self.out.as_deref().map(results_folder).transpose()?;
         let found = Differences::of([&self.a, &self.b], self.all)?;
-        let grids = [found.config_grid(), found.figures_grid()];
-        for grid in grids.iter().filter(|grid| !grid.rows.is_empty()) {
-            print(format!("{}\n", report::drawn(grid)))?;
-        }
-        print(format!("A: {}, B: {}", self.a.display(), self.b.display()))?;
-        print(format!(
-            "{} and {} of {} figures differ",
-            match found.config.len() {
-                0 => "no field of the configuration".to_owned(),
-                1 => "1 field of the configuration".to_owned(),
-                count => format!("{count} fields of the configuration"),
-            },
-            found.differing(),
-            found.compared()
-        ))?;
+        let key = format!("A: {}, B: {}", self.a.display(), self.b.display());
+        let parts = found.grids().map(|grid| report::drawn(&grid)).chain([key]);
+        let tables = parts.collect::<Vec<_>>().join("\n\n");
+        let page = out.map(|out| report::write(&out, &found)).transpose()?;
+        self.ending.tell(&found, &tables, &found.verdict(), begin, page.as_deref())?;
         Ok(Outcome::Done)
     }
 }

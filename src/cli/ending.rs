@@ -26,7 +26,7 @@ impl Ending {
         &self,
         summary: &impl Serialize,
         tables: &str,
-        verdict: Option<&str>,
+        verdict: &str,
         begin: Instant,
         page: Option<&Path>,
     ) -> Result<()> {
@@ -36,12 +36,20 @@ impl Ending {
         if console::is_quiet() {
             return page.map_or(Ok(()), |page| print(page.display()));
         }
-        let verdict = verdict.unwrap_or_default().lines().map(paragraph).collect::<Vec<_>>().join("\n");
+        tell(tables, verdict, begin)?;
+        page.map_or(Ok(()), |page| print(format!("report: {}", page.display())))
+    }
+}
+
+/// Tells tables, a verdict and the time since `begin`; quiet, nothing.
+pub(super) fn tell(tables: &str, verdict: &str, begin: Instant) -> Result<()> {
+    if !console::is_quiet() {
+        let verdict = verdict.lines().map(paragraph).collect::<Vec<_>>().join("\n");
         let parts = [tables, &verdict].into_iter().filter(|part| !part.is_empty());
         print(parts.collect::<Vec<_>>().join("\n\n"))?;
         console::note(took(begin.elapsed()));
-        page.map_or(Ok(()), |page| print(format!("report: {}", page.display())))
     }
+    Ok(())
 }
 
 /// The time that a command took.

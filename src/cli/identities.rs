@@ -2,16 +2,17 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
 use super::config_path::config_path;
 use super::destinations::claim_files;
+use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
-use super::print::print;
-use crate::experiment::identities;
+use crate::experiment::{Setting, identities};
 use crate::output::signals;
 use crate::report;
 use crate::shipped::Kind;
@@ -26,6 +27,9 @@ pub(super) struct Identities {
     /// The table: a file, or the name of a shipped one
     #[arg(default_value = "identities")]
     config: PathBuf,
+    /// Set a field of the table or of its machine; may be given again [example: traversal.count=48]
+    #[arg(long, value_name = "PATH=VALUE")]
+    set: Vec<Setting>,
     /// Write all rows to this file too, as JSON
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
@@ -33,14 +37,18 @@ pub(super) struct Identities {
 
 impl Identities {
     pub(super) fn run(self) -> Result<Outcome> {
-        let stop = signals::stop_flag();
+        let (begin, stop) = (Instant::now(), signals::stop_flag());
         claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
-        let (rows, published) = identities::identities(&config_path(Kind::Experiment, &self.config)?, &stop)?;
+        let table = identities::Table::load(&config_path(Kind::Experiment, &self.config)?, &self.set)?;
+        let (rows, published) = identities::identities(table, &stop)?;
+        let is_alone = json.is_alone();
         json.finish(&rows)?;
-        print(report::drawn(&identities::grid(&rows, &published)))?;
         let worst = rows.iter().map(|row| row.utilization_gap).fold(0.0, f64::max);
-        print(format!("largest gap of utilisation: {:.3} points", 100.0 * worst))?;
+        if !is_alone {
+            let table = report::drawn(&identities::grid(&rows, &published));
+            tell(&table, &format!("largest gap of utilisation: {:.3} points", 100.0 * worst), begin)?;
+        }
         Ok(Outcome::failed_if(stop.load(Ordering::Relaxed) || worst > identities::MOST_GAP))
     }
 }

@@ -1,7 +1,7 @@
 //! The file of `--json`.
 
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Result};
 use serde::Serialize;
@@ -19,6 +19,11 @@ impl JsonFile {
             anyhow::Ok((path, file))
         };
         Ok(Self(path.map(begin).transpose()?))
+    }
+
+    /// Whether the measurements go to standard output, and nothing else then.
+    pub(super) fn is_alone(&self) -> bool {
+        self.0.as_ref().is_some_and(|(path, _)| path == Path::new("-"))
     }
 
     pub(super) fn finish(self, measured: &impl Serialize) -> Result<()> {

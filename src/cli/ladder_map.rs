@@ -36,7 +36,7 @@ impl LadderMap {
         let map = ladder_map::run(if self.quick { Effort::Quick } else { Effort::Full });
         let plot = report::write(&out, &map)?;
         let table = report::drawn(&report::ladder_map::grid(&map));
-        self.ending.tell(&map, &table, report::ladder_map::verdict(&map).as_deref(), begin, Some(&plot))?;
+        self.ending.tell(&map, &table, &report::ladder_map::verdict(&map), begin, Some(&plot))?;
         Ok(Outcome::Done)
     }
 }

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::{Args, ValueEnum};
 
 use super::config_path::config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use super::text_file::write_new;
+use crate::experiment::scene_around;
 use crate::ron_file;
 use crate::shipped::{self, Kind};
 
@@ -26,6 +27,9 @@ pub(super) struct New {
     /// What it is copied from: a file, or the name of a shipped one [default: small, quickstart, room or sweep_words]
     #[arg(long, value_name = "NAME")]
     from: Option<PathBuf>,
+    /// Of a scene: show this OBJ, PLY or glTF file, with a camera that goes round it
+    #[arg(long, value_name = "FILE", conflicts_with = "from")]
+    mesh: Option<PathBuf>,
 }
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
@@ -59,17 +63,37 @@ impl What {
 
 impl New {
     pub(super) fn run(self) -> Result<Outcome> {
-        let (kind, usual) = self.kind.usual();
-        let from = config_path(kind, &self.from.unwrap_or_else(|| usual.into()))?;
-        let name = self.file.file_stem().and_then(|name| name.to_str());
-        let name = name.with_context(|| format!("{} is no name of a file", self.file.display()))?;
         let what = self.kind.name();
-        let source = from.file_stem().unwrap_or_default().to_string_lossy();
-        let head = format!("// A {what} that started as `{source}`. `umbrasim describe {what}` tells all fields.\n");
-        let text = head + &renamed(&standing(&ron_file::text(&from)?, &from)?, name);
-        write_new(&self.file, &text)?;
+        let (origin, text) = match &self.mesh {
+            Some(_) if self.kind != What::Scene => bail!("`--mesh` is of a scene, and this is a {what}"),
+            Some(mesh) => self.around(mesh)?,
+            None => self.copy()?,
+        };
+        let head = format!("// A {what} {origin}. `umbrasim describe {what}` tells all fields.\n");
+        write_new(&self.file, &(head + &text))?;
         print(format!("{}: try it with `umbrasim check {}`", self.file.display(), self.file.display()))?;
         Ok(Outcome::Done)
+    }
+
+    /// A copy of a config: where it comes from, and its text.
+    fn copy(&self) -> Result<(String, String)> {
+        let (kind, usual) = self.kind.usual();
+        let from = config_path(kind, self.from.as_deref().unwrap_or(Path::new(usual)))?;
+        let name = self.file.file_stem().and_then(|name| name.to_str());
+        let name = name.with_context(|| format!("{} is no name of a file", self.file.display()))?;
+        let source = from.file_stem().unwrap_or_default().to_string_lossy();
+        let text = renamed(&standing(&ron_file::text(&from)?, &from)?, name);
+        Ok((format!("that started as `{source}`"), text))
+    }
+
+    /// A scene of the file `mesh`: where it comes from, and its text.
+    fn around(&self, mesh: &Path) -> Result<(String, String)> {
+        // Beside the config by its name, elsewhere by its whole path.
+        let is_beside = mesh.parent() == self.file.parent();
+        let named = if is_beside { mesh.file_name().map(PathBuf::from) } else { std::path::absolute(mesh).ok() };
+        let named = named.with_context(|| format!("{} is no name of a file", mesh.display()))?;
+        let text = scene_around(mesh, &named.to_string_lossy())?;
+        Ok((format!("of {}", mesh.display()), text))
     }
 }
 

@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+use std::time::Instant;
 
 use anyhow::Result;
 use clap::Args;
 
 use super::config_path::config_path;
 use super::destinations::claim_files;
+use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
-use super::print::print;
 use crate::experiment::paper;
 use crate::output::signals;
 use crate::report;
@@ -31,13 +32,16 @@ pub(super) struct PaperTable {
 
 impl PaperTable {
     pub(super) fn run(self) -> Result<Outcome> {
+        let begin = Instant::now();
         claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
         let stop = signals::stop_flag();
         let readings = paper::paper_table(&config_path(Kind::Experiment, &self.config)?, &stop)?;
+        let is_alone = json.is_alone();
         json.finish(&readings)?;
-        print(report::drawn(&paper::grid(&readings)))?;
-        print("\ndistance: root mean square of the differences of the four shares, in points")?;
+        if !is_alone {
+            tell(&report::drawn(&paper::grid(&readings)), &paper::verdict(&readings), begin)?;
+        }
         Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
     }
 }

@@ -48,7 +48,7 @@ impl Pareto {
         let found = ParetoReport { summary, timings };
         let page = report::write(&out, &found)?;
         let verdict = found.summary.verdict(&found.timings);
-        self.ending.tell(&found.summary, &table, Some(&verdict), begin, Some(&page))?;
+        self.ending.tell(&found.summary, &table, &verdict, begin, Some(&page))?;
         Ok(Outcome::Done)
     }
 }

@@ -1,6 +1,6 @@
 //! `replay`: a recorded ray stream on a machine.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use anyhow::{Result, ensure};
@@ -8,19 +8,17 @@ use clap::Args;
 
 use super::arguments::StreamAndMachine;
 use super::destinations::claim_files;
-use super::ending::took;
+use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
-use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
 use super::replay_views::ViewArgs;
-use crate::console::{self, note};
 use crate::experiment::exports::Exports;
 use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
 use crate::named::Named;
 use crate::replay::{Fidelity, Share};
-use crate::report::run::replayed;
+use crate::report::run::{replay_verdict, replayed};
 use crate::stream::StreamReader;
 
 /// Replay a recorded ray stream on machines and print the figures
@@ -66,8 +64,8 @@ impl Replay {
             None => self.fidelity,
         };
         let header = StreamReader::open(stream)?.header().clone();
-        let is_alone = self.json.as_deref() == Some(Path::new("-"));
         let json = JsonFile::begin(self.json)?;
+        let is_alone = json.is_alone();
         let (mut found, mut told) = (Named::default(), Vec::new());
         for machine in &machines {
             let mut lines = self.lines.begin(machine, &header)?;
@@ -85,10 +83,9 @@ impl Replay {
             Some((_, stats)) if machines.len() == 1 => json.finish(stats)?,
             _ => json.finish(&found)?,
         }
-        if !is_alone && !console::is_quiet() {
-            print(replayed(&fidelity.to_string(), &header.policy, &found))?;
-            told.iter().try_for_each(print)?;
-            note(took(begin.elapsed()));
+        if !is_alone {
+            let tables = [replayed(&fidelity.to_string(), &header.policy, &found)].into_iter().chain(told);
+            tell(&tables.collect::<Vec<_>>().join("\n\n"), &replay_verdict(&found), begin)?;
         }
         Ok(Outcome::Done)
     }

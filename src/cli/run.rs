@@ -61,7 +61,7 @@ pub(super) fn run_and_report(
     if summary.sees_nothing() {
         warn("no ray of the camera met a surface that asks a light: is it turned away, or in a wall?");
     }
-    let verdict = report::run::verdict(summary);
-    ending.tell(summary, &report::run::terminal(summary), verdict.as_deref(), begin, page.as_deref())?;
+    let verdict = report::run::verdict(summary).unwrap_or_default();
+    ending.tell(summary, &report::run::terminal(summary), &verdict, begin, page.as_deref())?;
     Ok(Outcome::failed_if(stop.load(Ordering::Relaxed)))
 }

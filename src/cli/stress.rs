@@ -33,7 +33,7 @@ impl Stress {
         let page = report::write(&out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
-        self.ending.tell(&summary, "", Some(&summary.verdict()), begin, Some(&page))?;
+        self.ending.tell(&summary, "", &summary.verdict(), begin, Some(&page))?;
         Ok(Outcome::failed_if(!broken.is_empty()))
     }
 }

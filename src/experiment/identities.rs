@@ -4,25 +4,28 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::files::{named, read_machine};
-use super::load::ExperimentError;
+use super::files::{machine_with, named, not_set};
+use super::load::{ExperimentError, read_scene};
 use super::progress;
+use super::set::{self, Setting};
 use crate::accel::AccelSpec;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
+use crate::ranged::Within;
 use crate::replay::{Replay, RunError};
 use crate::report::Grid;
 use crate::report::format::percent;
 use crate::ron_file::{self, ConfigError, Kind};
-use crate::scene::spec::SceneSpec;
+use crate::scene::Scene;
 use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
-use crate::tracer::{Alone, Tracer, TracerSpec};
+use crate::tracer::{Alone, Samples, Tracer, TracerSpec};
 
-/// What is measured.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Rays of one kind on a machine, beside published rows.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IdentitiesSpec {
     /// The machine's file.
@@ -31,6 +34,9 @@ pub struct IdentitiesSpec {
     pub scenes: Vec<SceneFrame>,
     /// Size of the pictures.
     pub resolution: Resolution,
+    /// Rays from the camera through each pixel.
+    #[serde(default = "one")]
+    pub samples: Within<1, 1024>,
     /// The acceleration structure.
     pub accel: AccelSpec,
     /// Published rows, to stand beside ours.
@@ -38,17 +44,24 @@ pub struct IdentitiesSpec {
 }
 
 /// A frame of a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SceneFrame {
     /// The scene's file.
     pub scene: PathBuf,
     /// The frame's number.
     pub frame: u32,
+    /// How far rays of ambient occlusion go, in units of the scene; without, there are none.
+    #[serde(default)]
+    pub reach: Option<f32>,
+}
+
+fn one() -> Within<1, 1024> {
+    const { Within::literal(1) }
 }
 
 /// A figure of each kind of units; of division units where they have one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PerUnit {
     /// Traversal units.
@@ -63,7 +76,7 @@ pub struct PerUnit {
 }
 
 /// A row of the table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Scene and kind of rays.
@@ -89,6 +102,8 @@ pub struct Row {
 pub struct Measured {
     /// The row.
     pub row: Row,
+    /// Hit rates of the L1s if accesses to a line that is on its way are counted as hits.
+    pub l1_with_merged: PerUnit,
     /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the
     /// peak rate.
     pub utilization_gap: f64,
@@ -114,31 +129,71 @@ pub enum IdentitiesError {
 /// occupies its unit for its interval exactly. (TI's own table meets the identity within 17 points.)
 pub const MOST_GAP: f64 = 1e-9;
 
-/// Measures all scenes and kinds of rays; those done when `stop` became true.
-pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
-    let spec: IdentitiesSpec = ron_file::read(path).map_err(ExperimentError::from)?;
-    let machine = read_machine(&named(Kind::Machine, path, &spec.machine)).map_err(ExperimentError::from)?;
-    let bar = progress::bar("identities", spec.scenes.len() * Alone::ALL.len(), "rows");
-    let mut rows = Vec::new();
-    for SceneFrame { scene, frame: number } in &spec.scenes {
-        let scene_path = named(Kind::Scene, path, scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path).map_err(ExperimentError::from)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new(""))).map_err(ExperimentError::from)?;
-        if *number >= scene.frame_count {
-            let what = format!("`frame` is {number}, but `{}` has {} frames", scene.name, scene.frame_count);
-            return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }).into());
+/// A table and all that its file names.
+pub(crate) struct Table {
+    spec: IdentitiesSpec,
+    machine: MachineSpec,
+    /// As many as the file has.
+    scenes: Vec<Scene>,
+}
+
+impl Table {
+    /// Reads the table of the file `path`. `settings` are of the table's own fields and of the machine's.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, a field cannot be set, or a scene has no such frame.
+    pub(crate) fn load(path: &Path, settings: &[Setting]) -> Result<Self, ExperimentError> {
+        let mut spec: IdentitiesSpec = ron_file::read(path)?;
+        let known = set::names(&spec);
+        let is_own = |setting: &&Setting| match setting.path.split_once('.') {
+            Some((first, _)) => first != "machine" && known.iter().any(|name| name == first),
+            None => known.contains(&setting.path),
+        };
+        let (own, of_machine): (Vec<&Setting>, Vec<&Setting>) = settings.iter().partition(is_own);
+        for setting in own {
+            spec = set::field(&spec, &setting.path, &setting.value).map_err(|what| not_set(setting, what))?;
         }
+        let machine = machine_with(&named(Kind::Machine, path, &spec.machine), &of_machine)?;
+        let load = |SceneFrame { scene, frame, reach }: &SceneFrame| {
+            let wrong = |what: String| ExperimentError::from(ConfigError::Content { path: path.into(), what });
+            let (_, scene) = read_scene(&named(Kind::Scene, path, scene))?;
+            if *frame >= scene.frame_count {
+                let (name, count) = (&scene.name, scene.frame_count);
+                return Err(wrong(format!("`frame` is {frame}, but `{name}` has {count} frames")));
+            }
+            if reach.is_some_and(|reach| !(reach > 0.0 && reach.is_finite())) {
+                return Err(wrong("`reach` is no distance: a number above 0 is needed".into()));
+            }
+            Ok(scene)
+        };
+        let scenes = spec.scenes.iter().map(load).collect::<Result<_, _>>()?;
+        Ok(Self { spec, machine, scenes })
+    }
+
+    /// How many rows are measured.
+    pub(crate) fn rows(&self) -> usize {
+        self.spec.scenes.iter().map(|scene| kinds(scene.reach).count()).sum()
+    }
+}
+
+/// Measures all scenes and kinds of rays of a table; those done when `stop` became true.
+pub(crate) fn identities(table: Table, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
+    let bar = progress::bar("identities", table.rows(), "rows");
+    let Table { spec, machine, scenes } = table;
+    let mut rows = Vec::new();
+    for (scene, SceneFrame { frame: number, reach, .. }) in scenes.iter().zip(&spec.scenes) {
         let frame = scene.animation.frame(*number);
         let tracer_spec = TracerSpec { accel: spec.accel, ..TracerSpec::default() };
-        let tracer = Tracer::new(&scene, &frame, spec.resolution, tracer_spec);
-        for kind in Alone::ALL {
+        let tracer = Tracer::new(scene, &frame, spec.resolution, tracer_spec);
+        let samples = Samples { a_pixel: spec.samples.get() as u32, reach: reach.unwrap_or_default() };
+        for kind in kinds(*reach) {
             if stop.load(Ordering::Relaxed) {
                 return Ok((rows, spec.published));
             }
-            let (header, items) = tracer.alone(&frame, *number, kind);
+            let (header, items) = tracer.alone(&frame, *number, kind, samples);
             let work = Work::of(&items, kind);
             let stats = Replay::new(&machine, &header).map_err(RunError::from)?.run(&items)?;
-            let name = format!("{}, {}", scene.name, format!("{kind:?}").to_lowercase());
+            let name = format!("{} {number}, {}", scene.name, format!("{kind:?}").to_lowercase());
             rows.push(measured(name, &work, &stats, &machine));
             bar.inc(1);
         }
@@ -148,6 +203,7 @@ pub(crate) fn identities(path: &Path, stop: &AtomicBool) -> Result<(Vec<Measured
 }
 
 /// What a stream asks for: rays of the kind, and operations.
+#[derive(Debug)]
 struct Work {
     rays: f64,
     operations: PerUnit,
@@ -157,7 +213,7 @@ impl Work {
     fn of(items: &[Item], kind: Alone) -> Self {
         let wanted = match kind {
             Alone::Primary => RayKind::Primary,
-            Alone::Shadow => RayKind::Shadow,
+            Alone::Shadow | Alone::Occlusion => RayKind::Shadow,
             Alone::Diffuse => RayKind::Reflection,
         };
         let mut work = Self { rays: 0.0, operations: PerUnit::default() };
@@ -171,7 +227,7 @@ impl Work {
                     Step::List(_) => done.list += 1.0,
                     Step::Triangle { stop, .. } => {
                         done.intersection += if stop == Stop::Plane { 1.0 } else { 2.0 };
-                        done.division += f64::from(u8::from(stop == Stop::Hit && kind != Alone::Shadow));
+                        done.division += f64::from(u8::from(stop == Stop::Hit && wanted != RayKind::Shadow));
                     }
                     _ => {}
                 }
@@ -179,6 +235,11 @@ impl Work {
         }
         work
     }
+}
+
+/// The kinds of rays of a scene.
+fn kinds(reach: Option<f32>) -> impl Iterator<Item = Alone> {
+    Alone::ALL.into_iter().filter(move |&kind| kind != Alone::Occlusion || reach.is_some())
 }
 
 fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSpec) -> Measured {
@@ -209,11 +270,13 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         ("l1_intersection", TrafficClass::Triangle),
     ];
     let line = machine.line_bytes.get() as f64;
-    let (mut l1_rates, mut l2_rates, mut by_identity, mut fetched) = ([0.0; 3], [0.0; 3], 0.0, 0.0);
+    let (mut l1_rates, mut with_merged, mut l2_rates) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+    let (mut by_identity, mut fetched) = (0.0, 0.0);
     for (index, (l1, class)) in levels.into_iter().enumerate() {
         let l1 = counts(stats, l1, class);
         let l2 = counts_in_l2(stats, class);
         (l1_rates[index], l2_rates[index]) = (l1.hit_rate().unwrap_or(0.0), l2.hit_rate().unwrap_or(0.0));
+        with_merged[index] = (l1.hits + l1.half_misses) as f64 / l1.accesses.max(1) as f64;
         by_identity += l1.accesses as f64 * (1.0 - l1_rates[index]) * (1.0 - l2_rates[index]) * line;
         fetched += l2.misses as f64 * line;
     }
@@ -236,6 +299,7 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
             mrays_per_s: rays / seconds / 1e6,
             dram_bytes_per_ray: dram / rays,
         },
+        l1_with_merged: per_ray(with_merged),
         utilization_gap: gaps.into_iter().map(f64::abs).fold(0.0, f64::max),
         bytes_by_identity: by_identity / rays,
         bytes_merged: (by_identity - fetched) / rays,
@@ -255,10 +319,11 @@ fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
 
 /// Our rows, then the published ones.
 pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
-    const HEAD: [&str; 9] = [
+    const HEAD: [&str; 10] = [
         "rays",
         "utilization T/L/I/D",
         "L1 hits T/L/I",
+        "with merged T/L/I",
         "L2 hits T/L/I",
         "operations T/L/I a ray",
         "DRAM GB/s",
@@ -270,12 +335,13 @@ pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
         let all = [unit.traversal, unit.list, unit.intersection, unit.division];
         all.iter().take(3 + usize::from(division)).map(|&share| percent(share)).collect::<Vec<_>>().join(" / ")
     };
-    let row = |row: &Row, identity: String| {
+    let row = |row: &Row, merged: String, identity: String| {
         let PerUnit { traversal, list, intersection, .. } = row.operations;
         vec![
             row.name.clone(),
             shares(&row.utilization, true),
             shares(&row.l1, false),
+            merged,
             shares(&row.l2, false),
             format!("{traversal:.1} / {list:.1} / {intersection:.1}"),
             format!("{:.1}", row.dram_gb_per_s),
@@ -284,22 +350,25 @@ pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
             identity,
         ]
     };
-    let ours = measured.iter().map(|it| row(&it.row, format!("{:.2}, -{:.2}", it.bytes_by_identity, it.bytes_merged)));
-    let theirs = published.iter().map(|it| row(it, "-".into()));
+    let ours = measured.iter().map(|it| {
+        let identity = format!("{:.2}, -{:.2}", it.bytes_by_identity, it.bytes_merged);
+        row(&it.row, shares(&it.l1_with_merged, false), identity)
+    });
+    let theirs = published.iter().map(|it| row(it, "-".into(), "-".into()));
     Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: ours.chain(theirs).collect() }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::experiment::files::read_machine;
     use crate::replay::Fidelity;
 
     /// All rows of the room, on each of the shipped machines with a kd-tree's units.
     #[test]
     fn the_identities_hold_and_both_engines_agree_on_every_kind_of_rays() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
-        let scene: SceneSpec = ron_file::read(&root.join("scenes/room.ron")).unwrap();
-        let scene = scene.load(&root).unwrap();
+        let (_, scene) = read_scene(&root.join("scenes/room.ron")).unwrap();
         let frame = scene.animation.frame(3);
         let tables: IdentitiesSpec = ron_file::read(&root.join("experiments/identities.ron")).unwrap();
         let tracer_spec = TracerSpec { accel: tables.accel, ..TracerSpec::default() };
@@ -307,7 +376,7 @@ mod tests {
         for name in ["tni_engine", "raycore", "small"] {
             let machine = read_machine(&root.join(format!("machines/{name}.ron"))).unwrap();
             for kind in Alone::ALL {
-                let (header, items) = tracer.alone(&frame, 3, kind);
+                let (header, items) = tracer.alone(&frame, 3, kind, Samples { a_pixel: 1, reach: 1.0 });
                 let work = Work::of(&items, kind);
                 assert!(work.rays > 1000.0 && work.operations.list > work.rays / 2.0, "{kind:?}");
                 let replay = Replay::new(&machine, &header).unwrap();
@@ -322,5 +391,27 @@ mod tests {
                 assert!(found.bytes_merged >= 0.0);
             }
         }
+    }
+
+    #[test]
+    fn samples_are_rays_and_occlusion_rays_end_at_their_reach() {
+        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
+        let (_, scene) = read_scene(&root.join("scenes/room.ron")).unwrap();
+        let frame = scene.animation.frame(3);
+        let tracer = Tracer::new(&scene, &frame, Resolution { width: 24, height: 16 }, TracerSpec::default());
+        let alone = |kind, a_pixel, reach| {
+            let (_, items) = tracer.alone(&frame, 3, kind, Samples { a_pixel, reach });
+            let end =
+                items.iter().find_map(|item| if let Item::End { totals, .. } = item { Some(*totals) } else { None });
+            (Work::of(&items, kind), end.unwrap())
+        };
+        let (one, _) = alone(Alone::Primary, 1, 1.0);
+        let (three, _) = alone(Alone::Primary, 3, 1.0);
+        assert_eq!((one.rays, three.rays), (384.0, 1152.0));
+        // The samples of a pixel are different rays.
+        assert!((three.operations.traversal - 3.0 * one.operations.traversal).abs() > 0.5);
+        let [(near, _), (far, all)] = [0.01, 100.0].map(|reach| alone(Alone::Occlusion, 1, reach));
+        assert_eq!((near.rays, far.rays), (far.rays, all.shadow_rays as f64));
+        assert!(near.operations.traversal < far.operations.traversal, "{near:?} {far:?}");
     }
 }

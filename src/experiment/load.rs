@@ -15,6 +15,7 @@ use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ron_file::{self, ConfigError, Kind};
 use crate::scene::MAX_LIGHTS;
+use crate::scene::composed::starter;
 use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, SceneError};
 use crate::stream::{Step, StoreEntries, Structure};
@@ -24,6 +25,8 @@ use crate::stream::{Step, StoreEntries, Structure};
 pub struct Overrides {
     /// Other frames.
     pub frames: Option<FrameRange>,
+    /// Another scene: its config, or a file of triangles, which a camera goes round.
+    pub scene: Option<PathBuf>,
     /// Another size of the pictures.
     pub resolution: Option<Resolution>,
     /// Another number of warm-up frames.
@@ -74,18 +77,31 @@ struct AsRun<'a> {
 /// The first word of paths that name a field of the experiment.
 const EXPERIMENT: &str = "experiment";
 
-/// Reads a scene's file and all files that it names.
+/// Reads a scene's file and all files that it names. A file of triangles alone is one, too: a camera goes round it.
 ///
 /// # Errors
 /// A file cannot be read or is wrong.
 pub(crate) fn read_scene(path: &Path) -> Result<(SceneSpec, Scene), ExperimentError> {
-    let spec: SceneSpec = ron_file::read(path)?;
-    let scene = spec.load(path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
+    let is_mesh = starter::is_mesh(path);
+    let spec: SceneSpec = if is_mesh {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        ron_file::parse(&starter::config(path, &name)?, path)?
+    } else {
+        ron_file::read(path)?
+    };
+    let mut scene = spec.load(path.parent().unwrap_or(Path::new(""))).map_err(|error| match error {
         SceneError::Read { path: file, source } => {
             ron_file::named_in(path, ConfigError::Read { path: file, source }).into()
         }
         other => ExperimentError::Scene(other),
     })?;
+    if is_mesh {
+        let name = path.display();
+        scene.origin.notices.push(format!(
+            "{name} has no config: a camera goes round it, under one light. `umbrasim new scene FILE.ron --mesh {name}` \
+             writes that, to be changed"
+        ));
+    }
     Ok((spec, scene))
 }
 
@@ -107,6 +123,8 @@ impl Experiment {
             let field = setting.path.strip_prefix("experiment.").unwrap_or(&setting.path);
             spec = set::field(&spec, field, &setting.value).map_err(|what| not_set(setting, what))?;
         }
+        let scene_path = overrides.scene.clone().unwrap_or_else(|| named(Kind::Scene, path, &spec.scene));
+        spec.scene = overrides.scene.unwrap_or(spec.scene);
         spec.frames = overrides.frames.unwrap_or(spec.frames);
         spec.resolution = overrides.resolution.unwrap_or(spec.resolution);
         spec.warmup = overrides.warmup.or(spec.warmup);
@@ -130,7 +148,7 @@ impl Experiment {
             let what = format!("the experiment has no machines, and its own fields are {}", known.join(", "));
             return Err(not_set(setting, what).into());
         }
-        let (scene_spec, scene) = read_scene(&named(Kind::Scene, path, &spec.scene)).map_err(|error| match error {
+        let (scene_spec, scene) = read_scene(&scene_path).map_err(|error| match error {
             ExperimentError::Config(error) => ron_file::named_in(path, error).into(),
             other => other,
         })?;

@@ -32,6 +32,7 @@ pub(crate) mod trace;
 pub(crate) mod validation;
 pub(crate) mod warnings;
 
+pub(crate) use crate::scene::composed::starter::config as scene_around;
 pub(crate) use files::machine_with;
 pub(crate) use files::read_dram_part;
 pub use files::read_machine;

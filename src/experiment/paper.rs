@@ -3,12 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::files::named;
 use super::frames::FrameRange;
 use super::load::ExperimentError;
-use super::load::check_boxes;
+use super::load::{check_boxes, read_scene};
 use super::progress;
 use super::run::frame_result;
 use crate::culling::{PolicySpec, SceneFacts};
@@ -18,13 +19,12 @@ use crate::report::Grid;
 use crate::report::format::{exact, percent};
 use crate::report::run::{FrameResult, PolicySummary};
 use crate::ron_file::{self, ConfigError, Kind};
-use crate::scene::spec::SceneSpec;
 use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;
 use crate::tracer::{Tracer, TracerSpec};
 
-/// What readings are tried: every combination of what is listed.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+/// Readings of the paper's text beside its table: every combination of what is listed is tried.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaperSpec {
     /// The scenes, each with the figures that the paper has for it.
@@ -44,7 +44,7 @@ pub struct PaperSpec {
 }
 
 /// A scene of the paper's table.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaperScene {
     /// The scene's file.
@@ -54,7 +54,7 @@ pub struct PaperScene {
 }
 
 /// The paper's figures of a scene, or ours.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Figures {
     /// Node visits of shadow rays saved.
@@ -66,7 +66,7 @@ pub struct Figures {
 }
 
 /// A share of work saved, over frames.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeanMax {
     /// Mean of the frames.
@@ -115,29 +115,54 @@ pub struct Reading {
     pub distance: f64,
 }
 
+/// A table and all that its file names.
+pub(crate) struct Table {
+    spec: PaperSpec,
+    /// As many as the file has.
+    scenes: Vec<Scene>,
+}
+
+impl Table {
+    /// Reads the table of the file `path`.
+    ///
+    /// # Errors
+    /// A file cannot be read or is wrong, a policy does not go with a structure, or a scene has fewer frames.
+    pub(crate) fn load(path: &Path) -> Result<Self, ExperimentError> {
+        let spec: PaperSpec = ron_file::read(path)?;
+        for &structure in &spec.structures {
+            check_boxes(path, &spec.policies, structure)?;
+        }
+        let load = |of: &PaperScene| {
+            let (_, scene) = read_scene(&named(Kind::Scene, path, &of.scene))?;
+            if let Some(frames) = spec.frames.iter().find(|frames| frames.end() > scene.frame_count) {
+                let what = format!("`frames` has {frames}, but `{}` has {} frames", scene.name, scene.frame_count);
+                return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }));
+            }
+            Ok(scene)
+        };
+        let scenes = spec.scenes.iter().map(load).collect::<Result<_, _>>()?;
+        Ok(Self { spec, scenes })
+    }
+
+    /// How many readings are traced, each with all policies.
+    pub(crate) fn readings(&self) -> usize {
+        self.scenes.len() * self.spec.frames.len() * tracers(&self.spec).len()
+    }
+}
+
 /// Tries all readings; those done when `stop` became true.
 pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
-    let spec: PaperSpec = ron_file::read(path)?;
-    for &structure in &spec.structures {
-        check_boxes(path, &spec.policies, structure)?;
-    }
+    let table = Table::load(path)?;
+    let bar = progress::bar("paper", table.readings(), "readings");
+    let Table { spec, scenes } = table;
     let mut readings = Vec::new();
-    let ranges = spec.frames.len() * spec.structures.len() * spec.depths.len() * spec.shadow_rays.len();
-    let bar = progress::bar("paper", ranges * spec.scenes.len(), "readings");
-    for PaperScene { scene, published } in &spec.scenes {
-        let scene_path = named(Kind::Scene, path, scene);
-        let scene_spec: SceneSpec = ron_file::read(&scene_path)?;
-        let scene = scene_spec.load(scene_path.parent().unwrap_or(Path::new("")))?;
+    for (scene, PaperScene { published, .. }) in scenes.iter().zip(&spec.scenes) {
         for &frames in &spec.frames {
-            if frames.end() > scene.frame_count {
-                let what = format!("`frames` has {frames}, but `{}` has {} frames", scene.name, scene.frame_count);
-                return Err(ConfigError::Content { path: path.into(), what }.into());
-            }
             for tracer in tracers(&spec) {
                 if stop.load(Ordering::Relaxed) {
                     return Ok(readings);
                 }
-                readings.extend(read(&spec, &scene, published, frames, tracer));
+                readings.extend(read(&spec, scene, published, frames, tracer));
                 bar.inc(1);
             }
         }
@@ -214,6 +239,23 @@ fn read(
 }
 
 /// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
+/// The reading that comes nearest in each scene, and what the distance is.
+pub(crate) fn verdict(readings: &[Reading]) -> String {
+    let mut scenes: Vec<&str> = readings.iter().map(|reading| reading.scene.as_str()).collect();
+    scenes.dedup();
+    let nearest = |scene: &&str| {
+        let of_scene = readings.iter().filter(|reading| reading.scene == **scene);
+        let Reading { frames, structure, depth, shadow_rays, policy, distance, .. } =
+            of_scene.min_by(|a, b| a.distance.total_cmp(&b.distance))?;
+        let points = 100.0 * distance;
+        Some(format!(
+            "nearest in {scene}: {policy}, {frames}, {structure:?}, depth {depth}, {shadow_rays:?}: {points:.1} points"
+        ))
+    };
+    let distance = "distance: root mean square of the differences of the four shares, in points";
+    scenes.iter().filter_map(nearest).chain([distance.to_owned()]).collect::<Vec<_>>().join("\n")
+}
+
 pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",

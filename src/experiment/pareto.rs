@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use schemars::JsonSchema;
 use serde::Deserialize;
 
 use super::files::{named, read_machine};
@@ -19,15 +20,15 @@ use crate::replay::{Fidelity, RunError};
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError, Kind};
 
-/// A comparison as its RON file says it.
-#[derive(Deserialize)]
+/// Fidelity levels that replay the same streams, and what they are held to.
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-struct ParetoSpec {
+pub(crate) struct ParetoSpec {
     /// Experiments whose scenes and policies are used, relative to this file.
     experiments: Vec<Source>,
     /// The machines' files.
     machines: Vec<PathBuf>,
-    /// The rungs that are compared.
+    /// The levels that are compared.
     rungs: Vec<Fidelity>,
     /// What they are held to.
     #[serde(default)]
@@ -35,12 +36,15 @@ struct ParetoSpec {
 }
 
 /// An experiment, and what differs from its file.
-#[derive(Deserialize)]
+#[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Source {
+    /// The experiment's file.
     file: PathBuf,
+    /// Its frames, in place of the file's.
     #[serde(default)]
     frames: Option<FrameRange>,
+    /// The pictures' size, in place of the file's.
     #[serde(default)]
     resolution: Option<Resolution>,
     /// Names of its policies that take part; all if there are none. `Off` always does.
@@ -82,6 +86,12 @@ impl Comparison {
         }
         Ok(Self { experiments, machines, rungs: std::iter::once(truth).chain(spec.rungs).collect() })
     }
+
+    /// How many replays it takes.
+    pub(crate) fn replays(&self) -> usize {
+        let streams: usize = self.experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
+        streams * self.machines.len() * self.rungs.len()
+    }
 }
 
 /// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
@@ -90,13 +100,13 @@ pub(crate) fn pareto(
     truth: Option<Fidelity>,
     stop: &AtomicBool,
 ) -> Result<(ParetoSummary, Vec<Timing>), SweepError> {
-    let Comparison { experiments, machines, rungs } = Comparison::load(path, truth)?;
+    let comparison = Comparison::load(path, truth)?;
+    let bar = progress::bar("replaying", comparison.replays(), "replays");
+    let Comparison { experiments, machines, rungs } = comparison;
     let truth = rungs[0];
     let mut timings: Vec<Timing> =
         rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, truth_seconds: 0.0, rays: 0 }).collect();
-    let streams: usize = experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
     let mut runs = Vec::new();
-    let bar = progress::bar("replaying", streams * machines.len() * rungs.len(), "replays");
     for experiment in &experiments {
         let folder = TemporaryFolder::create();
         let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;

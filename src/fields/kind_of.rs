@@ -47,6 +47,28 @@ mod tests {
     }
 
     #[test]
+    fn every_shipped_experiment_and_study_tells_its_kind() {
+        for folder in ["experiments", "studies"] {
+            let files = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs").join(folder);
+            for file in std::fs::read_dir(files).unwrap() {
+                let path = file.unwrap().path();
+                let kind = kind_of(&std::fs::read_to_string(&path).unwrap());
+                let name = path.file_stem().unwrap().to_string_lossy().into_owned();
+                let by_name = match name.split('_').next().unwrap() {
+                    "pareto" => Root::Pareto,
+                    "identities" => Root::Identities,
+                    "paper" => Root::PaperTable,
+                    "sweep" => Root::Sweep,
+                    _ => Root::Experiment,
+                };
+                // Studies are experiments and sweeps.
+                let is_right = if folder == "studies" { kind.is_some() } else { kind == Some(by_name) };
+                assert!(is_right, "{name}: {kind:?}");
+            }
+        }
+    }
+
+    #[test]
     fn names_at_the_top_tell_the_kind_whatever_else_is_wrong() {
         for (text, kind) in [
             ("(name: \"a\", scene: \"b\", policis: {\"Off\": Off", Some(Root::Experiment)),

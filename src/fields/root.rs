@@ -3,6 +3,9 @@
 use schemars::{JsonSchema, SchemaGenerator};
 use serde_json::Value;
 
+use crate::experiment::identities::IdentitiesSpec;
+use crate::experiment::paper::PaperSpec;
+use crate::experiment::pareto::ParetoSpec;
 use crate::experiment::spec::ExperimentSpec;
 use crate::experiment::sweep::SweepSpec;
 use crate::machine::MachineSpec;
@@ -20,13 +23,28 @@ pub(crate) enum Root {
     Scene,
     /// A sweep.
     Sweep,
+    /// Fidelity levels side by side.
+    Pareto,
+    /// Rays of one kind beside published rows.
+    Identities,
+    /// Readings of the paper beside its table.
+    PaperTable,
     /// A part of DRAM.
     Dram,
 }
 
 impl Root {
     /// All kinds.
-    pub(crate) const ALL: [Self; 5] = [Self::Experiment, Self::Machine, Self::Scene, Self::Sweep, Self::Dram];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Experiment,
+        Self::Machine,
+        Self::Scene,
+        Self::Sweep,
+        Self::Dram,
+        Self::Pareto,
+        Self::Identities,
+        Self::PaperTable,
+    ];
 
     /// The first word of the paths of its fields.
     pub(crate) fn name(self) -> &'static str {
@@ -35,6 +53,9 @@ impl Root {
             Self::Machine => "machine",
             Self::Scene => "scene",
             Self::Sweep => "sweep",
+            Self::Pareto => "pareto",
+            Self::Identities => "identities",
+            Self::PaperTable => "paper_table",
             Self::Dram => "dram",
         }
     }
@@ -46,6 +67,9 @@ impl Root {
             Self::Machine => "a machine file",
             Self::Scene => "a scene file",
             Self::Sweep => "a sweep file",
+            Self::Pareto => "a comparison of fidelity levels",
+            Self::Identities => "a table of rays of one kind",
+            Self::PaperTable => "a table of readings of the paper",
             Self::Dram => "a file of a DRAM part",
         }
     }
@@ -57,6 +81,9 @@ impl Root {
             Self::Machine => "Machine",
             Self::Scene => "Scene",
             Self::Sweep => "Sweep",
+            Self::Pareto => "Pareto",
+            Self::Identities => "Identities",
+            Self::PaperTable => "PaperTable",
             Self::Dram => "DramPart",
         }
     }
@@ -68,6 +95,9 @@ impl Root {
             Self::Machine => schema::<MachineSpec>(),
             Self::Scene => schema::<SceneSpec>(),
             Self::Sweep => schema::<SweepSpec>(),
+            Self::Pareto => schema::<ParetoSpec>(),
+            Self::Identities => schema::<IdentitiesSpec>(),
+            Self::PaperTable => schema::<PaperSpec>(),
             Self::Dram => schema::<DramPart>(),
         }
     }

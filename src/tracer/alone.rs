@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
+use glam::DVec2;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use xxhash_rust::xxh3::xxh3_64;
+use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::frame::Tracer;
 use super::lane::Lane;
@@ -13,7 +14,7 @@ use super::shade::Shader;
 use super::spec::BAND_ROWS;
 use crate::accel::{Ray, Scope, Trail};
 use crate::culling::{PolicySpec, SceneFacts};
-use crate::quantity::LightId;
+use crate::quantity::{LightId, PixelId};
 use crate::scene::Frame;
 use crate::stream::{Decision, Header, Item, Outcome, RayHead, RayKind, Totals};
 
@@ -24,18 +25,44 @@ pub enum Alone {
     Primary,
     /// To all lights on the viewer's side, until something is met.
     Shadow,
-    /// One from each pixel, in a direction that is as likely as a matt surface sends light there.
+    /// One from each sample, in a direction that is as likely as a matt surface sends light there, until something is
+    /// met that is near enough.
+    Occlusion,
+    /// One from each sample, in a direction that is as likely as a matt surface sends light there.
     Diffuse,
+}
+
+/// How many rays of a kind there are, and how far they go.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Samples {
+    /// Rays from the camera through each pixel: one goes through its centre, several through points that a hash gives.
+    pub a_pixel: u32,
+    /// How far [`Alone::Occlusion`] rays go, in units of the scene.
+    pub reach: f32,
 }
 
 impl Alone {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Primary, Self::Shadow, Self::Diffuse];
+    pub const ALL: [Self; 4] = [Self::Primary, Self::Shadow, Self::Occlusion, Self::Diffuse];
+}
+
+/// What two numbers of a sample are for.
+#[derive(Clone, Copy)]
+enum Use {
+    Direction,
+    Lens,
+}
+
+/// Two numbers from 0 to 1, by a hash.
+fn numbers(pixel: PixelId, sample: u32, purpose: Use) -> [f32; 2] {
+    let bits = xxh3_64_with_seed(&pixel.0.to_le_bytes(), 2 * u64::from(sample) + purpose as u64);
+    let unit = |bits: u64| (bits as u32) as f32 / 4_294_967_296.0;
+    [unit(bits), unit(bits >> 32)]
 }
 
 impl Tracer<'_> {
     /// The stream of the rays of one kind in a frame. A ray that is not from the camera has a parent of no steps.
-    pub fn alone(&self, frame: &Frame, number: u32, kind: Alone) -> (Header, Vec<Item>) {
+    pub fn alone(&self, frame: &Frame, number: u32, kind: Alone, samples: Samples) -> (Header, Vec<Item>) {
         let off = PolicySpec::Off.build(SceneFacts::of(self.scene));
         let world = self.accel.frame(self.scene, frame);
         let shader = Shader::new(self.scene, frame, self.spec.render, self.offset as f32);
@@ -44,9 +71,15 @@ impl Tracer<'_> {
         let band = |&first: &u32| {
             let mut lane = Lane::new(off.as_ref(), shader.light_count());
             let (mut trail, nothing) = (Trail::default(), Trail::default());
-            for (x, y) in (first..(first + BAND_ROWS).min(height)).flat_map(|y| (0..width).map(move |x| (x, y))) {
+            let pixels = (first..(first + BAND_ROWS).min(height)).flat_map(|y| (0..width).map(move |x| (x, y)));
+            for (x, y, sample) in pixels.flat_map(|(x, y)| (0..samples.a_pixel).map(move |sample| (x, y, sample))) {
                 let pixel = self.resolution.pixel(x, y);
-                let ray = frame.camera.ray(self.resolution, x, y);
+                let mut camera = frame.camera;
+                if samples.a_pixel > 1 {
+                    let [right, up] = numbers(pixel, sample, Use::Lens);
+                    camera.jitter += DVec2::new(f64::from(right) - 0.5, f64::from(up) - 0.5);
+                }
+                let ray = camera.ray(self.resolution, x, y);
                 let ray = Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3(), f32::INFINITY);
                 trail.clear();
                 let hit = world.closest(&ray, &mut trail);
@@ -77,11 +110,16 @@ impl Tracer<'_> {
                         let head = head(RayKind::Shadow, shadow.light, outcome, lane.chunk.len() - place);
                         lane.push_shadow(head, trail.path(), dark, true);
                     }
+                    continue;
+                }
+                let mut ray = shader.diffuse_ray(&surface, numbers(pixel, sample, Use::Direction));
+                trail.clear();
+                if kind == Alone::Occlusion {
+                    ray.reach = samples.reach;
+                    let dark = world.occluded(&ray, Scope::All, &mut trail).is_some();
+                    let outcome = if dark { Outcome::Dark } else { Outcome::Lit };
+                    lane.push_shadow(head(RayKind::Shadow, LightId(0), outcome, 1), trail.path(), dark, true);
                 } else {
-                    let numbers = xxh3_64(&pixel.0.to_le_bytes());
-                    let unit = |bits: u64| (bits as u32) as f32 / 4_294_967_296.0;
-                    let ray = shader.diffuse_ray(&surface, [unit(numbers), unit(numbers >> 32)]);
-                    trail.clear();
                     let hit = world.closest(&ray, &mut trail);
                     let outcome = hit.map_or(Outcome::Miss, |hit| Outcome::Hit(hit.primitive));
                     lane.push(head(RayKind::Reflection, LightId(0), outcome, 1), trail.path());

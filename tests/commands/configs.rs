@@ -1,6 +1,6 @@
 //! Commands about configs.
 
-use super::common::Desk;
+use super::common::{Desk, error_text};
 use super::fits;
 
 #[test]
@@ -44,7 +44,7 @@ fn a_field_that_is_not_there_is_told_with_one_that_is() {
     ");
     insta::assert_snapshot!(desk.refuses(&["describe", "cache.bytes"]), @r"
     error: there is no kind of file `cache`; did you mean `machine.traversal.cache.bytes`?
-    allowed: `experiment`, `machine`, `scene`, `sweep`, `dram`
+    allowed: `experiment`, `machine`, `scene`, `sweep`, `dram`, `pareto`, `identities`, `paper_table`
     ");
 }
 
@@ -98,7 +98,7 @@ fn what_is_wrong_in_a_file_is_told_whatever_its_kind() {
        |                     ^
     ");
     desk.put("nothing.ron", "(a: 1)");
-    insta::assert_snapshot!(desk.refuses(&["check", "nothing.ron"]), @"error: nothing.ron: the names at its top tell no kind of config; known are an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part");
+    insta::assert_snapshot!(desk.refuses(&["check", "nothing.ron"]), @"error: nothing.ron: the names at its top tell no kind of config; known are an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part, a comparison of fidelity levels, a table of rays of one kind, a table of readings of the paper");
 }
 
 #[test]
@@ -124,4 +124,20 @@ fn shells_and_manuals_know_the_commands() {
     desk.prints(&["man", "--out", "pages"]);
     let page = std::fs::read_to_string(desk.path("pages/umbrasim-replay.1")).unwrap();
     assert!(page.contains("fidelity") && desk.path("pages/umbrasim.1").exists(), "{page}");
+}
+
+#[test]
+fn a_mesh_alone_is_a_scene_and_can_become_a_config() {
+    let desk = Desk::with_experiment();
+    let output = desk.program(&["run", "tiny.ron", "--scene", "kite.obj", "--frames", "0..2", "--out", "r"]).output();
+    let output = output.unwrap();
+    let told = error_text(&output);
+    assert!(output.status.success() && told.contains("kite.obj has no config: a camera goes round it"), "{told}");
+    desk.succeed(&["new", "scene", "kite.ron", "--mesh", "kite.obj"]);
+    let same = ["run", "tiny.ron", "--scene", "kite.ron", "--frames", "0..2", "--out", "s"];
+    desk.succeed(&same);
+    let frames = |folder: &str| std::fs::read_to_string(desk.path(folder).join("frames.csv")).unwrap();
+    assert!(frames("r") == frames("s"));
+    let told = error_text(&desk.program(&["new", "machine", "m.ron", "--mesh", "kite.obj"]).output().unwrap());
+    assert!(told.contains("`--mesh` is of a scene, and this is a machine"), "{told}");
 }

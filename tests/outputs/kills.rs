@@ -12,6 +12,16 @@ fn temporary(desk: &Desk) -> Vec<String> {
     names.filter(|name| name.contains("/.umbrasim-")).collect()
 }
 
+/// A table of readings of the scene.
+const PAPER: &str = r#"(
+    scenes: [(scene: "scene.ron", published: (
+        traversal_saved: (mean: 0.2, max: 0.6), intersection_saved: (mean: 0.2, max: 0.6),
+        occlusion_tests_per_pixel: 0.2,
+    ))],
+    resolution: (width: 8, height: 8), frames: ["0..2"], structures: [Bvh2], depths: [1], shadow_rays: [Always],
+    policies: {"returns": Published()},
+)"#;
+
 fn signal(pid: u32, signal: &str) {
     assert!(Command::new("kill").args([signal, &pid.to_string()]).status().unwrap().success());
 }
@@ -55,13 +65,21 @@ fn signals_leave_nothing_behind() {
 fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
     let desk = Desk::with_experiment();
     desk.put("sweep.ron", "(experiment: \"tiny.ron\", frames: \"0..2\", vary: {\"clock_mhz\": [400, 600]})");
+    let pareto = "(experiments: [(file: \"tiny.ron\", frames: \"0..2\")], machines: [\"small.ron\"], rungs: [Bound])";
+    desk.put("pareto.ron", pareto);
+    let scenes = "resolution: (width: 8, height: 8), scenes: [(scene: \"scene.ron\", frame: 0)]";
+    desk.put(
+        "identities.ron",
+        &format!("(machine: \"small.ron\", {scenes}, accel: (structure: KdTree), published: [])"),
+    );
+    desk.put("paper.ron", PAPER);
     desk.succeed(&["trace", "tiny.ron", "-o", "in.rays", "--frames", "0..2"]);
     for folder in ["base", "other"] {
         desk.succeed(&["run", "tiny.ron", "--frames", "0..2", "--out", folder]);
     }
     let exports = ["--line-trace", "x.lines", "--dram-trace", "x.dram", "--dram-commands", "x.commands"];
     let exports = [&["replay", "in.rays", "--machine", "small.ron"][..], &exports].concat();
-    let commands: [(&[&str], &str); 9] = [
+    let commands: [(&[&str], &str); 12] = [
         (&["run", "tiny.ron", "--frames", "0..2", "--out", "rep"], "rep/summary.json"),
         (&["trace", "tiny.ron", "--frames", "0..2", "-o", "x.rays"], "x.rays"),
         (&["replay", "in.rays", "--machine", "small.ron", "--json", "x.json"], "x.json"),
@@ -71,7 +89,12 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         (&["chart", "base", "other", "--out", "cha"], "cha/summary.json"),
         (&["plot", "base"], "base/index.html"),
         (&exports, "x.lines"),
+        (&["pareto", "pareto.ron", "--out", "par"], "par/pareto.csv"),
+        (&["identities", "identities.ron", "--json", "i.json"], "i.json"),
+        (&["paper-table", "paper.ron", "--json", "p.json"], "p.json"),
     ];
+    // The long suite kills each command at 40 moments.
+    let moments = if std::env::var_os("UMBRASIM_LONG").is_some() { 40 } else { 8 };
     for (command, result) in commands {
         let timings = |text: Vec<u8>| {
             // Wall time is in the summary of a run.
@@ -83,7 +106,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         let took = begin.elapsed();
         let whole = read();
         desk.put("notes.txt", "mine");
-        for moment in 0..8 {
+        for moment in 0..moments {
             // What is drawn again is an input, too.
             if moment % 2 == 0 && command[0] != "plot" {
                 let top = desk.path(result.split('/').next().unwrap());
@@ -92,7 +115,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
                 desk.succeed(command);
             }
             let mut child = desk.spawn(command);
-            std::thread::sleep(took * moment / 8);
+            std::thread::sleep(took * moment / moments);
             child.kill().unwrap();
             child.wait().unwrap();
             let found = read();

@@ -53,7 +53,8 @@ fn a_sweep_over_changed_files_is_as_a_new_one() {
         let before = fs::read(desk.path(file)).unwrap();
         let (was, _) = sweep(&desk, config, "s");
         desk.put(file, &text);
-        let (resumed, _) = sweep(&desk, config, "s");
+        let (resumed, told) = sweep(&desk, config, "s");
+        assert!(told.contains("streams of other inputs or builds stay there, unread:"), "{told}");
         let (fresh, _) = sweep(&desk, config, &format!("fresh{number}"));
         assert!(resumed == fresh, "{file}: stale");
         assert!(resumed != was, "change {number} of {file} changes nothing");

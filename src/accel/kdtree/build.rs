@@ -24,6 +24,8 @@ pub(super) struct BuildSpec {
     pub layout: KdLayout,
     /// The level at which no cell is split any more; `None` for 8 + 1.3 log2 n.
     pub max_depth: Option<u32>,
+    /// With so many items or fewer, a cell is not split.
+    pub leaf: usize,
 }
 
 /// An item's part in a cell.
@@ -37,6 +39,7 @@ struct Builder<'a> {
     items: &'a [Item<'a>],
     quality: Quality,
     max_depth: u32,
+    leaf: usize,
     cells: Vec<Built>,
 }
 
@@ -53,9 +56,9 @@ pub(super) fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     if parts.is_empty() {
         return Tree { bounds, nodes: Vec::new(), lists: Vec::new(), records: Vec::new() };
     }
-    let BuildSpec { quality, layout, max_depth } = spec;
+    let BuildSpec { quality, layout, max_depth, leaf } = spec;
     let max_depth = max_depth.unwrap_or_else(|| usual_depth(items.len()));
-    let mut builder = Builder { items, quality, max_depth, cells: Vec::new() };
+    let mut builder = Builder { items, quality, max_depth, leaf, cells: Vec::new() };
     builder.cell(bounds, parts, 0);
     lay_out(&builder.cells, bounds, items, layout, base)
 }
@@ -81,7 +84,7 @@ impl Builder<'_> {
 
     /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006).
     fn plane(&self, cell: Bounds, parts: &[Part], depth: u32) -> Option<Plane> {
-        if parts.is_empty() || depth == self.max_depth {
+        if parts.len() <= self.leaf || depth == self.max_depth {
             return None;
         }
         let boxes = parts.iter().map(|part| part.bounds);

@@ -23,7 +23,8 @@ pub(crate) struct KdTree {
 
 fn build_spec(spec: &AccelSpec, quality: Quality) -> BuildSpec {
     let max_depth = spec.kd_depth.map(|depth| depth.get() as u32);
-    BuildSpec { quality, layout: spec.kd_layout, max_depth }
+    let leaf = spec.kd_leaf.map_or(0, |triangles| triangles.size());
+    BuildSpec { quality, layout: spec.kd_layout, max_depth, leaf }
 }
 
 impl StaticTree for KdTree {

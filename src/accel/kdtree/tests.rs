@@ -15,10 +15,10 @@ use crate::scene::Triangle;
 
 const BASE: Base = Base { node: 7, slot: 100, list: 1000 };
 
-fn tree(triangles: &[Triangle], quality: Quality, layout: Layout) -> Tree {
+fn tree(triangles: &[Triangle], quality: Quality, layout: Layout, leaf: usize) -> Tree {
     let item = |(index, triangle)| Item { primitive: PrimitiveId(index as u32), triangle };
     let items: Vec<_> = triangles.iter().enumerate().map(item).collect();
-    build(&items, BuildSpec { quality, layout, max_depth: None }, BASE)
+    build(&items, BuildSpec { quality, layout, max_depth: None, leaf }, BASE)
 }
 
 impl Tree {
@@ -67,8 +67,9 @@ proptest! {
         triangles in prop::collection::vec(triangle(), 1..150),
         quality in prop::sample::select(vec![Quality::Fast, Quality::Medium, Quality::Best]),
         layout in prop::sample::select(vec![Layout::DepthFirst, Layout::Ordered]),
+        leaf in prop::sample::select(vec![0, 8]),
     ) {
-        let tree = tree(&triangles, quality, layout);
+        let tree = tree(&triangles, quality, layout, leaf);
         let mut leaves = Vec::new();
         let end = tree.leaves(BASE.node, tree.bounds, layout, &mut leaves);
         prop_assert_eq!(end as usize, BASE.node as usize + tree.nodes.len());
@@ -144,6 +145,10 @@ fn triangles_that_all_meet_in_a_point_make_a_tree() {
             Triangle { v: [Vec3::splat(0.1), rim(angle), rim(angle + 0.05)] }
         })
         .collect();
-    let tree = tree(&fan, Quality::Best, Layout::Ordered);
-    assert!(tree.nodes.len() < 100 * fan.len(), "{} nodes", tree.nodes.len());
+    let all = tree(&fan, Quality::Best, Layout::Ordered, 0);
+    assert!(all.nodes.len() < 100 * fan.len(), "{} nodes", all.nodes.len());
+    // Cells that hold few are left whole.
+    let large = tree(&fan, Quality::Best, Layout::Ordered, 16);
+    assert!(2 * large.nodes.len() < all.nodes.len(), "{} of {} nodes", large.nodes.len(), all.nodes.len());
+    assert_eq!(tree(&fan, Quality::Best, Layout::Ordered, fan.len()).nodes.len(), 1);
 }

@@ -140,7 +140,7 @@ impl Sweep {
 fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
     let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
-    ending.tell(summary, &table, Some(&report::sweep::finding(summary)), begin, Some(&page))
+    ending.tell(summary, &table, &report::sweep::finding(summary), begin, Some(&page))
 }
 
 /// Writes a space's report and tells what was found.

@@ -62,6 +62,11 @@ pub(crate) fn agree(
 /// thread has.
 const STACK: usize = 64 << 20;
 
+/// Whether the long suite runs.
+pub(crate) fn is_long() -> bool {
+    std::env::var_os("UMBRASIM_LONG").is_some()
+}
+
 /// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as
 /// many, always others. The message of a failure is short.
 pub(crate) fn check_many<S: Strategy>(
@@ -69,7 +74,7 @@ pub(crate) fn check_many<S: Strategy>(
     strategy: impl Fn() -> S + Sync,
     test: impl Fn(S::Value) -> Result<(), String> + Sync,
 ) {
-    let long = std::env::var_os("UMBRASIM_LONG").is_some();
+    let long = is_long();
     let cases = if long { 20 * cases } else { cases };
     let check = || {
         let config = Config { cases, failure_persistence: None, ..Config::default() };

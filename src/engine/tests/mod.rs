@@ -3,6 +3,7 @@ mod allocation;
 mod anomalies;
 pub(crate) mod frames;
 mod ideal;
+mod least;
 mod levels;
 mod profile_words;
 pub(crate) mod random;

@@ -21,38 +21,55 @@ fn profile_replays_any_machine_within_the_laws() {
     );
 }
 
-/// What differs from a shipped machine, with a name.
-type Change = (&'static str, fn(&mut ShadowCacheSpec));
+/// A change of a shipped machine.
+struct Change {
+    what: &'static str,
+    make: fn(&mut ShadowCacheSpec),
+    /// How far the cycles of `Profile` are off `Event`'s on `small` and on `desktop`, in %, as measured.
+    cycles: [f64; 2],
+}
 
-/// What the recorded stream takes on machines of one change each.
+const CHANGES: [Change; 9] = [
+    Change { what: "as in its file", make: |_| {}, cycles: [-9.6, -1.0] },
+    Change { what: "free words", make: |unit| unit.place = Place::Free, cycles: [-3.2, -2.6] },
+    Change { what: "words at the L2", make: |unit| unit.place = Place::L2, cycles: [-12.9, -1.2] },
+    Change { what: "words in the L1s of triangles", make: |unit| unit.place = Place::Triangle, cycles: [-9.2, -0.6] },
+    Change { what: "a register", make: |unit| unit.register = num(4), cycles: [-9.5, -1.0] },
+    Change {
+        what: "all words set at the frame's end",
+        make: |unit| unit.frame_end = FrameEnd::Sweep,
+        cycles: [-4.4, -0.9],
+    },
+    Change {
+        what: "words set at the first touch",
+        make: |unit| unit.frame_end = FrameEnd::Epoch,
+        cycles: [-10.3, -0.8],
+    },
+    Change { what: "buffers of learned bits", make: |unit| unit.latched = LatchedCopy::Buffers, cycles: [-9.0, -1.0] },
+    Change {
+        what: "all of it at the L2",
+        make: |unit| (unit.place, unit.register, unit.frame_end) = (Place::L2, num(4), FrameEnd::Epoch),
+        cycles: [-9.6, -1.5],
+    },
+];
+
+/// What the recorded stream takes on machines of one change each. On `small` the DRAM's bus is busy for six tenths of
+/// the time here: that is where `Profile` is weakest.
 #[test]
-fn profile_is_close_wherever_words_are_and_whatever_sets_them() {
+fn profile_is_as_close_as_known_wherever_words_are_and_whatever_sets_them() {
     let (header, stream) = quickstart();
-    let changes: [Change; 9] = [
-        ("as in its file", |_| {}),
-        ("free words", |unit| unit.place = Place::Free),
-        ("words at the L2", |unit| unit.place = Place::L2),
-        ("words in the L1s of triangles", |unit| unit.place = Place::Triangle),
-        ("a register", |unit| unit.register = num(4)),
-        ("all words set at the frame's end", |unit| unit.frame_end = FrameEnd::Sweep),
-        ("words set at the first touch", |unit| unit.frame_end = FrameEnd::Epoch),
-        ("buffers of learned bits", |unit| unit.latched = LatchedCopy::Buffers),
-        ("all of it at the L2", |unit| {
-            (unit.place, unit.register, unit.frame_end) = (Place::L2, num(4), FrameEnd::Epoch);
-        }),
-    ];
     let mut told = Vec::new();
-    // On `small` the DRAM's bus is busy for six tenths of the time here: that is where `Profile` is weakest.
-    for (base, most) in [("small", 0.14), ("desktop", 0.1)] {
-        for (name, change) in changes {
+    for (index, base) in ["small", "desktop"].into_iter().enumerate() {
+        for Change { what, make, cycles } in CHANGES {
             let mut machine = shipped(base);
-            change(&mut machine.shadow_cache);
+            make(&mut machine.shadow_cache);
             let [profile, event] = ["Profile", "Event"].map(|level| on(&machine, &header, level, &stream));
-            let off = |of: fn(&MachineStats) -> u64| of(&profile) as f64 / of(&event) as f64 - 1.0;
+            let off = |of: fn(&MachineStats) -> u64| 100.0 * (of(&profile) as f64 / of(&event) as f64 - 1.0);
             let errors = [off(|it| it.cycles.0), off(|it| it.moved("l2").0), off(|it| it.moved("dram").0)];
-            let [cycles, l2, dram] = errors.map(f64::abs);
-            told.push((cycles < most && l2 < 0.03 && dram < 0.03, base, name, errors));
+            let beyond = [errors[0] - cycles[index], errors[1], errors[2]];
+            let is_as_known = beyond.iter().zip([0.3, 0.7, 0.3]).all(|(off, most)| off.abs() < most);
+            told.push((is_as_known, base, what, errors));
         }
     }
-    assert!(told.iter().all(|(is_close, ..)| *is_close), "{told:?}");
+    assert!(told.iter().all(|(is_as_known, ..)| *is_as_known), "{told:?}");
 }

@@ -125,9 +125,26 @@ impl<'a> Streams<'a> {
             };
             let is_missing: Vec<bool> = missing(&self);
             self.record(&is_missing, stop)?;
+            self.tell_unread();
         }
         let read = |path: &PathBuf| StreamReader::open(path).map(|reader| Recorded::new(path, &reader));
         Ok(self.paths.iter().map(read).collect::<Result<_, _>>()?)
+    }
+
+    /// Tells of streams in the folder that are not of these inputs: they may be large, and only their user knows whether
+    /// another sweep wants them.
+    fn tell_unread(&self) {
+        let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
+        let unread = entries.filter(|entry| {
+            let path = entry.path();
+            path.extension().is_some_and(|ending| ending == "rays") && !self.paths.contains(&path)
+        });
+        let sizes: Vec<u64> = unread.filter_map(|entry| Some(entry.metadata().ok()?.len())).collect();
+        if !sizes.is_empty() {
+            let (folder, count) = (self.folder.display(), sizes.len());
+            let size = indicatif::HumanBytes(sizes.iter().sum());
+            eprintln!("{folder}: streams of other inputs or builds stay there, unread: {count} of {size} in all");
+        }
     }
 
     /// Waits until no other process records here.

@@ -29,7 +29,7 @@ pub(super) const PLOT: Plot<ChartSummary> =
     Plot { name: "saving-against-error", section: (), figure: |chart| Some(figure(chart)) };
 
 /// The policy that saves most without a wrong decision, over all runs.
-pub(super) fn finding(chart: &ChartSummary) -> String {
+pub(crate) fn finding(chart: &ChartSummary) -> String {
     let points = |policy: &str| -> Vec<&Point> { chart.points.iter().filter(|point| point.policy == policy).collect() };
     let mean = |policy: &String| {
         let shares: Vec<f64> = points(policy).iter().filter_map(|point| point.traversal_saved).collect();

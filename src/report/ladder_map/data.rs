@@ -143,7 +143,7 @@ pub(crate) fn grid(map: &LadderMap) -> Grid {
 }
 
 /// The worst error of cycles of each level.
-pub(crate) fn verdict(map: &LadderMap) -> Option<String> {
+pub(crate) fn verdict(map: &LadderMap) -> String {
     let worst = |(index, name): (usize, &String)| {
         let points = map.axes.iter().flat_map(|axis| &axis.points);
         let errors = points.filter_map(|point| point.rows[index].errors[Figure::Cycles as usize]);
@@ -151,7 +151,10 @@ pub(crate) fn verdict(map: &LadderMap) -> Option<String> {
         Some(format!("{name} {}", signed(worst)))
     };
     let worst: Vec<String> = map.rows.iter().enumerate().filter_map(worst).collect();
-    (!worst.is_empty()).then(|| format!("worst errors of cycles against Event: {}", worst.join(", ")))
+    if worst.is_empty() {
+        return "no level says how many cycles a point takes".into();
+    }
+    format!("worst errors of cycles against Event: {}", worst.join(", "))
 }
 
 fn signed(share: f64) -> String {

@@ -5,3 +5,4 @@ mod plot;
 mod write;
 
 pub(crate) use data::{ReuseSummary, grid};
+pub(crate) use plot::finding;

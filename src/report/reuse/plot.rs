@@ -27,7 +27,7 @@ fn all_misses(level: &ReuseLevel, place: usize) -> f64 {
 }
 
 /// What doubling the cache that gains most would do.
-fn finding(summary: &ReuseSummary) -> String {
+pub(crate) fn finding(summary: &ReuseSummary) -> String {
     let gain = |level: &ReuseLevel| {
         let place = ReuseCurve::sizes().position(|size| size == level.bytes)?;
         let [now, then] =

@@ -22,7 +22,7 @@ pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };
 pub(crate) use tables::replayed;
-pub(crate) use terminal::{terminal, verdict};
+pub(crate) use terminal::{replay_verdict, terminal, verdict};
 pub(crate) use write::redraw;
 
 #[cfg(test)]

@@ -12,37 +12,45 @@ use crate::stats::{
     TrafficClass,
 };
 
+/// A figure of a policy: its name, and its text.
+pub(super) type PolicyColumn = (&'static str, fn(&PolicySummary) -> String);
+
+/// What each policy does to shadow rays, and what it gets wrong.
+pub(super) const OF_POLICIES: [PolicyColumn; 7] = [
+    ("skipped", |policy| share_of_shadow_rays(policy, Some(policy.counts.shadow_rays_skipped))),
+    ("dynamic only", |policy| share_of_shadow_rays(policy, Some(policy.counts.shadow_rays_dynamic_only))),
+    ("nodes saved", |policy| or_absent(policy.traversal_saved.mean, percent)),
+    ("triangles saved", |policy| or_absent(policy.intersection_saved.mean, percent)),
+    ("tests/pixel", |policy| or_absent(policy.counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}"))),
+    ("false dark", |policy| or_absent(policy.counts.false_dark, exact)),
+    ("false lit", |policy| or_absent(policy.counts.false_lit, exact)),
+];
+
+/// `rays` as a share of the shadow rays that were asked for.
+pub(super) fn share_of_shadow_rays(policy: &PolicySummary, rays: Option<u64>) -> String {
+    let all = policy.counts.shadow_rays;
+    or_absent(rays.filter(|_| all > 0).map(|rays| rays as f64 / all as f64), percent)
+}
+
+/// A table of policies with these figures.
+pub(super) fn of_policies<'a>(
+    policies: impl Iterator<Item = (&'a str, &'a PolicySummary)>,
+    columns: &[PolicyColumn],
+) -> Grid {
+    let row = |(name, policy): (&str, &PolicySummary)| {
+        std::iter::once(name.to_owned()).chain(columns.iter().map(|(_, text)| text(policy))).collect()
+    };
+    Grid {
+        head: std::iter::once("policy").chain(columns.iter().map(|(name, _)| *name)).map(Into::into).collect(),
+        names: 1,
+        rows: policies.map(row).collect(),
+    }
+}
+
 /// The policies' key figures.
 pub(super) fn policies(summary: &Summary) -> Grid {
-    const HEAD: [&str; 9] = [
-        "policy",
-        "skipped",
-        "dyn. only",
-        "nodes saved",
-        "triangles saved",
-        "tests/pixel",
-        "false dark",
-        "false lit",
-        "numeric",
-    ];
-    let row = |(name, policy): (&str, &PolicySummary)| {
-        let counts = &policy.counts;
-        let of_shadow_rays = |rays: u64| {
-            if counts.shadow_rays == 0 { None } else { Some(rays as f64 / counts.shadow_rays as f64) }
-        };
-        vec![
-            name.to_owned(),
-            or_absent(of_shadow_rays(counts.shadow_rays_skipped), percent),
-            or_absent(of_shadow_rays(counts.shadow_rays_dynamic_only), percent),
-            or_absent(policy.traversal_saved.mean, percent),
-            or_absent(policy.intersection_saved.mean, percent),
-            or_absent(counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}")),
-            or_absent(counts.false_dark, exact),
-            or_absent(counts.false_lit, exact),
-            or_absent(counts.numeric_differences, exact),
-        ]
-    };
-    Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: summary.policies.iter().map(row).collect() }
+    let numeric: PolicyColumn = ("numeric", |policy| or_absent(policy.counts.numeric_differences, exact));
+    of_policies(summary.policies.iter(), &[&OF_POLICIES[..], &[numeric]].concat())
 }
 
 /// All bytes that moved between DRAM and the level above.

@@ -1,11 +1,13 @@
 //! A run on the terminal: its main table, and its verdict in a sentence.
 
+use super::limits::limit;
 use super::steady;
 use super::summary::{MachineRun, Summary};
 use super::tables::{dram_per_frame, error, interval_of, policies};
+use crate::named::Named;
 use crate::report::format::{ABSENT, change, counted, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::grid::{Grid, drawn_most, paragraph};
-use crate::stats::Accuracy;
+use crate::stats::{Accuracy, MachineStats};
 
 /// Changes below this share are told as none.
 const SAME: f64 = 0.005;
@@ -106,6 +108,15 @@ pub(crate) fn verdict(summary: &Summary) -> Option<String> {
     let wrong = (!wrong.is_empty()).then(|| format!("wrong shadow decisions: {}", wrong.join(", ")));
     let lines: Vec<String> = speed.chain(wrong).collect();
     (!lines.is_empty()).then(|| lines.join("\n"))
+}
+
+/// What limits each machine that replayed a stream, in a sentence a machine.
+pub(crate) fn replay_verdict(machines: &Named<MachineStats>) -> String {
+    let told = machines.iter().map(|(name, stats)| {
+        let limit = limit(&MachineRun::from(stats.clone()));
+        format!("{name}: {}", limit.map_or("what limits it is not known at this level".into(), |limit| limit.text))
+    });
+    told.collect::<Vec<_>>().join("\n")
 }
 
 /// How much less or more time a frame takes.

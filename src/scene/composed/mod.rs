@@ -4,6 +4,7 @@ mod cameras;
 mod files;
 mod lights;
 mod moving;
+pub(crate) mod starter;
 #[cfg(test)]
 mod tests;
 

@@ -4,6 +4,7 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::grid::Grid;
 use crate::report::run::summary::{MachineRun, PolicySummary, Psnr, Summary};
+use crate::report::run::tables::{OF_POLICIES, PolicyColumn, of_policies, share_of_shadow_rays};
 use crate::stats::Accuracy;
 
 /// What columns mean.
@@ -39,35 +40,11 @@ fn culling(summary: &Summary) -> impl Iterator<Item = (&str, &PolicySummary)> {
 
 /// What each policy that culls did to shadow rays.
 pub(super) fn policies(summary: &Summary) -> Grid {
-    const HEAD: [&str; 10] = [
-        "policy",
-        "skipped",
-        "dynamic only",
-        "nodes saved",
-        "triangles saved",
-        "tests/pixel",
-        "false dark",
-        "false lit",
-        "wrong share",
-        "lowest PSNR",
+    let further: [PolicyColumn; 2] = [
+        ("wrong share", |policy| share_of_shadow_rays(policy, policy.counts.wrong())),
+        ("lowest PSNR", |policy| or_absent(lowest_psnr(policy), psnr)),
     ];
-    let row = |(name, policy): (&str, &PolicySummary)| {
-        let counts = &policy.counts;
-        let share = |rays: u64| (counts.shadow_rays > 0).then(|| rays as f64 / counts.shadow_rays as f64);
-        vec![
-            name.to_owned(),
-            or_absent(share(counts.shadow_rays_skipped), percent),
-            or_absent(share(counts.shadow_rays_dynamic_only), percent),
-            or_absent(policy.traversal_saved.mean, percent),
-            or_absent(policy.intersection_saved.mean, percent),
-            or_absent(counts.occlusion_tests_per_pixel, |tests| format!("{tests:.3}")),
-            or_absent(counts.false_dark, exact),
-            or_absent(counts.false_lit, exact),
-            or_absent(counts.wrong().and_then(share), percent),
-            or_absent(lowest_psnr(policy), psnr),
-        ]
-    };
-    Grid { head: HEAD.map(Into::into).to_vec(), names: 1, rows: culling(summary).map(row).collect() }
+    of_policies(culling(summary), &[&OF_POLICIES[..], &further].concat())
 }
 
 fn lowest_psnr(policy: &PolicySummary) -> Option<Psnr> {

@@ -1,0 +1,92 @@
+"""Draws the plots of the study from its CSV files.
+
+    python3 docs/validation/study/plots.py
+"""
+
+import csv
+import pathlib
+
+import charts
+
+HERE = pathlib.Path(__file__).parent
+IMAGES = HERE.parent.parent / "images"
+SCENES = ["kitchen", "robot", "staircase", "living_room", "sponza", "gas_station"]
+FAIR = "fair: the same and `gather: 128`"
+WIDE = "that, `width: 4`, 64 contexts, 4 L1 ports"
+CYCLES = "change of cycles against no culling, %"
+
+
+def rows(name):
+    with open(HERE / name, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def of_scene(scene):
+    full = HERE / f"unit_designs_{scene}.csv"
+    return rows(full.name if full.exists() else f"designs_{scene}.csv")
+
+
+def find(table, column, **wanted):
+    """The number of the row that has these values."""
+    found = [row for row in table if all(row[name] == value for name, value in wanted.items())]
+    return float(found[0][column]) if found else None
+
+
+def unit():
+    table = [row for row in of_scene("kitchen") if row["machine"] == "desktop" and row["policy"] == "Published"]
+    groups = [(row["design"].replace("`", ""), [float(row["cycles_change"])]) for row in table]
+    return charts.bars("BART kitchen, desktop, published policy: the unit decides", CYCLES, groups, [""])
+
+
+def scenes(title, column, axis):
+    def values(scene):
+        table = of_scene(scene)
+        return [find(table, column, machine=machine, policy=policy, design=design)
+                for machine in ("desktop", "small") for policy, design in (("Published", FAIR), ("Hybrid", WIDE))]
+
+    groups = [(scene.replace("_", " "), values(scene)) for scene in SCENES]
+    series = ["desktop, Published", "desktop, Hybrid", "small, Published", "small, Hybrid"]
+    return charts.bars(title, axis, groups, series, left=110)
+
+
+def words():
+    table = rows("words.csv")
+    sizes = [256 << power for power in range(9)]
+    labels = [f"{size} B" if size < 1024 else f"{size // 1024} KiB" for size in sizes]
+
+    def values(scene, machine):
+        return [find(table, "cycles_change", words=scene, machine=machine, design=f"{size} bytes") for size in sizes]
+
+    series = [(f"{scene.replace('_', ' ')}, {machine}", values(scene, machine))
+              for scene in ("kitchen", "living_room") for machine in ("desktop", "small")]
+    return charts.lines("A cache of a few KiB is enough for the words", "words' L1", CYCLES, labels, series)
+
+
+def lights():
+    table = rows("lights.csv")
+    counts = ["1", "2", "4", "8", "15"]
+
+    def values(machine, policy):
+        return [find(table, "cycles_change", lights=count, machine=machine, policy=policy, design="as it is")
+                for count in counts]
+
+    series = [(f"{machine}, {policy}", values(machine, policy))
+              for machine in ("desktop", "small") for policy in ("Published", "Hybrid")]
+    return charts.lines("Living room, 256x256: culling by the number of lights", "lights", CYCLES, counts, series)
+
+
+def main():
+    IMAGES.mkdir(exist_ok=True)
+    for name, plot in {
+        "study_unit": unit,
+        "study_scenes": lambda: scenes("Where culling pays", "cycles_change", CYCLES),
+        "study_energy": lambda: scenes("What culling does to energy", "joules_change",
+                                       "change of energy against no culling, %"),
+        "study_words": words,
+        "study_lights": lights,
+    }.items():
+        (IMAGES / f"{name}.svg").write_text(plot())
+
+
+if __name__ == "__main__":
+    main()
