@@ -151,7 +151,7 @@ fn report_space(out: &ResultsFolder, summary: &SpaceSummary, ending: &Ending, be
         report::drawn(&summary.accuracy_grid()),
         report::paragraph(&summary.scope()),
     ];
-    ending.tell(summary, &tables.join("\n\n"), Some(&summary.finding()), begin, Some(&page))
+    ending.tell(summary, &tables.join("\n\n"), &summary.finding(), begin, Some(&page))
 }
 
 /// Why a space does not take an option.

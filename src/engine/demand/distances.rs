@@ -41,7 +41,7 @@ fn bin(distance: u64) -> usize {
         return distance as usize;
     }
     let octave = distance.ilog2();
-    let within = (distance - (1 << octave)) * u64::from(AN_OCTAVE) >> octave;
+    let within = ((distance - (1 << octave)) * u64::from(AN_OCTAVE)) >> octave;
     FINE as usize + ((octave - FINE.ilog2()) * AN_OCTAVE) as usize + within as usize
 }
 

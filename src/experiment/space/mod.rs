@@ -84,11 +84,11 @@ impl Bench<'_> {
     fn pool(&self, candidates: &[Point], wrong: &[u64]) -> Result<(Pool, usize), SweepError> {
         let (mut points, mut estimates, mut passes) = (Vec::new(), Vec::new(), 0);
         for base in 0..self.sweep.experiment.machines.len() {
-            for policy in 0..wrong.len() {
+            for (policy, &wrong) in wrong.iter().enumerate() {
                 let of = |point: &&Point| point.policy == policy && self.sweep.base(point.machine) == base;
                 let some: Vec<Point> = candidates.iter().filter(of).copied().collect();
                 let (found, more) = known::estimates(self.sweep, &self.recorded[policy], &some, self.stop)?;
-                points.extend(some.into_iter().map(|point| (point, wrong[policy])));
+                points.extend(some.into_iter().map(|point| (point, wrong)));
                 estimates.extend(found);
                 passes += more;
             }

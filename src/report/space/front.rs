@@ -21,7 +21,9 @@ pub(super) const PLOT: Plot<SpaceSummary> = Plot { name: "front", section: (), f
 type Of = fn(&Design) -> Option<f64>;
 
 /// What is drawn against cycles: its name, a design's value, and a tick's text.
-const PANELS: [(&str, Of, fn(f64) -> String); 2] = [
+type Panel = (&'static str, Of, fn(f64) -> String);
+
+const PANELS: [Panel; 2] = [
     ("DRAM bytes", |it| Some(it.dram_bytes), |value| format!("{}B", tick(value)).replace(" B", "B")),
     ("energy", |it| it.joules, joules),
 ];
@@ -91,7 +93,7 @@ fn paint(
     canvas: &Canvas<'_>,
     summary: &SpaceSummary,
     names: &[String],
-    (name, of, shown): &(&str, Of, fn(f64) -> String),
+    (name, of, shown): &Panel,
     top: i32,
 ) -> Result<(), DrawError> {
     let (end, bottom) = (canvas.width() - 16, top + PANEL);

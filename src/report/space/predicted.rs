@@ -21,7 +21,10 @@ struct Panel {
     errors: Vec<[f64; 3]>,
 }
 
-const FIGURES: [(&str, &str, fn(&Design) -> Option<f64>); 3] = [
+/// A figure: its key in files, its name, and a design's value.
+type Named = (&'static str, &'static str, fn(&Design) -> Option<f64>);
+
+const FIGURES: [Named; 3] = [
     ("cycles", "cycles", |it| Some(it.cycles)),
     ("dram_bytes", "DRAM bytes", |it| Some(it.dram_bytes)),
     ("joules", "energy", |it| it.joules),
@@ -29,7 +32,7 @@ const FIGURES: [(&str, &str, fn(&Design) -> Option<f64>); 3] = [
 
 fn figure(summary: &SpaceSummary) -> Option<Figure<'_>> {
     let mut rows = Vec::new();
-    let panel = |&(key, name, of): &(&'static str, &'static str, fn(&Design) -> Option<f64>)| {
+    let panel = |&(key, name, of): &Named| {
         let mut errors = Vec::new();
         for (at, design) in summary.designs.iter().enumerate().filter(|(_, design)| design.replayed) {
             if let (Some(foreseen), Some(measured)) = (design.foreseen.get(key), of(design).filter(|it| *it > 0.0)) {

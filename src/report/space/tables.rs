@@ -56,7 +56,7 @@ impl SpaceSummary {
             head.push("figures are".into());
         }
         head.extend(["cycles", "DRAM bytes", "energy", "wrong pixels"].map(Into::into));
-        head.extend(fields.iter().map(|field| field.replace('.', " ").replace('_', " ")));
+        head.extend(fields.iter().map(|field| field.replace(['.', '_'], " ")));
         let row = |(number, design): &(usize, &Design)| {
             let mut row = vec![format!("{}", number + 1), design.policy.clone()];
             if self.has_machines() {
