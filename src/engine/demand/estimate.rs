@@ -1,6 +1,6 @@
 //! What a machine takes for a stream, roughly: what each of its resources is asked for, over what it can do.
 
-use super::Demand;
+use super::pass::Demand;
 use crate::energy;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
