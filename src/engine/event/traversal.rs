@@ -83,23 +83,37 @@ impl Traversal {
     /// come that is not known yet; [`u64::MAX`] if nothing is known.
     fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
-        let horizon = now + links.horizon;
-        let last = horizon.saturating_sub(self.pipeline.hit_latency());
-        let mut line = self.pipeline.line_at(links);
+        let end = now + links.horizon + 1;
+        let mut line = self.pipeline.line_at(links).min(end);
+        if !self.pipeline.go_on(now + 1, line, links) {
+            return now + 1;
+        }
         let mut returned = returned_at(links, index);
         let mut dispatched = dispatched_at(links, index);
         loop {
-            let ends = self.pipeline.ends_at();
+            let (ends, releases) = (self.pipeline.ends_at(), self.pipeline.releases_at());
             let at = ends.min(returned).min(dispatched);
-            if line <= at {
-                if line > horizon || !self.pipeline.fill_ahead(line, links) {
+            if line.min(releases) < end && line <= at.min(releases) {
+                if !self.pipeline.fill_ahead(line, links) {
                     return line;
                 }
-                line = self.pipeline.line_at(links);
+                let filled = line;
+                line = self.pipeline.line_at(links).min(end);
+                if !self.pipeline.go_on(filled, line, links) {
+                    return filled;
+                }
                 continue;
             }
-            if at > last {
-                return at;
+            // What a ray does in a cycle comes before lines that are given out one by one.
+            if releases < at.min(end) {
+                self.pipeline.release_ahead(releases, links);
+                if !self.pipeline.go_on(releases, line, links) {
+                    return releases;
+                }
+                continue;
+            }
+            if at >= end {
+                return at.min(releases).min(self.pipeline.line_at(links)).min(self.pipeline.pending_at());
             }
             let id = if ends == at {
                 self.pipeline.next_to_leave()
@@ -123,7 +137,7 @@ impl Traversal {
                 dispatched = dispatched_at(links, index);
             }
             let element = links.layout.node(node);
-            if !self.pipeline.fetch_ahead(id, &element, at, line.min(horizon + 1), links) {
+            if !self.pipeline.fetch_ahead(id, &element, at, line, links) {
                 return at;
             }
         }
