@@ -105,7 +105,7 @@ impl Pipeline {
     }
 
     /// An operation of `ray` begins in cycle `at`, which is to come.
-    #[inline]
+    #[inline(always)]
     pub(super) fn enter_ahead(&mut self, ray: RayId, at: u64) {
         self.enter(ray, at);
         self.causes.begin(at, self.timing.interval);
