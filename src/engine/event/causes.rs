@@ -77,13 +77,15 @@ impl Causes {
 
     /// As [`Causes::cycle`], where the cause may be another one than before.
     fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
-        if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
+        let ahead = self.ahead.take_if(|ahead| ahead.at <= now);
+        let settled = ahead.map_or(now, |ahead| ahead.at);
+        while self.runs.front().is_some_and(|run| run.1 <= settled) {
+            self.runs.drop_front();
+        }
+        if let Some(ahead) = ahead {
             self.change(ahead.at, ahead.idle);
         }
         self.change(now, idle);
-        while self.runs.front().is_some_and(|run| run.1 <= now) {
-            self.runs.drop_front();
-        }
     }
 
     /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
