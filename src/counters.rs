@@ -15,6 +15,17 @@ pub(crate) struct Counter {
     pub about: &'static str,
 }
 
+/// Whether two names are the same; in constants, where `==` is not.
+pub(crate) const fn is_same(a: &str, b: &str) -> bool {
+    let (a, b) = (a.as_bytes(), b.as_bytes());
+    let (mut at, mut same) = (0, a.len() == b.len());
+    while same && at < a.len() {
+        same = a[at] == b[at];
+        at += 1;
+    }
+    same
+}
+
 /// Declares a struct of `u64` counters: `counters! { pub struct Counts { hits: "accesses", "the line was there"; } }`.
 ///
 /// The fields of `peaks { ... }` behind the struct are maxima: a sum takes the larger one, and a difference keeps that
@@ -43,6 +54,18 @@ macro_rules! counters {
                     name: stringify!($peak), unit: $peak_unit, about: $peak_about,
                 },)+)?
             ];
+
+            /// How many of them are summed: maxima stand behind.
+            pub(crate) const SUMMED: usize = [$(stringify!($field)),+].len();
+
+            /// The place of the counter `name`; an error of the compiler if there is none and this is a constant.
+            pub(crate) const fn place(name: &str) -> usize {
+                let mut place = 0;
+                while !$crate::counters::is_same(Self::DECLARED[place].name, name) {
+                    place += 1;
+                }
+                place
+            }
 
             /// The values, in the order of [`Self::DECLARED`].
             pub(crate) fn values(&self) -> [u64; Self::DECLARED.len()] {
@@ -101,6 +124,8 @@ mod tests {
         let [early, late] = [[1, 2, 9], [5, 7, 3]].map(Counts::from_values);
         assert_eq!([early, late].into_iter().sum::<Counts>().values(), [6, 9, 9]);
         assert_eq!((late - early).values(), [4, 5, 3]);
+        const MISSES: usize = Counts::place("misses");
+        assert_eq!((MISSES, Counts::SUMMED), (1, 2));
         assert_eq!(serde_json::to_string(&early).unwrap(), r#"{"hits":1,"misses":2,"longest":9}"#);
     }
 }

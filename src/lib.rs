@@ -62,6 +62,7 @@
 #![warn(unreachable_pub)]
 // `println!` panics where standard output is full or closed: the command line has a function for it.
 #![deny(clippy::print_stdout)]
+#![warn(clippy::missing_errors_doc)]
 
 pub mod accel;
 pub(crate) mod alike;

@@ -29,7 +29,10 @@ pub struct PowerOfTwoSize<const LO: u64, const HI: u64>(u64);
 macro_rules! checked {
     ($name:ident, $what:literal, $read:path, $schema:ident, $value:ident => $ok:expr) => {
         impl<const LO: u64, const HI: u64> $name<LO, HI> {
-            /// The checked number; the error says what is allowed.
+            /// The checked number.
+            ///
+            /// # Errors
+            /// The number is not allowed; the error says which are.
             pub fn new($value: u64) -> Result<Self, String> {
                 if LO <= $value && $value <= HI && $ok {
                     Ok(Self($value))

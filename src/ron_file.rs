@@ -61,6 +61,9 @@ impl fmt::Display for Place {
 }
 
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
+///
+/// # Errors
+/// As [`parse`]; the file cannot be read.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
     parse(&text(path)?, path)
 }
@@ -116,6 +119,9 @@ pub(crate) fn top_names(text: &str) -> Vec<String> {
 }
 
 /// Reads `text`, which came from `path`, as RON.
+///
+/// # Errors
+/// The text is no RON, or none of a `T`; the error points at the line.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
     let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());

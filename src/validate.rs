@@ -174,6 +174,9 @@ impl Decision {
 }
 
 /// Compares the three pictures of a frame of a scene with `lights` lights.
+///
+/// # Errors
+/// The pictures are not of one size, or culling changed which rays were traced and which lights were asked for.
 pub fn compare(
     reference: &Picture,
     plain: &Picture,

@@ -50,6 +50,51 @@ fn pages_are_quiet_fit_the_window_and_print() {
     sliders_and_tables(&mut browser, &pages[0]);
 }
 
+/// Pictures of the sample's page in the book: width, height, and the colours that the reader prefers.
+const PICTURES: [(&str, u32, u32, &str); 3] =
+    [("page-light", 1200, 1000, "light"), ("page-dark", 1200, 1000, "dark"), ("page-phone", 390, 844, "light")];
+
+/// The book's pictures are of the page as it is, but for how a system's fonts are drawn. `UMBRASIM_BLESS=1` makes them.
+#[test]
+fn the_book_shows_the_page_as_it_is() {
+    let Some(mut browser) = chromium::start() else { return };
+    let root = Path::new(common::ROOT);
+    for (name, width, height, scheme) in PICTURES {
+        browser.prefer(scheme);
+        browser.open(&root.join("reports/sample/index.html"), width);
+        let found = browser.picture(width, height);
+        let file = root.join(format!("docs/guide/images/{name}.png"));
+        if std::env::var_os("UMBRASIM_BLESS").is_some() {
+            std::fs::write(&file, &found).unwrap();
+        }
+        let [found, known] = [blocks(&found), blocks(&std::fs::read(&file).unwrap())];
+        assert_eq!(found.len(), known.len(), "{name} has another size: make it again with UMBRASIM_BLESS=1");
+        let differ = found.iter().zip(&known).filter(|(a, b)| (*a - *b).abs() > 12.0).count();
+        let most = found.len() / 20;
+        assert!(differ <= most, "{name}: {differ} of {} blocks differ: look, and make it again", found.len());
+    }
+}
+
+/// The mean brightness, 0 to 255, of each block of 20x20 pixels of a PNG.
+fn blocks(picture: &[u8]) -> Vec<f64> {
+    const SIDE: usize = 20;
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(picture));
+    decoder.set_transformations(png::Transformations::normalize_to_color8());
+    let mut reader = decoder.read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let (samples, columns) = (info.color_type.samples(), (info.width as usize).div_ceil(SIDE));
+    let mut sums = vec![(0.0, 0.0); columns * (info.height as usize).div_ceil(SIDE)];
+    for (row, pixels) in bytes.chunks(info.line_size).enumerate() {
+        for (column, pixel) in pixels.chunks_exact(samples).enumerate() {
+            let (sum, count) = &mut sums[row / SIDE * columns + column / SIDE];
+            *sum += pixel[..3].iter().map(|&part| f64::from(part)).sum::<f64>() / 3.0;
+            *count += 1.0;
+        }
+    }
+    sums.into_iter().map(|(sum, count)| sum / f64::max(count, 1.0)).collect()
+}
+
 /// Plots on dark pages have light ink on dark paper.
 fn dark(browser: &mut Browser, page: &Path) {
     let shade =

@@ -320,15 +320,22 @@ fn interrupt(desk: &Desk, args: &[&str], ready: impl Fn() -> bool) -> std::proce
     program.args(args).current_dir(desk.path("")).stdout(Stdio::piped()).stderr(Stdio::piped());
     let child: Child = program.spawn().unwrap();
     let began = Instant::now();
-    while !(catches_interrupts(child.id()) && ready()) {
+    // Time of the processor for some frames, however busy the machine is.
+    while !(catches_interrupts(child.id()) && ready() && ticks(child.id()) > 70) {
         assert!(began.elapsed() < Duration::from_secs(60), "the program is not ready for Ctrl-C");
         std::thread::sleep(Duration::from_millis(20));
     }
-    // Time for some frames.
-    std::thread::sleep(Duration::from_millis(700));
     let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(kill.success());
     child.wait_with_output().unwrap()
+}
+
+/// Hundredths of a second of processor time that a process took; see proc(5).
+#[cfg(target_os = "linux")]
+fn ticks(process: u32) -> u64 {
+    let stat = fs::read_to_string(format!("/proc/{process}/stat")).unwrap_or_default();
+    let fields = stat.rsplit(')').next().unwrap_or_default().split_whitespace();
+    fields.skip(11).take(2).filter_map(|field| field.parse::<u64>().ok()).sum()
 }
 
 /// Whether a process handles SIGINT, which is signal 2, by itself.

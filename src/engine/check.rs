@@ -75,10 +75,11 @@ fn equal(what: impl FnOnce() -> String, left: u64, right: u64) -> Result<(), Str
 pub(crate) fn bounds(stats: &MachineStats, bounds: &Bounds) -> Result<(), String> {
     let cycles = [bounds.cycles.least.0, bounds.cycles.most.0];
     let [l2, dram] = [bounds.l2_bytes, bounds.dram_bytes].map(|bytes| [bytes.least.0, bytes.most.0]);
-    let levels = stats.bytes.keys().filter(|level| level.starts_with("l2"));
-    let moved = levels.map(|level| stats.moved(level).0).sum();
-    let found =
-        [("cycles", stats.cycles.0, cycles), ("L2 bytes", moved, l2), ("DRAM bytes", stats.moved("dram").0, dram)];
+    let found = [
+        ("cycles", stats.cycles.0, cycles),
+        ("L2 bytes", stats.moved_l2().0, l2),
+        ("DRAM bytes", stats.moved("dram").0, dram),
+    ];
     match found.into_iter().find(|(_, found, [least, most])| found < least || found > most) {
         Some((what, found, [least, most])) => Err(format!("{found} {what} are not within {least} to {most}")),
         None => Ok(()),

@@ -5,7 +5,7 @@ use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
 
 /// Kinds of units, in the order of [`super::tally::Tally::units`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Kind {
     /// Traversal units.
     Traversal,

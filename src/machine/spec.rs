@@ -121,6 +121,9 @@ impl MachineSpec {
     }
 
     /// Checks what single fields cannot.
+    ///
+    /// # Errors
+    /// Fields that contradict each other; the error names them.
     pub fn check(&self) -> Result<(), SpecError> {
         let line = self.line_bytes.get();
         self.traversal
@@ -198,6 +201,9 @@ impl MachineSpec {
     }
 
     /// Checks what a stream and the machine need of each other.
+    ///
+    /// # Errors
+    /// The stream lacks what the machine needs, or holds more than it can address.
     pub fn check_stream(&self, header: &Header) -> Result<(), SpecError> {
         let unit = &self.shadow_cache;
         let words = header.stores.mode_words;

@@ -107,6 +107,9 @@ pub struct Stores {
 }
 
 /// Checks that words have room for the frame's number, if they are to hold it, beside the modes of the stream's lights.
+///
+/// # Errors
+/// The words of the stream's lights leave no room.
 pub fn check_tag(header: &Header, layout: StoreLayout) -> Result<(), String> {
     let (lights, words) = (header.lights, header.stores.words_per_primitive);
     if header.stores.word_owners == 0

@@ -73,6 +73,9 @@ impl CacheSpec {
     };
 
     /// Checks what single fields cannot: `field` names the spec in errors, `line` is the line size in bytes.
+    ///
+    /// # Errors
+    /// Fields that contradict each other; the error begins with `field`.
     pub fn check(&self, field: &str, line: u64) -> Result<(), String> {
         match self.contents {
             Contents::Tags => check_geometry(field, self.bytes.get(), self.ways.get(), 1, line, self.replacement),

@@ -60,6 +60,9 @@ impl L2Spec {
     }
 
     /// Checks what single fields cannot; `line` is the line size in bytes.
+    ///
+    /// # Errors
+    /// A class without a home or with two, names that no report can hold, caches of no whole set.
     pub fn check(&self, line: u64) -> Result<(), String> {
         if let Self::Split(homes) = self {
             for (name, _) in homes.iter() {

@@ -341,8 +341,10 @@ pub fn undeclared(summary: &Value) -> Vec<String> {
     found.into_iter().filter(|(path, _)| declarations(path) != 1).map(|(path, _)| path.join(".")).collect()
 }
 
-/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one; `Err`
-/// says what else is there when nothing is called so.
+/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one.
+///
+/// # Errors
+/// Nothing is called so; the error says what else is there.
 pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, String> {
     let meant = |statistic: &&Statistic| name.is_none_or(|name| statistic.is_meant(name));
     let statistics = statistics();

@@ -15,7 +15,6 @@ use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::dram::spec::Model;
 use crate::memory::l2::L2Spec;
 use crate::memory::tags::Contents;
-use crate::quantity::Bytes;
 use crate::ranged::{Share, Size, Within};
 use crate::stats::{MachineStats, ModelCheck, Needs, PartNeed};
 use crate::stream::{Chunk, Header, Item, RayKind, StreamError, Totals};
@@ -175,8 +174,7 @@ struct Figures([f64; 3]);
 
 impl Figures {
     fn of(stats: &MachineStats) -> Self {
-        let l2 = stats.bytes.keys().filter(|level| level.starts_with("l2")).map(|level| stats.moved(level));
-        Self([stats.cycles.0, l2.sum::<Bytes>().0, stats.moved("dram").0].map(|figure| figure as f64))
+        Self([stats.cycles.0, stats.moved_l2().0, stats.moved("dram").0].map(|figure| figure as f64))
     }
 
     /// Changes as shares of `truth`, where there is one.

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::figures::Figures;
+use super::figures::{Figure, Figures};
 use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot, student};
 use super::strata::{Point, Strata};
@@ -83,9 +83,9 @@ pub(crate) fn estimate(
     windows: &[Window],
     draws: usize,
     line: u64,
-) -> BTreeMap<String, Total> {
+) -> BTreeMap<Figure, Total> {
     let mut sample = Sample::new(population, windows, draws, line as f64);
-    sample.names().into_iter().map(|name| (name.clone(), sample.total(&name))).collect()
+    sample.figures().into_iter().map(|figure| (figure.clone(), sample.total(&figure))).collect()
 }
 
 /// Points of a sample, and the windows that they lie in.
@@ -122,19 +122,20 @@ impl<'a> Sample<'a> {
         Self { population, line, points, place, strata, weights, scale, solvers }
     }
 
-    fn names(&self) -> BTreeSet<String> {
+    fn figures(&self) -> BTreeSet<Figure> {
         let parts = self.points.iter().flat_map(|window| &window.spans);
         parts.flat_map(|part| part.figures.keys().cloned()).collect()
     }
 
-    fn total(&mut self, name: &str) -> Total {
-        let how = explanation(name);
+    fn total(&mut self, figure: &Figure) -> Total {
+        let how = explanation(figure);
         let scale = if how.span == Span::Group { self.scale } else { 1.0 };
         let parts = || self.points.iter().map(|window| window.span(how.span));
         let known: Vec<Columns> = parts().map(|part| part.known.map(|known| known * scale)).collect();
         let expected = |known: &Columns| how.lines.map_or(0.0, |lines| known[lines] * self.line);
-        let value =
-            |(part, known): (&Part, &Columns)| scale * part.figures.get(name).copied().unwrap_or(0.0) - expected(known);
+        let value = |(part, known): (&Part, &Columns)| {
+            scale * part.figures.get(figure).copied().unwrap_or(0.0) - expected(known)
+        };
         let values: Vec<f64> = parts().zip(&known).map(value).collect();
         let weights = &self.weights;
         let (solver, leverage) = self.solvers.entry((how.span, how.columns)).or_insert_with_key(|(_, columns)| {
@@ -206,7 +207,7 @@ mod tests {
     use crate::machine::MachineSpec;
 
     fn window(place: f64, known: Columns, y: f64) -> Window {
-        let inside = Part { known, figures: [("y".to_owned(), y)].into() };
+        let inside = Part { known, figures: [(Figure::Cycles, y)].into() };
         let other = || Part { known, ..Part::default() };
         let hits = vec![Point { place, draw: 0 }];
         Window { size: 1.0, hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
@@ -236,7 +237,7 @@ mod tests {
             })
             .collect();
         let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known: known(20_000.0, 300.0) };
-        let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
+        let Total { total, half_width } = estimate(&population, &windows, 1, 64)[&Figure::Cycles];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width.unwrap() < 1e-6);
     }
@@ -250,7 +251,7 @@ mod tests {
         let found = [16_000.0, 32_000.0].map(|operations| {
             let known = known(operations, 0.0);
             let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known };
-            estimate(&population, &windows, 1, 64)["y"]
+            estimate(&population, &windows, 1, 64)[&Figure::Cycles]
         });
         let [once, twice] = found.map(|found| found.half_width.unwrap());
         assert!(once > 1.0 && (twice / once - 2.0).abs() < 1e-9, "{once} {twice}");
@@ -262,7 +263,7 @@ mod tests {
         // known of them.
         let windows = [1.0, 3.0].map(|size| Window { size, ..window(size, known(0.0, 0.0), size) });
         let population = Population { strata: strata(60.0), axis: 60.0, windows: 40, ..Population::default() };
-        let Total { total, half_width } = estimate(&population, &windows, 1, 64)["y"];
+        let Total { total, half_width } = estimate(&population, &windows, 1, 64)[&Figure::Cycles];
         assert_eq!((total, half_width), (60.0, Some(0.0)));
     }
 
@@ -296,7 +297,7 @@ mod tests {
                 }
             }
             let population = Population { strata, axis: end, windows: 300, known: known(0.0, 0.0) };
-            let Total { total, half_width } = estimate(&population, &windows, draws, 64)["y"];
+            let Total { total, half_width } = estimate(&population, &windows, draws, 64)[&Figure::Cycles];
             let error = half_width.unwrap() / student(1e9) / truth;
             let found = [total / truth, (total / truth - 1.0).powi(2), error * error];
             means.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / f64::from(SEEDS));

@@ -1,11 +1,8 @@
 //! What a sample found, and the statistics of the stream that it lets be estimated.
 
-use std::collections::BTreeMap;
-
 use super::estimate::{self, Population, Total, Window};
-use super::figures::{self, Figures};
+use super::figures::{Figure, Figures, Levels};
 use super::job::{Found, Latencies};
-use super::known::{DRAM_BYTES, L2_BYTES};
 use super::pass::{Pass, Sampler};
 use crate::machine::{MachineSpec, SpecError};
 use crate::stats::{Accuracy, LatencyCounts, MachineStats};
@@ -50,7 +47,7 @@ impl Findings {
                     self.know_longest(latency);
                 }
                 Found::End(end) => {
-                    end.into_iter().for_each(|(name, value)| *self.ends.entry(name).or_default() += value);
+                    end.into_iter().for_each(|(figure, value)| *self.ends.entry(figure).or_default() += value);
                 }
             }
         }
@@ -71,17 +68,17 @@ impl Findings {
     /// The stream's statistics, as the first `draws` points of each stratum let them be estimated.
     pub(crate) fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
         let mut totals = estimate::estimate(&self.population, &self.measured, draws, machine.line_bytes.get());
-        for (name, end) in &self.ends {
-            totals.entry(name.clone()).or_default().total += end;
+        for (figure, end) in &self.ends {
+            totals.entry(figure.clone()).or_default().total += end;
         }
         // Absent is absent.
-        let is_there = |name: &str, total: &Total| !name.starts_with("bytes.") || total.total > 0.0;
-        let named = || totals.iter().filter(|(name, total)| !name.starts_with('=') && is_there(name, total));
-        let figures: BTreeMap<String, f64> = named().map(|(name, total)| (name.clone(), total.total)).collect();
-        let mut stats = figures::with(&self.nothing, figures.iter());
+        let is_there = |figure: &Figure, total: &Total| !matches!(figure, Figure::Bytes(..)) || total.total > 0.0;
+        let found = || totals.iter().filter(|(figure, total)| is_there(figure, total));
+        let levels = Levels::new(machine);
+        let mut stats = levels.with(&self.nothing, found().map(|(figure, total)| (figure, total.total)));
         stats.rays = self.rays;
-        let share = |name: &str| totals.get(name).and_then(Total::share);
-        stats.accuracy = match (share("cycles"), share(L2_BYTES), share(DRAM_BYTES)) {
+        let share = |figure: Figure| totals.get(&figure).and_then(Total::share);
+        stats.accuracy = match (share(Figure::Cycles), share(Figure::L2Bytes), share(Figure::DramBytes)) {
             (Some(cycles), Some(l2_bytes), Some(dram_bytes)) if self.tells() => {
                 let rate = self.measured.len() as f64 / self.population.windows as f64;
                 Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate }
@@ -89,7 +86,8 @@ impl Findings {
             _ => Accuracy::Few { windows: self.measured.len(), telling: TELLING },
         };
         if self.tells() {
-            stats.half_widths = named().filter_map(|(name, total)| Some((name.clone(), total.half_width?))).collect();
+            let half_width = |(figure, total): (&Figure, &Total)| Some((levels.path(figure)?, total.half_width?));
+            stats.half_widths = found().filter_map(half_width).collect();
         }
         stats
     }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use super::estimate::{Part, Window};
-use super::figures::{self, Figures};
-use super::known::{Capacity, DRAM_BYTES, Known, L2_BYTES, OPERATIONS};
+use super::figures::{Figure, Figures, Levels, MemoryLevel, difference};
+use super::known::{Capacity, Known, OPERATIONS};
 use super::windows::{Job, JobWork, WindowWork};
 use crate::engine::RunError;
 use crate::engine::check;
@@ -17,7 +17,7 @@ use crate::engine::warm::WarmCaches;
 use crate::engine::work::stores_as_recorded;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
-use crate::stats::{LatencyCounts, MachineStats, TrafficClass};
+use crate::stats::{CacheCounts, LatencyCounts, TrafficClass};
 use crate::stream::{Item, Step, Totals};
 
 /// Latencies by kind of rays, as [`MachineStats`] has them.
@@ -70,7 +70,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             let done = std::array::from_fn(|kind| closed.operations[kind] - opened.operations[kind]);
             let inside = Part {
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
-                figures: figures::difference(&closed.figures, &opened.figures),
+                figures: difference(&closed.figures, &opened.figures),
             };
             let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::marked(&tally));
             let asked = Part { known: own, figures: asked_for(&inside.figures, all_missed, own_missed, machine) };
@@ -89,17 +89,13 @@ fn finished(engine: &mut dyn Engine, machine: &MachineSpec, feed: &mut JobFeed<'
     Ok(tally)
 }
 
-/// All figures, and sums that no field of the statistics holds.
+/// All figures.
 fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
-    let stats = tally.stats(machine);
-    let mut figures = figures::of(&stats);
-    figures.insert(DRAM_BYTES.into(), stats.moved("dram").0 as f64);
-    figures.insert(L2_BYTES.into(), moved_l2(&stats) as f64);
+    let mut figures = Levels::new(machine).figures(&tally.stats(machine));
     // What no window moves, the tags may.
-    let caches = machine.l2.caches();
     for class in TrafficClass::ALL {
-        for level in [caches[machine.l2.home(class)].0.as_str(), "dram"] {
-            figures.entry(format!("bytes.{level}.{}", class.name())).or_insert(0.0);
+        for level in [MemoryLevel::L2(machine.l2.home(class)), MemoryLevel::Dram] {
+            figures.entry(Figure::Bytes(level, class)).or_insert(0.0);
         }
     }
     figures
@@ -109,7 +105,8 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
 /// instead of those that were missed between the marks. What is written, what is read past an L1, and what is missed
 /// for entries of stores when a register writes them out for no ray, is that of the marks.
 fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpec) -> Figures {
-    let (caches, line) = (machine.l2.caches(), machine.line_bytes.get() as f64);
+    const MISSES: usize = CacheCounts::place("misses");
+    let line = machine.line_bytes.get() as f64;
     let (mut figures, mut l2_bytes, mut dram_bytes) = (Figures::new(), 0.0, 0.0);
     for class in TrafficClass::ALL {
         let of_scene = matches!(class, TrafficClass::Node | TrafficClass::List | TrafficClass::Triangle);
@@ -118,21 +115,21 @@ fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpe
             if is_of_rays { own[class as usize] as f64 - missed[class as usize] as f64 } else { 0.0 }
         };
         let (more_of_l2, more_of_dram) = (more(&own.l1s, &missed.l1s), more(&own.l2, &missed.l2));
-        let (home, class) = (caches[machine.l2.home(class)].0.as_str(), class.name());
-        let mut own = |name: String, more: f64| {
-            let value = inside.get(&name).copied().unwrap_or(0.0) + more;
-            figures.insert(name, value);
+        let home = MemoryLevel::L2(machine.l2.home(class));
+        let mut own = |figure: Figure, more: f64| {
+            let value = inside.get(&figure).copied().unwrap_or(0.0) + more;
+            figures.insert(figure, value);
             value
         };
-        l2_bytes += own(format!("bytes.{home}.{class}"), more_of_l2 * line);
-        dram_bytes += own(format!("bytes.dram.{class}"), more_of_dram * line);
+        l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
+        dram_bytes += own(Figure::Bytes(MemoryLevel::Dram, class), more_of_dram * line);
         // Counts of a cache are there all together or not at all.
-        let misses = format!("caches.{home}.{class}.misses");
+        let misses = Figure::Cache(home, class, MISSES);
         if inside.contains_key(&misses) {
             own(misses, more_of_dram);
         }
     }
-    figures.extend([(L2_BYTES.into(), l2_bytes), (DRAM_BYTES.into(), dram_bytes)]);
+    figures.extend([(Figure::L2Bytes, l2_bytes), (Figure::DramBytes, dram_bytes)]);
     figures
 }
 
@@ -166,12 +163,6 @@ impl Missed {
             |now: &PerClass<u64>, before: &PerClass<u64>| std::array::from_fn(|class| now[class] - before[class]);
         Self { l1s: less(&self.l1s, &before.l1s), l2: less(&self.l2, &before.l2) }
     }
-}
-
-/// Bytes between the L1s and all caches of the L2.
-fn moved_l2(stats: &MachineStats) -> u64 {
-    let levels = stats.bytes.iter().filter(|(level, _)| level.starts_with("l2"));
-    levels.flat_map(|(_, classes)| classes.values()).map(|bytes| bytes.0).sum()
 }
 
 /// What was counted up to a moment.

@@ -2,9 +2,10 @@
 
 use std::ops::AddAssign;
 
+use super::figures::{Figure, MemoryLevel};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
-use crate::stats::TrafficClass;
+use crate::stats::{CacheCounts, DramCounts, TrafficClass};
 
 const KINDS: usize = Kind::ALL.len();
 const CLASSES: usize = TrafficClass::ALL.len();
@@ -28,11 +29,6 @@ const MISSED: usize = DRAM_OF_CLASS + CLASSES;
 /// The columns of what the home, and the bank of an L2, that has the most to do does.
 const HOME: usize = MISSED + KINDS;
 const BANK: usize = HOME + 1;
-
-/// Sums that no field of the statistics holds: bytes between the L1s and all caches of the L2, and of the DRAM.
-pub(crate) const L2_BYTES: &str = "=bytes.l2";
-/// See [`L2_BYTES`].
-pub(crate) const DRAM_BYTES: &str = "=bytes.dram";
 
 /// What is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -176,32 +172,39 @@ pub(crate) struct Explanation {
     pub span: Span,
 }
 
-/// How the figure of a name is explained.
-pub(crate) fn explanation(name: &str) -> Explanation {
-    let is_of = |class: &TrafficClass| name.split('.').any(|part| part == class.name());
-    let class = TrafficClass::ALL.iter().position(is_of);
-    let operations = || OPERATIONS..KINDS;
+/// How a figure is explained.
+pub(crate) fn explanation(figure: &Figure) -> Explanation {
+    const MISSES: usize = CacheCounts::place("misses");
+    const REFRESHES: usize = DramCounts::place("refreshes");
     let operations_of = |kind: Kind| OPERATIONS + kind as usize;
     let by = |first: &[usize], lines: Option<usize>, span: Span| {
-        let columns = first.iter().copied().chain(operations()).collect();
+        let columns = first.iter().copied().chain(OPERATIONS..KINDS).collect();
         Explanation { columns, lines, span }
     };
-    let (moved, dram) = (|class: usize| MOVED_OF_CLASS + class, |class: usize| DRAM_OF_CLASS + class);
-    let triangle = TrafficClass::Triangle as usize;
-    let begins = |start: &str| name.starts_with(start);
-    match class {
-        _ if name == L2_BYTES => {
-            let (tests, words) = (operations_of(Kind::Intersection), TrafficClass::ModeWord as usize);
-            by(&[MOVED, moved(triangle), BANK, tests, HOME, moved(words), DRAM], Some(MOVED), Span::Own)
+    let moved = |class: TrafficClass| MOVED_OF_CLASS + class as usize;
+    let dram = |class: TrafficClass| DRAM_OF_CLASS + class as usize;
+    match figure {
+        Figure::L2Bytes => {
+            let (tests, words) = (operations_of(Kind::Intersection), moved(TrafficClass::ModeWord));
+            by(&[MOVED, moved(TrafficClass::Triangle), BANK, tests, HOME, words, DRAM], Some(MOVED), Span::Own)
         }
-        _ if name == DRAM_BYTES => by(&[DRAM, dram(triangle), HOME, moved(triangle), BANK], Some(DRAM), Span::Own),
-        Some(class) if begins("bytes.l2") => by(&[moved(class)], Some(moved(class)), Span::Own),
-        Some(class) if begins("bytes.dram") => by(&[dram(class)], Some(dram(class)), Span::Own),
-        Some(class) if begins("caches.l2") && name.ends_with(".misses") => by(&[dram(class)], None, Span::Own),
-        Some(class) if begins("caches") => by(&[moved(class), dram(class)], None, Span::Inside),
-        _ if begins("bytes.l1") || begins("bytes.fifos") => by(&[], None, Span::Group),
-        _ if begins("dram") && name != "dram.refreshes" => by(&[DRAM], None, Span::Inside),
-        _ => {
+        Figure::DramBytes => {
+            let triangle = TrafficClass::Triangle;
+            by(&[DRAM, dram(triangle), HOME, moved(triangle), BANK], Some(DRAM), Span::Own)
+        }
+        Figure::Bytes(MemoryLevel::L2(_), class) => by(&[moved(*class)], Some(moved(*class)), Span::Own),
+        Figure::Bytes(MemoryLevel::Dram, class) => by(&[dram(*class)], Some(dram(*class)), Span::Own),
+        Figure::Bytes(MemoryLevel::L1(_) | MemoryLevel::Fifos, _) => by(&[], None, Span::Group),
+        Figure::Cache(MemoryLevel::L2(_), class, MISSES) => by(&[dram(*class)], None, Span::Own),
+        Figure::Cache(_, class, _) | Figure::L1(_, class, _) => by(&[moved(*class), dram(*class)], None, Span::Inside),
+        Figure::Dram(place) if *place != REFRESHES => by(&[DRAM], None, Span::Inside),
+        Figure::Cycles
+        | Figure::Rays
+        | Figure::Unit(..)
+        | Figure::Operations(_)
+        | Figure::Queue(..)
+        | Figure::Latency(..)
+        | Figure::Dram(_) => {
             // Where all rays wait for few shadow-cache units, what these miss costs the most, and how much of the work
             // lies at one of them. The orders, here and above, are those which left the least on kitchen, robot,
             // staircase and living room (`tni_engine`, `desktop`, robot on `small`).

@@ -76,6 +76,12 @@ impl MachineStats {
         self.bytes.get(level).into_iter().flat_map(|classes| classes.values()).copied().sum()
     }
 
+    /// Bytes moved between the L1s and all caches of the L2, whose names begin with `l2`.
+    pub fn moved_l2(&self) -> Bytes {
+        let levels = self.bytes.iter().filter(|(level, _)| level.starts_with("l2"));
+        levels.flat_map(|(_, classes)| classes.values()).copied().sum()
+    }
+
     /// Hits over accesses, a cache and class of traffic, where there are any.
     pub fn hit_rates(&self) -> BTreeMap<String, BTreeMap<TrafficClass, f64>> {
         let of = |classes: &BTreeMap<TrafficClass, CacheStats>| {

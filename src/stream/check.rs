@@ -73,6 +73,9 @@ pub struct Checker {
 
 impl Checker {
     /// A checker at the start of a stream.
+    ///
+    /// # Errors
+    /// The header contradicts itself.
     pub fn new(header: &Header) -> Result<Self, Violation> {
         counts(header)?;
         records(header)?;
@@ -103,6 +106,9 @@ impl Checker {
     }
 
     /// Checks the next item.
+    ///
+    /// # Errors
+    /// The item breaks a rule of streams.
     pub fn check(&mut self, item: &Item) -> Result<(), Violation> {
         match item {
             Item::Frame(info) => self.begin(info),
@@ -118,6 +124,9 @@ impl Checker {
     }
 
     /// Checks that the stream may end here.
+    ///
+    /// # Errors
+    /// The stream is not complete.
     pub fn finish(&self) -> Result<(), Violation> {
         if self.in_frame {
             return Err(Violation::Order { found: "the stream's end", expected: "more of the frame" });

@@ -38,6 +38,9 @@ pub struct StreamReader<R = BufReader<File>> {
 
 impl StreamReader {
     /// Opens the file `path`.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is no stream of a version that is known.
     pub fn open(path: &Path) -> Result<Self, StreamError> {
         let failed = |source| StreamError::Io { path: path.to_owned(), doing: "read", source };
         let input = crate::input::open(path).map_err(failed)?;
@@ -47,6 +50,9 @@ impl StreamReader {
 
 impl<R: Read + Seek> StreamReader<R> {
     /// Opens the stream that is the whole of `input`; `path` is named in errors.
+    ///
+    /// # Errors
+    /// As [`StreamReader::open`].
     pub fn new(input: R, path: &Path) -> Result<Self, StreamError> {
         let mut blocks = Blocks::new(input, path);
         let length = blocks.length()?;
@@ -83,6 +89,9 @@ impl<R: Read + Seek> StreamReader<R> {
 
     /// Continues at the beginning of the frame at place `index` of [`StreamReader::frames`]; a place past the last
     /// frame is the stream's end.
+    ///
+    /// # Errors
+    /// The file cannot be read.
     pub fn seek_frame(&mut self, index: usize) -> Result<(), StreamError> {
         self.frame = index.min(self.entries.len());
         let offset = self.entries.get(self.frame).map_or(self.end, |entry| entry.offset);

@@ -43,6 +43,9 @@ pub struct StreamWriter<W = OutputFile> {
 impl StreamWriter {
     /// Begins a stream that is to become the file `path`, whose folder must be there. A file of that name is replaced
     /// when the stream is finished.
+    ///
+    /// # Errors
+    /// The file cannot be made, or the header breaks a rule of streams.
     pub fn create(path: &Path, header: &Header) -> Result<Self, StreamError> {
         let output = OutputFile::create(path);
         let output = output.map_err(|source| StreamError::Io { path: path.to_owned(), doing: "create", source })?;
@@ -51,6 +54,9 @@ impl StreamWriter {
 
     /// Completes the stream: all frames of the header must have been written. The file has its name when this returns
     /// without an error, and its bytes are on the disk.
+    ///
+    /// # Errors
+    /// The stream is not complete, or the disk is full.
     pub fn finish(self) -> Result<(), StreamError> {
         let path = self.path.clone();
         self.complete()?.finish().map_err(|source| StreamError::Io { path, doing: "write", source })
@@ -59,6 +65,9 @@ impl StreamWriter {
 
 impl<W: Write> StreamWriter<W> {
     /// Begins a stream to `output`; `path` is named in errors.
+    ///
+    /// # Errors
+    /// As [`StreamWriter::create`].
     pub fn new(output: W, path: &Path, header: &Header) -> Result<Self, StreamError> {
         let invalid = |violation| StreamError::Invalid { path: path.to_owned(), place: Place::Header, violation };
         let checker = Checker::new(header).map_err(invalid)?;
@@ -101,6 +110,9 @@ impl<W: Write> StreamWriter<W> {
     }
 
     /// Writes the next item. After an error, nothing more can be written.
+    ///
+    /// # Errors
+    /// The item breaks a rule of streams, `output` takes no more, or there was an error before.
     pub fn write(&mut self, item: &Item) -> Result<(), StreamError> {
         if self.failed {
             return Err(StreamError::Failed { path: self.path.clone() });
@@ -111,6 +123,9 @@ impl<W: Write> StreamWriter<W> {
     }
 
     /// Completes the stream and gives the output back.
+    ///
+    /// # Errors
+    /// The stream is not complete, or `output` takes no more.
     pub fn complete(mut self) -> Result<W, StreamError> {
         if self.failed {
             return Err(StreamError::Failed { path: self.path });

@@ -73,6 +73,9 @@ impl<'a> Tracer<'a> {
 
     /// Traces a frame for `policies`, in the order of the animation, and hands each policy's stream to `sink` with the
     /// policy's index. The streams come interleaved, each in its own order.
+    ///
+    /// # Errors
+    /// Those of `sink`.
     pub fn frame<E: Send>(
         &self,
         frame: &Frame,

@@ -154,6 +154,14 @@ impl Browser {
         }
     }
 
+    /// A picture of the top of the page, as PNG, so high.
+    pub fn picture(&mut self, width: u32, height: u32) -> Vec<u8> {
+        let size = json!({ "width": width, "height": height, "deviceScaleFactor": 1, "mobile": false });
+        self.call("Emulation.setDeviceMetricsOverride", size);
+        let answer = self.call("Page.captureScreenshot", json!({ "format": "png" }));
+        STANDARD.decode(answer["data"].as_str().unwrap()).unwrap()
+    }
+
     /// How many pages the page has on paper.
     pub fn printed(&mut self) -> usize {
         let paper = json!({ "paperWidth": 8.27, "paperHeight": 11.69, "preferCSSPageSize": true });

@@ -28,63 +28,63 @@ fn on_dram(from: &str, to: &str) -> String {
 #[test]
 fn a_dram_part() {
     insta::assert_snapshot!(on_dram("rrd_s", "rrds"), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:14:29: unknown field `rrds`; did you mean `rrd_s`? Allowed: `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, `rfc`
+    error: small.ron:48:16: lpddr4_3200.ron:15:29: unknown field `rrds`; did you mean `rrd_s`? Allowed: `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, `rfc`
         |
-     14 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
+     15 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
         |                             ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:8:12: 7 is not allowed here: a power of two from 1 to 64 is
+    error: small.ron:48:16: lpddr4_3200.ron:9:12: 7 is not allowed here: a power of two from 1 to 64 is
        |
-     8 |     banks: 7,
+     9 |     banks: 7,
        |            ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:18:5: Unexpected missing field named `rfc` in `Timing`
+    error: small.ron:48:16: lpddr4_3200.ron:19:5: Unexpected missing field named `rfc` in `Timing`
         |
-     18 |     ),
+     19 |     ),
         |     ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
-    error: small.ron:47:16: cannot read lpddr4.ron: No such file or directory (os error 2)
+    error: small.ron:48:16: cannot read lpddr4.ron: No such file or directory (os error 2)
         |
-     47 |         part: "lpddr4.ron",
+     48 |         part: "lpddr4.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:13:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
+    error: small.ron:48:16: lpddr4_3200.ron:14:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
         |
-     13 |         cl: 28, cwl: 14, rcd: 29, rp: 34, ras: 68, rc: 100,
+     14 |         cl: 28, cwl: 14, rcd: 29, rp: 34, ras: 68, rc: 100,
         |                                                    ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:15:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
+    error: small.ron:48:16: lpddr4_3200.ron:16:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
         |
-     15 |         rtp: 12, wr: 29, wtr_s: 8, wtr_l: 16,
+     16 |         rtp: 12, wr: 29, wtr_s: 8, wtr_l: 16,
         |                          ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @r#"
-    error: small.ron:47:16: lpddr4_3200.ron:17:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
+    error: small.ron:48:16: lpddr4_3200.ron:18:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
         |
-     17 |         refi: 900, rfc: 288,
+     18 |         refi: 900, rfc: 288,
         |         ^
         |
-     47 |         part: "lpddr4_3200.ron",
+     48 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
 }
@@ -135,9 +135,9 @@ fn a_typo() {
        |              ^
     ");
     insta::assert_snapshot!(on_machine("shading_cycles", "shading_cycle"), @r"
-    error: small.ron:13:9: unknown field `shading_cycle`; did you mean `shading_cycles`? Allowed: `rays`, `per_cycle`, `latency`, `in_fifo`, `out_fifo`, `ray_bytes`, `shading_cycles`
+    error: small.ron:14:9: unknown field `shading_cycle`; did you mean `shading_cycles`? Allowed: `rays`, `per_cycle`, `latency`, `in_fifo`, `out_fifo`, `ray_bytes`, `shading_cycles`
         |
-     13 |         shading_cycle: 100, // assumed
+     14 |         shading_cycle: 100, // assumed
         |         ^
     ");
 }
@@ -157,9 +157,9 @@ fn a_value_out_of_range() {
        |            ^
     "#);
     insta::assert_snapshot!(on_machine("clock_mhz: 500", "clock_mhz: 0"), @r"
-    error: small.ron:5:16: 0 is not allowed here: a whole number from 1 to 10000 is
+    error: small.ron:6:16: 0 is not allowed here: a whole number from 1 to 10000 is
        |
-     5 |     clock_mhz: 0, // TI, section 5
+     6 |     clock_mhz: 0, // TI, section 5
        |                ^
     ");
 }

@@ -93,6 +93,8 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         (&["identities", "identities.ron", "--json", "i.json"], "i.json"),
         (&["paper-table", "paper.ron", "--json", "p.json"], "p.json"),
     ];
+    // The long suite kills each command at 40 moments.
+    let moments = if std::env::var_os("UMBRASIM_LONG").is_some() { 40 } else { 8 };
     for (command, result) in commands {
         let timings = |text: Vec<u8>| {
             // Wall time is in the summary of a run.
@@ -104,7 +106,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         let took = begin.elapsed();
         let whole = read();
         desk.put("notes.txt", "mine");
-        for moment in 0..8 {
+        for moment in 0..moments {
             // What is drawn again is an input, too.
             if moment % 2 == 0 && command[0] != "plot" {
                 let top = desk.path(result.split('/').next().unwrap());
@@ -113,7 +115,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
                 desk.succeed(command);
             }
             let mut child = desk.spawn(command);
-            std::thread::sleep(took * moment / 8);
+            std::thread::sleep(took * moment / moments);
             child.kill().unwrap();
             child.wait().unwrap();
             let found = read();

@@ -95,6 +95,9 @@ impl fmt::Display for DramSpec {
 
 impl DramSpec {
     /// Checks what single fields cannot; `line` is the line size in bytes.
+    ///
+    /// # Errors
+    /// Fields that contradict each other, or lines that the part cannot move.
     pub fn check(&self, line: u64) -> Result<(), String> {
         if self.model != Model::Banks {
             return Ok(());

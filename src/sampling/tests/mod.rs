@@ -3,6 +3,7 @@
 use super::auto::auto;
 use super::axis::Axis;
 use super::estimate::{Population, Total, Window, estimate};
+use super::figures::{Figure, MemoryLevel};
 use super::findings::{Findings, TELLING};
 use super::known::{Columns, Span};
 use super::pass::Sampler;
@@ -16,8 +17,9 @@ use crate::engine::tests::synthetic::{bvh_like, frame, header};
 use crate::engine::tests::{items, num};
 use crate::engine::{Level, Sampled};
 use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
 use crate::replay::{Fidelity, Replay};
-use crate::stats::{Accuracy, MachineStats};
+use crate::stats::{Accuracy, CacheCounts, MachineStats, TrafficClass};
 use crate::stream::FrameInfo;
 
 #[test]
@@ -218,12 +220,12 @@ impl Census {
     }
 
     /// The estimate of a figure from these windows, and the truth.
-    fn found(&self, (name, span): (&str, Span), draws: usize, seed: u64) -> (Total, f64) {
+    fn found(&self, (figure, span): &(Figure, Span), draws: usize, seed: u64) -> (Total, f64) {
         let (drawn, axis) = self.drawn(draws, seed);
         let (strata, windows) = (Strata { seed, ..PLAN.strata }, self.windows.len());
-        let population = Population { strata, axis, windows, known: self.known[span as usize] };
-        let total = estimate(&population, &drawn, draws, 64)[name];
-        (total, self.windows.iter().map(|window| window.span(span).figures[name]).sum())
+        let population = Population { strata, axis, windows, known: self.known[*span as usize] };
+        let total = estimate(&population, &drawn, draws, 64)[figure];
+        (total, self.windows.iter().map(|window| window.span(*span).figures[figure]).sum())
     }
 }
 
@@ -236,15 +238,18 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     let census = census();
     assert!(census.windows.len() > 200, "{}", census.windows.len());
     let names = [
-        ("cycles", Span::Inside),
-        ("=bytes.dram", Span::Own),
-        ("=bytes.l2", Span::Own),
-        ("caches.l1_traversal.node.misses", Span::Inside),
+        (Figure::Cycles, Span::Inside),
+        (Figure::DramBytes, Span::Own),
+        (Figure::L2Bytes, Span::Own),
+        (
+            Figure::Cache(MemoryLevel::L1(Kind::Traversal), TrafficClass::Node, CacheCounts::place("misses")),
+            Span::Inside,
+        ),
     ];
-    let mut covered = names.map(|_| 0);
-    let mut widths = names.map(|_| 0.0);
+    let mut covered = [0; 4];
+    let mut widths = [0.0; 4];
     for seed in 0..1000 {
-        for (at, name) in names.into_iter().enumerate() {
+        for (at, name) in names.iter().enumerate() {
             let (Total { total, half_width }, truth) = census.found(name, 2, seed);
             covered[at] += u32::from((total - truth).abs() <= half_width.unwrap());
             widths[at] += half_width.unwrap() / truth / 1000.0;
@@ -252,7 +257,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     }
     println!("{names:?}: {covered:?} of 1000, mean half widths {widths:.3?}");
     for ((name, _), covered) in names.into_iter().zip(covered) {
-        assert!((930..=970).contains(&covered), "{name}: {covered} of 1000");
+        assert!((930..=970).contains(&covered), "{name:?}: {covered} of 1000");
     }
 }
 
@@ -267,7 +272,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
             // As sampling to a target goes on: at most half of all windows, then everything is replayed.
             let mut draws = 2;
             let first = loop {
-                let found = census.found(("cycles", Span::Inside), draws, seed);
+                let found = census.found(&(Figure::Cycles, Span::Inside), draws, seed);
                 let share = found.0.share().unwrap();
                 let tells = census.drawn(draws, seed).0.len() >= TELLING;
                 if share <= target && tells {
