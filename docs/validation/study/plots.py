@@ -10,7 +10,8 @@ import charts
 
 HERE = pathlib.Path(__file__).parent
 IMAGES = HERE.parent.parent / "images"
-SCENES = ["kitchen", "robot", "staircase", "living_room", "sponza", "gas_station"]
+SCENES = [scene for scene in ("kitchen", "robot", "living_room", "staircase", "sponza", "gas_station")
+          if any((HERE / f"{kind}_{scene}.csv").exists() for kind in ("unit_designs", "designs"))]
 FAIR = "fair: the same and `gather: 128`"
 FOUR = "four of those units"
 CYCLES = "change of cycles against no culling, %"
@@ -49,6 +50,19 @@ def scenes(title, column, axis):
     return charts.bars(title, axis, groups, series, left=110)
 
 
+def price():
+    """What the published words save when they are free, and what is left when they are paid."""
+    series = ["desktop", "desktop, free words", "small", "small, free words"]
+
+    def values(scene):
+        table = of_scene(scene)
+        return [find(table, "cycles_change", machine=machine, policy="Published", design=design)
+                for machine in ("desktop", "small") for design in (FAIR, "free words")]
+
+    groups = [(scene.replace("_", " "), values(scene)) for scene in SCENES]
+    return charts.bars("Published words: paid, and for nothing", CYCLES, groups, series, left=110)
+
+
 def words():
     table = rows("words.csv")
     sizes = [256 << 2 * power for power in range(5)]
@@ -77,14 +91,17 @@ def lights():
 
 def main():
     IMAGES.mkdir(exist_ok=True)
-    for name, plot in {
+    plots = {
         "study_unit": unit,
+        "study_price": price,
         "study_scenes": lambda: scenes("Where culling pays", "cycles_change", CYCLES),
         "study_energy": lambda: scenes("What culling does to energy", "joules_change",
                                        "change of energy against no culling, %"),
-        "study_words": words,
-        "study_lights": lights,
-    }.items():
+        "study_dram": lambda: scenes("What culling does to memory traffic", "dram_change",
+                                     "change of DRAM bytes against no culling, %"),
+    }
+    plots |= {f"study_{plot.__name__}": plot for plot in (words, lights) if (HERE / f"{plot.__name__}.csv").exists()}
+    for name, plot in plots.items():
         (IMAGES / f"{name}.svg").write_text(plot())
 
 
