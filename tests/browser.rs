@@ -25,8 +25,10 @@ fn pages() -> (Desk, Vec<PathBuf>) {
     desk.succeed(&["sweep", "both.ron", "--out", "both"]);
     desk.succeed(&["pareto", "levels.ron", "--out", "pareto"]);
     desk.succeed(&["chart", "run", "--out", "chart"]);
+    desk.succeed(&["run", "tiny.ron", "--set", "clock_mhz=800", "--out", "faster"]);
+    desk.succeed(&["diff", "run", "faster", "--out", "diff"]);
     desk.succeed(&["profile", "x.rays", "--machine", "small.ron", "--out", "profile"]);
-    let kinds = ["run", "sweep", "both", "pareto", "chart", "profile"];
+    let kinds = ["run", "sweep", "both", "pareto", "chart", "profile", "diff"];
     let pages = kinds.map(|kind| desk.path(kind).join("index.html")).into();
     (desk, pages)
 }

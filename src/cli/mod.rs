@@ -2,6 +2,8 @@
 //! groups that `--help` shows.
 
 mod arguments;
+#[cfg(test)]
+mod book;
 mod chart;
 mod check;
 mod command;

@@ -2,6 +2,25 @@
 
 use crate::memory::PartId;
 
+/// Parts that follow one another.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Range {
+    /// The first one.
+    pub first: u32,
+    /// The first one behind them.
+    pub end: u32,
+    /// Their bits, if those are in one word of a set.
+    mask: Option<u64>,
+}
+
+impl Range {
+    /// Those from `first` to before `end`.
+    pub(super) fn new(first: u32, end: u32) -> Self {
+        let in_one_word = first < end && first / 64 == (end - 1) / 64;
+        Self { first, end, mask: in_one_word.then(|| (!0 << (first % 64)) & (!0 >> (63 - (end - 1) % 64))) }
+    }
+}
+
 /// How many parts are in a range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Members {
@@ -44,23 +63,19 @@ impl PartSet {
         self.0[part.0 as usize / 64] & 1 << (part.0 % 64) != 0
     }
 
-    /// Which parts are in the set from `first` to before `end`.
+    /// Which parts of a range are in the set.
     #[inline]
-    pub(super) fn within(&self, first: u32, end: u32) -> Members {
-        let (word, last) = (first / 64, end.saturating_sub(1) / 64);
-        if word != last {
+    pub(super) fn within(&self, Range { first, end, mask }: Range) -> Members {
+        let Some(mask) = mask else {
             return match self.next(first, end) {
                 None => Members::None,
                 Some(part) if self.next(part + 1, end).is_none() => Members::One(part),
                 Some(_) => Members::Several,
             };
-        }
-        // As many bits as there are parts, which are fewer than a word's or all of them.
-        let some = end - first;
-        let bits = self.0[word as usize] >> (first % 64) & if some == 64 { !0 } else { (1 << some) - 1 };
-        match bits {
+        };
+        match self.0[first as usize / 64] & mask {
             0 => Members::None,
-            bits if bits & (bits - 1) == 0 => Members::One(first + bits.trailing_zeros()),
+            bits if bits & (bits - 1) == 0 => Members::One(first / 64 * 64 + bits.trailing_zeros()),
             _ => Members::Several,
         }
     }
@@ -117,7 +132,7 @@ mod tests {
                 1 => Members::One(first),
                 _ => Members::Several,
             };
-            assert_eq!(set.within(first, end), expected, "{first} to {end}");
+            assert_eq!(set.within(Range::new(first, end)), expected, "{first} to {end}");
         }
         assert_eq!((set.next(70, 71), set.next(71, 71), set.next(64, 130)), (Some(70), None, Some(64)));
         (65..130).for_each(|part| set.remove(part));

@@ -120,6 +120,11 @@ impl Layout {
         }
     }
 
+    /// Whether there are list entries.
+    pub(crate) fn has_lists(&self) -> bool {
+        self.lists.len() > 0
+    }
+
     /// The first line of the dynamic part.
     pub(crate) fn dynamic_part(&self) -> LineAddr {
         LineAddr(self.dynamic_base >> self.line_shift)

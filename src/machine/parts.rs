@@ -93,6 +93,16 @@ impl Parts {
         (part.0 - first.0) / (count / self.cores)
     }
 
+    /// The place in turn of a list, intersection or division unit in cycle `now`: which of them act before it.
+    pub(crate) fn turn(&self, part: PartId, now: u64) -> u32 {
+        let kinds =
+            [(self.list(0), self.list), (self.intersection(0), self.intersection), (self.division(0), self.division)];
+        let (first, count) = kinds.into_iter().rfind(|(first, _)| part >= *first).unwrap_or((part, 1));
+        let acts_first = (now % u64::from(count)) as u32;
+        let place = part.0 - first.0;
+        first.0 + if place < acts_first { place + count } else { place } - acts_first
+    }
+
     /// The intersection unit of a core that `number` chooses.
     pub(crate) fn intersection_of(&self, core: u32, number: u64) -> u32 {
         self.choose(self.intersection, core, number)

@@ -43,7 +43,7 @@ impl<T: Copy> Ring<T> {
     /// The first entry.
     #[inline]
     pub(crate) fn front(&self) -> Option<&T> {
-        if self.len == 0 { None } else { self.places.get(self.first) }
+        self.places.get(self.first).filter(|_| self.len > 0)
     }
 
     /// The last entry.

@@ -99,18 +99,17 @@ impl TagArray {
             *front |= if write { DIRTY } else { 0 };
             return true;
         }
-        self.access_behind(line, write)
+        self.access_behind(first, line, write)
     }
 
-    /// As [`TagArray::access`], of any line of a set.
-    fn access_behind(&mut self, line: LineAddr, write: bool) -> bool {
-        let set = self.set(line);
-        let lines = &mut self.lines[set * self.ways..][..self.ways];
+    /// As [`TagArray::access`], of any line of the set whose lines begin at place `first`.
+    fn access_behind(&mut self, first: usize, line: LineAddr, write: bool) -> bool {
+        let lines = &mut self.lines[first..first + self.ways];
         let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
         if write {
             lines[way] |= DIRTY;
         }
-        self.state.used(set, way, lines);
+        self.state.used((line.0 >> self.set_shift & self.set_mask) as usize, way, lines);
         true
     }
 

@@ -170,6 +170,12 @@ impl Step {
         })
     }
 
+    /// The node that a packed step visits, if it visits one.
+    #[inline]
+    pub fn node(word: u32) -> Option<NodeId> {
+        (Self::tag(word) as i32 == Self::NODE).then_some(NodeId(word & Self::MAX_INDEX))
+    }
+
     /// How many packed steps visit nodes, read lists, and do neither.
     pub(super) fn count(words: &[u32]) -> [u64; 3] {
         // Tag by tag: a loop without a branch looks at several words at once.

@@ -14,17 +14,19 @@ fn desk() -> Desk {
     desk.put("sweep.ron", "(experiment: \"tiny.ron\", frames: \"0..1\", vary: {\"clock_mhz\": [500, 600]})");
     let pareto = "(experiments: [(file: \"tiny.ron\", frames: \"0..1\")], machines: [\"small.ron\"], rungs: [Bound])";
     desk.put("pareto.ron", pareto);
+    desk.succeed(&["run", "tiny.ron", "--frames", "0..2", "--out", "other"]);
     desk
 }
 
 /// Commands that write a report into a folder, which is to be named behind.
-const REPORTS: [&[&str]; 6] = [
+const REPORTS: [&[&str]; 7] = [
     &["run", "tiny.ron", "--frames", "0..1", "--out"],
     &["validate", "tiny.ron", "--frames", "0..1", "--out"],
     &["profile", "x.rays", "--machine", "small.ron", "--out"],
     &["sweep", "sweep.ron", "--out"],
     &["pareto", "pareto.ron", "--out"],
     &["chart", "base", "--out"],
+    &["diff", "base", "other", "--out"],
 ];
 
 /// A file in a report that is as large for every report of a command.

@@ -82,6 +82,12 @@ impl Causes {
         self.change(now + 1, idle);
     }
 
+    /// Whether operations occupy all cycles from `at` to the last that is known to be busy.
+    #[inline]
+    pub(crate) fn is_busy_from(&self, at: u64) -> bool {
+        self.runs.back().is_some_and(|run| run.0 <= at)
+    }
+
     /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the
     /// cause.
     #[inline]

@@ -3,7 +3,7 @@
 use super::causes::Causes;
 use super::links::{Inbox, Links, take};
 use super::pipeline::Stages;
-use super::ray::RayId;
+use super::ray::{FREES_LIST, GONE, RayId};
 use crate::machine::division::DivisionSpec;
 use crate::memory::{PartId, Wake};
 use crate::stats::Cause;
@@ -40,17 +40,22 @@ impl Division {
     /// Cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         if let Some(id) = take(&mut self.stages, now) {
-            let unit = links.parts.intersection_of(self.core, id.into());
+            let unit = links.parts.intersection_of(self.core, (id & !(GONE | FREES_LIST)).into());
             links.freed_tests[unit as usize] += 1;
             let part = links.parts.intersection(unit);
             links.clock.wake(part, now + 1);
-            links.tested(id, now);
+            if id & GONE != 0 {
+                links.left(id, self.core, now);
+            } else {
+                links.tested(id, now);
+            }
         }
-        let queue = &mut links.divisions[self.index];
         if now >= self.open_at
-            && let Some(id) = queue.take(now, &mut links.clock)
+            && let Some(id) = links.divisions[self.index].take(now, &mut links.clock)
         {
-            self.stages.push_back((now + self.timing.latency, id));
+            let ends = now + self.timing.latency;
+            let left = links.tested_ahead(id, self.part, ends);
+            self.stages.push_back((ends, left));
             self.open_at = now + self.timing.interval;
             self.causes.begin(now, self.timing.interval);
         }

@@ -3,7 +3,7 @@
 use super::super::contract::Engine;
 use super::super::error::RunError;
 use super::super::feed::{CycleEnd, Feed};
-use super::super::part_set::{Members, PartSet};
+use super::super::part_set::{Members, PartSet, Range};
 use super::super::snapshot::Snapshot;
 use super::super::tally::{BankTally, ChannelTally, Tally, UnitTally};
 use super::super::warm::WarmCaches;
@@ -13,7 +13,8 @@ use super::division::Division;
 use super::intersection::Intersection;
 use super::links::Links;
 use super::list::List;
-use super::pipeline::{Memory, Pipeline};
+use super::memory::Memory;
+use super::pipeline::Pipeline;
 use super::shadow_cache::ShadowCache;
 use super::traversal::Traversal;
 use super::wheel::Wheel;
@@ -26,27 +27,18 @@ use crate::memory::dram::command::ChannelLog;
 use crate::memory::queue::Queue;
 use crate::stream::Header;
 
-/// All parts of a kind: which numbers they have.
-#[derive(Clone, Copy, Debug)]
-struct Group {
-    first: u32,
-    end: u32,
-}
-
-impl Group {
-    /// Lets those that are due act: number `now` modulo their count first.
-    #[inline]
-    fn each_due(self, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) {
-        let first = self.first;
-        let mut tick = |part: u32| tick((part - first) as usize);
-        match due.within(first, self.end) {
-            Members::None => {}
-            Members::One(part) => tick(part),
-            Members::Several => {
-                let middle = first + (now % u64::from(self.end - first)) as u32;
-                due.each(middle, self.end, &mut tick);
-                due.each(first, middle, &mut tick);
-            }
+/// Lets those of a kind that are due act: number `now` modulo their count first.
+#[inline]
+fn each_due(parts: Range, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) {
+    let Range { first, end, .. } = parts;
+    let mut tick = |part: u32| tick((part - first) as usize);
+    match due.within(parts) {
+        Members::None => {}
+        Members::One(part) => tick(part),
+        Members::Several => {
+            let middle = first + (now % u64::from(end - first)) as u32;
+            due.each(middle, end, &mut tick);
+            due.each(first, middle, &mut tick);
         }
     }
 }
@@ -54,13 +46,13 @@ impl Group {
 /// Kinds of parts that act after the dispatcher, in the order in which they do.
 #[derive(Clone, Copy, Debug)]
 struct Groups {
-    traversal: Group,
-    list: Group,
-    intersection: Group,
-    division: Group,
-    shadow_cache: Group,
-    banks: Group,
-    channels: Group,
+    traversal: Range,
+    list: Range,
+    intersection: Range,
+    division: Range,
+    shadow_cache: Range,
+    banks: Range,
+    channels: Range,
 }
 
 impl Groups {
@@ -68,7 +60,7 @@ impl Groups {
         let mut first = 1;
         let mut group = |count: u32| {
             first += count;
-            Group { first: first - count, end: first }
+            Range::new(first - count, first)
         };
         Self {
             traversal: group(parts.traversal),
@@ -153,13 +145,13 @@ impl Event {
     #[inline]
     fn tick_parts(&mut self, now: u64, due: &PartSet) {
         let Self { groups, traversal, list, intersection, division, shadow_cache, links, .. } = self;
-        groups.traversal.each_due(due, now, |unit| traversal[unit].tick(now, links));
-        groups.list.each_due(due, now, |unit| list[unit].tick(now, links));
-        groups.intersection.each_due(due, now, |unit| intersection[unit].tick(now, links));
-        groups.division.each_due(due, now, |unit| division[unit].tick(now, links));
-        groups.shadow_cache.each_due(due, now, |unit| shadow_cache[unit].tick(now, links));
-        groups.banks.each_due(due, now, |bank| links.tick_bank(bank, now));
-        groups.channels.each_due(due, now, |channel| links.tick_channel(channel, now));
+        each_due(groups.traversal, due, now, |unit| traversal[unit].tick(now, links));
+        each_due(groups.list, due, now, |unit| list[unit].tick(now, links));
+        each_due(groups.intersection, due, now, |unit| intersection[unit].tick(now, links));
+        each_due(groups.division, due, now, |unit| division[unit].tick(now, links));
+        each_due(groups.shadow_cache, due, now, |unit| shadow_cache[unit].tick(now, links));
+        each_due(groups.banks, due, now, |bank| links.tick_bank(bank, now));
+        each_due(groups.channels, due, now, |channel| links.tick_channel(channel, now));
     }
 
     fn drop_dynamic_lines(&mut self) {
@@ -223,6 +215,9 @@ impl Engine for Event {
         let mut asks = false;
         if feed.marks() {
             self.pipelines_mut().for_each(Pipeline::foresee_nothing);
+        }
+        if looks {
+            self.links.look_no_further();
         }
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));

@@ -127,8 +127,7 @@ impl Host {
             match (&self.phase, item) {
                 (Phase::Between, None) => self.phase = Phase::Finished,
                 (Phase::Between, Some(Item::Frame(frame))) => {
-                    links.layout.begin_frame(&frame);
-                    links.drop_dynamic_lines();
+                    links.begin_frame(&frame);
                     (self.phase, self.frame, began) = (Phase::Open, frame.number, true);
                 }
                 (Phase::Between, _) => return Err(StreamFault::Order { found, expected: "a frame's beginning" }.into()),

@@ -1,13 +1,13 @@
 //! The intersection unit: fetches triangle records in two phases and tests them.
 
 use super::links::Links;
-use super::pipeline::{Memory, Pipeline, Stages};
-use super::ray::{Owner, RayId};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
+use super::ray::{FREES_LIST, GONE, RayId};
 use crate::machine::intersection::IntersectionSpec;
 use crate::machine::writes::WritePolicy;
-use crate::memory::Wake;
 use crate::memory::ring::Ring;
-use crate::stream::{RayKind, Step, Stop};
+use crate::stream::{Step, Stop};
 
 /// An intersection unit.
 #[derive(Clone, Debug)]
@@ -19,6 +19,10 @@ pub(crate) struct Intersection {
     leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
+    /// Operations in the pipeline, the first ones, of which it is known what becomes of their rays.
+    known: usize,
+    /// When those of them end after which others are to hear of it.
+    heard: Ring<u64>,
 }
 
 impl Intersection {
@@ -32,16 +36,22 @@ impl Intersection {
             leaving: Ring::new(),
             contexts: spec.tests.size(),
             free: spec.tests.size(),
+            known: 0,
+            heard: Ring::new(),
         }
     }
 
     /// Cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         self.free += std::mem::take(&mut links.freed_tests[self.index]);
+        while self.pipeline.left_before(now) {
+            self.known -= 1;
+            self.free += 1;
+        }
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
-            self.passed(id, now, links);
+            self.leave(id, now, links);
         }
         if free_at_start && let Some(id) = links.tests[self.index].take(now, &mut links.clock) {
             self.free -= 1;
@@ -53,15 +63,18 @@ impl Intersection {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, !self.leaving.is_empty());
+        let mut next = self.pipeline.end(now, links, !self.leaving.is_empty());
+        self.send_back(links);
         if sent && !self.leaving.is_empty() {
-            links.clock.wake(part, now + 1);
+            next = now + 1;
         }
-        if self.free > 0
-            && let Some(at) = links.tests[self.index].next_at()
-        {
-            links.clock.wake(part, at.max(now + 1));
+        // When the last operation ends, the cause of idle cycles is another one.
+        let ends = self.heard.front().copied().unwrap_or_else(|| self.pipeline.drains_at());
+        if let Some(at) = links.tests[self.index].next_at() {
+            let free_at = if self.free > 0 { now + 1 } else { self.pipeline.ends_at().saturating_add(1) };
+            next = next.min(at.max(free_at));
         }
+        links.clock.wake_if(part, next.min(ends));
     }
 
     fn take_on(&mut self, id: RayId, now: u64, links: &mut Links) {
@@ -75,6 +88,36 @@ impl Intersection {
         self.pipeline.fetch(id, &element, now, links);
     }
 
+    /// A ray leaves the pipeline: one that was sent back ahead of time, or one of which the operation has ended.
+    fn leave(&mut self, id: RayId, now: u64, links: &mut Links) {
+        self.known -= 1;
+        if id & (GONE | FREES_LIST) != GONE {
+            self.heard.drop_front();
+        }
+        if id & GONE == 0 {
+            return self.passed(id, now, links);
+        }
+        self.free += 1;
+        links.left(id, self.pipeline.core(), now);
+    }
+
+    /// Sends rays back, of which the test ends with the operation that they have begun.
+    fn send_back(&mut self, links: &mut Links) {
+        let part = self.pipeline.part();
+        while let Some((ends, id)) = self.pipeline.operation(self.known) {
+            let ray = &links.rays[*id as usize];
+            if let Some(Step::Triangle { stop, .. }) = ray.step()
+                && (stop == Stop::Plane || ray.at_edges && !ray.is_divided(stop))
+            {
+                *id = links.tested_ahead(*id, part, *ends);
+            }
+            if *id & (GONE | FREES_LIST) != GONE {
+                self.heard.push_back(*ends);
+            }
+            self.known += 1;
+        }
+    }
+
     /// An operation of the ray has ended.
     fn passed(&mut self, id: RayId, now: u64, links: &mut Links) {
         let ray = &mut links.rays[id as usize];
@@ -83,7 +126,7 @@ impl Intersection {
             ray.at_edges = true;
             let element = links.layout.edges(slot);
             self.pipeline.fetch(id, &element, now, links);
-        } else if stop == Stop::Hit && ray.kind != RayKind::Shadow && matches!(ray.owner, Owner::Traversal(_)) {
+        } else if ray.is_divided(stop) {
             self.leaving.push_back(id);
         } else {
             self.give_back(id, now, links);

@@ -1,6 +1,7 @@
 //! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
 //! clock that wakes parts.
 
+use super::memory::Memory;
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
@@ -16,7 +17,7 @@ use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{self, Header, Step, Totals};
+use crate::stream::{self, FrameInfo, Header, Step, Totals};
 
 /// A queue with a place for everything that can come.
 pub(super) type Inbox<T> = Ring<(u64, T)>;
@@ -30,6 +31,17 @@ pub(super) fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
     }
     inbox.drop_front();
     Some(entry)
+}
+
+/// A ray that comes back to its traversal unit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Back {
+    /// The cycle from which on it is there.
+    pub at: u64,
+    /// Which unit sends it: its place in turn in the cycle before. Rays of a cycle come in this order.
+    turn: u32,
+    /// The ray.
+    pub ray: RayId,
 }
 
 /// A line from the L2.
@@ -54,8 +66,13 @@ pub(crate) struct Links {
     pub layout: Layout,
     /// Rays from the dispatcher to each traversal unit.
     pub dispatched: Vec<Inbox<RayId>>,
-    /// Rays from list, intersection and division units back to each traversal unit.
-    pub returned: Vec<Inbox<RayId>>,
+    /// Rays from list, intersection and division units back to each traversal unit, known since their last operations
+    /// there began.
+    pub returned: Vec<Ring<Back>>,
+    /// What comes to a traversal unit and is not known in a cycle comes more than so many cycles later.
+    pub horizon: u64,
+    /// The next cycle in which each traversal unit acts for sure.
+    pub wakes: Vec<u64>,
     /// Rays to each list unit.
     pub lists: Vec<Queue<RayId>>,
     /// Rays from intersection and division units back to each list unit.
@@ -84,14 +101,14 @@ pub(crate) struct Links {
     pub frame_over: bool,
     /// Which steps of the policy's stores are performed.
     store_steps: StoreSteps,
+    /// The shortest latency of what comes to a traversal unit, and that of a list unit.
+    latencies: (u64, u64),
     /// What was done with stores otherwise than recorded.
     pub stores: StoreWork,
     /// Hits whose updates are gathered.
     pub gathering: Gathering,
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
-    /// When the first of what is on its way to each part comes, or came and waits: lines, and rays to traversal units.
-    pub mail: Vec<u64>,
     /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is
     /// over.
     pub lines: Vec<Ring<Answer>>,
@@ -112,12 +129,17 @@ impl Links {
         let line = spec.line_bytes.get();
         let contexts = parts.shadow_cache as usize * spec.shadow_cache.contexts.size();
         let entries = spec.pool() as usize + contexts;
+        let (tests, divisions) = (spec.intersection.latency.get(), spec.division.latency.get());
+        let answers = Memory::new(spec).answer_latency;
+        let shortest = tests.min(divisions).min(answers).min(spec.dispatcher.latency.get());
         Self {
             parts,
             rays: vec![Ray::default(); entries],
             layout: Layout::new(header, spec),
             dispatched: vec![Inbox::new(); parts.traversal as usize],
-            returned: vec![Inbox::new(); parts.traversal as usize],
+            returned: vec![Ring::new(); parts.traversal as usize],
+            horizon: 0,
+            wakes: vec![u64::MAX; parts.traversal as usize],
             lists: vec![Queue::new(spec.list.queue.size()); parts.list as usize],
             listed: vec![Inbox::new(); parts.list as usize],
             freed_lists: vec![0; parts.list as usize],
@@ -131,11 +153,11 @@ impl Links {
             frame_end: vec![None; parts.shadow_cache as usize],
             units_at_the_end: 0,
             frame_over: false,
+            latencies: (shortest, spec.list.latency.get()),
             store_steps: StoreSteps::new(&spec.shadow_cache, header),
             stores: StoreWork::default(),
             gathering: Gathering::new(spec.cores.size() * spec.shadow_cache.gather.size()),
             shadow_cache: spec.shadow_cache,
-            mail: vec![u64::MAX; parts.count()],
             lines: vec![Ring::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), parts.cores, line),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
@@ -216,6 +238,11 @@ impl Links {
         true
     }
 
+    /// No unit works ahead of the others, so that all can be looked at in any cycle.
+    pub(crate) fn look_no_further(&mut self) {
+        self.latencies.0 = 0;
+    }
+
     /// A shadow-cache unit's steps of a frame's end that has begun.
     pub(crate) fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
         let part = &mut self.frame_end[unit as usize];
@@ -223,33 +250,37 @@ impl Links {
     }
 
     /// A frame begins: lines of the dynamic part go from the L2.
-    pub(crate) fn drop_dynamic_lines(&mut self) {
+    pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
+        self.layout.begin_frame(frame);
+        let (shortest, list) = self.latencies;
+        self.horizon = if self.layout.has_lists() { shortest.min(list) } else { shortest };
         let first = self.layout.dynamic_part();
         self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
+    }
+
+    /// A ray comes back to traversal unit `unit`, from an operation of part `from` that ends in cycle `ends`.
+    pub(crate) fn send_back(&mut self, ray: RayId, unit: u32, from: PartId, ends: u64) {
+        let (at, turn) = (ends + 1, self.parts.turn(from, ends));
+        self.returned[unit as usize].insert_by_key(Back { at, turn, ray }, |back| (back.at, back.turn));
+        self.post(unit, at);
     }
 
     /// Something comes to traversal unit `unit` in cycle `at`.
     #[inline]
     pub(crate) fn post(&mut self, unit: u32, at: u64) {
-        let part = self.parts.traversal(unit);
-        let mail = &mut self.mail[part.0 as usize];
-        *mail = (*mail).min(at);
-        self.clock.wake(part, at);
-    }
-
-    /// Whether a line from the L2 has come to the L1 of `part`.
-    #[inline]
-    pub(crate) fn line_is_there(&self, part: PartId, now: u64) -> bool {
-        self.lines[part.0 as usize].front().is_some_and(|answer| answer.at <= now)
+        let wakes = &mut self.wakes[unit as usize];
+        if at < *wakes {
+            *wakes = at;
+            self.clock.wake(self.parts.traversal(unit), at);
+        }
     }
 
     /// Cycle `now` of bank `index` of the L2.
     pub(crate) fn tick_bank(&mut self, index: usize, now: u64) {
-        let Self { parts, l2, dram, clock, lines, mail, .. } = self;
+        let Self { parts, l2, dram, clock, lines, .. } = self;
         l2.banks[index].tick(now, dram, clock, |to, line, at| {
             let first = ((at - 1) % u64::from(parts.banks)) as u32;
             let turn = (index as u32 + parts.banks - first) % parts.banks;
-            mail[to.0 as usize] = mail[to.0 as usize].min(at);
             lines[to.0 as usize].insert_by_key(Answer { at, turn, line }, |answer| (answer.at, answer.turn));
         });
     }

@@ -2,11 +2,11 @@
 //! tested.
 
 use super::links::{Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
-use super::ray::RayId;
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
+use super::ray::{GONE, Owner, RayId};
 use crate::machine::list::ListSpec;
 use crate::machine::writes::WritePolicy;
-use crate::memory::Wake;
 use crate::memory::ring::Ring;
 use crate::stream::Step;
 
@@ -20,6 +20,8 @@ pub(crate) struct List {
     leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
+    /// Operations in the pipeline, the first ones, of which it is known what becomes of their rays.
+    known: usize,
 }
 
 impl List {
@@ -33,6 +35,7 @@ impl List {
             leaving: Ring::new(),
             contexts: spec.lists.size(),
             free: spec.lists.size(),
+            known: 0,
         }
     }
 
@@ -43,9 +46,14 @@ impl List {
         let free_at_start = self.free > 0;
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
-            links.rays[id as usize].next += 1;
             links.replayed.list_reads += 1;
-            self.route(id, now, links);
+            self.known -= 1;
+            if id & GONE != 0 {
+                self.free += 1;
+            } else {
+                links.rays[id as usize].next += 1;
+                self.route(id, now, links);
+            }
         }
         while let Some(id) = take(&mut links.listed[index], now) {
             self.route(id, now, links);
@@ -61,14 +69,33 @@ impl List {
         if sent {
             self.leaving.pop_front();
         }
-        self.pipeline.end(now, links, !self.leaving.is_empty());
+        let mut next = self.pipeline.end(now, links, !self.leaving.is_empty());
+        self.send_back(links);
         if sent && !self.leaving.is_empty() {
-            links.clock.wake(part, now + 1);
+            next = now + 1;
         }
         if self.free > 0
             && let Some(at) = links.lists[index].next_at()
         {
-            links.clock.wake(part, at.max(now + 1));
+            next = next.min(at.max(now + 1));
+        }
+        links.clock.wake_if(part, next.min(self.pipeline.ends_at()));
+    }
+
+    /// Sends rays back that have begun to read the last entry of their list.
+    fn send_back(&mut self, links: &mut Links) {
+        let part = self.pipeline.part();
+        while let Some((ends, id)) = self.pipeline.operation(self.known) {
+            let ray = &mut links.rays[*id as usize];
+            ray.next += 1;
+            if matches!(ray.path_step(), Some(Step::List(_) | Step::Triangle { .. })) {
+                ray.next -= 1;
+            } else if let Owner::Traversal(unit) = ray.owner {
+                ray.list = None;
+                links.send_back(*id, unit, part, *ends);
+                *id |= GONE;
+            }
+            self.known += 1;
         }
     }
 
@@ -79,11 +106,7 @@ impl List {
                 self.pipeline.fetch(id, &element, now, links);
             }
             Some(Step::Triangle { .. }) => self.leaving.push_back(id),
-            _ => {
-                self.free += 1;
-                links.rays[id as usize].list = None;
-                links.return_to_owner(id, now);
-            }
+            step => unreachable!("{step:?} is not for a list unit"),
         }
     }
 

@@ -8,6 +8,7 @@ mod host;
 mod intersection;
 mod links;
 mod list;
+mod memory;
 mod pipeline;
 mod ray;
 mod routing;

@@ -1,12 +1,18 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
 use crate::machine::layout::{Element, Layout};
-use crate::quantity::LineAddr;
+use crate::quantity::{LineAddr, NodeId};
 use crate::stats::TrafficClass;
-use crate::stream::{Decision, RayKind, Step};
+use crate::stream::{Decision, RayKind, Step, Stop};
 
 /// The number of a pool entry. Steps of a frame's end have entries of their own, after the pool's.
 pub(super) type RayId = u32;
+
+/// Marks the number of a ray in a pipeline that is on its way to its traversal unit already: it leaves behind the place
+/// that it had in the unit.
+pub(super) const GONE: RayId = 1 << 31;
+/// Marks the number of such a ray that leaves behind its context in a list unit, too.
+pub(super) const FREES_LIST: RayId = 1 << 30;
 
 /// Who works on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -132,6 +138,20 @@ impl Ray {
     #[inline]
     pub(crate) fn path_step(&self) -> Option<Step> {
         if self.next < self.path_end { self.step() } else { None }
+    }
+
+    /// The node of the path's step so many steps on from the next one, if that is a node.
+    #[inline]
+    pub(crate) fn node(&self, on: usize) -> Option<NodeId> {
+        let at = self.next + on;
+        let word = *self.steps.get(at).filter(|_| at < self.path_end)?;
+        Step::node(word)
+    }
+
+    /// Whether a test that went as far as `stop` is followed by a division.
+    #[inline]
+    pub(crate) fn is_divided(&self, stop: Stop) -> bool {
+        stop == Stop::Hit && self.kind != RayKind::Shadow && matches!(self.owner, Owner::Traversal(_))
     }
 
     /// Whether the ray has policy steps.

@@ -1,7 +1,7 @@
 //! Which unit a ray goes to next, and how it gets there.
 
 use super::links::Links;
-use super::ray::{Owner, RayId};
+use super::ray::{FREES_LIST, GONE, Owner, RayId};
 use crate::machine::parts::Parts;
 use crate::memory::queue::Queue;
 use crate::memory::{PartId, Wake};
@@ -38,42 +38,69 @@ impl Links {
         send(&mut self.divisions[unit as usize], ray, (from, self.parts.division(unit)), now, &mut self.clock)
     }
 
-    /// An intersection unit has done what a ray was there for: a test, or the access to an entry.
+    /// An intersection or division unit has done what a ray was there for: a test, or the access to an entry. The ray
+    /// goes back to its list unit or to the shadow-cache unit that sent it.
     pub(crate) fn tested(&mut self, id: RayId, now: u64) {
-        let ray = &mut self.rays[id as usize];
-        ray.fetched = ray.step().is_some_and(|step| step.entry().is_some());
-        if !ray.fetched {
-            ray.next += 1;
-            match (ray.owner, ray.kind) {
-                (Owner::ShadowCache(_), _) => self.replayed.policy_triangle_tests += 1,
-                (Owner::Traversal(_), RayKind::Shadow) => self.replayed.shadow_triangle_tests += 1,
-                (Owner::Traversal(_), _) => self.replayed.triangle_tests += 1,
+        let fetched = self.rays[id as usize].step().is_some_and(|step| step.entry().is_some());
+        self.rays[id as usize].fetched = fetched;
+        if !fetched {
+            self.count_test(id);
+        }
+        let ray = &self.rays[id as usize];
+        match (ray.list, ray.owner) {
+            (Some(unit), _) => {
+                self.listed[unit as usize].push_back((now + 1, id));
+                self.clock.wake(self.parts.list(unit), now + 1);
             }
-        }
-        let list = ray.list.filter(|_| matches!(ray.path_step(), Some(Step::List(_) | Step::Triangle { .. })));
-        if let Some(unit) = list {
-            self.listed[unit as usize].push_back((now + 1, id));
-            self.clock.wake(self.parts.list(unit), now + 1);
-            return;
-        }
-        if let Some(unit) = ray.list.take() {
-            self.freed_lists[unit as usize] += 1;
-            self.clock.wake(self.parts.list(unit), now + 1);
-        }
-        self.return_to_owner(id, now);
-    }
-
-    /// A ray goes back to the unit that has a slot or a context for it.
-    pub(crate) fn return_to_owner(&mut self, id: RayId, now: u64) {
-        match self.rays[id as usize].owner {
-            Owner::Traversal(unit) => {
-                self.returned[unit as usize].push_back((now + 1, id));
-                self.post(unit, now + 1);
-            }
-            Owner::ShadowCache(unit) => {
+            (None, Owner::ShadowCache(unit)) => {
                 self.back_in_policy[unit as usize].push_back((now + 1, id));
                 self.clock.wake(self.parts.shadow_cache(unit), now + 1);
             }
+            (None, Owner::Traversal(_)) => unreachable!("`tested_ahead` has sent the ray back"),
+        }
+    }
+
+    /// The triangle test of a ray that is to end in cycle `ends` sends it back to a traversal unit, if it does: what is
+    /// left of it in the unit then.
+    pub(crate) fn tested_ahead(&mut self, id: RayId, from: PartId, ends: u64) -> RayId {
+        let Owner::Traversal(unit) = self.rays[id as usize].owner else { return id };
+        self.rays[id as usize].next += 1;
+        let stays = self.rays[id as usize].list.is_some() && self.stays_in_list(id);
+        self.rays[id as usize].next -= 1;
+        if stays {
+            return id;
+        }
+        self.count_test(id);
+        let listed = self.rays[id as usize].list.take().is_some();
+        self.send_back(id, unit, from, ends);
+        id | GONE | if listed { FREES_LIST } else { 0 }
+    }
+
+    /// A ray that [`Links::tested_ahead`] has sent back leaves its unit in cycle `now`.
+    pub(crate) fn left(&mut self, id: RayId, core: u32, now: u64) {
+        if id & FREES_LIST != 0 {
+            let unit = self.parts.choose(self.parts.list, core, (id & !(GONE | FREES_LIST)).into());
+            self.free_list(unit, now);
+        }
+    }
+
+    /// Whether a ray that has a context of a list unit keeps it for its next step.
+    fn stays_in_list(&self, id: RayId) -> bool {
+        matches!(self.rays[id as usize].path_step(), Some(Step::List(_) | Step::Triangle { .. }))
+    }
+
+    fn free_list(&mut self, unit: u32, now: u64) {
+        self.freed_lists[unit as usize] += 1;
+        self.clock.wake(self.parts.list(unit), now + 1);
+    }
+
+    fn count_test(&mut self, id: RayId) {
+        let ray = &mut self.rays[id as usize];
+        ray.next += 1;
+        match (ray.owner, ray.kind) {
+            (Owner::ShadowCache(_), _) => self.replayed.policy_triangle_tests += 1,
+            (Owner::Traversal(_), RayKind::Shadow) => self.replayed.shadow_triangle_tests += 1,
+            (Owner::Traversal(_), _) => self.replayed.triangle_tests += 1,
         }
     }
 

@@ -5,7 +5,8 @@ use crate::memory::ring::Ring;
 use std::collections::VecDeque;
 
 use super::links::{Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::{Owner, RayId};
 use crate::engine::register::{Kept, Register};
 use crate::machine::parts::Parts;
@@ -104,16 +105,15 @@ impl ShadowCache {
             self.leaving.pop_front();
         }
         let leaving = !self.leaving.is_empty() || !self.done.is_empty();
-        if passed_by && !began {
-            self.pipeline.end_passed_by(now, links, leaving);
+        let next = if passed_by && !began {
+            self.pipeline.end_crowded(now, links, leaving, true)
         } else {
-            self.pipeline.end(now, links, leaving);
-        }
+            self.pipeline.end(now, links, leaving)
+        };
         let to_come = !links.retired[self.index as usize].is_empty()
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty());
-        if sent && !self.leaving.is_empty() || self.free > 0 && to_come {
-            links.clock.wake(part, now + 1);
-        }
+        let more = sent && !self.leaving.is_empty() || self.free > 0 && to_come;
+        links.clock.wake_if(part, if more { now + 1 } else { next.min(self.pipeline.ends_at()) });
     }
 
     fn hear_of_the_end(&mut self, now: u64, links: &mut Links) {

@@ -1,7 +1,8 @@
 //! The traversal unit: fetches nodes and tests their boxes.
 
-use super::links::{Links, take};
-use super::pipeline::{Memory, Pipeline, Stages};
+use super::links::{Back, Links, take};
+use super::memory::Memory;
+use super::pipeline::{Pipeline, Stages};
 use super::ray::RayId;
 use crate::machine::parts::Parts;
 use crate::machine::traversal::TraversalSpec;
@@ -20,6 +21,8 @@ pub(crate) struct Traversal {
     leaving: Ring<RayId>,
     /// Rays that are done and wait for the out FIFO.
     done: Ring<RayId>,
+    /// Of all cycles before this one is known what happens in the unit alone, and it has happened.
+    worked_to: u64,
 }
 
 impl Traversal {
@@ -29,13 +32,16 @@ impl Traversal {
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
         let core = links.parts.core(part);
         let pipeline = Pipeline::new(part, core, &spec.cache, stages, WritePolicy::Back, memory);
-        Self { index, pipeline, leaving: Ring::new(), done: Ring::new() }
+        Self { index, pipeline, leaving: Ring::new(), done: Ring::new(), worked_to: 0 }
     }
 
     /// Cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
-        let part = self.pipeline.part();
-        let mail = links.mail[part.0 as usize];
+        let (part, index) = (self.pipeline.part(), self.index as usize);
+        if now < self.worked_to {
+            let sends = self.pipeline.send_due(now, links);
+            return links.clock.wake_if(part, sends.min(links.wakes[index]));
+        }
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
             let ray = &mut links.rays[id as usize];
@@ -43,8 +49,12 @@ impl Traversal {
             links.replayed.count_visit(ray.kind);
             self.route(id, now, links);
         }
-        if mail <= now {
-            self.take_mail(now, links);
+        while let Some(&Back { ray, .. }) = links.returned[index].front().filter(|back| back.at <= now) {
+            links.returned[index].drop_front();
+            self.route(ray, now, links);
+        }
+        while let Some(ray) = take(&mut links.dispatched[index], now) {
+            self.route(ray, now, links);
         }
         while self.done.front().is_some_and(|&id| links.send_out(id, part, now)) {
             self.done.drop_front();
@@ -52,28 +62,70 @@ impl Traversal {
         }
         self.pipeline.begin(now, &links.rays);
         let sent = !self.leaving.is_empty() && self.send(now, links);
-        self.pipeline.end(now, links, !self.leaving.is_empty() || !self.done.is_empty());
-        if sent && !self.leaving.is_empty() {
-            links.clock.wake(part, now + 1);
-        }
+        let leaving = !self.leaving.is_empty() || !self.done.is_empty();
+        let next = self.pipeline.end(now, links, leaving);
+        let next = if !leaving && self.pipeline.can_work_ahead() {
+            let next = self.work_ahead(now, links);
+            self.worked_to = next.min(now + links.horizon + 1);
+            links.clock.wake_if(part, self.pipeline.sends_at().max(now + 1));
+            next
+        } else if sent && leaving {
+            now + 1
+        } else {
+            next.min(self.pipeline.ends_at()).min(returned_at(links, index)).min(dispatched_at(links, index))
+        };
+        links.wakes[index] = next;
+        links.clock.wake_if(part, next);
     }
 
-    /// Takes the rays that have come, and finds out when the next of what is on its way comes.
-    fn take_mail(&mut self, now: u64, links: &mut Links) {
+    /// After cycle `now`, does what concerns the unit alone: lines come, rays come back and fetch nodes, and their
+    /// operations begin and end. Returns the first cycle in which something else happens, or in which something may
+    /// come that is not known yet; [`u64::MAX`] if nothing is known.
+    fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
-        while let Some(ray) = take(&mut links.returned[index], now) {
-            self.route(ray, now, links);
-        }
-        while let Some(ray) = take(&mut links.dispatched[index], now) {
-            self.route(ray, now, links);
-        }
-        let rays = [&links.returned[index], &links.dispatched[index]].map(|inbox| inbox.front().map(|&(at, _)| at));
-        let part = self.pipeline.part();
-        let line = links.lines[part.0 as usize].front().map(|line| line.at);
-        let next = rays.into_iter().chain([line]).flatten().min();
-        links.mail[part.0 as usize] = next.unwrap_or(u64::MAX);
-        if let Some(at) = next.filter(|&at| at > now) {
-            links.clock.wake(part, at);
+        let horizon = now + links.horizon;
+        let last = horizon.saturating_sub(self.pipeline.hit_latency());
+        let mut line = self.pipeline.line_at(links);
+        let mut returned = returned_at(links, index);
+        let mut dispatched = dispatched_at(links, index);
+        loop {
+            let ends = self.pipeline.ends_at();
+            let at = ends.min(returned).min(dispatched);
+            if line <= at {
+                if line > horizon || !self.pipeline.fill_ahead(line, links) {
+                    return line;
+                }
+                line = self.pipeline.line_at(links);
+                continue;
+            }
+            if at > last {
+                return at;
+            }
+            let id = if ends == at {
+                self.pipeline.next_to_leave()
+            } else if returned == at {
+                links.returned[index].front().map(|back| back.ray)
+            } else {
+                links.dispatched[index].front().map(|&(_, ray)| ray)
+            };
+            let Some(id) = id else { return at };
+            let ray = &mut links.rays[id as usize];
+            let Some(node) = ray.node(usize::from(ends == at)) else { return at };
+            if ends == at {
+                ray.next += 1;
+                links.replayed.count_visit(ray.kind);
+                self.pipeline.drop_first();
+            } else if returned == at {
+                links.returned[index].drop_front();
+                returned = returned_at(links, index);
+            } else {
+                links.dispatched[index].drop_front();
+                dispatched = dispatched_at(links, index);
+            }
+            let element = links.layout.node(node);
+            if !self.pipeline.fetch_ahead(id, &element, at, line.min(horizon + 1), links) {
+                return at;
+            }
         }
     }
 
@@ -118,4 +170,16 @@ impl Traversal {
     pub(crate) fn queues(&self) -> String {
         format!("{}, leaving for lists or intersection {}", self.pipeline.queues(), self.leaving.len())
     }
+}
+
+/// When the first ray comes back to traversal unit `index`; [`u64::MAX`] if none is known to.
+#[inline]
+fn returned_at(links: &Links, index: usize) -> u64 {
+    links.returned[index].front().map_or(u64::MAX, |back| back.at)
+}
+
+/// When the first ray comes from the dispatcher to traversal unit `index`; [`u64::MAX`] if none is known to.
+#[inline]
+fn dispatched_at(links: &Links, index: usize) -> u64 {
+    links.dispatched[index].front().map_or(u64::MAX, |&(at, _)| at)
 }

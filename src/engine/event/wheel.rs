@@ -57,6 +57,16 @@ impl Wheel {
     }
 }
 
+impl Wheel {
+    /// As [`Wake::wake`]; [`u64::MAX`] is no cycle.
+    #[inline]
+    pub(crate) fn wake_if(&mut self, part: PartId, at: u64) {
+        if at != u64::MAX {
+            self.wake(part, at);
+        }
+    }
+}
+
 impl Wake for Wheel {
     #[inline]
     fn wake(&mut self, part: PartId, at: u64) {

@@ -39,6 +39,22 @@ impl Figure {
         self.values[0] != self.values[1]
     }
 
+    /// What it is.
+    pub(super) fn name(&self) -> &str {
+        &self.path
+    }
+
+    /// Its values in both.
+    pub(super) fn values(&self) -> [Option<f64>; 2] {
+        self.values
+    }
+
+    /// The change from A to B as a share of A's; none if one has none, or A's is 0.
+    pub(super) fn change(&self) -> Option<f64> {
+        let [a, b] = self.values;
+        a.zip(b).filter(|(a, _)| *a != 0.0).map(|(a, b)| b / a - 1.0)
+    }
+
     /// The figure in words, both values, and the change.
     pub(super) fn row(&self) -> Vec<String> {
         let show = |value: Option<f64>| or_absent(value, number);
@@ -50,7 +66,11 @@ impl Figure {
 
 fn number(value: f64) -> String {
     let is_count = value.fract() == 0.0 && (0.0..1e7).contains(&value);
-    if is_count { exact(value as u64) } else { short(value) }
+    match value {
+        count if is_count => exact(count as u64),
+        small if small.abs() < 0.001 => format!("{small:.3e}"),
+        other => short(other),
+    }
 }
 
 /// All figures, or the key figures of runs, that one of two reports has.

@@ -13,20 +13,27 @@ impl Pipeline {
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
     #[inline]
     pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
-        self.filled = links.line_is_there(self.part, now) && self.fill(links);
+        self.filled = self.line_at(links) <= now && self.fill(now, links);
         self.stuck &= !self.filled;
         while let Some(ray) = take(&mut self.hits, now) {
             self.line_came(ray, &mut links.rays);
         }
     }
 
-    /// Step 1, of a line that is there; whether it was taken.
-    pub(super) fn fill(&mut self, links: &mut Links) -> bool {
+    /// When the next line can be put in; [`u64::MAX`] if none is known to come.
+    #[inline]
+    pub(crate) fn line_at(&self, links: &Links) -> u64 {
+        links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at.max(self.fill_at))
+    }
+
+    /// Step 1, of a line that is there in cycle `now`; whether it was taken.
+    pub(super) fn fill(&mut self, now: u64, links: &mut Links) -> bool {
         let lines = &mut links.lines[self.part.0 as usize];
         let Some(&Answer { line, .. }) = lines.front() else { return false };
         let past = self.straight.iter().position(|(asked, _)| *asked == line);
         if let Some(at) = past {
             lines.drop_front();
+            self.fill_at = now + 1;
             if let Some((_, ray)) = self.straight.remove(at) {
                 self.line_came(ray, &mut links.rays);
             }
@@ -36,8 +43,9 @@ impl Pipeline {
         let room = self.out.len() < self.out_places;
         let Fill::Done { victim } = self.cache.fill(line, room, &mut self.filled_for) else { return false };
         lines.drop_front();
+        self.fill_at = now + 1;
         if let Some(victim) = victim {
-            self.push_out(victim.line, victim.class, true, self.line);
+            self.push_out(victim.line, victim.class, true, self.line, now);
         }
         match self.release {
             Release::Together => {
@@ -80,7 +88,7 @@ impl Pipeline {
             let ray = &mut links.rays[id as usize];
             let Fetch { line, class, write, straight, .. } = ray.fetch;
             if straight {
-                if !self.ask_straight(id, ray) {
+                if !self.ask_straight(id, ray, now) {
                     self.stuck = true;
                     return true;
                 }
@@ -91,7 +99,7 @@ impl Pipeline {
             }
             let access = if write { self.writes.access(class, true) } else { Access::Read };
             let hit = self.cache.hit(line, class, access);
-            if !hit && !self.miss(id, ray, access) {
+            if !hit && !self.miss(id, ray.marked, &ray.fetch, access, now) {
                 self.stuck = true;
                 return true;
             }
@@ -141,9 +149,10 @@ impl Pipeline {
             && line.is_none_or(|line| line.at > now + 1)
     }
 
-    /// An access of ray `id` to a line that is not there; false if it has to wait.
-    pub(super) fn miss(&mut self, id: RayId, ray: &Ray, access: Access) -> bool {
-        let Ray { marked, fetch: Fetch { line, class, .. }, .. } = *ray;
+    /// An access of ray `id`, which is marked or not, to a line that is not there, in cycle `at`; false if it has to
+    /// wait.
+    pub(super) fn miss(&mut self, id: RayId, marked: bool, fetch: &Fetch, access: Access, at: u64) -> bool {
+        let Fetch { line, class, .. } = *fetch;
         let room = self.out.len() < self.out_places;
         match self.cache.miss(line, class, access, Some(id), room) {
             Lookup::Stalled => return false,
@@ -152,21 +161,21 @@ impl Pipeline {
             Lookup::Miss => {
                 self.marked[class as usize] += u64::from(marked);
                 let bytes = self.line;
-                self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+                self.out.push_back((at, Request { line, class, write: false, bytes, from: self.part, marked }));
             }
         }
         true
     }
 
     /// The first ray of the fetch queue, `id`, asks the L2 for its line; false if it has to wait.
-    pub(super) fn ask_straight(&mut self, id: RayId, ray: &mut Ray) -> bool {
+    pub(super) fn ask_straight(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
         if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
             return false;
         }
         let (marked, fetch) = (ray.marked, &mut ray.fetch);
         let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
         (fetch.left, fetch.missing) = (0, 1);
-        self.out.push_back(Request { line, class, write: false, bytes, from: self.part, marked });
+        self.out.push_back((now, Request { line, class, write: false, bytes, from: self.part, marked }));
         self.straight.push_back((line, id));
         self.read_straight[class as usize].add(bytes);
         self.waiting += 1;
@@ -174,18 +183,31 @@ impl Pipeline {
         true
     }
 
-    pub(super) fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes) {
-        self.out.push_back(Request { line, class, write, bytes, from: self.part, marked: false });
+    pub(super) fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes, now: u64) {
+        self.out.push_back((now, Request { line, class, write, bytes, from: self.part, marked: false }));
     }
 
     /// Step 7; whether the first of the out queue found a place.
     pub(super) fn send(&mut self, now: u64, links: &mut Links) -> bool {
-        let sent = self.out.front().is_some_and(|&request| links.l2.put(self.core, request, now, &mut links.clock));
+        let request = self.out.front().filter(|(at, _)| *at <= now);
+        let sent = request.is_some_and(|&(_, request)| links.l2.put(self.core, request, now, &mut links.clock));
         if sent {
             self.out.drop_front();
             self.stuck = false;
         }
         sent
+    }
+
+    /// Step 7 of a unit that has worked ahead; returns when the next request can go, [`u64::MAX`] if that is not known.
+    pub(crate) fn send_due(&mut self, now: u64, links: &mut Links) -> u64 {
+        let waits = self.out.front().is_some_and(|&(at, _)| at <= now) && !self.send(now, links);
+        if waits { u64::MAX } else { self.sends_at().max(now + 1) }
+    }
+
+    /// When the first request is made that waits to go; [`u64::MAX`] if there is none.
+    #[inline]
+    pub(crate) fn sends_at(&self) -> u64 {
+        self.out.front().map_or(u64::MAX, |&(at, _)| at)
     }
 
     /// A ray begins to fetch `element` from the L2.

@@ -5,4 +5,4 @@ mod lines;
 mod operations;
 mod unit;
 
-pub(crate) use self::unit::{Memory, Pipeline, Stages};
+pub(crate) use self::unit::{Pipeline, Stages};

@@ -5,7 +5,6 @@ use super::super::ray::{Fetch, Ray, RayId};
 use super::unit::Pipeline;
 use crate::machine::layout::Element;
 use crate::machine::writes::WritePolicy;
-use crate::memory::Wake;
 use crate::quantity::Bytes;
 use crate::stats::Cause;
 
@@ -14,6 +13,40 @@ impl Pipeline {
     #[inline]
     pub(crate) fn leave(&mut self, now: u64) -> Option<RayId> {
         take(&mut self.stages, now)
+    }
+
+    /// Drops the first operation, which has ended.
+    #[inline]
+    pub(crate) fn drop_first(&mut self) {
+        self.stages.drop_front();
+    }
+
+    /// Drops the first operation if it ended before cycle `now`; whether there was one.
+    #[inline]
+    pub(crate) fn left_before(&mut self, now: u64) -> bool {
+        let left = self.ends_at() < now;
+        if left {
+            self.stages.drop_front();
+        }
+        left
+    }
+
+    /// Operation `index` of those in the pipeline: when it ends, and its ray.
+    #[inline]
+    pub(crate) fn operation(&mut self, index: usize) -> Option<&mut (u64, RayId)> {
+        self.stages.get_mut(index)
+    }
+
+    /// When the first operation ends; [`u64::MAX`] if there is none.
+    #[inline]
+    pub(crate) fn ends_at(&self) -> u64 {
+        self.stages.front().map_or(u64::MAX, |stage| stage.0)
+    }
+
+    /// When the last operation ends; [`u64::MAX`] if there is none.
+    #[inline]
+    pub(crate) fn drains_at(&self) -> u64 {
+        self.stages.back().map_or(u64::MAX, |stage| stage.0)
     }
 
     /// A ray is to take an operation that writes `element`, without a fetch.
@@ -56,7 +89,7 @@ impl Pipeline {
     #[inline]
     pub(super) fn begin_first(&mut self, now: u64, rays: &[Ray]) -> bool {
         let Some(&ray) = self.ready.front() else { return false };
-        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch) {
+        if self.writes != WritePolicy::Back && !self.write_through(&rays[ray as usize].fetch, now) {
             return false;
         }
         self.ready.drop_front();
@@ -71,8 +104,8 @@ impl Pipeline {
         self.open_at = at + self.timing.interval;
     }
 
-    /// Sends the write of an operation down, if it goes through; false if there is no place.
-    pub(super) fn write_through(&mut self, fetch: &Fetch) -> bool {
+    /// Sends the write of an operation that begins down, if it goes through; false if there is no place.
+    pub(super) fn write_through(&mut self, fetch: &Fetch, now: u64) -> bool {
         if !fetch.write || !self.writes.go_through(fetch.class) {
             return true;
         }
@@ -81,39 +114,29 @@ impl Pipeline {
         }
         // An entry of a store lies in one line.
         let bytes = Bytes(fetch.bytes.into());
-        self.push_out(fetch.first, fetch.class, true, bytes);
+        self.push_out(fetch.first, fetch.class, true, bytes, now);
         self.written_through[fetch.class as usize].add(bytes);
         true
     }
 
-    /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit.
+    /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit. Returns
+    /// the next cycle in which something happens that is known, but for operations that end; [`u64::MAX`] if nothing
+    /// is.
     #[inline]
-    pub(crate) fn end(&mut self, now: u64, links: &mut Links, leaving: bool) {
-        let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
-        let at = if self.queued() | self.out.len() == 0 && lines > now {
+    pub(crate) fn end(&mut self, now: u64, links: &mut Links, leaving: bool) -> u64 {
+        let lines = self.line_at(links);
+        if self.queued() | self.out.len() == 0 && lines > now {
             self.account(now, leaving);
             self.account_ahead(now, leaving);
-            self.stages.front().map_or(u64::MAX, |stage| stage.0).min(lines)
+            lines
         } else {
             self.end_crowded(now, links, leaving, false)
-        };
-        if at != u64::MAX {
-            links.clock.wake(self.part, at);
         }
     }
 
-    /// As [`Pipeline::end`], of a cycle in which the unit took as many rays as it can, others waited, and no operation
-    /// began.
-    pub(crate) fn end_passed_by(&mut self, now: u64, links: &mut Links, leaving: bool) {
-        let at = self.end_crowded(now, links, leaving, true);
-        if at != u64::MAX {
-            links.clock.wake(self.part, at);
-        }
-    }
-
-    /// As [`Pipeline::end`], where something is queued; returns the next cycle in which something happens that is
-    /// known.
-    pub(super) fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
+    /// As [`Pipeline::end`], where something is queued; `passed_by` says of a cycle that the unit took as many rays as
+    /// it can, others waited, and no operation began.
+    pub(crate) fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
         self.accessed = false;
         let stalled = self.access(now, links);
         let sent = !self.out.is_empty() && self.send(now, links);
@@ -132,7 +155,7 @@ impl Pipeline {
         }
         self.account_ahead(now, leaving || !self.ready.is_empty());
 
-        let lines = links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at);
+        let lines = self.line_at(links);
         let at_once = !self.released.is_empty()
             || !self.fetching.is_empty() && sent
             || !self.out.is_empty() && sent
@@ -141,18 +164,19 @@ impl Pipeline {
             return now + 1;
         }
         let access = if self.fetching.is_empty() || stalled { u64::MAX } else { self.access_at.max(now + 1) };
-        self.next_event(now, lines).min(access)
+        // What waits to go since this cycle or longer is woken when there is a place for it.
+        let sends = if self.sends_at() > now { self.sends_at() } else { u64::MAX };
+        self.next_event(now, lines).min(access).min(sends)
     }
 
-    /// The next cycle in which something happens that is known: [`u64::MAX`] if nothing is. `lines` is when the first
+    /// The next cycle in which an operation may begin or a line come; [`u64::MAX`] if none is known. `lines` is when the first
     /// line comes.
     #[inline]
     pub(super) fn next_event(&self, now: u64, lines: u64) -> u64 {
         let begin = if self.ready.is_empty() { u64::MAX } else { self.open_at.max(now + 1) };
         let line = if lines > now { lines } else { u64::MAX };
         let hit = self.hits.front().map_or(u64::MAX, |hit| hit.0);
-        let stage = self.stages.front().map_or(u64::MAX, |stage| stage.0);
-        begin.min(line).min(hit).min(stage)
+        begin.min(line).min(hit)
     }
 
     /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or

@@ -1,8 +1,8 @@
 //! The common part of a unit: its state, and what is counted of it.
 
 use super::super::causes::Causes;
+use super::super::memory::Memory;
 use super::super::ray::RayId;
-use crate::machine::MachineSpec;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Past, Release};
 use crate::memory::ring::Ring;
@@ -21,23 +21,6 @@ pub(crate) struct Stages {
     pub width: u64,
 }
 
-/// What a unit knows of the memory below its L1.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Memory {
-    /// Bytes of a line.
-    pub line: u64,
-    /// The shortest latency of a cache of the L2.
-    pub answer_latency: u64,
-}
-
-impl Memory {
-    /// Of `machine`.
-    pub(crate) fn new(machine: &MachineSpec) -> Self {
-        let latencies = machine.l2.caches().into_iter().map(|(_, cache)| cache.latency.get());
-        Self { line: machine.line_bytes.get(), answer_latency: latencies.min().unwrap_or(0) }
-    }
-}
-
 /// The common part of a unit. The unit calls [`Pipeline::arrive`], [`Pipeline::leave`], [`Pipeline::begin`] and
 /// [`Pipeline::end`] in this order, once in every cycle in which it acts.
 #[derive(Clone, Debug)]
@@ -45,7 +28,8 @@ pub(crate) struct Pipeline {
     pub(super) part: PartId,
     pub(super) core: u32,
     pub(super) cache: Cache,
-    pub(super) out: Ring<Request>,
+    /// Requests to the L2, with the cycles in which they are made.
+    pub(super) out: Ring<(u64, Request)>,
     pub(super) out_places: usize,
     pub(super) ports: u64,
     pub(super) banks: BanksInUse,
@@ -77,6 +61,8 @@ pub(crate) struct Pipeline {
     /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
     pub(super) foresees: bool,
     pub(super) answer_latency: u64,
+    /// The first cycle in which a line can be put in.
+    pub(super) fill_at: u64,
     /// The first cycle in which the port of the L1 is free.
     pub(super) access_at: u64,
     /// When the last operation begins of those that were entered ahead.
@@ -133,6 +119,7 @@ impl Pipeline {
             accessed: false,
             foresees,
             answer_latency,
+            fill_at: 0,
             access_at: 0,
             begins_last: 0,
             filled_for: Vec::new(),

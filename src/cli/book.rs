@@ -1,0 +1,73 @@
+//! Commands that the README and the book tell: a test says that they are commands, and that what they name is there.
+
+use std::path::Path;
+
+use clap::Parser;
+
+use super::Cli;
+use crate::shipped::{self, Kind};
+
+/// The README and all pages of the book.
+fn pages() -> Vec<(String, String)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = ["guide", "model", "validation", "decisions"].map(|folder| root.join("docs").join(folder));
+    let files = folders.iter().flat_map(|folder| std::fs::read_dir(folder).unwrap()).map(|file| file.unwrap().path());
+    let pages = files.chain([root.join("README.md")]).filter(|path| path.extension().is_some_and(|it| it == "md"));
+    pages.map(|path| (path.display().to_string(), std::fs::read_to_string(path).unwrap())).collect()
+}
+
+/// The commands in the indented blocks of a page, without comments and where their output goes; lines that end with
+/// `\\` go on.
+fn commands(page: &str) -> Vec<String> {
+    let joined = page.replace("\\\n", " ");
+    let indented = joined.lines().filter_map(|line| line.strip_prefix("    "));
+    let starts = ["umbrasim ", "cargo run --release -- "];
+    let commands = indented.filter_map(|line| starts.iter().find_map(|start| line.strip_prefix(start)));
+    let alone = |line: &str| {
+        let end = [" #", " >", " |"].iter().filter_map(|end| line.find(end)).min();
+        line[..end.unwrap_or(line.len())].to_owned()
+    };
+    commands.map(alone).collect()
+}
+
+/// The words of a command as a shell reads them.
+fn words(command: &str) -> Vec<String> {
+    let (mut words, mut quote) = (vec![String::new()], None);
+    for letter in command.chars() {
+        match (quote, letter) {
+            (None, '\'' | '"') => quote = Some(letter),
+            (Some(open), _) if open == letter => quote = None,
+            (None, ' ') => words.push(String::new()),
+            _ => words.last_mut().expect("one is there").push(letter),
+        }
+    }
+    words.retain(|word| !word.is_empty());
+    words
+}
+
+#[test]
+fn commands_in_the_book_are_commands_and_their_configs_are_there() {
+    let (mut count, mut wrong) = (0, Vec::new());
+    for (page, text) in pages() {
+        for command in commands(&text) {
+            count += 1;
+            let words = words(&command);
+            let parsed = Cli::try_parse_from(std::iter::once("umbrasim".to_owned()).chain(words.iter().cloned()));
+            if let Err(error) = parsed {
+                wrong.push(format!("{page}: `umbrasim {command}`: {error}"));
+            }
+            for file in words.iter().filter(|word| word.starts_with("configs/") || word.starts_with("traces/")) {
+                if !Path::new(env!("CARGO_MANIFEST_DIR")).join(file).exists() {
+                    wrong.push(format!("{page}: `umbrasim {command}`: {file} is not there"));
+                }
+            }
+            // A config without a folder or an ending is a shipped one.
+            let first = words.get(1).filter(|word| shipped::is_name(word) && words[0] == "run");
+            if let Some(name) = first.filter(|name| shipped::path(Kind::Experiment, name).is_none()) {
+                wrong.push(format!("{page}: `umbrasim {command}`: no config is called {name}"));
+            }
+        }
+    }
+    assert!(count > 30, "{count} commands only");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
