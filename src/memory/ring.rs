@@ -52,12 +52,6 @@ impl<T: Copy> Ring<T> {
         if self.len == 0 { None } else { self.places.get(self.place(self.len - 1)) }
     }
 
-    /// The last entry, to change it.
-    #[inline]
-    pub(crate) fn back_mut(&mut self) -> Option<&mut T> {
-        self.get_mut(self.len.wrapping_sub(1))
-    }
-
     /// Entry `index`, to change it.
     #[inline]
     pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {

@@ -28,15 +28,25 @@ pub(crate) struct Causes {
     busy: u64,
     /// How many of them lie before `from`.
     busy_before: u64,
-    /// Those that may not have passed, in order.
+    /// Those that may not have passed, in order, but for the last.
     runs: Ring<Run>,
+    last: Run,
     ahead: Option<Ahead>,
 }
 
 impl Default for Causes {
     fn default() -> Self {
         let totals = [0; Cause::ALL.len()];
-        Self { totals, idle: Cause::Starved, from: 0, busy: 0, busy_before: 0, runs: Ring::new(), ahead: None }
+        Self {
+            totals,
+            idle: Cause::Starved,
+            from: 0,
+            busy: 0,
+            busy_before: 0,
+            runs: Ring::new(),
+            last: (0, 0),
+            ahead: None,
+        }
     }
 }
 
@@ -45,9 +55,11 @@ impl Causes {
     #[inline]
     pub(crate) fn begin(&mut self, at: u64, cycles: u64) {
         self.busy += cycles;
-        match self.runs.back_mut().filter(|run| run.1 == at) {
-            Some(run) => run.1 += cycles,
-            None => self.runs.push_back((at, at + cycles)),
+        if self.last.1 == at {
+            self.last.1 += cycles;
+        } else {
+            self.runs.push_back(self.last);
+            self.last = (at, at + cycles);
         }
     }
 
@@ -65,13 +77,15 @@ impl Causes {
 
     /// As [`Causes::cycle`], where the cause may be another one than before.
     fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
-        if let Some(ahead) = self.ahead.take_if(|ahead| ahead.at <= now) {
+        let ahead = self.ahead.take_if(|ahead| ahead.at <= now);
+        let settled = ahead.map_or(now, |ahead| ahead.at);
+        while self.runs.front().is_some_and(|run| run.1 <= settled) {
+            self.runs.drop_front();
+        }
+        if let Some(ahead) = ahead {
             self.change(ahead.at, ahead.idle);
         }
         self.change(now, idle);
-        while self.runs.front().is_some_and(|run| run.1 <= now) {
-            self.runs.drop_front();
-        }
     }
 
     /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
@@ -85,7 +99,7 @@ impl Causes {
     /// Whether operations occupy all cycles from `at` to the last that is known to be busy.
     #[inline]
     pub(crate) fn is_busy_from(&self, at: u64) -> bool {
-        self.runs.back().is_some_and(|run| run.0 <= at)
+        self.last.0 <= at && at < self.last.1
     }
 
     /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the
@@ -106,7 +120,8 @@ impl Causes {
 
     /// Counts the idle cycles before `now`.
     fn settle(&mut self, now: u64) {
-        let to_come = self.runs.iter().map(|&(from, until)| until.saturating_sub(from.max(now)));
+        let runs = self.runs.iter().chain([&self.last]);
+        let to_come = runs.map(|&(from, until)| until.saturating_sub(from.max(now)));
         let busy_before = self.busy - to_come.sum::<u64>();
         self.totals[self.idle as usize] += (now - self.from) - (busy_before - self.busy_before);
         (self.from, self.busy_before) = (now, busy_before);

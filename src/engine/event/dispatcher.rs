@@ -17,12 +17,12 @@ use crate::stats::Cause;
 use crate::stream::{Decision, Item, Ray, RayKind, Step};
 
 /// What happened in a cycle that concerns others.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Events {
     /// A frame began: dynamic lines go from all caches.
     pub frame_began: bool,
     /// A frame is over.
-    pub frame_over: Option<FrameCounts>,
+    pub frame_over: Option<Box<FrameCounts>>,
     /// Rays that were done.
     pub rays_over: usize,
 }
@@ -97,7 +97,8 @@ impl Dispatcher {
             self.host.phase = Phase::Between;
             let machine = std::mem::take(&mut links.replayed);
             let stores = std::mem::take(&mut links.stores);
-            events.frame_over = Some(FrameCounts { frame: self.host.frame, tracer: totals, machine, stores });
+            let counts = FrameCounts { frame: self.host.frame, tracer: totals, machine, stores };
+            events.frame_over = Some(Box::new(counts));
         }
         events.frame_began = self.host.pull(next, links)?;
         events.rays_over += self.host.shade(now, links)?;

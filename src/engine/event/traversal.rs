@@ -25,6 +25,38 @@ pub(crate) struct Traversal {
     worked_to: u64,
 }
 
+/// The first ray that comes to a unit.
+#[derive(Clone, Copy, Debug)]
+struct Coming {
+    /// When; [`u64::MAX`] if none is known to come.
+    at: u64,
+    ray: RayId,
+    /// Whether it comes back from another unit; else it comes from the dispatcher.
+    returns: bool,
+}
+
+impl Coming {
+    /// To unit `index`. Of a cycle, those that come back are first.
+    #[inline]
+    fn first(links: &Links, index: usize) -> Self {
+        let (at, ray) = links.dispatched[index].front().copied().unwrap_or((u64::MAX, 0));
+        match links.returned[index].front() {
+            Some(&Back { at: back, ray, .. }) if back <= at => Self { at: back, ray, returns: true },
+            _ => Self { at, ray, returns: false },
+        }
+    }
+
+    /// It has come to unit `index`.
+    #[inline]
+    fn take(self, links: &mut Links, index: usize) {
+        if self.returns {
+            links.returned[index].drop_front();
+        } else {
+            links.dispatched[index].drop_front();
+        }
+    }
+}
+
 impl Traversal {
     /// Unit `index`, empty.
     pub(crate) fn new(spec: &TraversalSpec, memory: Memory, index: u32, links: &Links) -> Self {
@@ -72,7 +104,7 @@ impl Traversal {
         } else if sent && leaving {
             now + 1
         } else {
-            next.min(self.pipeline.ends_at()).min(returned_at(links, index)).min(dispatched_at(links, index))
+            next.min(self.pipeline.ends_at()).min(Coming::first(links, index).at)
         };
         links.wakes[index] = next;
         links.clock.wake_if(part, next);
@@ -83,47 +115,38 @@ impl Traversal {
     /// come that is not known yet; [`u64::MAX`] if nothing is known.
     fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
-        let horizon = now + links.horizon;
-        let last = horizon.saturating_sub(self.pipeline.hit_latency());
-        let mut line = self.pipeline.line_at(links);
-        let mut returned = returned_at(links, index);
-        let mut dispatched = dispatched_at(links, index);
+        let end = now + links.horizon + 1;
+        let mut line = self.pipeline.line_at(links).min(end);
+        if !self.pipeline.go_on(now + 1, line, links) {
+            return now + 1;
+        }
+        let mut bound = self.pipeline.bound(line);
+        let mut coming = Coming::first(links, index);
         loop {
-            let ends = self.pipeline.ends_at();
-            let at = ends.min(returned).min(dispatched);
-            if line <= at {
-                if line > horizon || !self.pipeline.fill_ahead(line, links) {
-                    return line;
-                }
-                line = self.pipeline.line_at(links);
+            let (ends, leaving) = self.pipeline.next_to_leave();
+            let at = ends.min(coming.at);
+            if at >= bound {
+                line = match self.pipeline.take_line_ahead(line, end, links) {
+                    Ok(line) => line,
+                    Err(next) => return next.min(at),
+                };
+                bound = self.pipeline.bound(line);
                 continue;
             }
-            if at > last {
-                return at;
-            }
-            let id = if ends == at {
-                self.pipeline.next_to_leave()
-            } else if returned == at {
-                links.returned[index].front().map(|back| back.ray)
-            } else {
-                links.dispatched[index].front().map(|&(_, ray)| ray)
-            };
-            let Some(id) = id else { return at };
+            let passed = ends == at;
+            let id = if passed { leaving } else { coming.ray };
             let ray = &mut links.rays[id as usize];
-            let Some(node) = ray.node(usize::from(ends == at)) else { return at };
-            if ends == at {
+            let Some(node) = ray.node(usize::from(passed)) else { return at };
+            if passed {
                 ray.next += 1;
                 links.replayed.count_visit(ray.kind);
                 self.pipeline.drop_first();
-            } else if returned == at {
-                links.returned[index].drop_front();
-                returned = returned_at(links, index);
             } else {
-                links.dispatched[index].drop_front();
-                dispatched = dispatched_at(links, index);
+                coming.take(links, index);
+                coming = Coming::first(links, index);
             }
             let element = links.layout.node(node);
-            if !self.pipeline.fetch_ahead(id, &element, at, line.min(horizon + 1), links) {
+            if !self.pipeline.fetch_ahead(id, &element, at, (line, bound), links) {
                 return at;
             }
         }
@@ -170,16 +193,4 @@ impl Traversal {
     pub(crate) fn queues(&self) -> String {
         format!("{}, leaving for lists or intersection {}", self.pipeline.queues(), self.leaving.len())
     }
-}
-
-/// When the first ray comes back to traversal unit `index`; [`u64::MAX`] if none is known to.
-#[inline]
-fn returned_at(links: &Links, index: usize) -> u64 {
-    links.returned[index].front().map_or(u64::MAX, |back| back.at)
-}
-
-/// When the first ray comes from the dispatcher to traversal unit `index`; [`u64::MAX`] if none is known to.
-#[inline]
-fn dispatched_at(links: &Links, index: usize) -> u64 {
-    links.dispatched[index].front().map_or(u64::MAX, |&(at, _)| at)
 }

@@ -5,7 +5,7 @@ use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
 use super::unit::Pipeline;
 use crate::machine::layout::Element;
-use crate::memory::cache::{Access, Release};
+use crate::memory::cache::Access;
 use crate::quantity::Bytes;
 
 impl Pipeline {
@@ -104,75 +104,8 @@ impl Pipeline {
         }
     }
 
-    /// Whether nothing waits for an access or an operation, so that lines and rays that come are all that can change
-    /// anything.
-    #[inline]
-    pub(crate) fn can_work_ahead(&self) -> bool {
-        self.foresees && self.queued() | self.straight.len() == 0
-    }
-
-    /// The ray whose operation ends next.
-    #[inline]
-    pub(crate) fn next_to_leave(&self) -> Option<RayId> {
-        self.stages.front().map(|&(_, ray)| ray)
-    }
-
-    /// Cycles from an access that hits to its data.
-    #[inline]
-    pub(crate) fn hit_latency(&self) -> u64 {
-        self.hit_latency
-    }
-
-    /// A ray begins to read `element` in cycle `at`, which is to come. Cycle `line` is the first in which a line may be
-    /// put in. Whether all accesses were made; if not, something is to be done in cycle `at`.
-    #[inline]
-    pub(crate) fn fetch_ahead(&mut self, ray: RayId, element: &Element, at: u64, line: u64, links: &mut Links) -> bool {
-        let mut fetch = Fetch::of(element, &links.layout);
-        let state = &mut links.rays[ray as usize];
-        while fetch.left > 0 {
-            let access_at = at.max(self.access_at);
-            let there_at = access_at + self.hit_latency;
-            let hit = there_at < line && self.cache.hit(fetch.line, fetch.class, Access::Read);
-            if !hit && (there_at >= line || !self.miss(ray, state.marked, &fetch, Access::Read, access_at)) {
-                state.fetch = fetch;
-                self.fetching.push_back(ray);
-                return false;
-            }
-            self.access_at = access_at + 1;
-            fetch.line.0 += 1;
-            fetch.left -= 1;
-            fetch.missing += u8::from(!hit);
-        }
-        self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
-        if fetch.missing == 0 {
-            self.enter_ahead(ray, (self.access_at - 1 + self.hit_latency).max(self.open_at));
-        } else {
-            self.waiting += 1;
-            state.fetch = fetch;
-        }
-        if self.begins_last <= at || !self.causes.is_busy_from(at) {
-            self.account(at, false);
-        }
-        self.account_ahead(at, false);
-        true
-    }
-
-    /// Puts in the line that comes in cycle `at`, which is to come, and enters the rays that wait for it; whether that
-    /// could be done.
-    pub(crate) fn fill_ahead(&mut self, at: u64, links: &mut Links) -> bool {
-        if self.release == Release::OneByOne || !self.fill(at, links) {
-            return false;
-        }
-        while let Some(ray) = self.ready.pop_front() {
-            self.enter_ahead(ray, self.open_at.max(at));
-        }
-        self.account(at, false);
-        self.account_ahead(at, false);
-        true
-    }
-
     /// An operation of `ray` begins in cycle `at`, which is to come.
-    #[inline]
+    #[inline(always)]
     pub(super) fn enter_ahead(&mut self, ray: RayId, at: u64) {
         self.enter(ray, at);
         self.causes.begin(at, self.timing.interval);

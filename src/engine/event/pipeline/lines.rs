@@ -54,7 +54,11 @@ impl Pipeline {
                 }
             }
             // The row stays in use until its last ray has left: which no access sees, since none is made until then.
-            Release::OneByOne => self.released.extend(self.filled_for.drain(..)),
+            Release::OneByOne => {
+                self.release_at = if self.released.is_empty() { now } else { self.release_at };
+                self.released.extend(self.filled_for.drain(..));
+                self.access_at = self.access_at.max(self.release_at + self.released.len() as u64);
+            }
         }
         true
     }
@@ -72,7 +76,10 @@ impl Pipeline {
     /// Step 6; whether the queue was stopped.
     #[inline]
     pub(super) fn access(&mut self, now: u64, links: &mut Links) -> bool {
-        if let Some(ray) = self.released.pop_front() {
+        if self.release_at <= now
+            && let Some(ray) = self.released.pop_front()
+        {
+            self.release_at = now + 1;
             self.line_came(ray, &mut links.rays);
             return false;
         }

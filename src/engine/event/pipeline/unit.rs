@@ -69,8 +69,9 @@ pub(crate) struct Pipeline {
     pub(super) begins_last: u64,
     pub(super) filled_for: Vec<RayId>,
     pub(super) release: Release,
-    /// Rays whose lines have come and are given out one by one.
+    /// Rays whose lines have come and are given out one by one, and when the next one is.
     pub(super) released: Ring<RayId>,
+    pub(super) release_at: u64,
     /// Requests under way past the L1, the oldest first, and how many there can be.
     pub(super) straight: Ring<(LineAddr, RayId)>,
     pub(super) most_straight: usize,
@@ -125,6 +126,7 @@ impl Pipeline {
             filled_for: Vec::new(),
             release: cache.release,
             released: Ring::new(),
+            release_at: 0,
             straight: Ring::new(),
             most_straight: cache.mshrs.size(),
             read_straight: [Past::default(); TrafficClass::ALL.len()],
