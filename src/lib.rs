@@ -93,5 +93,6 @@ pub(crate) mod size;
 pub(crate) mod spread;
 pub mod stats;
 pub mod stream;
+pub(crate) mod surrogate;
 pub mod tracer;
 pub mod validate;

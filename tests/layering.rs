@@ -27,6 +27,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ron_file", &["alike", "ranged", "input", "shipped"]),
     ("counters", &[]),
     ("spread", &[]),
+    ("surrogate", &["random"]),
     ("stats", &["quantity", "counters"]),
     ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
@@ -80,6 +81,8 @@ const ROOMS: &[(&str, &[&str])] = &[
             "memory",
             "machine",
             "replay",
+            "size",
+            "surrogate",
             "validate",
             "report",
         ],

@@ -10,6 +10,8 @@ mod kills;
 mod reports;
 #[path = "outputs/shards.rs"]
 mod shards;
+#[path = "outputs/spaces.rs"]
+mod spaces;
 #[path = "outputs/sweeps.rs"]
 mod sweeps;
 #[path = "outputs/versions.rs"]

@@ -79,7 +79,11 @@ fn check(file: &Path) -> Result<String> {
                 counted(scene.frame_count as usize, "frame"),
             )
         }
-        Root::Sweep => counted(sweep::machine_count(file)?, "machine"),
+        Root::Sweep => {
+            let machines = counted(sweep::machine_count(file)?, "machine");
+            let budget = sweep::budget(file)?.map(|replays| format!(" of a space, {}", counted(replays, "replay")));
+            machines + &budget.unwrap_or_default()
+        }
         Root::Pareto => counted(pareto::Comparison::load(file, None)?.replays(), "replay"),
         Root::Identities => counted(identities::Table::load(file, &[])?.rows(), "row"),
         Root::PaperTable => counted(paper::Table::load(file)?.readings(), "reading"),

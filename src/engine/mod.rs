@@ -8,6 +8,7 @@ mod bound;
 pub(crate) mod check;
 pub(crate) mod contract;
 mod cycle;
+mod demand;
 mod error;
 mod event;
 pub(crate) mod feed;
@@ -34,6 +35,8 @@ mod watchdog;
 pub(crate) mod whole;
 pub(crate) mod work;
 
+pub(crate) use self::demand::demand;
+pub use self::demand::{Demand, Estimate};
 pub use self::error::RunError;
 pub(crate) use self::items::ItemStream;
 pub use self::items::{Items, Source};

@@ -21,6 +21,7 @@ pub(crate) mod replay;
 pub(crate) mod reuse;
 pub(crate) mod run;
 mod set;
+pub(crate) mod space;
 pub(crate) mod spec;
 mod split;
 pub(crate) mod stress;

@@ -37,6 +37,11 @@ impl Role {
         }
     }
 
+    /// Whether a field of the machine is there in this role.
+    pub(super) fn has_field(self, path: &str) -> bool {
+        self != Self::WithoutUnit || !path.starts_with("shadow_cache.")
+    }
+
     /// What stands behind a policy's name, for stages of a run.
     pub(crate) fn suffix(self) -> &'static str {
         match self {

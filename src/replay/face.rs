@@ -2,7 +2,7 @@
 
 use super::fidelity::{Fidelity, OnePass};
 use crate::engine::whole::whole;
-use crate::engine::{self, Exact, Level, Observer, ReuseOf, RunError, Source};
+use crate::engine::{self, Demand, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
 use crate::sampling;
@@ -33,6 +33,14 @@ impl<'a, F> Replay<'a, F> {
     /// The same at another level: a [`Fidelity`], a [`OnePass`] or an [`Exact`] one.
     pub fn fidelity<G>(self, fidelity: G) -> Replay<'a, G> {
         Replay { machine: self.machine, header: self.header, fidelity }
+    }
+
+    /// Replays the stream by [`Level::Profile`] and learns what it asks of machines like this one.
+    ///
+    /// # Errors
+    /// The run fails.
+    pub fn demand(&self, source: &dyn Source) -> Result<Demand, RunError> {
+        engine::demand(self.machine, self.header, source)
     }
 
     /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and

@@ -12,6 +12,7 @@ pub use self::face::{Observed, Replay};
 pub use self::fidelity::{Fidelity, OnePass};
 pub use self::stream_file::StreamFile;
 pub use crate::engine::{
-    Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen, Source,
+    Demand, Estimate, Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen,
+    Source,
 };
 pub use crate::ranged::Share;

@@ -261,6 +261,42 @@ const OTHERS: &[(&str, &str, &str)] = &[
     ),
     ("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
     ("points.*.hit_rate.*.*", "share", "of a sweep's point: hits / accesses of a kind of cache and a class, as it is"),
+    (
+        "designs.*.wrong_pixels",
+        "pixels",
+        "of a space's design: pixels whose shadows culling changed, in the measured frames",
+    ),
+    ("designs.*.cycles", "cycles", "of a space's design: cycles, measured if it was replayed, predicted otherwise"),
+    ("designs.*.dram_bytes", "B", "of a space's design: bytes that the DRAM moved, measured or predicted"),
+    ("designs.*.joules", "J", "of a space's design: energy with typical constants, measured or predicted"),
+    ("designs.*.half_widths.*", "as the figure", "half the width of the 95 % interval of a figure that is predicted"),
+    (
+        "designs.*.foreseen.*.*",
+        "as the figure",
+        "what was predicted before the replay (0), and the 95 % interval (1, 2)",
+    ),
+    ("size.combinations", "combinations", "of a space: combinations of values for each machine of the experiment"),
+    ("size.machines", "machines", "machines that were drawn of these"),
+    ("size.left_out", "combinations", "combinations that were drawn and are no machines"),
+    ("size.replays", "replays", "replays made or kept"),
+    ("size.budget", "replays", "replays that the config allows"),
+    ("size.passes", "passes", "passes over streams, for what is known of all designs"),
+    ("size.unsure", "designs", "designs that may be on the front and were not replayed"),
+    ("policies.*.pixels", "pixels", "of a space: pixels of the measured frames"),
+    ("policies.*.wrong_pixels", "pixels", "those of them whose shadows the policy changed"),
+    ("sensitivities.*.least.*", "share", "change of the mean of a figure with the value that has the least of it"),
+    ("sensitivities.*.most.*", "share", "change of the mean of a figure with the value that has the most of it"),
+    ("sensitivities.*.share", "share", "of the variance of the figure's logarithm: what the field alone explains"),
+    (
+        "accuracy.*.*.count",
+        "designs",
+        "designs that were predicted (foreseen), or left out of what predicted them, and replayed",
+    ),
+    ("accuracy.*.*.median", "share", "half of the errors are below this"),
+    ("accuracy.*.*.ninth", "share", "nine of ten errors are below this"),
+    ("accuracy.*.*.most", "share", "the largest error"),
+    ("accuracy.*.*.within", "share", "predictions within 3 %"),
+    ("accuracy.*.*.holds", "share", "predictions whose 95 % interval holds"),
     ("machines.*.policies.*.dram_utilization", "share", "bytes moved / (dram_peak_bytes_per_cycle x cycles)"),
 ];
 
@@ -391,6 +427,9 @@ mod tests {
         let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
         assert_eq!(undeclared(&sweep), Vec::<String>::new());
         numbers(&sweep, &mut Vec::new(), &mut found);
+        let space = serde_json::to_value(crate::report::run::tests::sample::space()).unwrap();
+        assert_eq!(undeclared(&space), Vec::<String>::new());
+        numbers(&space, &mut Vec::new(), &mut found);
         let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let statistics = statistics();
         let columns: Vec<_> =

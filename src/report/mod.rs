@@ -21,6 +21,7 @@ pub(crate) mod pareto;
 mod results;
 pub(crate) mod reuse;
 pub(crate) mod run;
+pub(crate) mod space;
 pub(crate) mod split;
 pub(crate) mod stress;
 pub(crate) mod sweep;

@@ -172,6 +172,32 @@ fn sizes_that_do_not_fit_together() {
 }
 
 #[test]
+fn a_space_of_what_is_not_there() {
+    let desk = Desk::with_experiment();
+    let with = |vary: &str, points: &str| {
+        desk.put("space.ron", &format!("(experiment: \"tiny.ron\", vary: {{{vary}}}, points: {points})"));
+        desk.refused(&["sweep", "space.ron", "--out", "s"])
+    };
+    let space = "Space(budget: 20)";
+    let refused = [
+        with("\"l2.ways\": []", space),
+        with("\"l2.bytes\": Log(0, 65536)", space),
+        with("\"l2.bytes\": Log(65536, 1024)", space),
+        with("\"l2.bytes\": Log(1024, 3000)", space),
+        with("\"traversal.count\": Integers(4, 1)", space),
+        with("\"traversal.count\": Integers(0, 4)", space),
+        with("\"traversal.cont\": Integers(1, 4)", space),
+        with("\"traversal.count\": Loog(1, 4)", space),
+        with("\"traversal.count\": Integers(1, 4)", "Single"),
+        with("\"traversal.count\": Integers(1, 4)", "Space(budget: 3)"),
+        with("\"traversal.count\": Integers(1, 4)", "Space(machines: 100000, budget: 30)"),
+        with("\"traversal.count\": [4]", space),
+        with("\"l2.bytes\": [3000, 5000]", space),
+    ];
+    insta::assert_snapshot!(refused.join("\n"));
+}
+
+#[test]
 fn a_sweep_over_what_is_not_there() {
     let desk = Desk::with_experiment();
     let sweep = |vary: &str| {

@@ -7,7 +7,7 @@ mod quote;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
 
 use self::emit::Script;
@@ -18,10 +18,12 @@ use super::destinations::{claim_files, results_folder};
 use super::ending::Ending;
 use super::outcome::Outcome;
 use super::print::print;
+use crate::experiment::space::space;
 use crate::experiment::sweep::{self, ChosenLevel, Shard};
 use crate::output::{ResultsFolder, SharedFolder, claim_folder, signals};
 use crate::replay::{Fidelity, Share};
 use crate::report;
+use crate::report::space::SpaceSummary;
 use crate::report::sweep::SweepSummary;
 use crate::shipped::Kind;
 
@@ -29,7 +31,8 @@ use crate::shipped::Kind;
 ///
 /// The frames of an experiment are traced once. Every replay is kept, so that a sweep that was stopped by Ctrl-C goes
 /// on when it is started again. The report has a table (`sweep.csv`), a plot and a page. Shards share the work between
-/// processes and machines, and --collect makes the same report of what they kept.
+/// processes and machines, and --collect makes the same report of what they kept. Of a space of machines (`points:
+/// Space(budget: 60)`) a few are replayed and the others predicted; shards make its first set.
 #[derive(Args)]
 pub(super) struct Sweep {
     /// The sweep: a file, or the name of a shipped one
@@ -57,6 +60,9 @@ pub(super) struct Sweep {
 
 /// Columns that a terminal needs: the point's names, and changes of cycles and DRAM bytes.
 const NEEDED: usize = 5;
+
+/// Designs of a front that a terminal shows.
+const MOST_ROWS: usize = 24;
 
 /// What is done of a sweep; everything if nothing is said.
 #[derive(Args)]
@@ -87,6 +93,7 @@ impl Sweep {
         let level = ChosenLevel { fidelity: self.fidelity, target_error: self.target_error };
         let words = level_words(level);
         let stop = signals::stop_flag();
+        let is_space = sweep::budget(&config)?.is_some();
         let share = || -> Result<SharedFolder> {
             claim_folder("--out", &out)?;
             Ok(ResultsFolder::share(&out)?)
@@ -101,6 +108,8 @@ impl Sweep {
                 let points = sweep::shard(&config, level, &share()?, shard, &stop)?;
                 print(format!("shard {shard}: {points} points are in {}", out.display()))?;
             }
+            Part { collect: Some(_), .. } if is_space => bail!(not_of_a_space("--collect", &self.config, &out)),
+            Part { emit: Some(_), .. } if is_space => bail!(not_of_a_space("--emit", &self.config, &out)),
             Part { collect: Some(others), .. } => {
                 let out = results_folder(&out)?;
                 let command = |shard: Shard, folder: &Path| {
@@ -113,6 +122,10 @@ impl Sweep {
                 claim_files([("--emit", Some(file.as_path()))])?;
                 let points = sweep::list(&config, level)?.points.len();
                 Script::new(&engine, (&self.config, &words), &out, points, self.shards)?.write(&file)?;
+            }
+            _ if is_space => {
+                let out = results_folder(&out)?;
+                report_space(&out, &space(&config, level, &out, &stop)?, &self.ending, begin)?;
             }
             _ => {
                 let out = results_folder(&out)?;
@@ -128,6 +141,27 @@ fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: I
     let page = report::write(out, summary)?;
     let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
     ending.tell(summary, &table, &report::sweep::finding(summary), begin, Some(&page))
+}
+
+/// Writes a space's report and tells what was found.
+fn report_space(out: &ResultsFolder, summary: &SpaceSummary, ending: &Ending, begin: Instant) -> Result<()> {
+    let page = report::write(out, summary)?;
+    let tables = [
+        report::drawn(&summary.front_grid(MOST_ROWS)),
+        report::drawn(&summary.accuracy_grid()),
+        report::paragraph(&summary.scope()),
+    ];
+    ending.tell(summary, &tables.join("\n\n"), &summary.finding(), begin, Some(&page))
+}
+
+/// Why a space does not take an option.
+fn not_of_a_space(option: &str, config: &Path, out: &Path) -> String {
+    let (config, out) = (shell(config), shell(out));
+    format!(
+        "`{option}` is for sweeps whose points are all known beforehand: those of a space, but for its first set, are \
+         chosen by what others told. Make the first set by shards, in one folder: umbrasim sweep {config} --shard I/N \
+         --out {out}. Then the same without --shard goes on from it"
+    )
 }
 
 /// The options that choose the level, as words of a shell, each behind a space.

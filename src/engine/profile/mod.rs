@@ -25,3 +25,4 @@ mod whereabouts;
 
 pub(super) use self::curves::{Curves, Heat};
 pub(super) use self::engine::Profile;
+pub(super) use self::watch::Watch;

@@ -19,9 +19,9 @@ use crate::output::Turn;
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Those of `share` that are to be made. What is damaged, or of another build, is told and made again.
-pub(super) fn missing(share: Vec<Point>, folder: &Path) -> Vec<Point> {
+pub(super) fn missing(share: &[Point], folder: &Path) -> Vec<Point> {
     let mut of_other_builds = 0;
-    let is_missing = |point: &Point| match points::read(folder, point.key) {
+    let is_missing = |point: &&Point| match points::read(folder, point.key) {
         Ok(kept) => kept.is_none(),
         Err(Refused::OtherBuild(_)) => {
             of_other_builds += 1;
@@ -32,7 +32,7 @@ pub(super) fn missing(share: Vec<Point>, folder: &Path) -> Vec<Point> {
             true
         }
     };
-    let missing = share.into_iter().filter(is_missing).collect();
+    let missing = share.iter().filter(is_missing).copied().collect();
     if of_other_builds > 0 {
         eprintln!("{}: {of_other_builds} points are of another build and are made again", folder.display());
     }

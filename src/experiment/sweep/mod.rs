@@ -5,6 +5,7 @@
 //! each other: each reads the same files, has the same plan, and makes its shard of the plan.
 
 mod collect;
+mod draw;
 mod error;
 mod listing;
 mod log;
@@ -17,6 +18,7 @@ mod shard;
 mod spec;
 mod streams;
 mod summary;
+mod values;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -24,17 +26,19 @@ use std::sync::atomic::AtomicBool;
 pub use self::error::SweepError;
 pub(crate) use self::listing::{Listed, Listing};
 use self::log::Log;
-use self::places::Places;
-use self::plan::Plan;
-pub(super) use self::replay::replay;
+pub(super) use self::places::Places;
+pub(super) use self::plan::{Plan, Point};
+pub(super) use self::points::Key;
+pub(super) use self::replay::{demand, replay};
 pub(crate) use self::shard::Shard;
 pub(crate) use self::spec::ChosenLevel;
-use self::spec::Sweep;
+pub(super) use self::spec::Sweep;
 pub(crate) use self::spec::SweepSpec;
-pub(super) use self::streams::Streams;
-use self::streams::Streams as Kept;
+pub(super) use self::streams::{BUILD, Recorded, Streams};
+pub(super) use self::summary::read as read_point;
 use crate::output::{ResultsFolder, SharedFolder};
 use crate::report::sweep::SweepSummary;
+use crate::ron_file;
 
 /// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
 ///
@@ -82,7 +86,7 @@ pub(crate) fn record(
     let sweep = Sweep::load(path, level)?;
     let places = Places::of(folder.path());
     places.make()?;
-    Kept::new(&sweep.experiment, &places.streams).have(|_| true, stop)?;
+    Streams::new(&sweep.experiment, &places.streams).have(|_| true, stop)?;
     Ok(())
 }
 
@@ -102,7 +106,7 @@ pub(crate) fn collect(
     folder.make()?;
     let places = Places::of(folder.path());
     places.make()?;
-    let plan = Plan::new(&sweep, &Kept::new(&sweep.experiment, &places.streams).identities)?;
+    let plan = Plan::new(&sweep, &Streams::new(&sweep.experiment, &places.streams).identities)?;
     collect::collect(&plan, folder.path(), others, command)?;
     summary::summary(&sweep, &plan, &places.points)
 }
@@ -113,8 +117,16 @@ pub(crate) fn collect(
 /// A file is wrong.
 pub(crate) fn list(path: &Path, level: ChosenLevel) -> Result<Listing, SweepError> {
     let sweep = Sweep::load(path, level)?;
-    let plan = Plan::new(&sweep, &Kept::new(&sweep.experiment, Path::new("")).identities)?;
+    let plan = Plan::new(&sweep, &Streams::new(&sweep.experiment, Path::new("")).identities)?;
     Listing::new(&sweep, &plan)
+}
+
+/// The replays that the sweep of the file `path` allows; none where its machines are no space.
+///
+/// # Errors
+/// The file is wrong.
+pub(crate) fn budget(path: &Path) -> Result<Option<usize>, SweepError> {
+    Ok(ron_file::read::<SweepSpec>(path)?.budget())
 }
 
 /// Reads the sweep of the file `path` and all files that it names. Returns how many machines the sweep has.
@@ -128,22 +140,44 @@ pub fn machine_count(path: &Path) -> Result<usize, SweepError> {
 /// Makes the points of a shard that are not kept yet.
 fn make(sweep: &Sweep, places: &Places, shard: Shard, stop: &AtomicBool) -> Result<Plan, SweepError> {
     places.make()?;
-    let streams = Kept::new(&sweep.experiment, &places.streams);
+    let streams = Streams::new(&sweep.experiment, &places.streams);
     let plan = Plan::new(sweep, &streams.identities)?;
     let identity = plan.identity();
     if shard != Shard::WHOLE {
         places.note(&identity, shard)?;
     }
     let share = plan.share(shard);
-    let of_all = share.len();
-    let wanted = make::missing(share, &places.points);
     let subject = format!("sweep {} {identity}, shard {shard}", sweep.experiment.spec.name);
-    let costs: Vec<u64> = wanted.iter().map(|point| point.cost).collect();
-    let log = Log::new(subject, of_all, &costs);
+    let wanted = make::missing(&share, &places.points);
+    let log = Log::new(subject, share.len(), &costs(&wanted));
     if !wanted.is_empty() {
         let streams = streams.have(|policy| wanted.iter().any(|point| point.policy == policy), stop)?;
         make::make(sweep, &streams, &wanted, &places.points, &log, stop)?;
     }
     log.finish();
     Ok(plan)
+}
+
+fn costs(points: &[Point]) -> Vec<u64> {
+    points.iter().map(|point| point.cost).collect()
+}
+
+/// Makes those of `points` that are not kept in `folder` yet, from streams that are there. `subject` names them in a
+/// log.
+///
+/// # Errors
+/// A replay fails, a point cannot be kept, or `stop` was set.
+pub(super) fn make_points(
+    sweep: &Sweep,
+    streams: &[Recorded],
+    points: &[Point],
+    folder: &Path,
+    subject: String,
+    stop: &AtomicBool,
+) -> Result<(), SweepError> {
+    let wanted = make::missing(points, folder);
+    let log = Log::new(subject, points.len(), &costs(&wanted));
+    make::make(sweep, streams, &wanted, folder, &log, stop)?;
+    log.finish();
+    Ok(())
 }

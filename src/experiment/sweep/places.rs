@@ -7,16 +7,16 @@ use super::shard::Shard;
 use crate::output::write_whole;
 
 /// The folders of a sweep in its own.
-pub(super) struct Places {
-    pub(super) points: PathBuf,
-    pub(super) streams: PathBuf,
+pub(in super::super) struct Places {
+    pub(in super::super) points: PathBuf,
+    pub(in super::super) streams: PathBuf,
     /// A file for each shard that was begun: by these a collector knows the commands that make what is missing.
     shards: PathBuf,
 }
 
 impl Places {
     /// The places in `folder`.
-    pub(super) fn of(folder: &Path) -> Self {
+    pub(in super::super) fn of(folder: &Path) -> Self {
         let [points, streams, shards] = ["points", "streams", "shards"].map(|part| folder.join(part));
         Self { points, streams, shards }
     }
@@ -25,7 +25,7 @@ impl Places {
     ///
     /// # Errors
     /// One cannot be made.
-    pub(super) fn make(&self) -> Result<(), SweepError> {
+    pub(in super::super) fn make(&self) -> Result<(), SweepError> {
         [&self.points, &self.streams, &self.shards].into_iter().try_for_each(|part| {
             std::fs::create_dir_all(part).map_err(|source| SweepError::File { path: part.clone(), source })
         })

@@ -1,6 +1,6 @@
 //! The points of a sweep: every replay that its report needs, once each, and what each is expected to cost.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use rustc_hash::FxBuildHasher;
 
@@ -14,19 +14,20 @@ use crate::machine::MachineSpec;
 
 /// A point: a replay of a policy's stream on a machine in a role.
 #[derive(Clone, Copy)]
-pub(super) struct Point {
-    pub(super) key: Key,
-    pub(super) policy: usize,
-    pub(super) machine: usize,
-    pub(super) role: Role,
+pub(in super::super) struct Point {
+    pub(in super::super) key: Key,
+    pub(in super::super) policy: usize,
+    pub(in super::super) machine: usize,
+    pub(in super::super) role: Role,
     /// Expected cost, in rays that a replay without culling takes as long for.
-    pub(super) cost: u64,
+    pub(in super::super) cost: u64,
 }
 
-/// All points of a sweep, in the order of its files. They depend on the sweep's inputs alone: every process that reads
+/// All points of a sweep, in the order of its files; of a space its first set, from which the others are chosen. They
+/// depend on the sweep's inputs alone: every process that reads
 /// the same files has the same plan.
-pub(super) struct Plan {
-    pub(super) points: Vec<Point>,
+pub(in super::super) struct Plan {
+    pub(in super::super) points: Vec<Point>,
     identities: Vec<Identity>,
     off: usize,
 }
@@ -36,24 +37,55 @@ impl Plan {
     ///
     /// # Errors
     /// A machine cannot be made.
-    pub(super) fn new(sweep: &Sweep, identities: &[Identity]) -> Result<Self, SweepError> {
+    pub(in super::super) fn new(sweep: &Sweep, identities: &[Identity]) -> Result<Self, SweepError> {
         let mut plan = Self { points: Vec::new(), identities: identities.to_vec(), off: sweep.experiment.off() };
-        let rays = rays(sweep);
-        let mut seen = HashSet::with_hasher(FxBuildHasher);
-        for machine in 0..sweep.len() {
-            let spec = sweep.machine(machine)?.spec;
-            for (policy, role) in plan.replays() {
-                let key = plan.key(sweep, &spec, policy, role);
-                if seen.insert(key) {
-                    plan.points.push(Point { key, policy, machine, role, cost: rays * weight(role) / 10 });
-                }
-            }
-        }
+        plan.points = match sweep.first_set() {
+            None => plan.candidates(sweep, &plan.replays().collect::<Vec<_>>())?,
+            Some(machines) => plan.first_set(sweep, machines)?,
+        };
         Ok(plan)
     }
 
+    /// All machines in these roles under these policies, each replay once.
+    pub(in super::super) fn candidates(
+        &self,
+        sweep: &Sweep,
+        replays: &[(usize, Role)],
+    ) -> Result<Vec<Point>, SweepError> {
+        let rays = rays(sweep);
+        let mut seen = HashSet::with_hasher(FxBuildHasher);
+        let mut points = Vec::new();
+        for machine in 0..sweep.len() {
+            let spec = sweep.machine(machine)?.spec;
+            for &(policy, role) in replays {
+                let key = self.key(sweep, &spec, policy, role);
+                if seen.insert(key) {
+                    points.push(Point { key, policy, machine, role, cost: rays * weight(role) / 10 });
+                }
+            }
+        }
+        Ok(points)
+    }
+
+    /// So many machines of each of the experiment's under each policy, the first ones of the space.
+    fn first_set(&self, sweep: &Sweep, machines: usize) -> Result<Vec<Point>, SweepError> {
+        let mut taken: HashMap<(usize, usize), usize, FxBuildHasher> = HashMap::default();
+        let mut is_first = |point: &Point| {
+            let taken = taken.entry((sweep.base(point.machine), point.policy)).or_default();
+            *taken += 1;
+            *taken <= machines
+        };
+        Ok(self.candidates(sweep, &self.designs())?.into_iter().filter(|point| is_first(point)).collect())
+    }
+
+    /// The policies of a space's designs, each with the role of its machines.
+    pub(in super::super) fn designs(&self) -> Vec<(usize, Role)> {
+        let role = |policy| if policy == self.off { Role::WithoutUnit } else { Role::AsItIs };
+        (0..self.identities.len()).map(|policy| (policy, role(policy))).collect()
+    }
+
     /// The key of a machine's replay.
-    pub(super) fn key(&self, sweep: &Sweep, machine: &MachineSpec, policy: usize, role: Role) -> Key {
+    pub(in super::super) fn key(&self, sweep: &Sweep, machine: &MachineSpec, policy: usize, role: Role) -> Key {
         Key::new(self.identities[policy], sweep.experiment.spec.fidelity, &role.machine(machine))
     }
 
@@ -75,8 +107,13 @@ impl Plan {
     }
 
     /// What the plan is known by: eight digits of a hash of all its keys.
-    pub(super) fn identity(&self) -> String {
+    pub(in super::super) fn identity(&self) -> String {
         Key::of_all(self.points.iter().map(|point| point.key)).to_string().chars().take(8).collect()
+    }
+
+    /// What all its streams are known by.
+    pub(in super::super) fn streams(&self) -> String {
+        self.identities.iter().map(|identity| identity.to_string()).collect::<Vec<_>>().join(" ")
     }
 
     /// The points of a shard, in the order of the plan.

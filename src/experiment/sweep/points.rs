@@ -22,7 +22,7 @@ const MAX_POINT_BYTES: u64 = 1 << 24;
 /// A hash of the inputs of a replay. A point depends on them and on the program's build alone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub(super) struct Key(u128);
+pub(in super::super) struct Key(u128);
 
 impl Key {
     /// A hash of many keys in order, as the identity of what has them.
@@ -66,9 +66,9 @@ impl TryFrom<String> for Key {
 /// What a replay measured, and what the tracer counted in the measured frames of its stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(super) struct Measured {
-    pub(super) stats: MachineStats,
-    pub(super) totals: Totals,
+pub(in super::super) struct Measured {
+    pub(in super::super) stats: MachineStats,
+    pub(in super::super) totals: Totals,
 }
 
 /// A point as its file holds it.

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::error::SweepError;
 use super::streams::Recorded;
 use crate::machine::MachineSpec;
-use crate::replay::{Fidelity, Items, Replay, RunError, Source, StreamFile};
+use crate::replay::{Demand, Fidelity, Items, Replay, RunError, Source, StreamFile};
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
@@ -31,13 +31,41 @@ pub(crate) fn replay(
     stream: &Recorded,
     stop: &AtomicBool,
 ) -> Result<MachineStats, SweepError> {
-    let source = Stoppable { file: StreamFile(&stream.path), stop };
-    let replay = Replay::new(machine, &stream.header).map_err(RunError::from);
-    let stats = replay.and_then(|replay| replay.fidelity(fidelity).run(&source));
+    let replayed = replay_of(machine, stream).and_then(|replay| replay.fidelity(fidelity).run(&source(stream, stop)));
+    told(replayed, machine, stream, stop)
+}
+
+/// What a recorded stream asks of machines like `machine`.
+///
+/// # Errors
+/// The pass is stopped or fails.
+pub(in super::super) fn demand(
+    machine: &MachineSpec,
+    stream: &Recorded,
+    stop: &AtomicBool,
+) -> Result<Demand, SweepError> {
+    let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
+    told(demand, machine, stream, stop)
+}
+
+fn source<'a>(stream: &'a Recorded, stop: &'a AtomicBool) -> Stoppable<'a> {
+    Stoppable { file: StreamFile(&stream.path), stop }
+}
+
+fn replay_of<'a>(machine: &'a MachineSpec, stream: &'a Recorded) -> Result<Replay<'a>, RunError> {
+    Ok(Replay::new(machine, &stream.header)?)
+}
+
+fn told<T>(
+    result: Result<T, RunError>,
+    machine: &MachineSpec,
+    stream: &Recorded,
+    stop: &AtomicBool,
+) -> Result<T, SweepError> {
     if stop.load(Ordering::Relaxed) {
         return Err(SweepError::Stopped);
     }
-    stats.map_err(|source| SweepError::Machine {
+    result.map_err(|source| SweepError::Machine {
         machine: machine.name.clone(),
         policy: stream.header.policy.clone(),
         source: Box::new(source),

@@ -6,17 +6,19 @@ use ron::value::RawValue;
 use rustc_hash::FxHashSet;
 use schemars::JsonSchema;
 use serde::Deserialize;
-use serde_json::Value;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::super::files::named;
 use super::super::frames::FrameRange;
 use super::super::load::{Experiment, Overrides};
 use super::super::set;
+use super::draw::{Draw, MAX_FIELDS};
 use super::error::SweepError;
+use super::values::{Tried, Values};
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::ranged::Within;
 use crate::replay::{Fidelity, Share};
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
@@ -39,12 +41,23 @@ pub(crate) struct SweepSpec {
     /// Another fidelity level than the experiment's.
     #[serde(default)]
     fidelity: Option<Fidelity>,
-    /// Paths of fields in a machine's file, each with the values to try.
-    #[schemars(with = "Named<Vec<Value>>")]
-    vary: Named<Vec<Box<RawValue>>>,
+    /// Paths of fields in a machine's file, each with the values to try: a list, or in a space `Log(256, 65536)` (each
+    /// value twice the one before) or `Integers(1, 8)`.
+    #[schemars(with = "Named<Values>")]
+    vary: Named<Box<RawValue>>,
     /// Which combinations.
     #[serde(default)]
     points: Points,
+}
+
+impl SweepSpec {
+    /// The replays that a space allows; none where the machines are no space.
+    pub(super) fn budget(&self) -> Option<usize> {
+        match self.points {
+            Points::Space(space) => Some(space.budget.size()),
+            Points::Single | Points::All => None,
+        }
+    }
 }
 
 /// What the command line sets in place of a sweep's file.
@@ -64,14 +77,46 @@ enum Points {
     Single,
     /// All combinations.
     All,
+    /// Many combinations, a few of which are replayed; the others are estimated.
+    Space(SpaceSpec),
+}
+
+/// A space of machines: what few replays tell of many.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub(in super::super) struct SpaceSpec {
+    /// Machines of the space: combinations spread evenly, or all if there are no more.
+    #[serde(default = "machines_of_a_space")]
+    pub(in super::super) machines: Within<2, 10_000>,
+    /// Replays of all machines and policies together.
+    pub(in super::super) budget: Within<1, 10_000>,
+}
+
+fn machines_of_a_space() -> Within<2, 10_000> {
+    const { Within::literal(1000) }
 }
 
 /// A sweep with everything that its files name.
-pub(super) struct Sweep {
-    pub(super) experiment: Experiment,
+pub(in super::super) struct Sweep {
+    pub(in super::super) experiment: Experiment,
     fields: Vec<Field>,
     /// All machines, in the order of the files: no two of them are the same.
     machines: Vec<Combination>,
+    /// Where the machines are a space.
+    pub(in super::super) space: Option<SpaceSpec>,
+    /// Combinations, and those that are no machines.
+    pub(in super::super) combined: Combined,
+}
+
+/// Combinations of values in a space.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Combined {
+    /// All that there are, for one machine of the experiment.
+    pub(in super::super) all: u128,
+    /// Those that were drawn and are no machines, since values do not fit each other.
+    pub(in super::super) left_out: usize,
+    /// Why the first of them is none.
+    pub(in super::super) why: Option<String>,
 }
 
 /// A field of a machine's spec, and the values to try.
@@ -88,15 +133,15 @@ struct Combination {
 }
 
 /// A machine of the sweep.
-pub(super) struct Machine {
-    pub(super) name: String,
-    pub(super) changes: Vec<Change>,
-    pub(super) spec: MachineSpec,
+pub(in super::super) struct Machine {
+    pub(in super::super) name: String,
+    pub(in super::super) changes: Vec<Change>,
+    pub(in super::super) spec: MachineSpec,
 }
 
 impl Sweep {
     /// Reads the sweep of the file `path` and all files that it names, and checks every machine.
-    pub(super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
+    pub(in super::super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
         let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, ..Overrides::default() };
         let mut experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
@@ -104,15 +149,25 @@ impl Sweep {
         let fidelity = level.fidelity.or(spec.fidelity).unwrap_or(experiment.spec.fidelity);
         let sampled = level.target_error.map_or(Ok(fidelity), |target| fidelity.with_target_error(target));
         experiment.spec.fidelity = sampled.map_err(wrong)?;
-        let values = |values: &[Box<RawValue>]| values.iter().map(|value| value.get_ron().trim().to_owned()).collect();
-        let fields = spec.vary.iter().map(|(path, tried)| Field { path: path.into(), values: values(tried) }).collect();
-        let mut sweep = Self { experiment, fields, machines: Vec::new() };
+        let mut fields = Vec::new();
+        for (field, raw) in spec.vary.iter() {
+            let tried = Tried::read(field, raw).map_err(wrong)?;
+            if tried.is_range && !matches!(spec.points, Points::Space(_)) {
+                let listed = tried.values.join(", ");
+                let what = "a range is for a space of machines (`points: Space(budget: 60)`)";
+                return Err(
+                    wrong(format!("`vary` has a range for `{field}`: {what}; as a list it is [{listed}]")).into()
+                );
+            }
+            fields.push(Field { path: field.into(), values: tried.values });
+        }
+        let mut sweep = Self { experiment, fields, machines: Vec::new(), space: None, combined: Combined::default() };
         sweep.combine(spec.points).map_err(wrong)?;
         Ok(sweep)
     }
 
     /// The values that the varied fields have in the machines' files.
-    pub(super) fn own_values(&self) -> Vec<Own> {
+    pub(in super::super) fn own_values(&self) -> Vec<Own> {
         let of_machine = |(name, spec): (&str, &MachineSpec)| -> Vec<Own> {
             let spec = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
             let own = |field: &Field| {
@@ -126,17 +181,39 @@ impl Sweep {
     }
 
     /// Paths of the fields that vary.
-    pub(super) fn fields(&self) -> impl Iterator<Item = &str> {
+    pub(in super::super) fn fields(&self) -> impl Iterator<Item = &str> {
         self.fields.iter().map(|field| field.path.as_str())
     }
 
+    /// How many machines are replayed under each policy of a space before any is chosen by what the others told; none
+    /// where the machines are no space.
+    pub(in super::super) fn first_set(&self) -> Option<usize> {
+        let series = self.experiment.machines.len() * self.experiment.spec.policies.len();
+        self.space.map(|space| (space.budget.size() / 2 / series.max(1)).max(1))
+    }
+
+    /// The number of a machine's base among the experiment's machines.
+    pub(in super::super) fn base(&self, index: usize) -> usize {
+        self.machines[index].base
+    }
+
+    /// The places that a machine's values have among those that its fields are tried with.
+    pub(in super::super) fn places(&self, index: usize) -> impl Iterator<Item = usize> {
+        self.machines[index].values.iter().map(|(_, place)| *place)
+    }
+
+    /// The values that the fields are tried with.
+    pub(in super::super) fn tried(&self) -> impl Iterator<Item = &[String]> {
+        self.fields.iter().map(|field| field.values.as_slice())
+    }
+
     /// How many machines there are.
-    pub(super) fn len(&self) -> usize {
+    pub(in super::super) fn len(&self) -> usize {
         self.machines.len()
     }
 
     /// A machine. It was checked when the sweep was read.
-    pub(super) fn machine(&self, index: usize) -> Result<Machine, SweepError> {
+    pub(in super::super) fn machine(&self, index: usize) -> Result<Machine, SweepError> {
         let made = self.make(&self.machines[index]);
         let path = &self.experiment.spec.name;
         made.map_err(|what| ConfigError::Content { path: path.into(), what }.into())
@@ -144,14 +221,12 @@ impl Sweep {
 
     /// Finds all machines. A value that a machine has already makes no machine of its own.
     fn combine(&mut self, points: Points) -> Result<(), String> {
-        if let Some(field) = self.fields.iter().find(|field| field.values.is_empty()) {
-            return Err(format!("`vary` has no value for `{}`: at least one is needed", field.path));
-        }
         if self.experiment.machines.is_empty() {
             return Err(format!("the experiment `{}` has no machines", self.experiment.spec.name));
         }
         let values = self.fields.iter().map(|field| field.values.len() as u128);
         let each = match points {
+            Points::Space(space) => return self.draw(space),
             Points::Single => 1 + values.sum::<u128>(),
             Points::All => values.fold(1, u128::saturating_mul),
         };
@@ -185,13 +260,74 @@ impl Sweep {
                 };
                 self.fields.iter().enumerate().map(value).collect()
             }
-            Points::Single => {
+            Points::Single | Points::Space(_) => {
                 // 0 is the machine as it is.
                 let all = self.fields.iter().enumerate();
                 let mut all = all.flat_map(|(field, of)| (0..of.values.len()).map(move |value| (field, value)));
                 number.checked_sub(1).and_then(|number| all.nth(number)).into_iter().collect()
             }
         }
+    }
+
+    /// Draws the machines of a space: as many of each of the experiment's.
+    fn draw(&mut self, space: SpaceSpec) -> Result<(), String> {
+        self.space = Some(space);
+        if self.fields.len() > MAX_FIELDS {
+            return Err(format!("`vary` has {} fields: up to {MAX_FIELDS} are allowed in a space", self.fields.len()));
+        }
+        self.try_each_value()?;
+        let bases = self.experiment.machines.len();
+        let policies = self.experiment.spec.policies.len();
+        let least = 2 * (self.fields.len() + 2).max(2 * bases * policies);
+        if space.budget.size() < least {
+            return Err(format!(
+                "`budget` is {}: at least {least} replays are needed to tell {} apart on {} under {}",
+                space.budget,
+                counted(self.fields.len(), "field", "fields"),
+                counted(bases, "machine", "machines"),
+                counted(policies, "policy", "policies"),
+            ));
+        }
+        for base in 0..bases {
+            let mut draw = Draw::new(self.fields.iter().map(|field| field.values.len()).collect());
+            self.combined.all = draw.all();
+            let mut seen = FxHashSet::default();
+            while seen.len() < space.machines.size().div_ceil(bases) {
+                let Some(places) = draw.next() else { break };
+                let combination = Combination { base, values: places.into_iter().enumerate().collect() };
+                match self.make(&combination) {
+                    Ok(machine) => {
+                        let spec =
+                            serde_json::to_vec(&machine.spec).expect("a spec is plain data, which JSON can hold");
+                        if seen.insert(xxh3_128(&spec)) {
+                            self.machines.push(combination);
+                        }
+                    }
+                    Err(why) => {
+                        self.combined.left_out += 1;
+                        self.combined.why.get_or_insert(why);
+                    }
+                }
+            }
+            if seen.len() < 2 {
+                let why = self.combined.why.take().unwrap_or("`vary` has no more combinations".into());
+                return Err(format!("the space has {} of the two machines that it needs at least: {why}", seen.len()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets each value alone: what is no field, or no value of one, is refused before combinations are tried.
+    fn try_each_value(&self) -> Result<(), String> {
+        for (name, base) in self.experiment.machines.iter() {
+            for Field { path, values } in &self.fields {
+                for value in values {
+                    let wrong = |what| format!("`vary` has the value `{value}` for `{path}` of `{name}`: {what}");
+                    set::field(base, path, value).map_err(wrong)?;
+                }
+            }
+        }
+        Ok(())
     }
 
     fn make(&self, combination: &Combination) -> Result<Machine, String> {
@@ -210,6 +346,10 @@ impl Sweep {
         let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });
         Ok(Machine { name: name.into(), changes: changes.collect(), spec })
     }
+}
+
+fn counted(count: usize, one: &str, more: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { more })
 }
 
 fn listed(changes: &[(&str, &str)]) -> String {

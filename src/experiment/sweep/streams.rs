@@ -21,12 +21,12 @@ const RECORDING: &str = "recording";
 const PAUSE: Duration = Duration::from_millis(100);
 
 /// A hash of everything that the program is built from.
-pub(super) const BUILD: &str = env!("UMBRASIM_BUILD");
+pub(in super::super) const BUILD: &str = env!("UMBRASIM_BUILD");
 
 /// A hash of the inputs of a stream: its header, in which the specs and the files of the scene are, and what the
 /// policies that are traced beside the stream need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Identity(u128);
+pub(in super::super) struct Identity(u128);
 
 impl Identity {
     fn new(header: &Header, policies: &[Box<dyn Policy>]) -> Self {
@@ -59,7 +59,7 @@ pub(in super::super) struct Streams<'a> {
     headers: Vec<Header>,
     paths: Vec<PathBuf>,
     folder: PathBuf,
-    pub(super) identities: Vec<Identity>,
+    pub(in super::super) identities: Vec<Identity>,
 }
 
 /// A recorded stream and what the tracer counted in its measured frames.

@@ -44,7 +44,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
 }
 
 /// A point that was made or found good.
-fn read(folder: &Path, key: Key) -> Result<Measured, SweepError> {
+pub(in super::super) fn read(folder: &Path, key: Key) -> Result<Measured, SweepError> {
     let failed = |why: String| SweepError::File { path: key.file(folder), source: std::io::Error::other(why) };
     let point = points::read(folder, key).map_err(|why| failed(why.to_string()))?;
     point.ok_or_else(|| failed("the point is gone: run the same command again".into()))

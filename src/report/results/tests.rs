@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::{Results, files};
 use crate::report::read_numbers;
-use crate::report::run::tests::sample::{sample, sweep};
+use crate::report::run::tests::sample::{sample, space, sweep};
 use crate::report::run::{Summary, read_summary};
 
 /// A CSV file's rows by header.
@@ -147,6 +147,17 @@ fn a_sweep_has_a_column_a_varied_field() {
     assert_eq!(bytes("L2"), bytes(""), "the machine's own value is absent");
     let replays = results.iter().filter(|row| row["metric"] == "split.cycles").map(|row| row["class"].as_str());
     assert_eq!(replays.collect::<BTreeSet<_>>(), BTreeSet::from(["as_it_is", "free_words", "without_culling"]));
+}
+
+#[test]
+fn a_design_that_is_predicted_has_intervals() {
+    let [results, _] = written(&space());
+    let of = |metric: &str| -> Vec<_> {
+        let meant = results.iter().filter(|row| row["metric"] == metric);
+        meant.map(|row| (row["l2.bytes"].as_str(), row["fidelity"].as_str(), row["half_width"].as_str())).collect()
+    };
+    assert_eq!(of("cycles"), [("65536", "Event", "0"), ("131072", "predicted", "120")]);
+    assert_eq!(of("wrong_pixels"), [("65536", "Event", "0"), ("131072", "predicted", "0")]);
 }
 
 #[cfg(feature = "parquet")]

@@ -7,7 +7,7 @@ use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text, tick_step};
 use crate::report::draw::marks::mark;
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::{DrawError, Drawing, Figure};
-use crate::report::format::{change, number, percent, percent_tick};
+use crate::report::format::{change, number, percent_tick};
 use crate::report::grid::Grid;
 
 const PANEL: i32 = 150;
@@ -190,9 +190,4 @@ fn panel(
         }
     }
     Ok(())
-}
-
-/// A change as text, for other plots of the sweep.
-pub(super) fn signed(share: f64) -> String {
-    if share > 0.0 { format!("+{}", percent(share)) } else { percent(share) }
 }

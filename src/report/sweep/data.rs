@@ -93,15 +93,20 @@ impl SweepPoint {
 
     /// What differs, in words.
     pub(crate) fn label(&self) -> String {
-        if self.changes.is_empty() {
-            return "baseline".into();
-        }
-        let short = |change: &Change| {
-            let field = change.field.strip_prefix("shadow_cache.").unwrap_or(&change.field);
-            format!("{field}: {}", shown(&change.field, &change.value))
-        };
-        self.changes.iter().map(short).collect::<Vec<_>>().join(", ")
+        label(&self.changes)
     }
+}
+
+/// What differs from a machine's file, in words.
+pub(crate) fn label(changes: &[Change]) -> String {
+    if changes.is_empty() {
+        return "baseline".into();
+    }
+    let short = |change: &Change| {
+        let field = change.field.strip_prefix("shadow_cache.").unwrap_or(&change.field);
+        format!("{field}: {}", shown(&change.field, &change.value))
+    };
+    changes.iter().map(short).collect::<Vec<_>>().join(", ")
 }
 
 /// The columns that name a point.

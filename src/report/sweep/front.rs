@@ -1,11 +1,11 @@
 //! Cycles against DRAM bytes of all points, and the ones that none beats in both.
 
-use super::curves::signed;
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::fields;
 use crate::report::draw::canvas::{LEFT, LINE, Text, tick_step};
 use crate::report::draw::marks::{Names, mark};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::reach::signed;
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{counted, number, percent_tick};
 use crate::report::grid::Grid;

@@ -1,11 +1,11 @@
 //! Two fields that were varied together: a map a machine and policy, a cell a pair of values.
 
-use super::curves::signed;
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, value};
 use super::values::shown;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
 use crate::report::draw::palette::{Color, GREEN, GRID, VERMILLION, faded};
+use crate::report::draw::reach::signed;
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::number;
 use crate::report::grid::Grid;

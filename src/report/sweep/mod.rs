@@ -11,5 +11,6 @@ mod tornado;
 mod values;
 mod write;
 
-pub(crate) use data::{Change, Own, SweepPoint, SweepSummary, grid};
+pub(crate) use data::{Change, Own, SweepPoint, SweepSummary, grid, label};
+pub(crate) use values::shown;
 pub(crate) use write::finding;

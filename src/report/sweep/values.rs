@@ -15,7 +15,7 @@ fn plain(value: &str) -> &str {
 }
 
 /// A value of a field as people read it: sizes with a unit.
-pub(super) fn shown(field: &str, value: &str) -> String {
+pub(crate) fn shown(field: &str, value: &str) -> String {
     let is_size = field.rsplit('.').next().is_some_and(|name| name.contains("bytes"));
     let bytes = size::parse(plain(value)).ok().filter(|_| is_size);
     bytes.map_or_else(|| amount(value).map_or_else(|| plain(value).to_owned(), tick), size::told)

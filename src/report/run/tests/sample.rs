@@ -11,6 +11,7 @@ use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::report::run::{
     FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
 };
+use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
 use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
@@ -265,5 +266,48 @@ pub(crate) fn sweep() -> SweepSummary {
         resolution: SIZE,
         own: vec![Own { machine: "small".into(), field: "shadow_cache.place".into(), value: "Own".into() }],
         points: vec![point(Vec::new()), point(vec![change])],
+    }
+}
+
+/// A space of one machine under a policy: one design replayed, one predicted.
+pub(crate) fn space() -> SpaceSummary {
+    let change = |value: &str| vec![Change { field: "l2.bytes".into(), value: value.into() }];
+    let design = |value: &str, replayed: bool| space::Design {
+        machine: "small".into(),
+        policy: "published".into(),
+        changes: change(value),
+        replayed,
+        front: replayed,
+        wrong_pixels: 3,
+        cycles: 12_000.0,
+        dram_bytes: 64_000.0,
+        joules: Some(1e-4),
+        half_widths: if replayed { BTreeMap::new() } else { [("cycles".to_owned(), 120.0)].into() },
+        foreseen: if replayed {
+            [("cycles".to_owned(), [11_900.0, 11_500.0, 12_300.0])].into()
+        } else {
+            BTreeMap::new()
+        },
+    };
+    let errors = space::Errors::new(vec![(0.01, true), (0.04, false)]);
+    SpaceSummary {
+        experiment: "kitchen <sample>".into(),
+        scene: "kitchen".into(),
+        fidelity: "Event".into(),
+        frames: vec![0, 16],
+        resolution: SIZE,
+        size: space::Size { combinations: 2.0, machines: 2, replays: 1, budget: 1, passes: 1, ..Default::default() },
+        policies: vec![space::PolicyPixels { policy: "published".into(), pixels: 8000, wrong_pixels: 3 }],
+        designs: vec![design("65536", true), design("131072", false)],
+        sensitivities: vec![space::Sensitivity {
+            machine: "small".into(),
+            policy: "published".into(),
+            field: "l2.bytes".into(),
+            figure: "cycles".into(),
+            least: ("131072".into(), -0.02),
+            most: ("65536".into(), 0.03),
+            share: 0.9,
+        }],
+        accuracy: [("cycles".to_owned(), space::Accuracy { foreseen: errors, left_out: errors })].into(),
     }
 }

@@ -1,0 +1,213 @@
+//! What a machine takes for a stream, roughly: what each of its resources is asked for, over what it can do.
+
+use super::pass::Demand;
+use crate::energy;
+use crate::machine::MachineSpec;
+use crate::machine::kinds::{Kind, KindSpec};
+use crate::memory::dram::spec::Model;
+use crate::memory::l2::L2Spec;
+use crate::memory::tags::Contents;
+use crate::quantity::{Bytes, Cycle};
+use crate::stats::{CacheStats, MachineStats, TrafficClass};
+
+/// How sharply the busiest resource counts more than others: they overlap, but not wholly.
+const SHARPNESS: f64 = 3.0;
+
+/// What a machine takes for a stream, roughly.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Cycles.
+    pub cycles: f64,
+    /// Bytes of the DRAM.
+    pub dram_bytes: f64,
+    /// Energy in J; absent where that of the DRAM is not known.
+    pub joules: Option<f64>,
+    /// Cycles that each resource is busy for at least; in the same order for all machines.
+    pub resources: Vec<f64>,
+}
+
+/// Misses of a machine's caches, by class.
+struct Misses {
+    l1: [[f64; TrafficClass::ALL.len()]; Kind::ALL.len()],
+    l2: [f64; TrafficClass::ALL.len()],
+}
+
+fn total(of: &[f64]) -> f64 {
+    of.iter().sum()
+}
+
+impl Demand {
+    /// What `machine` takes, roughly. It may differ from the machine of the pass in sizes, numbers and times.
+    pub fn estimate(&self, machine: &MachineSpec) -> Estimate {
+        let misses = self.misses(machine);
+        let resources = self.resources(machine, &misses);
+        let cycles = resources.iter().map(|busy| busy.powf(SHARPNESS)).sum::<f64>().powf(SHARPNESS.recip());
+        let stats = self.stats_of(machine, &misses, cycles);
+        let dram_bytes = stats.moved("dram").0 as f64;
+        let joules = energy::of(machine, self.structure, &stats).map(|energy| energy.joules);
+        Estimate { cycles, dram_bytes, joules, resources }
+    }
+
+    /// Misses of `machine`. What is read from distances is scaled by what the machine of the pass is known to have
+    /// missed.
+    fn misses(&self, machine: &MachineSpec) -> Misses {
+        let (mut found, reference) = (self.read(machine), self.read(&self.reference));
+        for kind in Kind::ALL {
+            let known = self.counted(kind.names().1);
+            let (found, reference) = (&mut found.l1[kind as usize], &reference.l1[kind as usize]);
+            for (class, (accesses, misses)) in known.into_iter().enumerate() {
+                found[class] = scale(found[class], reference[class], misses).min(accesses);
+            }
+        }
+        for class in TrafficClass::ALL {
+            let class = class as usize;
+            let known: f64 = self.reference.l2.caches().iter().map(|(name, _)| self.counted(name)[class].1).sum();
+            let asked: f64 = found.l1.iter().map(|kind| kind[class]).sum();
+            let missed = scale(found.l2[class], reference.l2[class], known);
+            found.l2[class] = if asked > 0.0 { missed.min(asked) } else { missed };
+        }
+        found
+    }
+
+    /// Misses read from distances.
+    fn read(&self, machine: &MachineSpec) -> Misses {
+        let line = machine.line_bytes.get();
+        let l1 = Kind::ALL.map(|kind| {
+            let KindSpec { cache, .. } = kind.spec(machine);
+            let sets = (cache.bytes.get() / (line * cache.ways.get())).max(1);
+            let of = |at: usize| self.l1[kind as usize][at].misses(sets, cache.ways.get());
+            std::array::from_fn(|at| if cache.contents == Contents::Ideal { 0.0 } else { of(at) })
+        });
+        let caches = machine.l2.caches();
+        let l2 = TrafficClass::ALL.map(|class| {
+            let (_, cache) = &caches[machine.l2.home(class)];
+            let sets = (cache.bytes.get() / (line * cache.ways.get())).max(1);
+            let of = || self.core[class as usize].misses(sets, cache.ways.get());
+            if cache.contents == Contents::Ideal { 0.0 } else { of() }
+        });
+        Misses { l1, l2 }
+    }
+
+    /// Accesses and misses that the pass counted in a cache, by class.
+    fn counted(&self, cache: &str) -> [(f64, f64); TrafficClass::ALL.len()] {
+        let classes = self.stats.caches.get(cache);
+        TrafficClass::ALL.map(|class| {
+            let counts = classes.and_then(|classes| classes.get(&class)).map(|cache| cache.counts).unwrap_or_default();
+            (counts.accesses as f64, counts.misses as f64)
+        })
+    }
+
+    /// Cycles that each resource is busy for.
+    fn resources(&self, machine: &MachineSpec, misses: &Misses) -> Vec<f64> {
+        let cores = machine.cores.get() as f64;
+        let l2 = L2::of(&machine.l2);
+        let dram = dram_latency(machine);
+        let (asked, fetched): (f64, f64) = (misses.l1.iter().map(|kind| total(kind)).sum(), total(&misses.l2));
+        let below = l2.latency + 2.0 + if asked > 0.0 { fetched / asked * dram } else { 0.0 };
+        let (mut busy, mut held) = (Vec::new(), 0.0);
+        for (kind, misses) in Kind::ALL.into_iter().zip(&misses.l1) {
+            let spec = kind.spec(machine);
+            let (count, misses) = (spec.count as f64, total(misses));
+            let operations = self.stats.operations.get(kind.names().0).copied().unwrap_or(0) as f64;
+            let accesses: f64 = self.counted(kind.names().1).iter().map(|(accesses, _)| accesses).sum();
+            let stay = operations * spec.latency as f64 + accesses * spec.cache.latency.get() as f64 + misses * below;
+            if kind != Kind::ShadowCache {
+                held += stay;
+            }
+            busy.push(operations * spec.interval as f64 / (count * spec.width as f64));
+            busy.push(accesses / (count * spec.cache.accesses_per_cycle() as f64));
+            busy.push(stay / (count * spec.contexts.unwrap_or(u64::MAX) as f64));
+            busy.push(misses * below / (count * spec.cache.mshrs.get() as f64));
+        }
+        let rays = self.stats.rays as f64;
+        let dispatcher = &machine.dispatcher;
+        let division = self.stats.operations.get("division").copied().unwrap_or(0) as f64;
+        let traversal = Kind::Traversal.spec(machine).count as f64;
+        busy.push(rays / (cores * dispatcher.per_cycle.get() as f64));
+        busy.push((held + rays * dispatcher.latency.get() as f64) / machine.pool() as f64);
+        busy.push(held / (traversal * machine.traversal.rays.get() as f64));
+        busy.push(division * machine.division.interval.get() as f64 / (cores * machine.division.count.get() as f64));
+        busy.push(asked / (cores * l2.banks));
+        busy.push(fetched * dram / (cores * l2.registers));
+        let line = machine.line_bytes.get() as f64;
+        busy.push(machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()).map_or(0.0, |peak| fetched * line / peak));
+        busy
+    }
+
+    /// What the pass measured, with the misses and the cycles of `machine`.
+    fn stats_of(&self, machine: &MachineSpec, misses: &Misses, cycles: f64) -> MachineStats {
+        let mut stats = self.stats.clone();
+        (stats.cycles, stats.clock_mhz) = (Cycle(cycles as u64), machine.clock_mhz.get() as f64);
+        for (kind, misses) in Kind::ALL.into_iter().zip(&misses.l1) {
+            for (&class, cache) in stats.caches.get_mut(kind.names().1).into_iter().flatten() {
+                set(cache, None, misses[class as usize]);
+            }
+        }
+        for (name, _) in machine.l2.caches() {
+            for (&class, cache) in stats.caches.get_mut(&name).into_iter().flatten() {
+                let asked: f64 = misses.l1.iter().map(|kind| kind[class as usize]).sum();
+                set(cache, Some(asked), misses.l2[class as usize]);
+            }
+        }
+        let known = stats.dram.reads as f64;
+        let fetched = total(&misses.l2);
+        let more = |count: u64| scale(count as f64, known, fetched) as u64;
+        let dram = &mut stats.dram;
+        for count in
+            [&mut dram.writes, &mut dram.row_hits, &mut dram.row_misses, &mut dram.row_conflicts, &mut dram.activates]
+        {
+            *count = more(*count);
+        }
+        dram.reads = fetched as u64;
+        let bytes = (dram.reads + dram.writes) * machine.line_bytes.get();
+        let moved = stats.moved("dram").0 as f64;
+        if let Some(classes) = stats.bytes.get_mut("dram") {
+            classes.values_mut().for_each(|of| *of = Bytes(scale(of.0 as f64, moved, bytes as f64) as u64));
+        }
+        stats
+    }
+}
+
+/// `found` times what `known` is of `reference`; as it is where that says nothing.
+fn scale(found: f64, reference: f64, known: f64) -> f64 {
+    if reference > 0.0 { found * known / reference } else { found }
+}
+
+/// Sets a class's misses in a cache, and its accesses if they are others; write-backs follow the misses.
+fn set(cache: &mut CacheStats, accesses: Option<f64>, misses: f64) {
+    let counts = &mut cache.counts;
+    counts.write_backs = scale(counts.write_backs as f64, counts.misses as f64, misses) as u64;
+    counts.accesses = accesses.map_or(counts.accesses, |accesses| accesses as u64 + counts.write_backs);
+    counts.misses = misses as u64;
+}
+
+/// What all caches of a core's L2 are together.
+struct L2 {
+    latency: f64,
+    banks: f64,
+    registers: f64,
+}
+
+impl L2 {
+    fn of(spec: &L2Spec) -> Self {
+        let mut all = Self { latency: 0.0, banks: 0.0, registers: 0.0 };
+        for (_, cache) in spec.caches() {
+            all.latency = all.latency.max(cache.latency.get() as f64);
+            all.banks += cache.banks.get() as f64;
+            all.registers += (cache.banks.get() * cache.mshrs.get()) as f64;
+        }
+        all
+    }
+}
+
+/// Cycles from a request to an idle DRAM to its data, if its row must be opened.
+fn dram_latency(machine: &MachineSpec) -> f64 {
+    let (dram, timing) = (&machine.dram, &machine.dram.part.timing);
+    match dram.model {
+        Model::Flat { latency, .. } => latency.get() as f64,
+        Model::Banks => {
+            let clocks = timing.rcd.get() + timing.cl.get() + dram.part.burst_clocks.get();
+            dram.clocks(machine.clock_mhz.get()).cycle_after(clocks) as f64
+        }
+    }
+}

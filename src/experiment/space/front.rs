@@ -1,0 +1,48 @@
+//! Which of several designs no other beats in everything.
+
+/// Whether `a` is nowhere worse than `b`, and better somewhere; less is better.
+pub(super) fn beats(a: &[f64], b: &[f64]) -> bool {
+    let pairs = || a.iter().zip(b);
+    pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
+}
+
+/// Which of `all` no other one beats.
+pub(super) fn unbeaten(all: &[Vec<f64>]) -> Vec<bool> {
+    // Whoever beats a design comes before it in this order, and is beaten by an unbeaten one if by any.
+    let mut order: Vec<usize> = (0..all.len()).collect();
+    order.sort_by(|&a, &b| {
+        let pairs = all[a].iter().zip(&all[b]).map(|(a, b)| a.total_cmp(b));
+        pairs.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then)
+    });
+    let mut front: Vec<usize> = Vec::new();
+    let mut found = vec![false; all.len()];
+    for at in order {
+        if !front.iter().any(|&other| beats(&all[other], &all[at])) {
+            front.push(at);
+            found[at] = true;
+        }
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    #[test]
+    fn the_front_is_what_none_beats() {
+        let all = [[1.0, 5.0], [2.0, 3.0], [2.0, 4.0], [4.0, 1.0], [2.0, 3.0], [5.0, 5.0]].map(|it| it.to_vec());
+        assert_eq!(unbeaten(&all), [true, true, false, true, true, false]);
+    }
+
+    proptest! {
+        #[test]
+        fn it_is_what_a_search_of_pairs_finds(all in prop::collection::vec(prop::collection::vec(0..6u8, 3), 0..40)) {
+            let all: Vec<Vec<f64>> = all.iter().map(|of| of.iter().map(|&it| f64::from(it)).collect()).collect();
+            let searched: Vec<bool> = all.iter().map(|it| !all.iter().any(|other| beats(other, it))).collect();
+            prop_assert_eq!(unbeaten(&all), searched);
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! Spaces of machines: few replays, chosen so that they tell of thousands of designs. A design is a machine under a
+//! policy.
+//!
+//! A first set is spread evenly. What each resource of any machine is asked for is known from a pass over the stream.
+//! A surrogate learns what replays differ from that by, and says how sure it is. The designs that may be on the front
+//! are replayed next, until the budget is spent.
+
+mod axes;
+mod choose;
+mod front;
+mod known;
+mod outcome;
+mod pool;
+mod wrong;
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use rustc_hash::FxHashSet;
+
+use self::axes::Axis;
+use self::choose::Prospects;
+use self::pool::Pool;
+use super::sweep::{
+    ChosenLevel, Key, Places, Plan, Point, Recorded, Streams, Sweep, SweepError, make_points, read_point,
+};
+use crate::output::ResultsFolder;
+use crate::report::space::{Size, SpaceSummary};
+
+/// Of the replays behind the first set, one in so many goes where least is known; of the last quarter of all, none.
+const EXPLORE: usize = 3;
+
+/// Runs or continues the space of the file `path`; its streams and points are kept in `folder`.
+///
+/// # Errors
+/// A file is wrong or cannot be written, a replay fails, or `stop` was set.
+pub(crate) fn space(
+    path: &Path,
+    level: ChosenLevel,
+    folder: &ResultsFolder,
+    stop: &AtomicBool,
+) -> Result<SpaceSummary, SweepError> {
+    let sweep = Sweep::load(path, level)?;
+    folder.make()?;
+    let places = Places::of(folder.path());
+    places.make()?;
+    let streams = Streams::new(&sweep.experiment, &places.streams);
+    let plan = Plan::new(&sweep, &streams.identities)?;
+    let recorded = streams.have(|_| true, stop)?;
+    let wrong = wrong::wrong_pixels(&sweep.experiment, &plan.streams(), &places.points, stop)?;
+    let candidates = plan.candidates(&sweep, &plan.designs())?;
+    let bench = Bench { sweep: &sweep, plan: &plan, recorded: &recorded, points: &places.points, stop };
+    let wrong_of: Vec<u64> = wrong.iter().map(|policy| policy.wrong_pixels).collect();
+    let (mut pool, passes) = bench.pool(&candidates, &wrong_of)?;
+    let replays = bench.explore(&mut pool)?;
+    let size = Size {
+        combinations: sweep.combined.all as f64,
+        machines: sweep.len() as u64,
+        left_out: sweep.combined.left_out as u64,
+        why: sweep.combined.why.clone(),
+        replays: replays as u64,
+        budget: bench.budget() as u64,
+        passes: passes as u64,
+        unsure: Prospects::new(&pool).unsure() as u64,
+    };
+    outcome::summary(&sweep, &pool, size, wrong)
+}
+
+/// What replays are made with.
+struct Bench<'a> {
+    sweep: &'a Sweep,
+    plan: &'a Plan,
+    recorded: &'a [Recorded],
+    points: &'a Path,
+    stop: &'a AtomicBool,
+}
+
+impl Bench<'_> {
+    fn budget(&self) -> usize {
+        self.sweep.space.map_or(0, |space| space.budget.size())
+    }
+
+    /// All candidates, with what is known of each; and how many passes that took.
+    fn pool(&self, candidates: &[Point], wrong: &[u64]) -> Result<(Pool, usize), SweepError> {
+        let (mut points, mut estimates, mut passes) = (Vec::new(), Vec::new(), 0);
+        for base in 0..self.sweep.experiment.machines.len() {
+            for (policy, &wrong) in wrong.iter().enumerate() {
+                let of = |point: &&Point| point.policy == policy && self.sweep.base(point.machine) == base;
+                let some: Vec<Point> = candidates.iter().filter(of).copied().collect();
+                let (found, more) = known::estimates(self.sweep, &self.recorded[policy], &some, self.stop)?;
+                points.extend(some.into_iter().map(|point| (point, wrong)));
+                estimates.extend(found);
+                passes += more;
+            }
+        }
+        // A design is known by its machine in the experiment, its policy, and the values of its fields.
+        let names = [Axis::Names(self.sweep.experiment.machines.len()), Axis::Names(wrong.len())];
+        let axes: Vec<Axis> = names.into_iter().chain(self.sweep.tried().map(Axis::new)).collect();
+        let places = |(point, _): &(Point, u64)| -> Vec<Option<usize>> {
+            let fields = self.sweep.fields().zip(self.sweep.places(point.machine));
+            let fields = fields.map(|(path, place)| point.role.has_field(path).then_some(place));
+            [Some(self.sweep.base(point.machine)), Some(point.policy)].into_iter().chain(fields).collect()
+        };
+        let places: Vec<Vec<Option<usize>>> = points.iter().map(places).collect();
+        let inputs = axes::inputs(&axes, &places, &estimates);
+        Ok((Pool::new(points, estimates, inputs), passes))
+    }
+
+    /// Replays the first set, and then what its results ask for, until the budget is spent. Returns how many replays
+    /// there were.
+    fn explore(&self, pool: &mut Pool) -> Result<usize, SweepError> {
+        let first: FxHashSet<Key> = self.plan.points.iter().map(|point| point.key).collect();
+        let is_first = |at: &usize| first.contains(&pool.designs[*at].point.key);
+        let places: Vec<usize> = (0..pool.designs.len()).filter(is_first).collect();
+        self.measure(pool, &places, "first set")?;
+        let mut done = places.len();
+        for round in 1.. {
+            pool.learn();
+            let left = self.budget().saturating_sub(done);
+            let explore = if left * 4 > self.budget() { EXPLORE } else { 0 };
+            let chosen = Prospects::new(pool).choose(pool, left.div_ceil(3), explore);
+            // Others of the batch were counted in: predictions are of what was known before.
+            pool.predict();
+            if chosen.is_empty() {
+                break;
+            }
+            self.measure(pool, &chosen, &format!("round {round}"))?;
+            done += chosen.len();
+        }
+        Ok(done)
+    }
+
+    /// Replays designs, or takes the points that are kept.
+    fn measure(&self, pool: &mut Pool, designs: &[usize], what: &str) -> Result<(), SweepError> {
+        let wanted: Vec<Point> = designs.iter().map(|&design| pool.designs[design].point).collect();
+        let subject = format!("space {} {}, {what}", self.sweep.experiment.spec.name, self.plan.identity());
+        make_points(self.sweep, self.recorded, &wanted, self.points, subject, self.stop)?;
+        for (&design, point) in designs.iter().zip(wanted) {
+            pool.measure(design, &read_point(self.points, point.key)?.stats);
+        }
+        Ok(())
+    }
+}
