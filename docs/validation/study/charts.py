@@ -19,7 +19,8 @@ def line(x1, y1, x2, y2, colour="#ccc", width=1, dash=""):
 
 
 def percent(share):
-    return f"{100 * share:+.1f} %".replace("-", "−")
+    shown = f"{100 * share:+.1f}"
+    return f"{'0.0' if shown in ('-0.0', '+0.0') else shown} %".replace("-", "−")
 
 
 def ticks(low, high):
@@ -59,10 +60,10 @@ def bars(title, axis, groups, series, left=330):
     values = [value for _, found in groups for value in found if value is not None]
     marks = ticks(min(0, *values), max(0, *values))
     low, high = marks[0], marks[-1]
-    span = WIDTH - left - 70
+    span = WIDTH - left - 122
 
     def place(value):
-        return left + 12 + span * (value - low) / (high - low)
+        return left + 56 + span * (value - low) / (high - low)
 
     parts = legend(series, 46) if several else []
     bottom = top + row * len(groups)

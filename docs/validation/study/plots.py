@@ -10,9 +10,10 @@ import charts
 
 HERE = pathlib.Path(__file__).parent
 IMAGES = HERE.parent.parent / "images"
-SCENES = ["kitchen", "robot", "staircase", "living_room", "sponza", "gas_station"]
+SCENES = [scene for scene in ("kitchen", "robot", "living_room", "staircase", "sponza", "gas_station")
+          if any((HERE / f"{kind}_{scene}.csv").exists() for kind in ("unit_designs", "designs"))]
 FAIR = "fair: the same and `gather: 128`"
-WIDE = "that, `width: 4`, 64 contexts, 4 L1 ports"
+FOUR = "four of those units"
 CYCLES = "change of cycles against no culling, %"
 
 
@@ -42,29 +43,42 @@ def scenes(title, column, axis):
     def values(scene):
         table = of_scene(scene)
         return [find(table, column, machine=machine, policy=policy, design=design)
-                for machine in ("desktop", "small") for policy, design in (("Published", FAIR), ("Hybrid", WIDE))]
+                for machine in ("desktop", "small") for policy, design in (("Published", FAIR), ("Hybrid", FOUR))]
 
     groups = [(scene.replace("_", " "), values(scene)) for scene in SCENES]
     series = ["desktop, Published", "desktop, Hybrid", "small, Published", "small, Hybrid"]
     return charts.bars(title, axis, groups, series, left=110)
 
 
+def price():
+    """What the published words save when they are free, and what is left when they are paid."""
+    series = ["desktop", "desktop, free words", "small", "small, free words"]
+
+    def values(scene):
+        table = of_scene(scene)
+        return [find(table, "cycles_change", machine=machine, policy="Published", design=design)
+                for machine in ("desktop", "small") for design in (FAIR, "free words")]
+
+    groups = [(scene.replace("_", " "), values(scene)) for scene in SCENES]
+    return charts.bars("Published words: paid, and for nothing", CYCLES, groups, series, left=110)
+
+
 def words():
     table = rows("words.csv")
-    sizes = [256 << power for power in range(9)]
+    sizes = [256 << 2 * power for power in range(5)]
     labels = [f"{size} B" if size < 1024 else f"{size // 1024} KiB" for size in sizes]
 
     def values(scene, machine):
         return [find(table, "cycles_change", words=scene, machine=machine, design=f"{size} bytes") for size in sizes]
 
     series = [(f"{scene.replace('_', ' ')}, {machine}", values(scene, machine))
-              for scene in ("kitchen", "living_room") for machine in ("desktop", "small")]
+              for scene in ("kitchen",) for machine in ("desktop", "small")]
     return charts.lines("A cache of a few KiB is enough for the words", "words' L1", CYCLES, labels, series)
 
 
 def lights():
     table = rows("lights.csv")
-    counts = ["1", "2", "4", "8", "15"]
+    counts = ["1", "4", "15"]
 
     def values(machine, policy):
         return [find(table, "cycles_change", lights=count, machine=machine, policy=policy, design="as it is")
@@ -77,14 +91,17 @@ def lights():
 
 def main():
     IMAGES.mkdir(exist_ok=True)
-    for name, plot in {
+    plots = {
         "study_unit": unit,
+        "study_price": price,
         "study_scenes": lambda: scenes("Where culling pays", "cycles_change", CYCLES),
         "study_energy": lambda: scenes("What culling does to energy", "joules_change",
                                        "change of energy against no culling, %"),
-        "study_words": words,
-        "study_lights": lights,
-    }.items():
+        "study_dram": lambda: scenes("What culling does to memory traffic", "dram_change",
+                                     "change of DRAM bytes against no culling, %"),
+    }
+    plots |= {f"study_{plot.__name__}": plot for plot in (words, lights) if (HERE / f"{plot.__name__}.csv").exists()}
+    for name, plot in plots.items():
         (IMAGES / f"{name}.svg").write_text(plot())
 
 

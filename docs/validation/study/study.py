@@ -1,4 +1,4 @@
-"""Replays for the pages of the study: the cache of the words, their place, the number of lights, the resolution.
+"""Replays for the pages of the study: the cache of the words, their place, the number of lights.
 
     python3 docs/validation/study/study.py words docs/validation/study/words.csv
 
@@ -18,11 +18,11 @@ from unit_designs import replay, row
 MACHINES = ["desktop", "small"]
 # The words' cache from four lines to 64 KiB, ways as far as they go.
 CACHES = {f"{size} bytes": {"cache.bytes": str(size), "cache.ways": str(min(4, size // 64))}
-          for size in (256, 512, 1024, 2048, 4096, 8192, 16384, 32768, 65536)}
+          for size in (256, 1024, 4096, 16384, 65536)}
 WORDS = CACHES | {"as it is": {}, "free words": {"place": "Free"}} | {
     f"{field}: {value}": {field: value} for field, values in {
-        "place": ["Triangle", "L2"], "layout": ["Packed", "Beside", "Record", "Tagged"],
-        "frame_end": ["Sweep", "Epoch"]}.items() for value in values}
+        "place": ["Triangle", "L2"], "layout": ["Beside", "Tagged"], "frame_end": ["Epoch"]}.items()
+    for value in values}
 FAIR = {"as it is": {}, "free words": {"place": "Free"}}
 # Places of lights in the living room, first those of configs/scenes/living_room.ron.
 LIGHTS = [(2.6, 2.6, -1.7), (0.9, 2.2, -0.5), (3.2, 1.4, -0.5), (4.6, 2.3, -2.9)] + [
@@ -43,13 +43,10 @@ def experiments(part, folder):
     root = pathlib.Path.cwd()
     if part == "words":
         yield "kitchen", root / "configs/studies/kitchen.ron", 256
-    if part == "resolutions":
-        for size in (64, 128, 256):
-            yield size, root / "configs/studies/kitchen.ron", size
     if part == "lights":
         study = (root / "configs/studies/living_room.ron").read_text()
         study = study.replace('"../machines/', f'"{root}/configs/machines/')
-        for count in (1, 2, 4, 8, 15):
+        for count in (1, 4, 15):
             lights = ", ".join(f"(position: {place}, color: (0.1, 0.1, 0.1))" for place in LIGHTS[:count])
             (folder / f"{count}.scene.ron").write_text(LIVING_ROOM.format(root=root, lights=lights))
             file = folder / f"{count}.ron"
@@ -61,14 +58,12 @@ def designs(part, policy):
     """Designs of a part for a policy."""
     if part == "words":
         return WORDS if policy == "Published" else {}
-    if part == "resolutions":
-        return FAIR | {"register: 16": {"register": "16"}} if policy == "Published" else {}
-    return FAIR
+    return FAIR if policy == "Published" else {"as it is": {}}
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=["words", "lights", "resolutions"])
+    parser.add_argument("part", choices=["words", "lights"])
     parser.add_argument("csv")
     parser.add_argument("--program", default="target/release/umbrasim")
     parser.add_argument("--threads", type=int, default=2)

@@ -38,9 +38,10 @@ FAIR = {
     "fair, an L1 that never misses": {"cache.contents": "Ideal"},
     "free words": {"place": "Free"},
 }
-# What is replayed with `--few`, for the question whether culling pays.
-FEW = ["naive: as read from the poster", "fair: the same and `gather: 128`",
-       "four of those units", "free words"]
+# What is replayed with `--designs six`, and with `--designs two`.
+SIX = ["naive: as read from the poster", "`silent: Latched` alone", "`gather: 128` alone",
+       "fair: the same and `gather: 128`", "four of those units", "free words"]
+TWO = {"Published": ["fair: the same and `gather: 128`", "free words"], "Hybrid": ["four of those units", "free words"]}
 # `Hybrid` updates no words of primitives within a frame: options of updates do nothing there.
 OF_HYBRID = ["naive: as read from the poster", "`count: 4` alone", "fair: the same and `gather: 128`",
              "fair, `register: 16`", "that, `width: 4`, 64 contexts, 4 L1 ports", "four of those units",
@@ -78,11 +79,17 @@ def row(machine, policy, design, changes, stats, off):
     return found | {f"unit_{cause}": unit[cause] / total for cause in CAUSES}
 
 
+def wanted(designs, policy, design):
+    """Whether a design is replayed for a policy."""
+    chosen = {"all": [*ALONE, *FAIR], "six": SIX, "two": TWO[policy]}[designs]
+    return design in chosen and (policy == "Published" or design in OF_HYBRID)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("scene", help="a file of configs/studies without .ron")
     parser.add_argument("csv")
-    parser.add_argument("--few", default="", help="machines on which four designs alone are replayed")
+    parser.add_argument("--designs", choices=["all", "six", "two"], default="all")
     parser.add_argument("--resolution", default="512x512")
     parser.add_argument("--frames", help="other frames than the file's")
     parser.add_argument("--program", default="target/release/umbrasim")
@@ -102,8 +109,7 @@ def main():
             for policy in ("Published", "Hybrid"):
                 for base, designs in ((f"{machine}_naive", ALONE), (machine, FAIR)):
                     plan += [(machine, policy, design, base, changes) for design, changes in designs.items()
-                             if (policy == "Published" or design in OF_HYBRID)
-                             and (machine not in chosen.few or design in FEW)]
+                             if wanted(chosen.designs, policy, design)]
         stats = list(pool.map(lambda it: replay(chosen.program, streams[it[1]], it[3], it[4]), plan))
     off = {it[0]: found for it, found in zip(plan, stats) if it[1] == "Off"}
     rows = [row(it[0], it[1], it[2], it[4], found, off[it[0]]) for it, found in zip(plan, stats)]

@@ -245,6 +245,34 @@ fn engines_agree_where_rays_share_lines() {
     );
 }
 
+/// Units that work far ahead of each other: nothing comes back soon, and there are no lists. Lines come to all or one by
+/// one, queues to the L2 are short or long.
+#[test]
+fn engines_agree_where_units_work_ahead() {
+    let units = (1..4u64, 1..9u64, 1..6u64, any::<bool>(), 0..4u32, 1..5u64);
+    let latencies = (1..40u64, 1..40u64, 1..40u64, 1..12u64);
+    check_many(
+        400,
+        || (units.clone(), latencies.clone(), 0..3u32, 0..u64::MAX),
+        |((hits, mshrs, targets, one_by_one, more, queue), (answers, tests, dispatch, nodes), line, seed)| {
+            let mut machine = with_line(shipped("tni_engine"), 32 << line);
+            (machine.traversal.count, machine.intersection.count, machine.list.count) = (num(3), num(2), num(1));
+            let caches = [&mut machine.traversal.cache, &mut machine.intersection.cache];
+            for cache in caches {
+                (cache.latency, cache.mshrs, cache.targets) = (num(hits), num(mshrs), num(targets));
+                cache.release = if one_by_one { Release::OneByOne } else { Release::Together };
+                (cache.bytes, cache.queue) = (size(1024 << more), num(queue));
+            }
+            let l2 = BankedSpec { latency: num(answers), queue: num(1 + queue), banks: pow(2), ..BankedSpec::DEFAULT };
+            machine.l2 = L2Spec::Unified(l2);
+            (machine.intersection.latency, machine.division.latency) = (num(tests), num(tests));
+            (machine.dispatcher.latency, machine.traversal.latency) = (num(dispatch), num(nodes));
+            agree(&machine, &Header { static_list_entries: 0, ..header() }, &one_frame(&bvh_like(seed, 96, 9, 1)))
+                .map(drop)
+        },
+    );
+}
+
 /// What was recorded of the quickstart, on the shipped machines.
 #[test]
 fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
