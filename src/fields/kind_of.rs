@@ -58,7 +58,7 @@ mod tests {
                     "pareto" => Root::Pareto,
                     "identities" => Root::Identities,
                     "paper" => Root::PaperTable,
-                    "sweep" => Root::Sweep,
+                    "sweep" | "space" => Root::Sweep,
                     _ => Root::Experiment,
                 };
                 // Studies are experiments and sweeps.
