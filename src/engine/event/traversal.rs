@@ -128,7 +128,8 @@ impl Traversal {
             if at >= bound {
                 line = match self.pipeline.take_line_ahead(line, end, links) {
                     Ok(line) => line,
-                    Err(next) => return next.min(at),
+                    // Where nothing is known ahead, an access that could be made by now is made in the next cycle.
+                    Err(next) => return next.min(at).max(now + 1),
                 };
                 bound = self.pipeline.bound(line);
                 continue;
