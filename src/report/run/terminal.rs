@@ -86,17 +86,17 @@ pub(super) fn machines(summary: &Summary) -> Grid {
     Grid { head: head.into_iter().map(Into::into).collect(), names: 2, rows }
 }
 
-/// What the run found, in sentences: how much faster each machine is, and how many decisions were wrong.
+/// What the run found, in sentences: how much time a frame takes, and how many decisions were wrong.
 pub(crate) fn verdict(summary: &Summary) -> Option<String> {
     let culling = || summary.policies.iter().filter(|(name, _)| summary.baseline.as_deref() != Some(*name));
     let speed = culling().filter_map(|(policy, _)| {
         let told = summary.machines.iter().filter_map(|(name, machine)| {
             let off = machine.policies.get(summary.baseline.as_deref()?)?.milliseconds_per_frame?;
             let with = machine.policies.get(policy)?.milliseconds_per_frame?;
-            Some(format!("{name} {}", faster(off, with)?))
+            Some(format!("{} on {name}", time(off, with)?))
         });
         let told: Vec<String> = told.collect();
-        (!told.is_empty()).then(|| format!("{policy} makes {}", told.join(", ")))
+        (!told.is_empty()).then(|| format!("{policy}: a frame takes {}", told.join(", ")))
     });
     let wrong = culling().filter_map(|(policy, of)| {
         let (wrong, asked) = (of.counts.wrong()?, of.counts.shadow_rays);
@@ -120,12 +120,12 @@ pub(crate) fn replay_verdict(machines: &Named<MachineStats>) -> String {
 }
 
 /// How much less or more time a frame takes.
-fn faster(before: f64, after: f64) -> Option<String> {
+fn time(before: f64, after: f64) -> Option<String> {
     let share = after / before - 1.0;
     let size = change(before, after)?.trim_start_matches(['+', '\u{2212}']).to_owned();
     Some(match share {
-        share if share.abs() < SAME => "neither faster nor slower".into(),
-        share if share < 0.0 => format!("{size} faster"),
-        _ => format!("{size} slower"),
+        share if share.abs() < SAME => "as much time".into(),
+        share if share < 0.0 => format!("{size} less time"),
+        _ => format!("{size} more time"),
     })
 }
