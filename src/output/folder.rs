@@ -58,6 +58,8 @@ impl ResultsFolder {
             LockError::Held(holder) => FolderError::Busy { path: path.into(), holder },
             LockError::File(source) => write(source),
         })?;
+        // A process that died before the folder had its list left nothing but a part of that.
+        leftovers::sweep(&target);
         check(path, &target)?;
         Ok(Self { path: path.into(), target, _lock: lock, _parents: parents })
     }
@@ -190,7 +192,7 @@ fn target_of(path: &Path) -> io::Result<PathBuf> {
 fn check(path: &Path, target: &Path) -> Result<(), FolderError> {
     let foreign = || Err(FolderError::Foreign { path: path.into() });
     let read = |source| FolderError::Read { path: path.into(), source };
-    let mut entries = match fs::read_dir(target) {
+    let entries = match fs::read_dir(target) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
         Err(error) if error.kind() == io::ErrorKind::NotADirectory => return foreign(),
         Err(source) => return Err(read(source)),
@@ -204,7 +206,8 @@ fn check(path: &Path, target: &Path) -> Result<(), FolderError> {
         return Err(FolderError::Mounted { path: path.into() });
     }
     let is_ours = || Ok(carry::read_list(target)?.is_some() || has_summary(target));
-    if entries.next().is_none() || is_ours().map_err(read)? { Ok(()) } else { foreign() }
+    let is_leftover = |entry: io::Result<fs::DirEntry>| entry.is_ok_and(|it| leftovers::is_leftover(&it.file_name()));
+    if entries.into_iter().all(is_leftover) || is_ours().map_err(read)? { Ok(()) } else { foreign() }
 }
 
 /// Whether there is the summary of a report that has no list of its files. Any version of a summary will do.

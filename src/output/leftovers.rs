@@ -57,6 +57,11 @@ fn put_back(work: &Path, folder: &Path) -> bool {
     })
 }
 
+/// Whether a name is one that a file, a folder or a lock has while a process works.
+pub(super) fn is_leftover(name: &OsStr) -> bool {
+    [FILE_SUFFIX, FOLDER_SUFFIX, LOCK_SUFFIX].iter().any(|suffix| is_temporary(name, suffix))
+}
+
 fn is_temporary(name: &OsStr, suffix: &str) -> bool {
     let name = name.as_encoded_bytes();
     name.starts_with(PREFIX.as_bytes()) && name.ends_with(suffix.as_bytes())

@@ -139,6 +139,17 @@ fn what_is_no_report_is_refused() {
     assert_eq!(desk.names(), ["file", "notes", "notes/.report-files", "notes/summary.json", "notes/todo"]);
 }
 
+/// A process can die between making a folder and giving it its list.
+#[test]
+fn a_folder_that_a_dead_process_only_began_is_taken() {
+    let desk = Desk::new();
+    fs::create_dir(desk.at("rep")).unwrap();
+    fs::write(desk.at("rep/.umbrasim-a.part"), "x").unwrap();
+    ResultsFolder::claim(&desk.at("rep")).unwrap().make().unwrap();
+    assert_eq!(desk.names(), ["rep", "rep/.report-files"]);
+    assert_eq!(fs::read_to_string(desk.at("rep/.report-files")).unwrap().lines().count(), 1, "it names no other file");
+}
+
 #[test]
 fn a_foreign_file_in_the_way_of_a_new_one_stays_and_the_report_is_kept() {
     let desk = Desk::new();
