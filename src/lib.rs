@@ -93,6 +93,7 @@ pub(crate) mod size;
 pub(crate) mod spread;
 pub mod stats;
 pub mod stream;
+pub(crate) mod student;
 pub(crate) mod surrogate;
 pub mod tracer;
 pub mod validate;

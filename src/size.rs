@@ -50,6 +50,12 @@ pub(crate) fn told(bytes: u64) -> String {
     whole.map_or_else(|| format!("{bytes} B"), |(name, unit)| format!("{} {name}", bytes / unit))
 }
 
+/// The value of a config's field as a number: `16384`, or `"16 KiB"`; none of a name.
+pub(crate) fn amount(value: &str) -> Option<f64> {
+    let text = value.trim().trim_matches('"');
+    text.parse().ok().or_else(|| parse(text).ok().map(|bytes| bytes as f64))
+}
+
 /// Reads a size: a number of bytes, or text with a unit.
 pub(crate) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<u64, D::Error> {
     struct Bytes;

@@ -27,7 +27,8 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("ron_file", &["alike", "ranged", "input", "shipped"]),
     ("counters", &[]),
     ("spread", &[]),
-    ("surrogate", &["random"]),
+    ("student", &[]),
+    ("surrogate", &["random", "student"]),
     ("stats", &["quantity", "counters"]),
     ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
@@ -41,7 +42,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("machine", &["quantity", "ranged", "ron_file", "spread", "stats", "stream", "memory"]),
     ("energy", &["spread", "stats", "stream::Structure", "memory", "machine"]),
     ("engine", &["quantity", "ranged", "counters", "stats", "stream", "memory", "machine", "energy"]),
-    ("sampling", &["quantity", "random", "ranged", "stats", "stream", "memory", "machine", "energy", "engine"]),
+    (
+        "sampling",
+        &["quantity", "random", "ranged", "stats", "stream", "memory", "machine", "energy", "engine", "student"],
+    ),
     ("replay", &["ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
     // Above both.
     ("validate", &["quantity", "scene"]),

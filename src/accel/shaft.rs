@@ -15,7 +15,8 @@
 //! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point or several (a
 //! rectangle's); of several, each is decided on by itself, and the shaft says what holds for all.
 //!
-//! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`: a difference
+//! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`:
+//! a difference
 //! of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
 //! `|fl(D) - D| <= 8 u |s||a||b|`, `|fl(F) - F| <= 8 u |d||a||b|`, `|fl(U) - U| <= 9 u |s||d||b|`, `|fl(V) - V| <= 9 u
 //! |s||d||a|`; the code takes 10, 10, 12 and 12, and adds for the sum `U + V` and for the tie rule of the plane test.
@@ -30,7 +31,8 @@
 //! slab test never misses a box that the ray meets: if a triangle must be hit inside its edges by the bound above, the
 //! hit point is in the box of its corners, and so in those of all ancestors.
 //!
-//! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one test:
+//! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one
+//! test:
 //! one record is read, and evaluated for three corners (and all points of the lamp) at once.
 
 use glam::{DVec3, Vec3};

@@ -86,9 +86,19 @@ pub(crate) fn change(before: f64, after: f64) -> Option<String> {
     })
 }
 
-/// A count and its noun: `1 light`, `3 lights`.
+/// A count and its noun: `1 light`, `3 lights`, `2 policies`.
 pub(crate) fn counted(count: usize, noun: &str) -> String {
-    format!("{} {noun}{}", exact(count as u64), if count == 1 { "" } else { "s" })
+    let nouns = match noun.strip_suffix('y').filter(|stem| !stem.ends_with(['a', 'e', 'o', 'u'])) {
+        Some(stem) if count != 1 => format!("{stem}ies"),
+        _ if count != 1 => format!("{noun}s"),
+        _ => noun.to_owned(),
+    };
+    format!("{} {nouns}", exact(count as u64))
+}
+
+/// A change as percent, with its sign.
+pub(crate) fn signed(share: f64) -> String {
+    if share > 0.0 { format!("+{}", percent(share)) } else { percent(share) }
 }
 
 /// A number or the sign for its absence.

@@ -6,8 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::figures::{Figure, Figures};
 use super::known::{Columns, OPERATIONS, Span, explanation};
-use super::regression::{Regression, dot, student};
+use super::regression::{Regression, dot};
 use super::strata::{Point, Strata};
+use crate::student::student;
 
 /// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -85,15 +85,17 @@ mod tests {
     }
 
     #[test]
-    fn its_intervals_hold() {
+    fn its_intervals_hold_and_are_no_wider_than_its_errors() {
         let process = fitted(40);
         let (points, values) = sample(1000, 400);
-        let within = points.iter().zip(&values).filter(|(point, value)| {
-            let found = process.predict(point);
-            (found.mean - **value).abs() <= 2.0 * found.deviation
-        });
-        let share = within.count() as f64 / 400.0;
-        assert!(share > 0.92, "{share} of the intervals hold");
+        let found: Vec<_> = points.iter().map(|point| process.predict(point)).collect();
+        let errors: Vec<f64> = found.iter().zip(&values).map(|(found, value)| (found.mean - value).abs()).collect();
+        let within = found.iter().zip(&errors).filter(|(found, error)| **error <= 2.0 * found.deviation).count();
+        assert!(within > 368, "{within} of 400 intervals hold");
+        let root = |squares: f64| (squares / 400.0).sqrt();
+        let error = root(errors.iter().map(|error| error * error).sum());
+        let deviation = root(found.iter().map(|found| found.deviation * found.deviation).sum());
+        assert!(deviation < 2.0 * error, "deviations of {deviation} for errors of {error}");
     }
 
     #[test]

@@ -1,9 +1,8 @@
 //! A process given values at points: what it is elsewhere.
 
-use statrs::distribution::{ContinuousCDF, StudentsT};
-
 use super::cholesky::{Cholesky, dot};
 use super::kernel::Kernel;
+use crate::student::student;
 
 /// A process given values at points.
 #[derive(Clone, Debug)]
@@ -90,7 +89,7 @@ impl Process {
     /// few residuals to know the width by.
     pub(crate) fn student(&self) -> f64 {
         let freedom = self.values.len().saturating_sub(1).max(1) as f64;
-        StudentsT::new(0.0, 1.0, freedom).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
+        student(freedom)
     }
 
     /// The error at each known value of the process without it, and the standard deviation that it has there.

@@ -7,13 +7,12 @@ warms up: figures are of the frames after it, and changes are against no culling
 """
 
 import argparse
-import csv
 import pathlib
 import subprocess
 import tempfile
 from concurrent.futures import ThreadPoolExecutor
 
-from unit_designs import replay, row
+from unit_designs import replay, row, write
 
 MACHINES = ["desktop", "small"]
 # The words' cache from four lines to 64 KiB, ways as far as they go.
@@ -87,11 +86,7 @@ def main():
             off = {it[0]: found for it, found in zip(plan, stats) if it[1] == "Off"}
             rows += [{chosen.part: value, "resolution": size} | row(*it[:2], it[2], it[3], found, off[it[0]])
                      for it, found in zip(plan, stats)]
-    with open(chosen.csv, "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: f"{value:.6g}" if isinstance(value, float) else value for name, value in it.items()}
-                         for it in rows)
+    write(chosen.csv, rows)
 
 
 if __name__ == "__main__":

@@ -79,6 +79,15 @@ def row(machine, policy, design, changes, stats, off):
     return found | {f"unit_{cause}": unit[cause] / total for cause in CAUSES}
 
 
+def write(path, rows):
+    """Writes rows as CSV, measures with six digits."""
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({name: f"{value:.6g}" if isinstance(value, float) else value for name, value in it.items()}
+                         for it in rows)
+
+
 def wanted(designs, policy, design):
     """Whether a design is replayed for a policy."""
     chosen = {"all": [*ALONE, *FAIR], "six": SIX, "two": TWO[policy]}[designs]
@@ -113,11 +122,7 @@ def main():
         stats = list(pool.map(lambda it: replay(chosen.program, streams[it[1]], it[3], it[4]), plan))
     off = {it[0]: found for it, found in zip(plan, stats) if it[1] == "Off"}
     rows = [row(it[0], it[1], it[2], it[4], found, off[it[0]]) for it, found in zip(plan, stats)]
-    with open(chosen.csv, "w", newline="") as file:
-        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
-        writer.writeheader()
-        writer.writerows({name: f"{value:.6g}" if isinstance(value, float) else value for name, value in it.items()}
-                         for it in rows)
+    write(chosen.csv, rows)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,8 @@ use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheStats, MachineStats, TrafficClass};
 
-/// How sharply the busiest resource counts more than others: they overlap, but not wholly.
+/// How sharply the busiest resource counts more than others: they overlap, but not wholly. Assumed: 1 adds all up, and
+/// a large one leaves the busiest alone. A surrogate learns what it misses.
 const SHARPNESS: f64 = 3.0;
 
 /// What a machine takes for a stream, roughly.

@@ -8,6 +8,8 @@
 mod distances;
 mod estimate;
 mod pass;
+#[cfg(test)]
+mod tests;
 mod watch;
 
 pub use self::estimate::Estimate;

@@ -245,8 +245,8 @@ fn engines_agree_where_rays_share_lines() {
     );
 }
 
-/// Units that work far ahead of each other: nothing comes back soon, and there are no lists. Lines come to all or one by
-/// one, queues to the L2 are short or long.
+/// Units that work far ahead of each other: nothing comes back soon, and there are no lists. Lines come to all or one
+/// by one, queues to the L2 are short or long.
 #[test]
 fn engines_agree_where_units_work_ahead() {
     let units = (1..4u64, 1..9u64, 1..6u64, any::<bool>(), 0..4u32, 1..5u64);

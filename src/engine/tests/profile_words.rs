@@ -7,6 +7,7 @@ use super::synthetic::header;
 use super::*;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::word_traffic::LatchedCopy;
+use crate::stats::Accuracy;
 
 /// Any machine is replayed within the laws that every run keeps: counts as recorded, bytes conserved between levels,
 /// bounds.
@@ -64,6 +65,7 @@ fn profile_is_as_close_as_known_wherever_words_are_and_whatever_sets_them() {
             let mut machine = shipped(base);
             make(&mut machine.shadow_cache);
             let [profile, event] = ["Profile", "Event"].map(|level| on(&machine, &header, level, &stream));
+            assert_eq!(profile.accuracy, Accuracy::Bounded);
             let off = |of: fn(&MachineStats) -> u64| 100.0 * (of(&profile) as f64 / of(&event) as f64 - 1.0);
             let errors = [off(|it| it.cycles.0), off(|it| it.moved("l2").0), off(|it| it.moved("dram").0)];
             let beyond = [errors[0] - cycles[index], errors[1], errors[2]];

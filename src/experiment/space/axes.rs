@@ -20,11 +20,7 @@ pub(super) enum Axis {
 impl Axis {
     /// The axis of a field with these values.
     pub(super) fn new(values: &[String]) -> Self {
-        let amount = |value: &String| {
-            let text = value.trim_matches('"');
-            text.parse::<f64>().ok().or_else(|| size::parse(text).ok().map(|bytes| bytes as f64))
-        };
-        let Some(amounts) = values.iter().map(amount).collect::<Option<Vec<f64>>>() else {
+        let Some(amounts) = values.iter().map(|value| size::amount(value)).collect::<Option<Vec<f64>>>() else {
             return Self::Names(values.len());
         };
         let all_above = amounts.iter().all(|&amount| amount > 0.0);

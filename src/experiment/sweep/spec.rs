@@ -20,6 +20,7 @@ use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ranged::Within;
 use crate::replay::{Fidelity, Share};
+use crate::report::format::counted;
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
 
@@ -283,9 +284,9 @@ impl Sweep {
             return Err(format!(
                 "`budget` is {}: at least {least} replays are needed to tell {} apart on {} under {}",
                 space.budget,
-                counted(self.fields.len(), "field", "fields"),
-                counted(bases, "machine", "machines"),
-                counted(policies, "policy", "policies"),
+                counted(self.fields.len(), "field"),
+                counted(bases, "machine"),
+                counted(policies, "policy"),
             ));
         }
         for base in 0..bases {
@@ -346,10 +347,6 @@ impl Sweep {
         let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });
         Ok(Machine { name: name.into(), changes: changes.collect(), spec })
     }
-}
-
-fn counted(count: usize, one: &str, more: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { more })
 }
 
 fn listed(changes: &[(&str, &str)]) -> String {

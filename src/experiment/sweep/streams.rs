@@ -131,8 +131,8 @@ impl<'a> Streams<'a> {
         Ok(self.paths.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// Tells of streams in the folder that are not of these inputs: they may be large, and only their user knows whether
-    /// another sweep wants them.
+    /// Tells of streams in the folder that are not of these inputs: they may be large, and only their user knows
+    /// whether another sweep wants them.
     fn tell_unread(&self) {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let unread = entries.filter(|entry| {

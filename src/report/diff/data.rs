@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::config;
 use super::figures::{self, Figure};
 use crate::report::error::ReportError;
+use crate::report::format::signed;
 use crate::report::grid::Grid;
 use crate::report::numbers::read_numbers;
 use crate::report::writer::SUMMARY_FILE;
@@ -84,9 +85,4 @@ fn finding(diff: &Diff) -> Option<String> {
 
 pub(super) fn told(figure: &Figure, change: f64) -> String {
     format!("{} changes most, by {}", figure.name(), signed(change))
-}
-
-/// A share with its sign, in percent.
-pub(super) fn signed(share: f64) -> String {
-    format!("{:+.1} %", 100.0 * share).replace('-', "\u{2212}")
 }

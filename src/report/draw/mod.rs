@@ -2,6 +2,7 @@
 
 pub(super) mod bars;
 pub(super) mod canvas;
+pub(super) mod changes;
 pub(super) mod figure;
 pub(super) mod marks;
 pub(super) mod over_frames;

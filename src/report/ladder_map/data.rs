@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::quantity::Cycle;
-use crate::report::format::percent;
+use crate::report::format::{percent, signed};
 use crate::report::grid::Grid;
 use crate::stats::MachineStats;
 
@@ -48,8 +48,8 @@ pub(crate) struct Covered {
 /// What a level makes of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// Share by which each of [`Figure::ALL`] is off; absent where the level doesn't say, or `Event` has none. The worst
-    /// of several samples.
+    /// Share by which each of [`Figure::ALL`] is off; absent where the level doesn't say, or `Event` has none. The
+    /// worst of several samples.
     pub errors: [Option<f64>; Figure::ALL.len()],
     /// What a sample's intervals are worth.
     pub covered: Option<Covered>,
@@ -155,8 +155,4 @@ pub(crate) fn verdict(map: &LadderMap) -> String {
         return "no level says how many cycles a point takes".into();
     }
     format!("worst errors of cycles against Event: {}", worst.join(", "))
-}
-
-fn signed(share: f64) -> String {
-    format!("{:+.1} %", share * 100.0)
 }

@@ -2,13 +2,14 @@
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, own, places, value};
-use super::values::{amount, shown};
+use super::values::shown;
 use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text, tick_step};
 use crate::report::draw::marks::mark;
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::{DrawError, Drawing, Figure};
 use crate::report::format::{change, number, percent_tick};
 use crate::report::grid::Grid;
+use crate::size::amount;
 
 const PANEL: i32 = 150;
 const ABOVE: i32 = 34;

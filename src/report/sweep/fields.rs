@@ -1,7 +1,7 @@
 //! The fields that a sweep varies, and the values of points along them.
 
 use super::data::{Own, SweepPoint, SweepSummary};
-use super::values::amount;
+use crate::size::amount;
 
 /// A field that was varied.
 pub(super) struct Field<'a> {

@@ -5,8 +5,8 @@ use super::fields::fields;
 use crate::report::draw::canvas::{LEFT, LINE, Text, tick_step};
 use crate::report::draw::marks::{Names, mark};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
-use crate::report::draw::reach::signed;
 use crate::report::draw::{Figure, Plot};
+use crate::report::format::signed;
 use crate::report::format::{counted, number, percent_tick};
 use crate::report::grid::Grid;
 

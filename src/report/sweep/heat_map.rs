@@ -5,9 +5,9 @@ use super::fields::{Field, fields, value};
 use super::values::shown;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
 use crate::report::draw::palette::{Color, GREEN, GRID, VERMILLION, faded};
-use crate::report::draw::reach::signed;
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::number;
+use crate::report::format::signed;
 use crate::report::grid::Grid;
 
 const ROW: i32 = 26;

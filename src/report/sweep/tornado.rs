@@ -3,8 +3,9 @@
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, value};
 use super::values::shown;
-use crate::report::draw::reach::{Reach, reaches, signed};
+use crate::report::draw::reach::{Reach, reaches};
 use crate::report::draw::{Figure, Plot};
+use crate::report::format::signed;
 
 /// Fewer fields are told by curves or a map.
 const MANY: usize = 3;

@@ -1,13 +1,7 @@
 //! Values of fields, as numbers and as people read them.
 
 use crate::report::format::tick;
-use crate::size;
-
-/// A value as a number: `16384`, or `"16 KiB"`.
-pub(super) fn amount(value: &str) -> Option<f64> {
-    let text = plain(value);
-    text.parse().ok().or_else(|| size::parse(text).ok().map(|bytes| bytes as f64))
-}
+use crate::size::{self, amount};
 
 /// A value without the quotes of a text.
 fn plain(value: &str) -> &str {

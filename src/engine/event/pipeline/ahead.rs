@@ -1,5 +1,5 @@
-//! Work ahead of the other parts' time, of a unit that reads alone: lines come, accesses are made and operations begin in
-//! cycles to come.
+//! Work ahead of the other parts' time, of a unit that reads alone: lines come, accesses are made and operations begin
+//! in cycles to come.
 
 use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};

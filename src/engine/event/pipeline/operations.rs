@@ -169,8 +169,8 @@ impl Pipeline {
         self.next_event(now, lines).min(access).min(sends)
     }
 
-    /// The next cycle in which an operation may begin or a line come; [`u64::MAX`] if none is known. `lines` is when the first
-    /// line comes.
+    /// The next cycle in which an operation may begin or a line come; [`u64::MAX`] if none is known. `lines` is when
+    /// the first line comes.
     #[inline]
     pub(super) fn next_event(&self, now: u64, lines: u64) -> u64 {
         let begin = if self.ready.is_empty() { u64::MAX } else { self.open_at.max(now + 1) };

@@ -1,0 +1,192 @@
+//! What every number of a report means, for `umbrasim explain`: counters from their declarations, others from a table.
+
+mod declared;
+
+use serde_json::Value;
+
+use crate::counters::Counter;
+use crate::report::grid::{Grid, drawn};
+use crate::stats::{CacheCounts, DramCounts, L1Counts, LatencyCounts, QueueCounts};
+use crate::stream::Totals;
+
+/// A number of `summary.json`, or a column of `frames.csv`.
+#[derive(Clone, Debug)]
+pub struct Statistic {
+    /// Its path in `summary.json`; `*` stands for a name of the experiment's, a part of the machine, or a class of
+    /// traffic. What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`),
+    /// and what is declared of what a policy saved and paid on a machine (`machines.*.split.*`) is there of each point
+    /// of a sweep (`points.*`).
+    pub name: String,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What it is.
+    pub about: &'static str,
+}
+
+/// The counters of a report by the path of their group: each is declared where it is counted.
+const COUNTERS: &[(&str, &[Counter])] = &[
+    ("policies.*", Totals::DECLARED),
+    ("machines.*.policies.*.caches.*.*", CacheCounts::DECLARED),
+    ("machines.*.policies.*.caches.*.*", L1Counts::DECLARED),
+    ("machines.*.policies.*.queues.*", QueueCounts::DECLARED),
+    ("machines.*.policies.*.latency.*", LatencyCounts::DECLARED),
+    ("machines.*.policies.*.dram", DramCounts::DECLARED),
+    ("machines.*.policies.*.frames.*.caches.*", CacheCounts::DECLARED),
+    ("machines.*.policies.*.frames.*.dram", DramCounts::DECLARED),
+];
+
+/// All numbers of a report.
+pub fn statistics() -> Vec<Statistic> {
+    let others = declared::OTHERS.iter().map(|&(name, unit, about)| Statistic { name: name.to_owned(), unit, about });
+    let counters = COUNTERS.iter().flat_map(|&(path, counters)| counters.iter().map(move |counter| (path, counter)));
+    let counters = counters.map(|(path, &Counter { name, unit, about })| Statistic {
+        name: format!("{path}.{name}"),
+        unit,
+        about,
+    });
+    counters.chain(others).collect()
+}
+
+/// The numbers of a summary: each with its path.
+fn numbers(value: &Value, path: &mut Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
+    let mut below = |name: String, value: &Value| {
+        path.push(name);
+        numbers(value, path, found);
+        path.pop();
+    };
+    match value {
+        Value::Number(number) => found.push((path.clone(), number.to_string())),
+        Value::Array(values) => values.iter().enumerate().for_each(|(index, value)| below(index.to_string(), value)),
+        Value::Object(fields) => fields.iter().for_each(|(name, value)| below(name.clone(), value)),
+        Value::Null | Value::Bool(_) | Value::String(_) => {}
+    }
+}
+
+impl Statistic {
+    fn parts(&self) -> impl DoubleEndedIterator<Item = &str> {
+        self.name.split('.')
+    }
+
+    /// Whether this is the declaration of the number at `path`.
+    fn declares(&self, path: &[String]) -> bool {
+        let (mut own, mut path) = (self.name.as_str(), path);
+        if let (Some(of_split), [points, _, of_point @ ..]) = (own.strip_prefix("machines.*.split.*."), path)
+            && points == "points"
+        {
+            (own, path) = (of_split, of_point);
+        }
+        let one_frame = path.len() > 4 && path[0] == "policies" && path[2] == "frames";
+        let skipped = if one_frame { 2..4 } else { 0..0 };
+        let mut path = path.iter().enumerate().filter(|(index, _)| !skipped.contains(index)).map(|(_, part)| part);
+        own.split('.').all(|part| path.next().is_some_and(|found| part == "*" || part == found))
+            && path.next().is_none()
+    }
+
+    /// Whether somebody who asks for `name`, a path or the end of one, means this.
+    fn is_meant(&self, name: &str) -> bool {
+        let asked: Vec<_> = name.split('.').collect();
+        let own: Vec<_> = self.parts().collect();
+        let Some(skipped) = own.len().checked_sub(asked.len()) else { return false };
+        own[skipped] == asked[0] && own[skipped..].iter().zip(&asked).all(|(own, asked)| *own == "*" || own == asked)
+    }
+}
+
+/// The numbers of a `summary.json` that are not declared once.
+pub fn undeclared(summary: &Value) -> Vec<String> {
+    let mut found = Vec::new();
+    numbers(summary, &mut Vec::new(), &mut found);
+    let statistics = statistics();
+    let declarations = |path: &[String]| statistics.iter().filter(|statistic| statistic.declares(path)).count();
+    found.into_iter().filter(|(path, _)| declarations(path) != 1).map(|(path, _)| path.join(".")).collect()
+}
+
+/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one.
+///
+/// # Errors
+/// Nothing is called so; the error says what else is there.
+pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, String> {
+    let meant = |statistic: &&Statistic| name.is_none_or(|name| statistic.is_meant(name));
+    let statistics = statistics();
+    let meant: Vec<_> = statistics.iter().filter(meant).collect();
+    if meant.is_empty() {
+        let name = name.unwrap_or_default();
+        let names = statistics.iter().map(|statistic| statistic.name.as_str());
+        let similar: Vec<_> = names.filter(|it| it.contains(name)).collect();
+        let hint = if similar.is_empty() { String::new() } else { format!("; there are {}", similar.join(", ")) };
+        return Err(format!("no statistic is called `{name}`{hint} (`umbrasim explain` lists all)"));
+    }
+    let heads = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
+    let row = |it: &&Statistic| vec![it.name.clone(), it.unit.to_owned(), it.about.to_owned()];
+    let about =
+        Grid { head: heads(&["statistic", "unit", "what it is"]), names: 3, rows: meant.iter().map(row).collect() };
+    let Some(report) = report else { return Ok(drawn(&about)) };
+    let mut found = Vec::new();
+    numbers(report, &mut Vec::new(), &mut found);
+    let of_meant = found.into_iter().filter(|(path, _)| meant.iter().any(|statistic| statistic.declares(path)));
+    let rows = of_meant.map(|(path, number)| vec![path.join("."), number]).collect();
+    let values = Grid { head: heads(&["in the report", "value"]), names: 1, rows };
+    Ok(format!("{}\n\n{}", drawn(&about), drawn(&values)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::run::frames_csv::frames_csv;
+
+    #[test]
+    fn every_number_of_a_report_is_declared_once_and_every_declaration_is_of_one() {
+        let sample = concat!(env!("CARGO_MANIFEST_DIR"), "/reports/sample");
+        let text = std::fs::read_to_string(format!("{sample}/summary.json")).unwrap();
+        let summary = serde_json::from_str(&text).unwrap();
+        assert_eq!(undeclared(&summary), Vec::<String>::new());
+        let mut found = Vec::new();
+        numbers(&summary, &mut Vec::new(), &mut found);
+        // The written sample is of an exact rung; what estimates add is in the one made for tests.
+        let estimated = crate::report::run::tests::sample::sample(&[0]).summary;
+        let of_machines = frames_csv(&estimated).head;
+        let estimated = serde_json::to_value(estimated).unwrap();
+        assert_eq!(undeclared(&estimated), Vec::<String>::new());
+        numbers(&estimated, &mut Vec::new(), &mut found);
+        let sweep = serde_json::to_value(crate::report::run::tests::sample::sweep()).unwrap();
+        assert_eq!(undeclared(&sweep), Vec::<String>::new());
+        numbers(&sweep, &mut Vec::new(), &mut found);
+        let space = serde_json::to_value(crate::report::run::tests::sample::space()).unwrap();
+        assert_eq!(undeclared(&space), Vec::<String>::new());
+        numbers(&space, &mut Vec::new(), &mut found);
+        let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
+        let statistics = statistics();
+        let columns: Vec<_> =
+            csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
+        // A column of a machine is named as the number of the summary.
+        let of_machine = |name: &str| {
+            let (machine, path) = name.split_once('.').unwrap();
+            let path = format!("machines.{machine}.policies.off.frames.0.{path}");
+            path.split('.').map(str::to_owned).collect::<Vec<_>>()
+        };
+        for path in of_machines.iter().filter(|name| name.contains('.')).map(|name| of_machine(name)) {
+            assert!(statistics.iter().any(|statistic| statistic.declares(&path)), "{path:?}");
+            found.push((path, String::new()));
+        }
+        for column in columns.iter().filter(|name| name.matches('.').count() == 2) {
+            assert!(statistics.iter().any(|statistic| statistic.name == *column), "{column}");
+        }
+        for statistic in &statistics {
+            let is_there = found.iter().any(|(path, _)| statistic.declares(path)) || columns.contains(&statistic.name);
+            assert!(is_there, "{} is declared, and no number is called so", statistic.name);
+        }
+    }
+
+    #[test]
+    fn a_name_means_what_ends_with_it() {
+        let names = |asked: &str| {
+            let meant = statistics().into_iter().filter(|statistic| statistic.is_meant(asked));
+            meant.map(|statistic| statistic.name).collect::<Vec<_>>()
+        };
+        let row_hits = ["machines.*.policies.*.dram.row_hits", "machines.*.policies.*.frames.*.dram.row_hits"];
+        assert_eq!(names("row_hits"), row_hits);
+        assert_eq!(names("bytes.dram.mode_word"), ["machines.*.policies.*.bytes.*.*"]);
+        assert_eq!(names("false_dark"), ["policies.*.false_dark", "policies.*.lights.*.false_dark"]);
+        let error = explain(Some("row_hit"), None).unwrap_err();
+        assert!(error.contains("`row_hit`; there are machines.*.policies.*.dram.row_hits"), "{error}");
+    }
+}
