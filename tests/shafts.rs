@@ -267,8 +267,8 @@ fn a_certain_blocker_is_found_by_the_tree() {
         let target = origin.as_dvec3() + (edge - origin.as_dvec3()) * 2.0 * 10f64.powf(-near);
         let ray = Ray::segment(origin, target.as_vec3());
         let (low, high) = (v[0].min(v[1]).min(v[2]), v[0].max(v[1]).max(v[2]));
-        let bounds = |corner: Vec3| corner.to_array().map(|plane| [plane]);
-        let in_box = ray.entries(&bounds(low), &bounds(high))[0] < f32::INFINITY;
+        let bounds = [0, 1, 2].map(|axis| [[low[axis]], [high[axis]]]);
+        let in_box = ray.entries(&bounds)[0] < f32::INFINITY;
         let (blocks, surely) = (record.blocks(&ray).1, record.surely_blocks(&ray).1);
         let [all, sure, missed] = counts.get();
         counts.set([all + u32::from(blocks), sure + u32::from(surely), missed + u32::from(blocks && !in_box)]);

@@ -19,7 +19,7 @@ mod triangle;
 mod world;
 
 pub use self::query::{Hit, Order, Scope};
-pub use self::ray::Ray;
+pub use self::ray::{Boxes, Ray};
 pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::spec::{AccelSpec, KdLayout, Quality};
 pub use self::statics::Accel;

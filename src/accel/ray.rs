@@ -13,7 +13,14 @@ pub struct Ray {
     pub inverse: Vec3,
     /// Hits beyond this distance don't count.
     pub reach: f32,
+    /// By axis, which plane of a box is crossed first: 1, the upper one, where the ray goes down.
+    first: [u8; 3],
+    /// Whether the ray keeps its coordinate along an axis.
+    is_parallel: bool,
 }
+
+/// The bounds of `N` boxes by axis: the lower ones, then the upper ones.
+pub type Boxes<const N: usize> = [[[f32; N]; 2]; 3];
 
 /// Direction components smaller than this are taken as this: a slab test must not multiply zero by infinity. A ray
 /// strays by it from its course, which no `f32` coordinate can show.
@@ -30,38 +37,55 @@ impl Ray {
             if component.abs() < SMALLEST_COMPONENT { SMALLEST_COMPONENT.copysign(component) } else { component }
         };
         let inverse = Vec3::new(1.0 / safe(direction.x), 1.0 / safe(direction.y), 1.0 / safe(direction.z));
-        Self { origin, direction, inverse, reach }
+        let first = inverse.to_array().map(|inverse| u8::from(inverse < 0.0));
+        let is_parallel = direction.abs().min_element() <= SMALLEST_COMPONENT;
+        Self { origin, direction, inverse, reach, first, is_parallel }
     }
 
-    /// Where the ray enters each of `N` boxes, given by their bounds by axis and box, and infinity where it misses one.
-    /// Each step of the arithmetic is monotone: a ray that meets a box meets every box around it.
+    /// Where the ray enters each of `N` boxes, and infinity where it misses one. Each step of the arithmetic is
+    /// monotone: a ray that meets a box meets every box around it.
     #[inline(always)]
-    pub fn entries<const N: usize>(&self, low: &[[f32; N]; 3], high: &[[f32; N]; 3]) -> [f32; N] {
-        let mut near = [0.0f32; N];
-        let mut far = [self.reach; N];
-        for axis in 0..3 {
-            let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
-            if self.is_parallel(axis) {
-                // No crossing to compute: a ray in the face of a box would leave it where it enters it.
-                for at in 0..N {
-                    if origin < low[axis][at] || origin > high[axis][at] {
-                        near[at] = f32::INFINITY;
-                    }
-                }
+    pub fn entries<const N: usize>(&self, bounds: &Boxes<N>) -> [f32; N] {
+        if self.is_parallel {
+            return self.entries_in_plane(bounds);
+        }
+        let (mut near, mut far) = ([0.0f32; N], [self.reach; N]);
+        for (axis, planes) in bounds.iter().enumerate() {
+            self.cross(axis, planes, &mut near, &mut far);
+        }
+        met(near, far)
+    }
+
+    /// As [`Ray::entries`], of a ray that keeps its coordinate along an axis: there is no crossing to compute, and a ray
+    /// in the face of a box would leave it where it enters it.
+    #[cold]
+    fn entries_in_plane<const N: usize>(&self, bounds: &Boxes<N>) -> [f32; N] {
+        let (mut near, mut far) = ([0.0f32; N], [self.reach; N]);
+        for (axis, planes) in bounds.iter().enumerate() {
+            if !self.is_parallel(axis) {
+                self.cross(axis, planes, &mut near, &mut far);
                 continue;
             }
-            let (entry, exit) = if inverse < 0.0 { (&high[axis], &low[axis]) } else { (&low[axis], &high[axis]) };
+            let (origin, [low, high]) = (self.origin[axis], planes);
             for at in 0..N {
-                near[at] = larger(near[at], (entry[at] - origin) * inverse);
-                far[at] = smaller(far[at], (exit[at] - origin) * inverse);
+                if origin < low[at] || origin > high[at] {
+                    near[at] = f32::INFINITY;
+                }
             }
         }
+        met(near, far)
+    }
+
+    /// Crosses the planes of boxes along an axis.
+    #[inline(always)]
+    fn cross<const N: usize>(&self, axis: usize, planes: &[[f32; N]; 2], near: &mut [f32; N], far: &mut [f32; N]) {
+        let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
+        let first = usize::from(self.first[axis] & 1);
+        let (entry, exit) = (&planes[first], &planes[1 - first]);
         for at in 0..N {
-            if near[at] > far[at] * SLAB {
-                near[at] = f32::INFINITY;
-            }
+            near[at] = larger(near[at], (entry[at] - origin) * inverse);
+            far[at] = smaller(far[at], (exit[at] - origin) * inverse);
         }
-        near
     }
 
     /// Whether the ray keeps its coordinate along `axis`: no plane across it is crossed.
@@ -73,6 +97,17 @@ impl Ray {
     pub fn segment(origin: Vec3, target: Vec3) -> Self {
         Self::new(origin, target - origin, 1.0)
     }
+}
+
+/// Where boxes are entered that are left behind that, and infinity for the others.
+#[inline(always)]
+fn met<const N: usize>(mut near: [f32; N], far: [f32; N]) -> [f32; N] {
+    for at in 0..N {
+        if near[at] > far[at] * SLAB {
+            near[at] = f32::INFINITY;
+        }
+    }
+    near
 }
 
 /// The smaller of two numbers that are no NaN: one instruction, where `f32::min` takes several.

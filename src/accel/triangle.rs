@@ -2,7 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
-use super::ray::Ray;
+use super::ray::{Boxes, Ray};
 use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
 use crate::stream::Stop;
@@ -16,9 +16,8 @@ pub struct Record {
     pub edges: [Vec3; 2],
     /// The cross product of the edges.
     pub normal: Vec3,
-    /// The box around the corners, by axis.
-    low: [[f32; 1]; 3],
-    high: [[f32; 1]; 3],
+    /// The box around the corners.
+    bounds: Boxes<1>,
     /// Whose record it is.
     pub primitive: PrimitiveId,
 }
@@ -41,12 +40,12 @@ impl Record {
     pub fn new(triangle: &Triangle, primitive: PrimitiveId) -> Self {
         let [a, b, c] = triangle.v;
         let edges = [b - a, c - a];
+        let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         Self {
             corner: a,
             edges,
             normal: edges[0].cross(edges[1]),
-            low: a.min(b).min(c).to_array().map(|bound| [bound]),
-            high: a.max(b).max(c).to_array().map(|bound| [bound]),
+            bounds: [0, 1, 2].map(|axis| [[low[axis]], [high[axis]]]),
             primitive,
         }
     }
@@ -82,7 +81,7 @@ impl Record {
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
             (Stop::Hit, Some(hit)) if hit.t < ray.reach => {
-                let [entry] = ray.entries(&self.low, &self.high);
+                let [entry] = ray.entries(&self.bounds);
                 if entry < f32::INFINITY { (Stop::Hit, true) } else { (Stop::Edges, false) }
             }
             // Only just out of reach: the plane's part of the hardware, which compares without a tie rule, ends it.

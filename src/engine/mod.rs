@@ -14,6 +14,7 @@ mod event;
 pub(crate) mod feed;
 mod frame_log;
 mod gathering;
+mod horizon;
 mod items;
 mod level;
 mod lines;

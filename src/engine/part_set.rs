@@ -42,6 +42,11 @@ impl PartSet {
     /// Replaces this set by the one in `words`, which is as large, and clears `words`.
     #[inline]
     pub(super) fn take_from(&mut self, words: &mut [u64]) {
+        // Most machines have fewer than 64 parts.
+        if let ([own], [word]) = (self.0.as_mut_slice(), &mut *words) {
+            *own = std::mem::take(word);
+            return;
+        }
         for (own, word) in self.0.iter_mut().zip(words) {
             *own = std::mem::take(word);
         }

@@ -266,14 +266,18 @@ impl Cache {
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
         let register = self.mshrs.find(line).expect("only a missed line comes");
         let (class, fate) = self.mshrs.missed(register);
-        let victim = if fate.keep { self.tags.victim(line) } else { Some(Victim { line, class, dirty: fate.dirty }) };
-        let victim = victim.filter(|victim| victim.dirty);
+        let place = fate.keep.then(|| self.tags.place_for(line));
+        let displaced = match place {
+            Some(place) => self.tags.at(place),
+            None => Some(Victim { line, class, dirty: fate.dirty }),
+        };
+        let victim = displaced.filter(|victim| victim.dirty);
         if victim.is_some() && !room {
             return Fill::Blocked;
         }
         self.mshrs.release(register, waiting);
-        if fate.keep {
-            self.tags.fill(line, class, fate.dirty);
+        if let Some(place) = place {
+            self.tags.put(place, line, class, fate.dirty);
         }
         if let Some(victim) = victim {
             self.counts[victim.class as usize].write_backs += 1;

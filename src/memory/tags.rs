@@ -47,6 +47,13 @@ pub enum Contents {
     Ideal,
 }
 
+/// A place of a tag array.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    set: usize,
+    way: usize,
+}
+
 /// The tags of a cache.
 #[derive(Clone, Debug)]
 pub struct TagArray {
@@ -125,26 +132,37 @@ impl TagArray {
         self.is_ideal() || self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
     }
 
-    fn place(&self, set: usize) -> usize {
-        let empty = self.ways(set).iter().position(|&packed| packed == EMPTY);
-        empty.unwrap_or_else(|| self.state.victim(set, self.ways))
-    }
-
     /// What [`TagArray::fill`] would displace; nothing changes.
     pub fn victim(&self, line: LineAddr) -> Option<Victim> {
-        let set = self.set(line);
-        unpack(self.ways(set)[self.place(set)])
+        self.at(self.place_for(line))
     }
 
-    /// Puts in `line`, which is not there. An empty way is taken first, the lowest; returns what was displaced.
-    pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
+    /// Where `line`, which is not there, is put: an empty way is taken first, the lowest.
+    pub fn place_for(&self, line: LineAddr) -> Place {
         debug_assert!(!self.contains(line));
         let set = self.set(line);
-        let way = self.place(set);
+        let empty = self.ways(set).iter().position(|&packed| packed == EMPTY);
+        Place { set, way: empty.unwrap_or_else(|| self.state.victim(set, self.ways)) }
+    }
+
+    /// What is at a place.
+    pub fn at(&self, place: Place) -> Option<Victim> {
+        unpack(self.ways(place.set)[place.way])
+    }
+
+    /// Puts `line` into the place that is for it.
+    pub fn put(&mut self, Place { set, way }: Place, line: LineAddr, class: TrafficClass, dirty: bool) {
         let lines = &mut self.lines[set * self.ways..][..self.ways];
-        let displaced = std::mem::replace(&mut lines[way], pack(line, class, dirty));
+        lines[way] = pack(line, class, dirty);
         self.state.filled(set, way, lines);
-        unpack(displaced)
+    }
+
+    /// Puts in `line`, which is not there; returns what was displaced.
+    pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
+        let place = self.place_for(line);
+        let displaced = self.at(place);
+        self.put(place, line, class, dirty);
+        displaced
     }
 
     /// Drops a line, dirty or not, if it is there.

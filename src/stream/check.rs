@@ -178,7 +178,7 @@ impl Checker {
 
     fn rays(&mut self, chunk: &Chunk) -> Result<(), Violation> {
         let extent = chunk.extent();
-        let fits = !extent.strays() && extent.unknown().is_none() && self.policy.hold(extent);
+        let fits = !extent.strays() && extent.unknown().is_none() && self.policy.hold(&extent);
         let mut group = 0;
         for (index, ray) in chunk.rays().enumerate() {
             if ray.head.kind == RayKind::Primary {

@@ -94,7 +94,6 @@ struct Entry {
 pub struct Chunk {
     entries: Vec<Entry>,
     steps: Vec<u32>,
-    extent: Extent,
     marked: bool,
 }
 
@@ -137,8 +136,6 @@ impl Chunk {
     pub fn push(&mut self, head: RayHead, path: &[u32], policy: &[u32]) {
         debug_assert!(path.iter().all(|&word| Step::unpack(word).is_some_and(Step::is_traversal)));
         debug_assert!(policy.iter().all(|&word| Step::unpack(word).is_some()));
-        self.extent.add_path(path);
-        self.extent.add_policy(policy);
         self.steps.extend_from_slice(path);
         let path_end = self.steps.len() as u32;
         self.steps.extend_from_slice(policy);
@@ -160,18 +157,12 @@ impl Chunk {
         let (first, begin) = (other.begin(rays.start) as u32, self.steps.len() as u32);
         self.steps.extend_from_slice(other.packed_steps_of(rays.clone()));
         let moved = |at: u32| at - first + begin;
-        let entries = other.entries[rays.clone()].iter();
+        let entries = other.entries[rays].iter();
         self.entries.extend(entries.map(|entry| Entry {
             head: entry.head,
             path_end: moved(entry.path_end),
             end: moved(entry.end),
         }));
-        if rays.len() == other.len() {
-            self.extent.join(&other.extent);
-        } else {
-            let policies = rays.clone().map(|ray| other.ray(ray).policy);
-            self.extent.add_rays(other.packed_steps_of(rays), policies);
-        }
     }
 
     /// A chunk of `rays`, each with the numbers of its path's and its policy's steps, which `steps` holds one ray after
@@ -193,15 +184,14 @@ impl Chunk {
         if end as usize != steps.len() {
             return Ok(None);
         }
-        let policies = entries.iter().map(|entry| &steps[entry.path_end as usize..entry.end as usize]);
-        let mut extent = Extent::default();
-        extent.add_rays(&steps, policies.filter(|words| !words.is_empty()));
-        Ok(Some(Self { entries, steps, extent, marked: false }))
+        Ok(Some(Self { entries, steps, marked: false }))
     }
 
-    /// How far the ids of all steps reach. A chunk whose extent fits a machine needs no check of its steps.
-    pub fn extent(&self) -> &Extent {
-        &self.extent
+    /// How far the ids of all steps reach; all are looked at. A chunk whose extent fits a machine needs no check of its
+    /// steps.
+    pub fn extent(&self) -> Extent {
+        let policies = self.entries.iter().map(|entry| &self.steps[entry.path_end as usize..entry.end as usize]);
+        Extent::of(&self.steps, policies.filter(|words| !words.is_empty()))
     }
 
     /// What its rays ask for is counted apart from now on. No file holds that.
@@ -247,6 +237,11 @@ impl Chunk {
     /// Where the steps of ray `index` begin, or would if there were one more.
     fn begin(&self, index: usize) -> usize {
         if index == 0 { 0 } else { self.entries[index - 1].end as usize }
+    }
+
+    /// All rays without their steps, in order.
+    pub(super) fn heads(&self) -> impl ExactSizeIterator<Item = RayHead> {
+        self.entries.iter().map(|entry| entry.head)
     }
 
     /// Ray `index` without its steps.
@@ -298,7 +293,6 @@ mod tests {
         joined.extend(&chunk(3..10), 3..3);
         joined.extend(&chunk(3..10), 3..7);
         assert_eq!(joined, chunk(0..10));
-        assert_eq!(joined.extent(), chunk(0..10).extent());
         assert_eq!(joined.packed_steps_of(0..10), joined.packed_steps());
         let ray = joined.ray(7);
         assert_eq!(joined.packed_steps_of(7..8), [ray.packed_path(), ray.packed_policy()].concat());

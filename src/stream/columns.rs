@@ -17,7 +17,7 @@
 //! high bytes hardly change from ray to ray, so that LZ4, which knows no smaller unit than a match of 4 bytes, packs
 //! them to almost nothing. Steps are stored as they are: whole runs of them repeat from ray to ray.
 
-use super::chunk::{Chunk, Decision, Outcome, Ray, RayHead, RayKind};
+use super::chunk::{Chunk, Decision, Outcome, RayHead, RayKind};
 use super::fault::Fault;
 use super::format::{field, put_words, words};
 use super::version::Version;
@@ -40,26 +40,24 @@ pub(super) fn chunk_len(chunk: &Chunk) -> usize {
 /// Appends the payload of `chunk`.
 pub(super) fn put_chunk(chunk: &Chunk, out: &mut Vec<u8>) {
     put_words(&[chunk.len() as u32, chunk.steps() as u32], out);
-    out.extend(chunk.rays().map(|ray| class(&ray.head)));
-    out.extend(chunk.rays().map(|ray| ray.head.light.0));
-    put_planes(chunk, out, |ray| match ray.head.outcome {
+    out.extend(chunk.heads().map(|head| class(&head)));
+    out.extend(chunk.heads().map(|head| head.light.0));
+    let primitive = |head: RayHead| match head.outcome {
         Outcome::Hit(primitive) => primitive.0,
         Outcome::Miss | Outcome::Lit | Outcome::Dark => 0,
-    });
-    put_planes(chunk, out, |ray| ray.head.pixel.0);
-    put_planes(chunk, out, |ray| ray.head.parent);
-    put_planes(chunk, out, |ray| ray.packed_path().len() as u32);
-    put_planes(chunk, out, |ray| ray.packed_policy().len() as u32);
+    };
+    put_planes(chunk.heads().map(primitive), out);
+    put_planes(chunk.heads().map(|head| head.pixel.0), out);
+    put_planes(chunk.heads().map(|head| head.parent), out);
+    put_planes(chunk.rays().map(|ray| ray.packed_path().len() as u32), out);
+    put_planes(chunk.rays().map(|ray| ray.packed_policy().len() as u32), out);
     put_words(chunk.packed_steps(), out);
 }
 
-fn put_planes(chunk: &Chunk, out: &mut Vec<u8>, value: impl Fn(Ray<'_>) -> u32) {
-    let (start, rays) = (out.len(), chunk.len());
-    out.resize(start + 4 * rays, 0);
-    for (index, ray) in chunk.rays().enumerate() {
-        for (plane, byte) in value(ray).to_le_bytes().into_iter().enumerate() {
-            out[start + plane * rays + index] = byte;
-        }
+fn put_planes(numbers: impl Iterator<Item = u32>, out: &mut Vec<u8>) {
+    let numbers: Vec<u32> = numbers.collect();
+    for plane in 0..4 {
+        out.extend(numbers.iter().map(|number| (number >> (8 * plane)) as u8));
     }
 }
 

@@ -1,5 +1,7 @@
 //! How far the ids of steps reach: one check of a chunk instead of one check of each step.
 
+use multiversion::multiversion;
+
 use super::step::{Step, Store};
 use crate::quantity::{ListId, NodeId, TriangleSlot};
 
@@ -41,58 +43,19 @@ impl Extent {
         self.strays
     }
 
-    /// Widens the extent to that of `other`, too.
-    pub(super) fn join(&mut self, other: &Self) {
-        self.nodes = self.nodes.max(other.nodes);
-        self.list_entries = self.list_entries.max(other.list_entries);
-        self.slots = self.slots.max(other.slots);
-        other.entries.into_iter().flatten().for_each(|step| self.entry(step));
-        self.unknown = self.unknown.or(other.unknown);
-        self.strays |= other.strays;
-    }
-
-    /// Adds the steps of a path.
-    pub(super) fn add_path(&mut self, words: &[u32]) {
-        if self.add_traversal(words) > 0 {
-            self.strays = true;
-            self.add_stores(words);
-        }
-    }
-
-    /// Adds the steps of a policy.
-    pub(super) fn add_policy(&mut self, words: &[u32]) {
-        if !words.is_empty() && self.add_traversal(words) > 0 {
-            self.add_stores(words);
-        }
-    }
-
-    /// Adds the steps of rays, which lie one after another in `words`; `policies` are those of the policy among them.
-    pub(super) fn add_rays<'a>(&mut self, words: &[u32], policies: impl Iterator<Item = &'a [u32]>) {
-        let others = self.add_traversal(words);
+    /// The extent of the steps of rays, which lie one after another in `words`; `policies` are those of the policy among
+    /// them.
+    pub(super) fn of<'a>(words: &[u32], policies: impl Iterator<Item = &'a [u32]>) -> Self {
+        let [nodes, list_entries, slots, others] = furthest(words);
+        let mut extent = Self { nodes, list_entries, slots, ..Self::default() };
         if others > 0 {
-            let known: usize = policies.map(|words| self.add_stores(words)).sum();
-            if known < others {
-                self.strays = true;
-                self.add_stores(words);
+            let known: usize = policies.map(|words| extent.add_stores(words)).sum();
+            if known < others as usize {
+                extent.strays = true;
+                extent.add_stores(words);
             }
         }
-    }
-
-    /// Adds the steps of `words` that a traversal can have; returns how many others there are. The loop has no branch,
-    /// so that several words are looked at at once.
-    fn add_traversal(&mut self, words: &[u32]) -> usize {
-        let (mut nodes, mut lists, mut slots, mut others) = (0i32, 0i32, 0i32, 0i32);
-        for &word in words {
-            let (tag, end) = (Step::tag(word) as i32, (word & Step::MAX_INDEX) as i32 + 1);
-            nodes = nodes.max(if tag == Step::NODE { end } else { 0 });
-            lists = lists.max(if tag == Step::LIST { end } else { 0 });
-            slots = slots.max(if tag > Step::LIST && tag <= Step::LAST_TRAVERSAL { end } else { 0 });
-            others += i32::from(tag > Step::LAST_TRAVERSAL);
-        }
-        self.nodes = self.nodes.max(nodes as u32);
-        self.list_entries = self.list_entries.max(lists as u32);
-        self.slots = self.slots.max(slots as u32);
-        others as usize
+        extent
     }
 
     /// Adds the steps of `words` that no traversal has; returns how many there are.
@@ -117,6 +80,21 @@ impl Extent {
     }
 }
 
+/// One more than the largest id of a node, of a list entry and of a triangle slot in `words`; how many words name none.
+/// The loop has no branch, so that several words are looked at at once.
+#[multiversion(targets("x86_64+avx2"))]
+fn furthest(words: &[u32]) -> [u32; 4] {
+    let (mut nodes, mut lists, mut slots, mut others) = (0i32, 0i32, 0i32, 0i32);
+    for &word in words {
+        let (tag, end) = (Step::tag(word) as i32, (word & Step::MAX_INDEX) as i32 + 1);
+        nodes = nodes.max(if tag == Step::NODE { end } else { 0 });
+        lists = lists.max(if tag == Step::LIST { end } else { 0 });
+        slots = slots.max(if tag > Step::LIST && tag <= Step::LAST_TRAVERSAL { end } else { 0 });
+        others += i32::from(tag > Step::LAST_TRAVERSAL);
+    }
+    [nodes, lists, slots, others].map(|number| number as u32)
+}
+
 const _: () = assert!(Store::OccluderId as usize == 2, "a store has a place in `Extent::entries`");
 
 #[cfg(test)]
@@ -137,12 +115,11 @@ mod tests {
 
     #[test]
     fn the_outermost_steps_are_those_of_the_largest_ids() {
-        let mut extent = Extent::default();
-        assert_eq!(extent.outermost().count(), 0);
+        assert_eq!(Extent::of(&[], std::iter::empty()).outermost().count(), 0);
         let small = [Step::Node(NodeId(2)), Step::Triangle { slot: TriangleSlot(0), stop: Stop::Hit }].map(Step::pack);
-        extent.add_path(&small);
-        extent.add_policy(&[Step::Update { store: Store::ModeWord, index: 2 }.pack()]);
-        extent.add_policy(&steps().map(Step::pack));
+        let update = [Step::Update { store: Store::ModeWord, index: 2 }.pack()];
+        let words = [small.as_slice(), &update, &steps().map(Step::pack)].concat();
+        let extent = Extent::of(&words, [&words[2..3], &words[3..]].into_iter());
         assert_eq!(extent.outermost().collect::<Vec<_>>(), steps());
         assert_eq!((extent.unknown(), extent.strays()), (None, false));
     }
@@ -151,23 +128,25 @@ mod tests {
     fn steps_that_cannot_be_there_are_seen() {
         let read = Step::Read { store: Store::ModeWord, index: 3 }.pack();
         let node = Step::Node(NodeId(1)).pack();
-        let mut extent = Extent::default();
-        extent.add_rays(&[node, read], std::iter::once(&[read][..]));
-        assert_eq!((extent.unknown(), extent.strays()), (None, false));
-        extent.add_path(&[node, read]);
-        assert!(extent.strays());
-        let mut joined = Extent::default();
-        joined.add_policy(&[0xf000_0001]);
-        joined.join(&extent);
-        assert_eq!((joined.unknown(), joined.strays()), (Some(0xf000_0001), true));
+        let extent = |words: &[u32], policy: &[u32]| Extent::of(words, std::iter::once(policy));
+        let sound = extent(&[node, read], &[read]);
+        assert_eq!((sound.unknown(), sound.strays()), (None, false));
+        assert!(extent(&[node, read, read], &[read]).strays());
+        let unknown = extent(&[node, read, 0xf000_0001], &[0xf000_0001]);
+        assert_eq!((unknown.unknown(), unknown.strays()), (Some(0xf000_0001), true));
     }
 
+    /// Several words at once, and the rest one by one.
     #[test]
-    fn rays_at_once_are_as_rays_one_by_one() {
-        let words: Vec<u32> = (0..400u32).map(|at| ((at * 7919) % 1000) | ((at % 14) << 27)).collect();
-        let (mut one, mut all) = (Extent::default(), Extent::default());
-        one.add_path(&words);
-        all.add_rays(&words, std::iter::empty());
-        assert_eq!(one, all);
+    fn many_steps_are_as_one_by_one() {
+        let words: Vec<u32> = (0..401u32).map(|at| ((at * 7919) % 1000) | ((at % 16) << 27)).collect();
+        let one = |of: fn(Step) -> Option<u32>| {
+            words.iter().filter_map(|&word| Step::unpack(word).and_then(of)).max().map_or(0, |id| id + 1)
+        };
+        let [nodes, lists, slots, others] = furthest(&words);
+        assert_eq!(nodes, one(|step| if let Step::Node(NodeId(id)) = step { Some(id) } else { None }));
+        assert_eq!(lists, one(|step| if let Step::List(ListId(id)) = step { Some(id) } else { None }));
+        assert_eq!(slots, one(|step| if let Step::Triangle { slot, .. } = step { Some(slot.0) } else { None }));
+        assert_eq!(others as usize, words.iter().filter(|&&word| Step::tag(word) > 4).count());
     }
 }

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use multiversion::multiversion;
+
 use crate::quantity::{ListId, NodeId, TriangleSlot};
 
 /// Where a triangle test ended. The test has the two memory phases of the T&I engine (Nah et al. 2011, section 4): the
@@ -178,9 +180,7 @@ impl Step {
 
     /// How many packed steps visit nodes, read lists, and do neither.
     pub(super) fn count(words: &[u32]) -> [u64; 3] {
-        // Tag by tag: a loop without a branch looks at several words at once.
-        let of_tag = |tag: i32| words.iter().filter(|&&word| Self::tag(word) as i32 == tag).count() as u64;
-        let (nodes, lists) = (of_tag(Self::NODE), of_tag(Self::LIST));
+        let [nodes, lists] = visits_and_reads(words).map(u64::from);
         [nodes, lists, words.len() as u64 - nodes - lists]
     }
 
@@ -211,6 +211,17 @@ impl Step {
     pub fn is_traversal(self) -> bool {
         matches!(self, Self::Node(_) | Self::List(_) | Self::Triangle { .. })
     }
+}
+
+/// How many packed steps visit nodes and read lists. The loop has no branch, so that several words are looked at at once.
+#[multiversion(targets("x86_64+avx2"))]
+fn visits_and_reads(words: &[u32]) -> [u32; 2] {
+    let (mut nodes, mut lists) = (0, 0);
+    for &word in words {
+        nodes += u32::from(Step::tag(word) as i32 == Step::NODE);
+        lists += u32::from(Step::tag(word) as i32 == Step::LIST);
+    }
+    [nodes, lists]
 }
 
 #[cfg(test)]

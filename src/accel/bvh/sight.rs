@@ -1,7 +1,5 @@
 //! How a shaft walks the static tree of boxes.
 
-use glam::Vec3;
-
 use super::forest::Forest;
 use super::tree::{Child, Node};
 use crate::accel::shaft::{Shaft, Sight};
@@ -36,8 +34,7 @@ impl<const N: usize> Node<N> {
     /// Pushes the children that a ray of the shaft may visit.
     fn meet(&self, shaft: &Shaft, stack: &mut Vec<Child>) {
         for (at, &child) in self.children.iter().enumerate() {
-            let low = Vec3::from_array(self.low.map(|planes| planes[at])).as_dvec3();
-            let high = Vec3::from_array(self.high.map(|planes| planes[at])).as_dvec3();
+            let [low, high] = self.corners(at).map(|corner| corner.as_dvec3());
             if !child.is_none() && !shaft.misses_box(low, high) {
                 stack.push(child);
             }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::ray::Ray;
+use crate::accel::ray::{Boxes, Ray};
 use crate::accel::triangle::Record;
 
 /// A reference to a child: a run of triangle slots, another node, or nothing.
@@ -27,17 +27,15 @@ impl Child {
 /// A node: the boxes of its children, axis by axis, and the references to them.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Node<const N: usize> {
-    /// Lower bounds, by axis and child.
-    pub low: [[f32; N]; 3],
-    /// Upper bounds, by axis and child.
-    pub high: [[f32; N]; 3],
+    /// The children's boxes.
+    bounds: Boxes<N>,
     /// The children; an absent one has a box at infinity, which no ray meets.
     pub children: [Child; N],
 }
 
 impl<const N: usize> Default for Node<N> {
     fn default() -> Self {
-        Self { low: [[f32::INFINITY; N]; 3], high: [[f32::INFINITY; N]; 3], children: [Child::NONE; N] }
+        Self { bounds: [[[f32::INFINITY; N]; 2]; 3], children: [Child::NONE; N] }
     }
 }
 
@@ -45,8 +43,8 @@ impl<const N: usize> Node<N> {
     /// Makes `child` the child number `at`, with the given box.
     pub(crate) fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
         for axis in 0..3 {
-            self.low[axis][at] = low[axis];
-            self.high[axis][at] = high[axis];
+            self.bounds[axis][0][at] = low[axis];
+            self.bounds[axis][1][at] = high[axis];
         }
         self.children[at] = child;
     }
@@ -55,21 +53,27 @@ impl<const N: usize> Node<N> {
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for child in (0..N).filter(|&child| !self.children[child].is_none()) {
-            low = low.min(Vec3::from_array(self.low.map(|planes| planes[child])));
-            high = high.max(Vec3::from_array(self.high.map(|planes| planes[child])));
+            let [child_low, child_high] = self.corners(child);
+            (low, high) = (low.min(child_low), high.max(child_high));
         }
         (low, high)
+    }
+
+    /// The lower and the upper corner of a child's box.
+    pub(crate) fn corners(&self, child: usize) -> [Vec3; 2] {
+        [0, 1].map(|side| Vec3::from_array(self.bounds.map(|planes| planes[side][child])))
     }
 
     /// Where the ray enters each child's box, and infinity where it misses it.
     #[inline(always)]
     pub(crate) fn entries(&self, ray: &Ray) -> [f32; N] {
-        ray.entries(&self.low, &self.high)
+        ray.entries(&self.bounds)
     }
 
     /// Half the area of a child's box.
     pub(crate) fn half_area(&self, child: usize) -> f32 {
-        let [x, y, z] = [0, 1, 2].map(|axis| self.high[axis][child] - self.low[axis][child]);
+        let [low, high] = self.corners(child);
+        let [x, y, z] = (high - low).to_array();
         x * y + y * z + z * x
     }
 }

@@ -11,16 +11,18 @@ use crate::accel::structure::JoinedTree;
 use crate::accel::trail::Observer;
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 
-/// Children that wait, each with what it is sorted by among its siblings. One allocation a ray is faster here than a
-/// stack that may spill.
-type Stack = Vec<(f32, Child)>;
+/// A child that the ray meets, with what it is sorted by among its siblings.
+type Met = (f32, Child);
+
+/// Children that wait. One allocation a ray is faster here than a stack that may spill.
+type Stack = Vec<Met>;
 
 impl<const N: usize> Forest<'_, N> {
-    /// Visits a node: pushes the children that the ray meets, the first in `order` last.
-    fn visit(&self, node: &Node<N>, ray: &Ray, order: Order, stack: &mut Stack) {
-        let entries = node.entries(ray);
-        let first = stack.len();
-        for (number, (entry, &child)) in entries.into_iter().zip(&node.children).enumerate() {
+    /// Visits a node: gives the child that the ray meets first in `order`, and pushes the others, the next one last.
+    #[inline(always)]
+    fn visit(&self, node: &Node<N>, ray: &Ray, order: Order, stack: &mut Stack) -> Option<Met> {
+        let (mut met, mut count) = ([(0.0, Child::NONE); N], 0);
+        for (number, entry) in node.entries(ray).into_iter().enumerate() {
             if entry < f32::INFINITY {
                 let key = match order {
                     Order::NearestFirst => entry,
@@ -28,13 +30,18 @@ impl<const N: usize> Forest<'_, N> {
                 };
                 // Insertion, the last in order first; an equal key goes below, so that the node's own order decides a
                 // tie.
-                let mut at = stack.len();
-                while at > first && stack[at - 1].0 <= key {
+                let mut at = count;
+                while at > 0 && met[at - 1].0 <= key {
+                    met[at] = met[at - 1];
                     at -= 1;
                 }
-                stack.insert(at, (key, child));
+                met[at] = (key, node.children[number]);
+                count += 1;
             }
         }
+        let (first, others) = met[..count].split_last()?;
+        others.iter().for_each(|&child| stack.push(child));
+        Some(*first)
     }
 
     /// The nearest hit; at equal distance the one on the lowest primitive.
@@ -42,14 +49,14 @@ impl<const N: usize> Forest<'_, N> {
         let mut stack = Stack::with_capacity(64);
         let mut nearest: Option<Hit> = None;
         watch.node(NodeId(0));
-        self.visit(&self.root, &ray, Order::NearestFirst, &mut stack);
-        while let Some((entry, child)) = stack.pop() {
+        let mut next = self.visit(&self.root, &ray, Order::NearestFirst, &mut stack);
+        while let Some((entry, child)) = next.take().or_else(|| stack.pop()) {
             if entry > ray.reach * SLAB {
                 continue;
             }
             if child.count == 0 {
                 watch.node(NodeId(child.index));
-                self.visit(self.node(child.index), &ray, Order::NearestFirst, &mut stack);
+                next = self.visit(self.node(child.index), &ray, Order::NearestFirst, &mut stack);
                 continue;
             }
             for slot in child.index..child.index + child.count {
@@ -93,8 +100,8 @@ impl<const N: usize> Forest<'_, N> {
                     stack.push((entries[tree], self.root.children[tree]));
                 }
             }
-        } else {
-            self.visit(&self.root, ray, order, &mut stack);
+        } else if let Some(first) = self.visit(&self.root, ray, order, &mut stack) {
+            stack.push(first);
         }
         self.first_blocker(ray, order, stack, watch)
     }
@@ -112,10 +119,11 @@ impl<const N: usize> Forest<'_, N> {
         mut stack: Stack,
         watch: &mut impl Observer,
     ) -> Option<PrimitiveId> {
-        while let Some((_, child)) = stack.pop() {
+        let mut next = None;
+        while let Some((_, child)) = next.take().or_else(|| stack.pop()) {
             if child.count == 0 {
                 watch.node(NodeId(child.index));
-                self.visit(self.node(child.index), ray, order, &mut stack);
+                next = self.visit(self.node(child.index), ray, order, &mut stack);
                 continue;
             }
             for slot in child.index..child.index + child.count {

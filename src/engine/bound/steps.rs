@@ -65,13 +65,22 @@ struct Tag {
     named: Named,
     /// The first element of the dynamic part.
     dynamic: u32,
-    /// Lines of the elements of a step that names an array's element, by its number from the array's beginning on; none
-    /// where that does not tell it.
-    lines: Option<[u8; PERIOD]>,
+    lines: LinesOf,
+}
+
+/// How many lines the elements of a step lie in that names an array's element.
+#[derive(Clone, Copy, Debug)]
+enum LinesOf {
+    /// As many, whichever it names.
+    All(u8),
+    /// By the element's number from the beginning of its array's static or dynamic part on.
+    ByPlace([u8; PERIOD]),
+    /// The tag does not tell it.
+    Unknown,
 }
 
 /// A tag that is of no step, or of steps that are left out: nothing is known without looking at the step.
-const NOTHING: Tag = Tag { stay: 0, named: Named::Nodes, dynamic: 0, lines: None };
+const NOTHING: Tag = Tag { stay: 0, named: Named::Nodes, dynamic: u32::MAX, lines: LinesOf::Unknown };
 
 /// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at
 /// least.
@@ -157,7 +166,12 @@ impl StepWork {
             let of = |element: Element| self.layout.lines(&self.layout.places_on(&element, first, place as u64)).1;
             work.elements().map(of).sum::<u64>() as u8
         };
-        let lines = first.entry().is_none().then(|| std::array::from_fn(lines));
+        let lines: [u8; PERIOD] = std::array::from_fn(lines);
+        let lines = match first.entry() {
+            Some(_) => LinesOf::Unknown,
+            None if lines.iter().all(|&it| it == lines[0]) => LinesOf::All(lines[0]),
+            None => LinesOf::ByPlace(lines),
+        };
         // There and back; of a list entry the way on is that of its triangle.
         let way = if work.kind == Kind::Intersection { 2 } else { 0 };
         Tag { stay: self.held(&work) + way, named, dynamic, lines }
@@ -188,18 +202,22 @@ impl StepWork {
     pub(super) fn add(&mut self, words: &[u32], steps: Steps) -> u64 {
         let mut stay = 0;
         for &word in words {
-            let (tag, index) = (Step::tag(word) as usize, word & Step::MAX_INDEX);
-            let Tag { stay: of_step, named, dynamic, ref lines } = self.tags[steps as usize][tag];
-            stay += of_step;
-            let count = &mut self.counts[steps as usize][tag];
+            let (at, index) = (Step::tag(word) as usize, word & Step::MAX_INDEX);
+            let (tag, count) = (&self.tags[steps as usize][at], &mut self.counts[steps as usize][at]);
+            stay += tag.stay;
             count.steps += 1;
-            let Some(lines) = lines else {
-                self.look_at(word, steps);
-                continue;
-            };
-            let place = index - if index < dynamic { 0 } else { dynamic };
-            count.lines += u64::from(lines[place as usize % PERIOD]);
-            if !self.named[named as usize].contains(index as usize) {
+            match &tag.lines {
+                LinesOf::All(_) => {}
+                LinesOf::ByPlace(lines) => {
+                    let place = index - if index < tag.dynamic { 0 } else { tag.dynamic };
+                    count.lines += u64::from(lines[place as usize % PERIOD]);
+                }
+                LinesOf::Unknown => {
+                    self.look_at(word, steps);
+                    continue;
+                }
+            }
+            if !self.named[tag.named as usize].contains(index as usize) {
                 self.look_at(word, steps);
             }
         }
@@ -217,7 +235,7 @@ impl StepWork {
         }
         let Tag { named, lines, .. } = self.tags[steps as usize][Step::tag(word) as usize];
         let work = steps.work(step, &self.layout);
-        if lines.is_none() {
+        if let LinesOf::Unknown = lines {
             let lines = work.elements().map(|element| self.layout.lines(&element).1).sum::<u64>();
             self.counts[steps as usize][Step::tag(word) as usize].lines += lines;
             // An entry's size may hang on where it lies.
@@ -255,6 +273,8 @@ impl StepWork {
                 }
                 let work = steps.work(step, &self.layout);
                 let kind = work.kind as usize;
+                let each = &self.tags[steps as usize][tag].lines;
+                let lines = if let LinesOf::All(each) = each { times * u64::from(*each) } else { lines };
                 let (operations, held) = (times * work.operations(), times * self.held(&work));
                 let counted = &mut self.work[kind];
                 counted.operations += operations;
@@ -266,7 +286,7 @@ impl StepWork {
                 self.sums.operations[kind] += operations;
                 self.sums.accesses[kind] += lines;
                 self.sums.writes += u64::from(work.first.write) * lines;
-                if self.tags[steps as usize][tag].lines.is_some() {
+                if !matches!(each, LinesOf::Unknown) {
                     let requested = &mut self.sums.requested[kind];
                     work.elements().for_each(|it| requested[it.class as usize] += Bytes(times * it.bytes));
                 }

@@ -3,13 +3,6 @@
 use crate::memory::ring::Ring;
 use crate::stats::Cause;
 
-/// A cycle to come in which the last of the operations begins that are known to, and the cause of those after it.
-#[derive(Clone, Copy, Debug)]
-struct Ahead {
-    at: u64,
-    idle: Cause,
-}
-
 /// Cycles that operations occupy, one right after another: from the first to before the second.
 type Run = (u64, u64);
 
@@ -31,7 +24,10 @@ pub(crate) struct Causes {
     /// Those that may not have passed, in order, but for the last.
     runs: Ring<Run>,
     last: Run,
-    ahead: Option<Ahead>,
+    /// A cycle to come in which the last of the operations begins that are known to, [`u64::MAX`] if none is, and the
+    /// cause of those after it.
+    ahead_at: u64,
+    ahead_idle: Cause,
 }
 
 impl Default for Causes {
@@ -45,7 +41,8 @@ impl Default for Causes {
             busy_before: 0,
             runs: Ring::new(),
             last: (0, 0),
-            ahead: None,
+            ahead_at: u64::MAX,
+            ahead_idle: Cause::Starved,
         }
     }
 }
@@ -67,23 +64,27 @@ impl Causes {
     /// operation occupies the unit.
     #[inline]
     pub(crate) fn cycle(&mut self, now: u64, idle: Cause) {
-        let stays = idle == self.idle && self.ahead.is_none_or(|ahead| ahead.at > now || ahead.idle == idle);
-        if stays && self.runs.len() < MOST_RUNS {
-            self.ahead.take_if(|ahead| ahead.at <= now);
-            return;
+        if idle == self.idle && self.runs.len() < MOST_RUNS {
+            if self.ahead_at > now {
+                return;
+            }
+            if self.ahead_idle == idle {
+                self.ahead_at = u64::MAX;
+                return;
+            }
         }
         self.cycle_that_changes(now, idle);
     }
 
     /// As [`Causes::cycle`], where the cause may be another one than before.
     fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
-        let ahead = self.ahead.take_if(|ahead| ahead.at <= now);
-        let settled = ahead.map_or(now, |ahead| ahead.at);
+        let settled = self.ahead_at.min(now);
         while self.runs.front().is_some_and(|run| run.1 <= settled) {
             self.runs.drop_front();
         }
-        if let Some(ahead) = ahead {
-            self.change(ahead.at, ahead.idle);
+        if self.ahead_at <= now {
+            self.change(self.ahead_at, self.ahead_idle);
+            self.ahead_at = u64::MAX;
         }
         self.change(now, idle);
     }
@@ -106,7 +107,7 @@ impl Causes {
     /// cause.
     #[inline]
     pub(crate) fn ahead(&mut self, at: u64, idle: Cause) {
-        self.ahead = Some(Ahead { at, idle });
+        (self.ahead_at, self.ahead_idle) = (at, idle);
     }
 
     /// From cycle `now` on, `idle` is the cause.
@@ -136,12 +137,14 @@ impl Causes {
     /// begin in the last one, its ray still waits.
     pub(crate) fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
         let mut end = self.clone();
-        if let Some(ahead) = self.ahead.filter(|ahead| ahead.at + 1 < cycles) {
-            end.change(ahead.at, ahead.idle);
+        // Saturating: no cycle is known ahead.
+        let known = self.ahead_at.saturating_add(1);
+        if known < cycles {
+            end.change(self.ahead_at, self.ahead_idle);
         }
         end.settle(cycles);
         end.totals[Cause::Busy as usize] += end.busy_before;
-        if self.ahead.is_some_and(|ahead| ahead.at + 1 == cycles) {
+        if known == cycles {
             end.totals[Cause::Busy as usize] -= 1;
             end.totals[end.idle as usize] += 1;
         }

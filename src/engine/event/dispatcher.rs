@@ -4,6 +4,7 @@ use super::causes::Causes;
 use super::host::{ChunkRay, Host, Phase};
 use super::links::Links;
 use super::ray::{Owner, RayId};
+use crate::engine::part_set::PartSet;
 use crate::engine::source::{FrameCounts, StreamFault, check_step};
 use crate::engine::unloaded::{RayLatencies, Unloaded};
 use crate::machine::MachineSpec;
@@ -37,6 +38,8 @@ pub(crate) struct Dispatcher {
     waiting: Queue<ChunkRay>,
     free: Ring<RayId>,
     free_slots: Vec<u64>,
+    /// Places in turn of units with a free slot.
+    open: PartSet,
     cores: usize,
     /// The next unit's place in turn: the first units of all cores, then the second ones, and so on.
     next_in_turn: usize,
@@ -56,13 +59,17 @@ impl Dispatcher {
     /// The dispatcher of `machine` at the beginning of a stream.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let (cores, unloaded) = (machine.cores.size(), Unloaded::new(machine));
+        let units = cores * machine.traversal.count.size();
+        let mut open = PartSet::new(units);
+        (0..units as u32).for_each(|turn| open.add(turn));
         Self {
             spec: machine.dispatcher,
             pool: machine.pool() as usize,
             host: Host::new(machine.dispatcher.shading_cycles.get()),
             waiting: Queue::new(cores * machine.dispatcher.in_fifo.size()),
             free: (0..machine.pool() as RayId).collect(),
-            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            free_slots: vec![machine.traversal.rays.get(); units],
+            open,
             cores,
             next_in_turn: 0,
             handed_over: vec![0; cores],
@@ -83,7 +90,9 @@ impl Dispatcher {
     ) -> Result<Events, E> {
         let mut events = Events::default();
         for unit in links.freed.drain(..) {
-            self.free_slots[unit as usize] += 1;
+            let (unit, a_core) = (unit as usize, self.free_slots.len() / self.cores);
+            self.free_slots[unit] += 1;
+            self.open.add((unit % a_core * self.cores + unit / a_core) as u32);
         }
         let width = self.spec.per_cycle.get() * self.cores as u64;
         for _ in 0..width {
@@ -147,12 +156,19 @@ impl Dispatcher {
 
     /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
     fn free_unit(&self) -> Option<usize> {
-        let units = self.free_slots.len();
-        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
-        in_turn.find(|&turn| {
-            let core_has_room = self.handed_over[turn % self.cores] < self.spec.per_cycle.get();
-            core_has_room && self.free_slots[self.unit(turn)] > 0
-        })
+        let units = self.free_slots.len() as u32;
+        let next = self.next_in_turn as u32;
+        let has_room = |turn: u32| self.handed_over[turn as usize % self.cores] < self.spec.per_cycle.get();
+        let among = |mut from: u32, end: u32| {
+            while let Some(turn) = self.open.next(from, end) {
+                if has_room(turn) {
+                    return Some(turn as usize);
+                }
+                from = turn + 1;
+            }
+            None
+        };
+        among(next, units).or_else(|| among(0, next))
     }
 
     /// The unit at a place in turn.
@@ -197,6 +213,9 @@ impl Dispatcher {
                 let unit = self.unit(turn);
                 links.rays[id as usize].owner = Owner::Traversal(unit as u32);
                 self.free_slots[unit] -= 1;
+                if self.free_slots[unit] == 0 {
+                    self.open.remove(turn as u32);
+                }
                 self.next_in_turn = (turn + 1) % self.free_slots.len();
                 self.handed_over[turn % self.cores] += 1;
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
@@ -254,6 +273,7 @@ impl Dispatcher {
     #[cfg(test)]
     pub(crate) fn take_all_slots(&mut self) {
         self.free_slots.fill(0);
+        self.open = PartSet::new(self.free_slots.len());
     }
 
     /// Whether the stream is at its end.

@@ -1,29 +1,25 @@
 //! A timing wheel whose slots are sets of parts: what is due in a cycle, in the parts' order, each part once.
 
+use crate::engine::horizon::Horizon;
 use crate::engine::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
-/// Cycles that the wheel looks ahead, a power of two. A later alarm rings at its edge, and the part, finding nothing to
-/// do, sets it again.
-const HORIZON: u64 = 1024;
-
-/// The wheel.
+/// The wheel. An alarm beyond its horizon rings at its edge, and the part, finding nothing to do, sets it again.
 #[derive(Clone, Debug)]
 pub(crate) struct Wheel {
     now: u64,
     /// Words of a set.
     words: usize,
-    /// `HORIZON` sets.
-    slots: Vec<u64>,
-    /// A bit a slot: whether its set may have a member.
-    occupied: [u64; HORIZON as usize / 64],
+    /// A set a slot.
+    sets: Vec<u64>,
+    occupied: Horizon,
 }
 
 impl Wheel {
     /// An empty wheel for parts below `parts`, before cycle 0.
     pub(crate) fn new(parts: usize) -> Self {
         let words = parts.div_ceil(64);
-        Self { now: 0, words, slots: vec![0; words * HORIZON as usize], occupied: [0; HORIZON as usize / 64] }
+        Self { now: 0, words, sets: vec![0; words * Horizon::CYCLES as usize], occupied: Horizon::default() }
     }
 
     /// The cycle that the wheel is turned to.
@@ -34,30 +30,13 @@ impl Wheel {
     /// Turns to the first cycle in which a part is due and puts the parts into `due`; `None` if no part is.
     #[inline]
     pub(crate) fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
-        let slot = self.next_slot()?;
-        let start = self.now as usize % HORIZON as usize;
-        self.now += (slot + HORIZON as usize - start) as u64 % HORIZON;
-        self.occupied[slot / 64] &= !(1 << (slot % 64));
-        due.take_from(&mut self.slots[slot * self.words..][..self.words]);
-        Some(self.now)
+        let (now, slot) = self.occupied.next(self.now)?;
+        self.now = now;
+        self.occupied.clear(slot);
+        due.take_from(&mut self.sets[slot * self.words..][..self.words]);
+        Some(now)
     }
 
-    /// The first slot with a member, round from that of the current cycle on.
-    #[inline]
-    fn next_slot(&self) -> Option<usize> {
-        let start = self.now as usize % HORIZON as usize;
-        let bits = self.occupied[start / 64] & !0 << (start % 64);
-        if bits != 0 {
-            return Some(start / 64 * 64 + bits.trailing_zeros() as usize);
-        }
-        // The last word is the first again, for the slots before the current one.
-        let words = self.occupied.len();
-        let word = (1..=words).map(|step| (start / 64 + step) % words).find(|&word| self.occupied[word] != 0)?;
-        Some(word * 64 + self.occupied[word].trailing_zeros() as usize)
-    }
-}
-
-impl Wheel {
     /// As [`Wake::wake`]; [`u64::MAX`] is no cycle.
     #[inline]
     pub(crate) fn wake_if(&mut self, part: PartId, at: u64) {
@@ -71,9 +50,9 @@ impl Wake for Wheel {
     #[inline]
     fn wake(&mut self, part: PartId, at: u64) {
         debug_assert!(at > self.now || self.now == 0);
-        let slot = (at.min(self.now + HORIZON - 1) % HORIZON) as usize;
-        self.slots[slot * self.words + part.0 as usize / 64] |= 1 << (part.0 % 64);
-        self.occupied[slot / 64] |= 1 << (slot % 64);
+        let slot = Horizon::slot(at.min(self.now + Horizon::CYCLES - 1));
+        self.sets[slot * self.words + part.0 as usize / 64] |= 1 << (part.0 % 64);
+        self.occupied.fill(slot);
     }
 }
 
@@ -98,6 +77,6 @@ mod tests {
         }
         assert_eq!(rung, [(1, 64), (7, 3), (7, 129), (1023, 5)]);
         wheel.wake(PartId(9), 1023 + 5000);
-        assert_eq!(wheel.turn(&mut due), Some(1023 + HORIZON - 1), "a far alarm rings at the wheel's edge");
+        assert_eq!(wheel.turn(&mut due), Some(1023 + Horizon::CYCLES - 1), "a far alarm rings at the wheel's edge");
     }
 }

@@ -4,9 +4,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-/// Cycles that the wheel looks ahead, a power of two.
-const HORIZON: u64 = 1024;
-const WORDS: usize = HORIZON as usize / 64;
+use crate::engine::horizon::Horizon;
+
 const NONE: u32 = u32::MAX;
 
 /// The agenda.
@@ -17,7 +16,7 @@ pub(super) struct Agenda {
     lists: Vec<(u32, u32)>,
     /// Who comes after each.
     next: Vec<u32>,
-    occupied: [u64; WORDS],
+    occupied: Horizon,
     /// When, the how-manieth, who.
     later: BinaryHeap<Reverse<(u64, u64, u32)>>,
     put: u64,
@@ -28,9 +27,9 @@ impl Agenda {
     pub(super) fn new(count: usize) -> Self {
         Self {
             now: 0,
-            lists: vec![(NONE, NONE); HORIZON as usize],
+            lists: vec![(NONE, NONE); Horizon::CYCLES as usize],
             next: vec![NONE; count],
-            occupied: [0; WORDS],
+            occupied: Horizon::default(),
             later: BinaryHeap::new(),
             put: 0,
         }
@@ -40,16 +39,16 @@ impl Agenda {
     #[inline]
     pub(super) fn put(&mut self, at: u64, who: u32) {
         debug_assert!(at >= self.now);
-        if at - self.now >= HORIZON {
+        if at - self.now >= Horizon::CYCLES {
             self.put += 1;
             return self.later.push(Reverse((at, self.put, who)));
         }
-        let slot = (at % HORIZON) as usize;
+        let slot = Horizon::slot(at);
         let (first, last) = &mut self.lists[slot];
         self.next[who as usize] = NONE;
         if *first == NONE {
             *first = who;
-            self.occupied[slot / 64] |= 1 << (slot % 64);
+            self.occupied.fill(slot);
         } else {
             self.next[*last as usize] = who;
         }
@@ -59,7 +58,7 @@ impl Agenda {
     /// The next who acts in this cycle.
     #[inline]
     pub(super) fn take(&mut self) -> Option<u32> {
-        let slot = (self.now % HORIZON) as usize;
+        let slot = Horizon::slot(self.now);
         let (first, _) = &mut self.lists[slot];
         if *first == NONE {
             return None;
@@ -67,14 +66,14 @@ impl Agenda {
         let who = *first;
         *first = self.next[who as usize];
         if *first == NONE {
-            self.occupied[slot / 64] &= !(1 << (slot % 64));
+            self.occupied.clear(slot);
         }
         Some(who)
     }
 
     /// Goes on to the next cycle in which anyone acts; `None` if nobody does.
     pub(super) fn turn(&mut self) -> Option<u64> {
-        let near = self.first_occupied();
+        let near = self.occupied.next(self.now).map(|(at, _)| at);
         let far = self.later.peek().map(|&Reverse((at, ..))| at);
         self.now = match (near, far) {
             (Some(near), Some(far)) => near.min(far),
@@ -87,20 +86,5 @@ impl Agenda {
             self.put(at, who);
         }
         Some(self.now)
-    }
-
-    fn first_occupied(&self) -> Option<u64> {
-        let start = (self.now % HORIZON) as usize;
-        let in_word = |step: usize| {
-            let word = (start / 64 + step) % WORDS;
-            let bits = match step {
-                0 => self.occupied[word] & !0 << (start % 64),
-                WORDS => self.occupied[word] & !(!0 << (start % 64)),
-                _ => self.occupied[word],
-            };
-            (bits != 0).then(|| (word * 64 + bits.trailing_zeros() as usize) as u64)
-        };
-        let slot = (0..=WORDS).find_map(in_word)?;
-        Some(self.now + (slot + HORIZON - start as u64) % HORIZON)
     }
 }

@@ -77,13 +77,23 @@ impl Level {
         gone: &mut impl FnMut(Victim, u64),
     ) -> (u64, Found) {
         self.arrive(at, gone);
-        let counts = &mut self.counts[class as usize];
-        counts.accesses += 1;
-        if self.tags.access(line, access == Access::Write) {
-            counts.hits += 1;
+        if self.hit(line, class, access) {
             return (at, Found::Hit);
         }
+        self.counts[class as usize].accesses += 1;
         self.miss(line, class, access, waits, at, gone)
+    }
+
+    /// Accesses `line` if it is there, and says whether it is. What comes has come.
+    #[inline]
+    pub(super) fn hit(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> bool {
+        let hit = self.tags.access(line, access == Access::Write);
+        if hit {
+            let counts = &mut self.counts[class as usize];
+            counts.accesses += 1;
+            counts.hits += 1;
+        }
+        hit
     }
 
     /// The access when the line is not there at first.
@@ -126,10 +136,9 @@ impl Level {
         }
     }
 
-    /// Until when an access to `line` in cycle `at` must wait for a register, if it must.
+    /// Until when an access to `line` must wait for a register, if it must. What comes has come.
     #[inline]
-    pub(super) fn full_until(&mut self, line: LineAddr, at: u64, gone: &mut impl FnMut(Victim, u64)) -> Option<u64> {
-        self.arrive(at, gone);
+    pub(super) fn full_until(&self, line: LineAddr) -> Option<u64> {
         let free = self.coming.len() < self.registers
             || self.tags.contains(line)
             || self.coming.iter().any(|coming| coming.line == line);

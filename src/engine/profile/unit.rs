@@ -92,7 +92,15 @@ impl Unit {
         let (mut data_at, mut releases) = (at, 0);
         let (size, core) = (self.line, self.core);
         let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
-        if let Some(until) = self.level.full_until(first, at, &mut gone) {
+        self.level.arrive(at, &mut gone);
+        // Most are of one line, which is there.
+        if lines == 1 && access != Access::WriteThrough && self.level.hit(first, class, access) {
+            memory.watch.l1(self.number, first, class);
+            self.began(at, self.interval);
+            self.requested[class as usize] += Bytes(element.bytes);
+            return Ok(at + self.hit_latency + self.latency);
+        }
+        if let Some(until) = self.level.full_until(first) {
             return Err(until);
         }
         for line in first.0..first.0 + lines {

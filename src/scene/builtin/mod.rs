@@ -59,8 +59,8 @@ pub enum BuiltInSpec {
         #[serde(default = "number::<120, 1, 1_000_000>")]
         frame_count: Frames,
         /// Triangles of grass and leaves.
-        #[serde(default = "number::<100_000, 1_000, 4_000_000>")]
-        triangles: Within<1_000, 4_000_000>,
+        #[serde(default = "number::<100_000, 1_000, 10_000_000>")]
+        triangles: Within<1_000, 10_000_000>,
     },
     /// A small scene to test culling with. Its numbers are for its own [resolution](Case::resolution) and [way of
     /// rendering](Case::render).
