@@ -101,8 +101,11 @@ impl Channel {
             && end * self.machine_mhz <= cycle * mhz
         {
             self.transfers.pop_front();
-            if !request.write {
-                wires.from_dram[request.from].put(cycle, request.line);
+            // The host's port comes after all banks: its lines are gone from the machine.
+            if !request.write
+                && let Some(bank) = wires.from_dram.get_mut(request.from)
+            {
+                bank.put(cycle, request.line);
             }
         }
         if self.log.is_kept() {

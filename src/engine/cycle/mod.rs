@@ -15,6 +15,7 @@ mod intersection;
 mod l2;
 mod link;
 mod list;
+mod port;
 mod ray;
 mod shadow_cache;
 mod traversal;

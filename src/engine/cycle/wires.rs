@@ -2,6 +2,7 @@
 
 use super::gathering::Gathering;
 use super::link::Link;
+use super::port::Port;
 use super::ray::{Id, Origin, Ray, Sender};
 use super::words::Words;
 use crate::machine::MachineSpec;
@@ -83,7 +84,9 @@ pub(super) struct Wires {
     homes: [(usize, u64); TrafficClass::ALL.len()],
     /// From the L2 to each L1: traversal units', list units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
-    /// From banks to each channel of the DRAM.
+    /// The host's port to the DRAM.
+    pub port: Option<Port>,
+    /// From banks and the port to each channel of the DRAM.
     pub to_channel: Vec<Link<DramRequest>>,
     /// From the DRAM to each bank.
     pub from_dram: Vec<Link<LineAddr>>,
@@ -138,6 +141,7 @@ impl Wires {
                 (first, caches[spec.l2.home(class)].1.banks.get())
             }),
             to_l1: links(kinds.into_iter().sum(), Link::unbounded),
+            port: Port::new(spec, cores * spec.l2.banks() as usize),
             to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
             from_dram: links(cores * spec.l2.banks() as usize, Link::unbounded),
         }
@@ -167,6 +171,24 @@ impl Wires {
         self.out_fifo.settle();
         self.freed_slots.settle();
         self.frame_over.settle();
+    }
+
+    /// Whether the host's port lets a ray be handed over.
+    pub(super) fn port_lets_in(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_in(now))
+    }
+
+    /// Whether it lets the frame's end begin.
+    pub(super) fn port_lets_end(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_end(now))
+    }
+
+    /// Cycle `now` of the host's port.
+    pub(super) fn tick_port(&mut self, now: u64) {
+        let Self { port, to_channel, .. } = self;
+        if let Some(port) = port {
+            port.tick(now, to_channel);
+        }
     }
 
     /// The ray in entry `id`.
