@@ -6,7 +6,6 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::spec::MachineSpec;
 use crate::quantity::LineAddr;
 use crate::ranged::{Size, Within};
 use crate::stats::TrafficClass;
@@ -151,11 +150,11 @@ pub(crate) struct HostTraffic {
 }
 
 impl HostTraffic {
-    /// That of a machine, before a stream begins; none if all of it is off.
-    pub(crate) fn new(machine: &MachineSpec) -> Option<Self> {
-        machine.traffic.is_on().then(|| Self {
-            spec: machine.traffic,
-            line: machine.line_bytes.get(),
+    /// That of a machine with lines of `line` bytes, before a stream begins; none if all of it is off.
+    pub(crate) fn new(spec: &TrafficSpec, line: u64) -> Option<Self> {
+        spec.is_on().then(|| Self {
+            spec: *spec,
+            line,
             rays: Region::new(1, TrafficClass::Ray, false),
             hits: Region::new(2, TrafficClass::Ray, true),
             pixels: Region::new(3, TrafficClass::FrameBuffer, true),

@@ -109,7 +109,7 @@ impl L1Tags {
             cores,
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
             capacity: Capacity::new(machine),
-            host: HostTraffic::new(machine),
+            host: HostTraffic::new(&machine.traffic, line),
             words: machine.shadow_cache,
             slots,
             in_flight: slots,

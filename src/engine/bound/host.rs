@@ -23,7 +23,7 @@ impl HostWork {
     /// Of `machine`, before a stream begins.
     pub(super) fn new(machine: &MachineSpec) -> Self {
         Self {
-            traffic: HostTraffic::new(machine),
+            traffic: HostTraffic::new(&machine.traffic, machine.line_bytes.get()),
             machine: machine.clone(),
             channels: vec![0; machine.dram.channels.size()],
             building: 0,

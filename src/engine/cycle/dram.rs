@@ -4,7 +4,8 @@
 use std::collections::VecDeque;
 
 use super::flat::{Bus, Moved};
-use super::wires::{DramRequest, Request, Wires};
+use super::request::{DramRequest, Request};
+use super::wires::Wires;
 use crate::memory::dram::command::{ChannelLog, Column, Command};
 use crate::memory::dram::part::DramPart;
 use crate::memory::dram::spec::{DramSpec, Model, Page};

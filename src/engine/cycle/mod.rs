@@ -17,6 +17,7 @@ mod link;
 mod list;
 mod port;
 mod ray;
+mod request;
 mod shadow_cache;
 mod traversal;
 mod unit;

@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::link::Link;
-use super::wires::{DramRequest, Request};
+use super::request::{DramRequest, Request};
 use crate::engine::tally::PortTally;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
@@ -30,7 +30,7 @@ pub(super) struct Port {
 impl Port {
     /// The port of `machine`, which has so many banks; none if its host has no traffic of its own.
     pub(super) fn new(machine: &MachineSpec, banks: usize) -> Option<Self> {
-        let traffic = HostTraffic::new(machine)?;
+        let traffic = HostTraffic::new(&machine.traffic, machine.line_bytes.get())?;
         Some(Self {
             spec: machine.traffic,
             dram: machine.dram.clone(),

@@ -4,34 +4,13 @@ use super::gathering::Gathering;
 use super::link::Link;
 use super::port::Port;
 use super::ray::{Id, Origin, Ray, Sender};
+use super::request::{DramRequest, Request};
 use super::words::Words;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
-use crate::memory::dram::mapping::Place;
-use crate::quantity::{Bytes, LineAddr};
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Header, RayKind, Step, Totals};
-
-/// What a cache asks of the level below.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Request {
-    pub line: LineAddr,
-    pub class: TrafficClass,
-    pub write: bool,
-    pub bytes: Bytes,
-    /// The L1, or the bank of the L2, that asks.
-    pub from: usize,
-}
-
-/// A request in a channel of the DRAM.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DramRequest {
-    pub request: Request,
-    pub place: Place,
-    pub activated: bool,
-    pub precharged: bool,
-    pub bursts_done: u64,
-}
 
 fn put_if_room(queue: &mut Link<Id>, now: u64, id: Id) -> bool {
     let room = queue.has_room();

@@ -40,7 +40,7 @@ impl Port {
             clock_mhz: machine.clock_mhz.get(),
             line: Bytes(machine.line_bytes.get()),
             width: machine.dram.channels.size(),
-            traffic: HostTraffic::new(machine)?,
+            traffic: HostTraffic::new(&machine.traffic, machine.line_bytes.get())?,
             runs: Ring::new(),
             waiting: 0,
             built_at: 0,

@@ -35,7 +35,7 @@ impl Port {
         Some(Self {
             spec: machine.traffic,
             clock_mhz: machine.clock_mhz.get(),
-            traffic: HostTraffic::new(machine)?,
+            traffic: HostTraffic::new(&machine.traffic, machine.line_bytes.get())?,
             places: machine.traffic.queue.size() + machine.dram.queue.size() * machine.dram.channels.size(),
             passed: VecDeque::new(),
             empty_at: 0,
