@@ -1,5 +1,7 @@
 //! Samples: what any machine and stream must give, how far windows by themselves are off, and how often intervals hold.
 
+mod traffic;
+
 use super::auto::auto;
 use super::axis::Axis;
 use super::estimate::{Population, Total, Window, estimate};
