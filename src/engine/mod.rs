@@ -15,6 +15,7 @@ pub(crate) mod feed;
 mod frame_log;
 mod gathering;
 mod horizon;
+mod host;
 mod items;
 mod level;
 mod lines;
@@ -30,6 +31,7 @@ mod store_steps;
 pub(crate) mod tally;
 #[cfg(test)]
 pub(crate) mod tests;
+mod turns;
 mod unloaded;
 pub(crate) mod warm;
 mod watchdog;

@@ -2,7 +2,7 @@
 
 use crate::counters::counters;
 use crate::machine::layout::{Layout, OutOfRange};
-use crate::stream::{Chunk, Decision, RayKind, Step, Totals};
+use crate::stream::{Chunk, Decision, Ray, RayKind, Step, Totals};
 
 /// What is wrong with a stream.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -62,10 +62,20 @@ counters! {
     }
 }
 
+/// Checks the steps of ray `index` of a chunk.
+pub(crate) fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(), StreamFault> {
+    for &word in ray.packed_path() {
+        if !check_step(word, layout)?.is_traversal() {
+            return Err(StreamFault::Ray { index: index as usize, fault: "has a policy step in its path" });
+        }
+    }
+    ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))
+}
+
 /// The parent of every ray of a chunk, by its place; a primary ray is its own.
 pub(crate) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
     let mut group = None;
-    let parent = |(index, ray): (usize, crate::stream::Ray<'_>)| {
+    let parent = |(index, ray): (usize, Ray<'_>)| {
         let fault = |fault| StreamFault::Ray { index, fault };
         let primary = ray.head.kind == RayKind::Primary;
         if primary {

@@ -54,7 +54,7 @@ impl Totals {
 
     /// Counts a ray.
     pub fn count(&mut self, ray: &Ray<'_>) {
-        self.count_head(&ray.head);
+        self.count_ray(ray.head.kind, ray.head.decision);
         self.count_path(&ray.head, Step::count(ray.packed_path()));
         self.count_policy_of(ray);
     }
@@ -77,7 +77,7 @@ impl Totals {
             let [mut nodes, mut lists, mut others] = [0; 3];
             while next < chunk.len() && is_shadow(next) == is_shadow(first) {
                 let ray = chunk.ray(next);
-                self.count_head(&ray.head);
+                self.count_ray(ray.head.kind, ray.head.decision);
                 if !ray.packed_policy().is_empty() {
                     let policy = Step::count(ray.packed_policy());
                     [nodes, lists, others] = [nodes + policy[0], lists + policy[1], others + policy[2]];
@@ -90,13 +90,15 @@ impl Totals {
         }
     }
 
-    fn count_head(&mut self, head: &RayHead) {
-        match head.kind {
+    /// Counts a ray of a kind, for which the policy decided so.
+    #[inline]
+    pub fn count_ray(&mut self, kind: RayKind, decision: Decision) {
+        match kind {
             RayKind::Primary => self.primary_rays += 1,
             RayKind::Reflection | RayKind::Refraction => self.secondary_rays += 1,
             RayKind::Shadow => {
                 self.shadow_rays += 1;
-                match head.decision {
+                match decision {
                     Decision::Trace => {}
                     Decision::DynamicOnly => self.shadow_rays_dynamic_only += 1,
                     Decision::Skip => self.shadow_rays_skipped += 1,

@@ -1,22 +1,23 @@
 //! The ray dispatcher: takes rays from the host, hands them over to the units, and gives their results back.
 
+use std::sync::Arc;
+
 use super::causes::Causes;
-use super::host::{ChunkRay, Host, Phase};
 use super::links::Links;
 use super::port::Port;
 use super::ray::{Owner, RayId};
-use crate::engine::part_set::PartSet;
-use crate::engine::source::{FrameCounts, StreamFault, check_step};
+use crate::engine::host::{Host, Place, Pulled};
+use crate::engine::source::{FrameCounts, StreamFault, check_ray};
+use crate::engine::turns::Turns;
 use crate::engine::unloaded::{RayLatencies, Unloaded};
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
-use crate::machine::layout::Layout;
 use crate::machine::parts::Parts;
 use crate::memory::Wake;
 use crate::memory::queue::{Load, Queue};
 use crate::memory::ring::Ring;
 use crate::stats::Cause;
-use crate::stream::{Decision, Item, Ray, RayKind, Step};
+use crate::stream::{Decision, Item, RayKind, Step, Totals};
 
 /// What happened in a cycle that concerns others.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -29,6 +30,21 @@ pub(crate) struct Events {
     pub rays_over: usize,
 }
 
+/// Where the stream stands.
+#[derive(Clone, Debug)]
+enum Phase {
+    /// Before a frame.
+    Between,
+    /// In a frame.
+    Open,
+    /// All of the frame's rays are known.
+    Closing(Arc<Vec<u32>>, Totals),
+    /// The end's steps are under way, or done in this cycle.
+    Ending(Totals),
+    /// After the last frame.
+    Finished,
+}
+
 /// The dispatcher.
 #[derive(Clone, Debug)]
 pub(crate) struct Dispatcher {
@@ -36,14 +52,12 @@ pub(crate) struct Dispatcher {
     pool: usize,
     /// The host.
     host: Host,
-    waiting: Queue<ChunkRay>,
+    phase: Phase,
+    /// The number of the frame.
+    frame: u32,
+    waiting: Queue<Place>,
     free: Ring<RayId>,
-    free_slots: Vec<u64>,
-    /// Places in turn of units with a free slot.
-    open: PartSet,
-    cores: usize,
-    /// The next unit's place in turn: the first units of all cores, then the second ones, and so on.
-    next_in_turn: usize,
+    turns: Turns,
     /// Rays that each core got in this cycle.
     handed_over: Vec<u64>,
     rays: u64,
@@ -60,19 +74,15 @@ impl Dispatcher {
     /// The dispatcher of `machine` at the beginning of a stream.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let (cores, unloaded) = (machine.cores.size(), Unloaded::new(machine));
-        let units = cores * machine.traversal.count.size();
-        let mut open = PartSet::new(units);
-        (0..units as u32).for_each(|turn| open.add(turn));
         Self {
             spec: machine.dispatcher,
             pool: machine.pool() as usize,
-            host: Host::new(machine.dispatcher.shading_cycles.get()),
+            host: Host::default(),
+            phase: Phase::Between,
+            frame: 0,
             waiting: Queue::new(cores * machine.dispatcher.in_fifo.size()),
             free: (0..machine.pool() as RayId).collect(),
-            free_slots: vec![machine.traversal.rays.get(); units],
-            open,
-            cores,
-            next_in_turn: 0,
+            turns: Turns::new(cores, cores * machine.traversal.count.size(), machine.traversal.rays.get()),
             handed_over: vec![0; cores],
             rays: 0,
             least_dispatch: unloaded.dispatch(),
@@ -91,27 +101,26 @@ impl Dispatcher {
     ) -> Result<Events, E> {
         let mut events = Events::default();
         for unit in links.freed.drain(..) {
-            let (unit, a_core) = (unit as usize, self.free_slots.len() / self.cores);
-            self.free_slots[unit] += 1;
-            self.open.add((unit % a_core * self.cores + unit / a_core) as u32);
+            self.turns.give_back(unit as usize);
         }
-        let width = self.spec.per_cycle.get() * self.cores as u64;
+        let width = self.spec.per_cycle.get() * self.handed_over.len() as u64;
         for _ in 0..width {
             let Some(id) = links.done.take(now, &mut links.clock) else { break };
             self.take_results(id, now, links);
             events.rays_over += 1;
         }
-        if let Phase::Ending(totals) = self.host.phase
+        if let Phase::Ending(totals) = self.phase
             && std::mem::take(&mut links.frame_over)
         {
-            self.host.phase = Phase::Between;
+            self.phase = Phase::Between;
             let machine = std::mem::take(&mut links.replayed);
             let stores = std::mem::take(&mut links.stores);
-            let counts = FrameCounts { frame: self.host.frame, tracer: totals, machine, stores };
+            let counts = FrameCounts { frame: self.frame, tracer: totals, machine, stores };
             events.frame_over = Some(Box::new(counts));
         }
-        events.frame_began = self.host.pull(next, links)?;
-        events.rays_over += self.host.shade(now, links)?;
+        events.frame_began = self.pull(next, links)?;
+        let ready_at = now + self.spec.shading_cycles.get();
+        events.rays_over += self.host.shade(now, ready_at, |ray| links.answer(ray))?;
         self.handed_over.fill(0);
         let mut busy = false;
         for _ in 0..width {
@@ -126,7 +135,7 @@ impl Dispatcher {
             }
             let Some(ray) = self.host.give() else { break };
             self.waiting.put(ray, now + 1);
-            self.host.pull(next, links)?;
+            self.pull(next, links)?;
         }
         self.close(now, links);
         let idle = match (self.waiting.first(now), self.host.shading_ends()) {
@@ -161,27 +170,26 @@ impl Dispatcher {
         }
     }
 
-    /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
-    fn free_unit(&self) -> Option<usize> {
-        let units = self.free_slots.len() as u32;
-        let next = self.next_in_turn as u32;
-        let has_room = |turn: u32| self.handed_over[turn as usize % self.cores] < self.spec.per_cycle.get();
-        let among = |mut from: u32, end: u32| {
-            while let Some(turn) = self.open.next(from, end) {
-                if has_room(turn) {
-                    return Some(turn as usize);
+    /// Takes items from the stream until a primary ray can be handed out, or the frame has no more; whether a frame
+    /// began.
+    fn pull<E: From<StreamFault>>(
+        &mut self,
+        next: &mut impl FnMut() -> Result<Option<Item>, E>,
+        links: &mut Links,
+    ) -> Result<bool, E> {
+        let mut began = false;
+        while self.host.wants_rays() && matches!(self.phase, Phase::Between | Phase::Open) {
+            match self.host.pull(next, &links.layout)? {
+                Pulled::Rays => {}
+                Pulled::Frame(frame) => {
+                    links.begin_frame(&frame);
+                    (self.phase, self.frame, began) = (Phase::Open, frame.number, true);
                 }
-                from = turn + 1;
+                Pulled::End(steps, totals) => self.phase = Phase::Closing(steps, totals),
+                Pulled::Nothing => self.phase = Phase::Finished,
             }
-            None
-        };
-        among(next, units).or_else(|| among(0, next))
-    }
-
-    /// The unit at a place in turn.
-    fn unit(&self, turn: usize) -> usize {
-        let a_core = self.free_slots.len() / self.cores;
-        turn % self.cores * a_core + turn / self.cores
+        }
+        Ok(began)
     }
 
     /// Hands over the next ray; whether there was one, and a place for it.
@@ -193,7 +201,8 @@ impl Dispatcher {
         let Some(&id) = self.free.front() else { return Ok(false) };
         let source = self.host.ray(which);
         let skipped = source.head.decision == Decision::Skip;
-        let turn = if skipped { None } else { self.free_unit() };
+        let has_room = |core: usize| self.handed_over[core] < self.spec.per_cycle.get();
+        let turn = if skipped { None } else { self.turns.next(has_room) };
         if !skipped && turn.is_none() {
             return Ok(false);
         }
@@ -210,7 +219,7 @@ impl Dispatcher {
         ray.path_end = source.packed_path().len();
         (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
         (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
-        (ray.chunk, ray.index, ray.marked) = (which.chunk, which.index, source.marked);
+        (ray.place, ray.marked) = (which, source.marked);
         ray.undecided = links.shadow_cache.decide.takes_an_operation(source.head.decision);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
         if links.gathering.is_there() {
@@ -220,14 +229,9 @@ impl Dispatcher {
         match turn {
             None => links.send_to_shadow_cache(id, now),
             Some(turn) => {
-                let unit = self.unit(turn);
+                let unit = self.turns.take(turn);
                 links.rays[id as usize].owner = Owner::Traversal(unit as u32);
-                self.free_slots[unit] -= 1;
-                if self.free_slots[unit] == 0 {
-                    self.open.remove(turn as u32);
-                }
-                self.next_in_turn = (turn + 1) % self.free_slots.len();
-                self.handed_over[turn % self.cores] += 1;
+                self.handed_over[self.turns.core(turn)] += 1;
                 links.dispatched[unit].push_back((now + self.spec.latency.get(), id));
                 links.post(unit as u32, now + self.spec.latency.get());
             }
@@ -249,36 +253,22 @@ impl Dispatcher {
             port.take_results(ray, now, clock);
         }
         self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
-        let totals = &mut links.replayed;
-        match (ray.kind, ray.decision) {
-            (RayKind::Primary, _) => totals.primary_rays += 1,
-            (RayKind::Reflection | RayKind::Refraction, _) => totals.secondary_rays += 1,
-            (RayKind::Shadow, Decision::Trace) => totals.shadow_rays += 1,
-            (RayKind::Shadow, Decision::DynamicOnly) => {
-                totals.shadow_rays += 1;
-                totals.shadow_rays_dynamic_only += 1;
-            }
-            (RayKind::Shadow, Decision::Skip) => {
-                totals.shadow_rays += 1;
-                totals.shadow_rays_skipped += 1;
-            }
-        }
+        links.replayed.count_ray(ray.kind, ray.decision);
         self.rays += u64::from(ray.decision != Decision::Skip);
-        self.host.take(ChunkRay { chunk: ray.chunk, index: ray.index }, now);
+        self.host.done(ray.place, now + self.spec.shading_cycles.get());
     }
 
     /// Begins the frame's end when all its rays are done.
     fn close(&mut self, now: u64, links: &mut Links) {
-        let Phase::Closing(steps, totals) = &self.host.phase else { return };
-        let host_is_done = !self.host.has_rays() && self.host.shading_ends().is_none();
-        if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 || !links.port_lets_end(now) {
+        let Phase::Closing(steps, totals) = &self.phase else { return };
+        if !self.host.is_empty() || !self.waiting.is_empty() || self.in_flight() > 0 || !links.port_lets_end(now) {
             return;
         }
         if !links.begin_end(steps, now) {
             links.frame_over = true;
             links.clock.wake(Parts::DISPATCHER, now + 1);
         }
-        self.host.phase = Phase::Ending(*totals);
+        self.phase = Phase::Ending(*totals);
     }
 
     /// Rays handed over whose results the host has not taken.
@@ -289,13 +279,12 @@ impl Dispatcher {
     /// No unit gets a ray any more.
     #[cfg(test)]
     pub(crate) fn take_all_slots(&mut self) {
-        self.free_slots.fill(0);
-        self.open = PartSet::new(self.free_slots.len());
+        self.turns.take_all();
     }
 
     /// Whether the stream is at its end.
     pub(crate) fn is_finished(&self) -> bool {
-        matches!(self.host.phase, Phase::Finished)
+        matches!(self.phase, Phase::Finished)
     }
 
     /// Rays done so far, skipped ones not counted.
@@ -322,17 +311,7 @@ impl Dispatcher {
             self.waiting.len(),
             self.waiting.capacity(),
             self.host.queues(),
-            self.free_slots.iter().sum::<u64>()
+            self.turns.free()
         )
     }
-}
-
-/// Checks the steps of ray `index` of a chunk.
-fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(), StreamFault> {
-    for &word in ray.packed_path() {
-        if !check_step(word, layout)?.is_traversal() {
-            return Err(StreamFault::Ray { index: index as usize, fault: "has a policy step in its path" });
-        }
-    }
-    ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))
 }

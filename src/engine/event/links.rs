@@ -199,8 +199,8 @@ impl Links {
 
     /// The ray has done its path.
     pub(crate) fn retire(&mut self, ray: RayId) {
-        let Ray { kind, chunk, hit, siblings, ref mut steps, path_end, .. } = self.rays[ray as usize];
-        let ray = Retiring { kind, hit: HitId { chunk, place: hit }, siblings, steps, path_end };
+        let Ray { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.rays[ray as usize];
+        let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
         self.stores.gathered_writes += self.gathering.retire(ray, self.layout.stores());
     }
 

@@ -4,7 +4,6 @@ mod causes;
 mod dispatcher;
 mod division;
 mod engine;
-mod host;
 mod intersection;
 mod links;
 mod list;

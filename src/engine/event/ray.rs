@@ -1,5 +1,6 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
+use crate::engine::host::Place;
 use crate::machine::layout::{Element, Layout};
 use crate::quantity::{LineAddr, NodeId};
 use crate::stats::TrafficClass;
@@ -59,10 +60,8 @@ pub(crate) struct Ray {
     pub decision: Decision,
     /// Whether what it asks for is counted apart.
     pub marked: bool,
-    /// The chunk that it is of, by the dispatcher's number.
-    pub chunk: u32,
-    /// Its place in the chunk.
-    pub index: u32,
+    /// Where it is in the stream.
+    pub place: Place,
     /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
     pub hit: u32,
     pub siblings: u32,
@@ -99,8 +98,7 @@ impl Default for Ray {
             kind: RayKind::Primary,
             decision: Decision::Trace,
             marked: false,
-            chunk: 0,
-            index: 0,
+            place: Place::default(),
             hit: 0,
             siblings: 0,
             handed_over: 0,

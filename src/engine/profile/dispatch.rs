@@ -1,21 +1,23 @@
 //! Untimed dispatcher: the in FIFO, rays in flight, and which ray, or which end-of-frame step, goes to which unit next.
 
 use std::collections::VecDeque;
+use std::convert::Infallible;
 use std::sync::Arc;
 
 use super::entries::{Entries, EntryAccess};
 use super::flight::Flight;
-use super::host::{Host, Place, Pulled};
 use super::port::Port;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
-use crate::engine::source::{FrameCounts, StreamFault, check_step};
+use crate::engine::host::{Host, Place, Pulled};
+use crate::engine::source::{FrameCounts, StreamFault, check_ray};
+use crate::engine::turns::Turns;
 use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, FrameInfo, Header, RayKind, Step, Totals};
+use crate::stream::{Decision, FrameInfo, Header, Ray, Step, Totals};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
@@ -57,10 +59,8 @@ pub(crate) struct Dispatch {
     pool: usize,
     free: VecDeque<u32>,
     free_entries: VecDeque<u32>,
-    /// Of each traversal unit, core by core. Units have their turns by their number in the core, then by the core.
-    free_slots: Vec<u64>,
+    turns: Turns,
     cores: usize,
-    next_in_turn: usize,
     /// The cycle of the last hand-over, and how many were made in it.
     last_at: u64,
     given_then: u64,
@@ -76,6 +76,8 @@ pub(crate) struct Dispatch {
     gathering: Gathering,
     /// Rays done, skipped ones not counted.
     pub rays_done: u64,
+    /// Rays that were done, to be told.
+    rays_over: usize,
     /// Whether something may be given that could not be.
     pub freed: bool,
 }
@@ -97,9 +99,8 @@ impl Dispatch {
             pool,
             free: (0..pool as u32).collect(),
             free_entries: (pool as u32..(pool + entries) as u32).collect(),
-            free_slots: vec![machine.traversal.rays.get(); cores * machine.traversal.count.size()],
+            turns: Turns::new(cores, cores * machine.traversal.count.size(), machine.traversal.rays.get()),
             cores,
-            next_in_turn: 0,
             last_at: 0,
             given_then: 0,
             lets_in_at: 0,
@@ -109,6 +110,7 @@ impl Dispatch {
             entries: Entries::new(machine, header),
             gathering: Gathering::new(cores * machine.shadow_cache.gather.size()),
             rays_done: 0,
+            rays_over: 0,
             freed: false,
         }
     }
@@ -135,31 +137,26 @@ impl Dispatch {
         feed: &mut dyn Feed,
         layout: &mut Layout,
     ) -> Result<Option<Given>, RunError> {
-        feed.rays_over(std::mem::take(&mut self.host.rays_over));
+        feed.rays_over(std::mem::take(&mut self.rays_over));
         loop {
             match &mut self.phase {
-                Phase::Between | Phase::Open if self.host.wants_rays() => match self.host.pull(feed)? {
-                    Pulled::Rays => {}
-                    Pulled::Frame(info) => {
-                        layout.begin_frame(&info);
-                        (self.phase, self.frame) = (Phase::Open, info.number);
-                        return Ok(Some(Given::Frame(info)));
+                Phase::Between | Phase::Open if self.host.wants_rays() => {
+                    match self.host.pull(&mut || feed.next(), layout)? {
+                        Pulled::Rays => {}
+                        Pulled::Frame(info) => {
+                            layout.begin_frame(&info);
+                            (self.phase, self.frame) = (Phase::Open, info.number);
+                            return Ok(Some(Given::Frame(info)));
+                        }
+                        Pulled::End(steps, totals) => self.phase = Phase::Closing(steps, totals),
+                        Pulled::Nothing => self.phase = Phase::Finished,
                     }
-                    Pulled::End(steps, totals) => {
-                        check_steps(&steps, layout)?;
-                        self.phase = Phase::Closing(steps, totals);
-                    }
-                    Pulled::Nothing => self.phase = Phase::Finished,
-                },
-                _ if self.waiting.len() < self.places && self.host.candidate().is_some() => {
-                    self.waiting.extend(self.host.candidate());
-                    self.host.handed_out();
                 }
+                _ if self.waiting.len() < self.places && self.host.has_rays() => self.waiting.extend(self.host.give()),
                 Phase::Closing(steps, totals)
                     if self.host.is_empty() && self.waiting.is_empty() && self.free.len() == self.pool =>
                 {
                     let (recorded, totals) = (Arc::clone(steps), *totals);
-                    check_steps(&recorded, layout)?;
                     let counts = (&mut self.entries.work, &mut self.replayed);
                     let planned = self.entries.steps.end(&recorded, layout, counts);
                     let waiting = self.entries.drain().map(|step| (step, true));
@@ -192,25 +189,19 @@ impl Dispatch {
     fn hand_out(&mut self, at: u64, layout: &Layout) -> Result<Option<Given>, StreamFault> {
         let Some(&place) = self.waiting.front() else { return Ok(None) };
         let Some(&id) = self.free.front() else { return Ok(None) };
-        let source = self.host.chunk(place).ray(place.index as usize);
+        let source = self.host.ray(place);
         let skipped = source.head.decision == Decision::Skip;
-        let units = self.free_slots.len();
-        let (cores, a_core) = (self.cores, units / self.cores);
-        let unit = |turn: usize| turn % cores * a_core + turn / cores;
-        let mut in_turn = (self.next_in_turn..units).chain(0..self.next_in_turn);
-        let turn = if skipped { None } else { in_turn.find(|&turn| self.free_slots[unit(turn)] > 0) };
+        let turn = if skipped { None } else { self.turns.next(|_| true) };
         if !skipped && turn.is_none() {
             return Ok(None);
+        }
+        if !self.host.is_sound(place) {
+            check_ray(source, place.index, layout)?;
         }
         let flight = &mut self.flights[id as usize];
         flight.steps.clear();
         flight.steps.extend_from_slice(source.packed_path());
         flight.steps.extend_from_slice(source.packed_policy());
-        for (at, &word) in flight.steps.iter().enumerate() {
-            if !check_step(word, layout)?.is_traversal() && at < source.packed_path().len() {
-                return Err(StreamFault::Ray { index: place.index as usize, fault: "has a policy step in its path" });
-            }
-        }
         (flight.path_end, flight.next, flight.place) = (source.packed_path().len(), 0, place);
         if self.gathering.is_there() {
             (flight.hit, flight.siblings) = self.host.siblings(place, source.head.parent);
@@ -232,9 +223,7 @@ impl Dispatch {
         Ok(Some(match turn {
             None => Given::Skipped(id, self.last_at + 1),
             Some(turn) => {
-                flight.unit = unit(turn) as u32;
-                self.free_slots[unit(turn)] -= 1;
-                self.next_in_turn = (turn + 1) % units;
+                flight.unit = self.turns.take(turn) as u32;
                 Given::Traced(id, self.last_at + self.spec.latency.get())
             }
         }))
@@ -272,7 +261,7 @@ impl Dispatch {
 
     /// The ray has left its traversal unit.
     pub(crate) fn left_slot(&mut self, id: u32) {
-        self.free_slots[self.flights[id as usize].unit as usize] += 1;
+        self.turns.give_back(self.flights[id as usize].unit as usize);
         self.freed = true;
     }
 
@@ -289,18 +278,9 @@ impl Dispatch {
         }
         self.free.push_back(id);
         let flight = &self.flights[id as usize];
-        let totals = &mut self.replayed;
-        match flight.kind {
-            RayKind::Primary => totals.primary_rays += 1,
-            RayKind::Reflection | RayKind::Refraction => totals.secondary_rays += 1,
-            RayKind::Shadow => totals.shadow_rays += 1,
-        }
-        match flight.decision {
-            Decision::Trace => {}
-            Decision::DynamicOnly => totals.shadow_rays_dynamic_only += 1,
-            Decision::Skip => totals.shadow_rays_skipped += 1,
-        }
+        self.replayed.count_ray(flight.kind, flight.decision);
         self.rays_done += u64::from(flight.decision != Decision::Skip);
+        self.rays_over += 1;
         // A cycle in each FIFO.
         self.host.done(flight.place, now + 2 + self.spec.shading_cycles.get());
     }
@@ -308,18 +288,18 @@ impl Dispatch {
     /// No unit gets a ray any more.
     #[cfg(test)]
     pub(crate) fn take_all_slots(&mut self) {
-        self.free_slots.fill(0);
+        self.turns.take_all();
     }
 
     /// When the next parent's shading ends.
     pub(crate) fn next_shaded(&self) -> Option<u64> {
-        self.host.next_shaded()
+        self.host.shading_ends()
     }
 
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
         let Self { spec, host, words, entries: Entries { steps, work, .. }, replayed, .. } = self;
-        host.shaded(now, spec.shading_cycles.get(), |ray| {
+        let answered = |ray: &Ray<'_>| {
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {
@@ -328,8 +308,10 @@ impl Dispatch {
                 replayed.shadow_rays += 1;
                 replayed.shadow_rays_skipped += 1;
             }
-            answered
-        });
+            Ok::<_, Infallible>(answered)
+        };
+        let Ok(answered) = host.shade(now, now + spec.shading_cycles.get(), answered);
+        self.rays_over += answered;
         self.freed = true;
     }
 
@@ -337,8 +319,4 @@ impl Dispatch {
     pub(crate) fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Finished)
     }
-}
-
-fn check_steps(words: &[u32], layout: &Layout) -> Result<(), StreamFault> {
-    words.iter().try_for_each(|&word| check_step(word, layout).map(drop))
 }

@@ -1,6 +1,6 @@
 //! A ray in flight.
 
-use super::host::Place;
+use crate::engine::host::Place;
 use crate::engine::work::Holder;
 use crate::stream::{Decision, RayKind, Step, Totals};
 

@@ -15,7 +15,6 @@ mod dram;
 mod engine;
 mod entries;
 mod flight;
-mod host;
 mod level;
 mod memory;
 mod port;

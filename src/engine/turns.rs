@@ -1,0 +1,98 @@
+//! Which traversal unit gets the next ray: units have their turns, the first units of all cores, then the second ones,
+//! and so on; one without a free slot is passed over.
+
+use super::part_set::PartSet;
+
+/// The turns of all traversal units.
+#[derive(Clone, Debug)]
+pub(super) struct Turns {
+    /// Free slots of each unit, core by core.
+    free: Vec<u64>,
+    /// Places in turn of units with a free slot.
+    open: PartSet,
+    cores: usize,
+    /// The next place in turn.
+    next: usize,
+}
+
+impl Turns {
+    /// Of so many units in so many cores, each with so many slots.
+    pub(super) fn new(cores: usize, units: usize, slots: u64) -> Self {
+        let mut open = PartSet::new(units);
+        (0..units as u32).for_each(|turn| open.add(turn));
+        Self { free: vec![slots; units], open, cores, next: 0 }
+    }
+
+    /// The place in turn of the next unit with a free slot, of a core that `has_room` for another ray.
+    #[inline]
+    pub(super) fn next(&self, has_room: impl Fn(usize) -> bool) -> Option<usize> {
+        let among = |mut from: usize, end: usize| {
+            while let Some(turn) = self.open.next(from as u32, end as u32) {
+                if has_room(self.core(turn as usize)) {
+                    return Some(turn as usize);
+                }
+                from = turn as usize + 1;
+            }
+            None
+        };
+        among(self.next, self.free.len()).or_else(|| among(0, self.next))
+    }
+
+    /// The core whose unit has a place in turn.
+    #[inline]
+    pub(super) fn core(&self, turn: usize) -> usize {
+        turn % self.cores
+    }
+
+    /// Takes a slot of the unit at a place in turn, and goes on behind it; which unit it is.
+    #[inline]
+    pub(super) fn take(&mut self, turn: usize) -> usize {
+        let a_core = self.free.len() / self.cores;
+        let unit = self.core(turn) * a_core + turn / self.cores;
+        self.free[unit] -= 1;
+        if self.free[unit] == 0 {
+            self.open.remove(turn as u32);
+        }
+        self.next = if turn + 1 < self.free.len() { turn + 1 } else { 0 };
+        unit
+    }
+
+    /// A slot of a unit is free again.
+    #[inline]
+    pub(super) fn give_back(&mut self, unit: usize) {
+        let a_core = self.free.len() / self.cores;
+        self.free[unit] += 1;
+        self.open.add((unit % a_core * self.cores + unit / a_core) as u32);
+    }
+
+    /// All free slots.
+    pub(super) fn free(&self) -> u64 {
+        self.free.iter().sum()
+    }
+
+    /// No unit gets a ray any more.
+    #[cfg(test)]
+    pub(super) fn take_all(&mut self) {
+        self.free.fill(0);
+        self.open = PartSet::new(self.free.len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_take_turns_core_by_core() {
+        let mut turns = Turns::new(2, 4, 1);
+        let mut given = Vec::new();
+        while let Some(turn) = turns.next(|_| true) {
+            given.push(turns.take(turn));
+        }
+        assert_eq!((given, turns.free()), (vec![0, 2, 1, 3], 0), "the first units of both cores, then the second ones");
+        turns.give_back(3);
+        turns.give_back(2);
+        assert_eq!(turns.next(|_| true).map(|turn| turns.clone().take(turn)), Some(2), "the next in turn");
+        assert_eq!(turns.next(|core| core == 0), None, "both free ones are of the second core");
+    }
+}
