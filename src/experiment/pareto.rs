@@ -128,7 +128,7 @@ pub(crate) fn pareto(
                     found.push(match timed(*rung) {
                         Ok((stats, seconds)) => {
                             timing.add(seconds, truth_seconds, stream.rays());
-                            Found::Measured(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy })
+                            Found::Measured(Measured::of(stats))
                         }
                         Err(error) => Found::Refused { refused: refusal(error)? },
                     });
