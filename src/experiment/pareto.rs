@@ -115,7 +115,7 @@ pub(crate) fn pareto(
             for (policy, stream) in recorded.iter().enumerate() {
                 let timed = |rung| {
                     let begin = Instant::now();
-                    let stats = replay(machine, rung, stream, stop);
+                    let stats = replay(machine, (rung, None), stream, stop);
                     bar.inc(1);
                     stats.map(|stats| (stats, begin.elapsed().as_secs_f64()))
                 };

@@ -32,11 +32,10 @@ impl<'a> Replay<'a> {
 }
 
 impl<'a, F> Replay<'a, F> {
-    /// The same, whose samples are of windows as long as all of `machines` ask for: samples of the same frames on these
-    /// machines are then of the same windows, and can be compared ([`MachineStats::half_width_of_ratio`]).
-    pub fn beside<'m>(self, machines: impl IntoIterator<Item = &'m MachineSpec>) -> Self {
-        let all = machines.into_iter().map(Cut::new).chain([self.cut]);
-        Self { cut: Cut::common(all).unwrap_or(self.cut), ..self }
+    /// The same, whose samples cut the stream as is said: samples of the same frames with one cut are of the same
+    /// windows, and can be compared ([`MachineStats::half_width_of_ratio`]).
+    pub(crate) fn cut(self, cut: Cut) -> Self {
+        Self { cut, ..self }
     }
 
     /// The same at another level: a [`Fidelity`], a [`OnePass`] or an [`Exact`] one.

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 use super::strata::Strata;
 use crate::machine::MachineSpec;
 use crate::stream::Header;
@@ -21,7 +23,7 @@ pub(crate) const LEAST: usize = 8;
 const TELLING: usize = 24;
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Cut {
     /// Pixels of a piece, about.
     pub pixels: usize,

@@ -11,7 +11,8 @@ use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Header;
 
 /// The most windows that a target error may take, as points for a window: where sampling would take half of them or
-/// more, everything is replayed.
+/// more, everything is replayed. A stream of which [`LEAST`] windows are more than half is not sampled at all: what is
+/// not seen of it may be one window that differs from all others.
 const MOST: f64 = 0.5;
 
 /// When sampling is over.
@@ -41,7 +42,7 @@ pub(crate) fn sample(
     }
     let refused = |windows: usize| {
         let least = LEAST as f64 / windows.max(1) as f64;
-        let advice = if least < 1.0 {
+        let advice = if least <= MOST {
             format!("take a `rate` of {:.3} or more, Auto, or Event", (least * 1000.0).ceil() / 1000.0)
         } else {
             "take Auto or Event".to_owned()
@@ -49,7 +50,7 @@ pub(crate) fn sample(
         RunError::Sample { windows, pixels: cut.window(), rate: rate.get(), advice }
     };
     let windows = cut.windows(header);
-    if (windows * rate.get()).round() < LEAST as f64 {
+    if (windows * rate.get()).round() < LEAST as f64 || windows * MOST < LEAST as f64 {
         return Err(refused(windows as usize));
     }
     let plan = Plan::new(rate.get(), cut, seed);

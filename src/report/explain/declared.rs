@@ -182,12 +182,12 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "pixels of a window: samples with the same ones and the same seed are of the same windows",
     ),
     ("machines.*.policies.*.residuals.seed", "number", "the seed that windows were drawn with"),
-    ("machines.*.policies.*.residuals.freedom", "number", "degrees of freedom of cycles, L2 and DRAM bytes"),
+    ("machines.*.policies.*.residuals.freedom.*", "number", "degrees of freedom of cycles, L2 and DRAM bytes"),
     ("machines.*.policies.*.residuals.points.*.place", "windows", "where the point lies: windows are of length 1"),
     ("machines.*.policies.*.residuals.points.*.stratum", "number", "the stratum of the point"),
     ("machines.*.policies.*.residuals.points.*.weight", "windows", "windows that the point stands for"),
     (
-        "machines.*.policies.*.residuals.points.*.errors",
+        "machines.*.policies.*.residuals.points.*.errors.*",
         "share",
         "how far cycles, L2 and DRAM bytes are off there, over those of the stream",
     ),
@@ -217,6 +217,11 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "without culling (0), with the policy and words that cost nothing (1), as it is (2)",
     ),
     ("machines.*.split.*.dram.*", "B", "DRAM bytes of the same three replays"),
+    (
+        "machines.*.split.*.half_widths.*",
+        "share",
+        "half the widths of the 95 % intervals of how cycles and DRAM bytes change, first to last; of samples",
+    ),
     (
         "machines.*.split.*.saved",
         "B",

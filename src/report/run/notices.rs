@@ -73,8 +73,7 @@ mod tests {
         let mut thin = run.clone();
         for machine in thin.machines.values_mut() {
             for run in machine.policies.values_mut() {
-                run.stats.accuracy =
-                    Accuracy::Estimated { cycles: 0.3, l2_bytes: 0.1, dram_bytes: 0.1, rate: 0.1 };
+                run.stats.accuracy = Accuracy::Estimated { cycles: 0.3, l2_bytes: 0.1, dram_bytes: 0.1, rate: 0.1 };
             }
         }
         assert!(told(&thin, "its figures may be 30.0 % off"));

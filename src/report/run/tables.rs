@@ -8,9 +8,7 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, exact, or_absent, percent, short};
 use crate::report::grid::{Grid, drawn, paragraph};
 use crate::report::split::Split;
-use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, TrafficClass,
-};
+use crate::stats::{Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, TrafficClass};
 
 /// A figure of a policy: its name, and its text.
 pub(super) type PolicyColumn = (&'static str, fn(&PolicySummary) -> String);
@@ -146,7 +144,7 @@ fn in_detail(model: &str, stats: &MachineStats) -> String {
         rows: units.collect(),
     };
     let dram = format!("DRAM: {}", stats.dram_organization);
-    let choice = choice(stats).map(|line| paragraph(&line));
+    let choice = choice([stats]).map(|line| paragraph(&line));
     let rest = [paragraph(&dram), drawn(&caches(stats)), drawn(&units)];
     choice.into_iter().chain([trust(model, stats)]).chain(rest).collect::<Vec<_>>().join("\n\n")
 }

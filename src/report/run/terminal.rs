@@ -34,10 +34,11 @@ pub(crate) fn terminal(summary: &Summary) -> String {
     [Some(notes), machines, Some(policies)].into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 
-/// What `Auto` did with each policy's stream on each machine.
+/// What `Auto` did with the streams of each machine.
 fn choices(summary: &Summary) -> impl Iterator<Item = String> {
-    let runs = summary.machines.iter().flat_map(|(name, it)| it.policies.iter().map(move |run| (name, run)));
-    runs.filter_map(|(machine, (policy, run))| Some(format!("{machine}, {policy}: {}", choice(&run.stats)?)))
+    let machines = summary.machines.iter();
+    machines
+        .filter_map(|(name, it)| Some(format!("{name}: {}", choice(it.policies.iter().map(|(_, run)| &run.stats))?)))
 }
 
 fn chosen(grid: &Grid, columns: &[usize]) -> Grid {

@@ -38,8 +38,12 @@ impl Census {
         let sampler = Sampler::new(Sampled::Event, machine, &header);
         let pass = sampler.pass(&plan, 0, &mut items(stream)).unwrap();
         let mut windows = Findings::of(&sampler, &CUT, pass).unwrap().measured;
-        // Groups overlap: here each counts as it is.
-        windows.iter_mut().for_each(|window| window.operations = window.span(Span::Group).known[0]);
+        for window in &mut windows {
+            // Groups overlap: here each counts as it is.
+            window.operations = window.span(Span::Group).known[0];
+            let told = |figure: &Figure| *figure == misses() || TOLD.iter().any(|(told, _)| told == figure);
+            window.spans.iter_mut().for_each(|part| part.figures.retain(|figure, _| told(figure)));
+        }
         Self(windows)
     }
 
@@ -93,14 +97,17 @@ impl Stream<'_> {
     /// What the sample leaves over; all three figures are those of one span here.
     fn residuals(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Residuals {
         let figures = [(); 3].map(|()| figure.clone());
-        let (points, freedom) =
-            residuals(&self.population(drawn, *span), &drawn.windows, drawn.draws, 64, &figures);
+        let (points, freedom) = residuals(&self.population(drawn, *span), &drawn.windows, drawn.draws, 64, &figures);
         Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points }
     }
 }
 
 const TOLD: [(Figure, Span); 3] =
     [(Figure::Cycles, Span::Inside), (Figure::DramBytes, Span::Own), (Figure::L2Bytes, Span::Own)];
+
+fn misses() -> Figure {
+    Figure::Cache(MemoryLevel::L1(Kind::Traversal), TrafficClass::Node, CacheCounts::place("misses"))
+}
 
 /// Strata of which so many points are drawn of a stream, two each.
 fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
@@ -112,8 +119,7 @@ fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
 fn intervals_cover_the_truth_as_often_as_they_say() {
     let stream = SMALL.whole();
     assert!(stream.windows.len() > 200, "{}", stream.windows.len());
-    let misses = Figure::Cache(MemoryLevel::L1(Kind::Traversal), TrafficClass::Node, CacheCounts::place("misses"));
-    for figure in TOLD.into_iter().chain([(misses, Span::Inside)]) {
+    for figure in TOLD.into_iter().chain([(misses(), Span::Inside)]) {
         let (mut covered, mut width, truth) = (0, 0.0, stream.truth(&figure));
         for seed in 0..1000 {
             let Total { total, half_width } = stream.estimate(&stream.drawn(strata(&stream, 30, seed), 2), &figure);
@@ -125,23 +131,23 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     }
 }
 
-/// The same of streams of 8 to 48 windows, of which 8 to 24 points are drawn: with few windows intervals are wide, and
-/// hold.
+/// The same of streams of 16 to 48 windows, of which 8 to 24 points are drawn: with few windows intervals are wide, and
+/// hold. Shorter streams are not sampled.
 #[test]
 fn intervals_of_few_windows_hold_too() {
-    for (length, points) in [(8, 8), (16, 8), (24, 12), (48, 12), (48, 24)] {
+    for (length, points) in [(16, 8), (24, 8), (24, 12), (48, 12), (48, 24)] {
         for figure in &TOLD {
             let (mut covered, mut width) = (0, 0.0);
-            for seed in 0..1000 {
+            for seed in 0..500 {
                 let first = seed as usize * 7 % (SMALL.0.len() - length);
                 let stream = SMALL.stream(first, length);
                 let (drawn, truth) = (stream.drawn(strata(&stream, points, seed), 2), stream.truth(figure));
                 let Total { total, half_width } = stream.estimate(&drawn, figure);
                 covered += u32::from((total - truth).abs() <= half_width);
-                width += half_width / truth / 1000.0;
+                width += half_width / truth / 500.0;
             }
-            println!("{points} of {length}, {:?}: {covered} of 1000, mean half width {width:.3}", figure.0);
-            assert!(covered >= 925, "{points} points of {length} windows, {figure:?}: {covered} of 1000");
+            println!("{points} of {length}, {:?}: {covered} of 500, mean half width {width:.3}", figure.0);
+            assert!(covered >= 460, "{points} points of {length} windows, {figure:?}: {covered} of 500");
         }
     }
 }
@@ -194,8 +200,7 @@ fn a_change_from_the_same_windows_is_narrower_and_holds() {
                 let strata = strata(&one, 24, seed);
                 let (drawn, other_drawn) = (one.drawn(strata, draws), other.drawn(strata, other_draws));
                 let [before, after] = [one.estimate(&drawn, figure), other.estimate(&other_drawn, figure)];
-                let [left, others_left] =
-                    [one.residuals(&drawn, figure), other.residuals(&other_drawn, figure)];
+                let [left, others_left] = [one.residuals(&drawn, figure), other.residuals(&other_drawn, figure)];
                 let (ratio, half) = (after.total / before.total, others_left.of_ratio(&left, 0).unwrap());
                 covered += u32::from((ratio - truth).abs() <= ratio * half);
                 paired += half / 500.0;

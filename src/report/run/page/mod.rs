@@ -13,7 +13,7 @@ use super::choice::choice;
 use super::files::PngPicture;
 use super::pictures::{NO_WORD, OCCLUSION_MODES, PictureKind, Rgb, SHADOW_MODES, word_color};
 use super::plots::Section;
-use super::summary::{MachineRun, MachineSummary, Summary};
+use super::summary::{MachineSummary, Summary};
 use super::{findings, notices};
 use crate::report::draw::Drawing;
 use crate::report::template::{self, defined, grid, key};
@@ -68,10 +68,9 @@ pub(super) fn page(
 fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section>]) -> Value {
     let plots = template::plots(drawings, &Section::Machine(name.into()));
     let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
-    let choice = |(policy, run): (&str, &MachineRun)| Some(context! { policy, line => choice(&run.stats)? });
-    let choices: Vec<Value> = machine.policies.iter().filter_map(choice).collect();
+    let choice = choice(machine.policies.iter().map(|(_, run)| &run.stats));
     let split = defined(super::tables::split(machine), MEANINGS);
-    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choices, split }
+    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split }
 }
 
 /// The legend of mode words: a row a shadow mode, a colour an occlusion mode.

@@ -13,7 +13,7 @@ use crate::named::Named;
 use crate::output::{FolderError, ResultsFolder};
 use crate::report::error::ReportError;
 use crate::report::writer::{self, SUMMARY_FILE};
-use crate::stats::{Accuracy, Residual, Residuals, MachineStats};
+use crate::stats::{Accuracy, MachineStats, Residual, Residuals};
 use crate::stream::Totals;
 
 /// A directory for a test, and the place of a report in it.

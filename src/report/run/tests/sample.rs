@@ -15,8 +15,8 @@ use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
 use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
-    QueueCounts, TrafficClass, Why,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, L1Counts, LatencyCounts, Limit,
+    MachineStats, QueueCounts, Residual, Residuals, TrafficClass, Why,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -137,7 +137,13 @@ fn machine(share: f64, words: u64) -> MachineRun {
             classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
         }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
-        residuals: None,
+        // Of windows of its own.
+        residuals: Some(Residuals {
+            window_pixels: 512,
+            seed: (joules * 1e6) as u64,
+            freedom: [8.0; 3],
+            points: vec![Residual { place: 0.5, stratum: 0, weight: 2.0, errors: [0.01; 3] }],
+        }),
         choice: Some(Choice { target: 0.02, windows: 24, of: 480, cost: 0.25, why: Why::Sampled }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
