@@ -59,7 +59,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
                     feed.items.push_back(Item::Rays(Arc::clone(&part.rays)));
                 }
             }
-            let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
+            let (lines, own, group) = (own.known.dram, own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
@@ -73,7 +73,8 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
                 figures: difference(&closed.figures, &opened.figures),
             };
             let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::marked(&tally));
-            let asked = Part { known: own, figures: asked_for(&inside.figures, all_missed, own_missed, machine) };
+            let asked =
+                Part { known: own, figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
             let window = Window { hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
@@ -94,7 +95,8 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     let mut figures = Levels::new(machine).figures(&tally.stats(machine));
     // What no window moves, the tags may.
     for class in TrafficClass::ALL {
-        for level in [MemoryLevel::L2(machine.l2.home(class)), MemoryLevel::Dram] {
+        let l2 = (!class.goes_past_caches()).then(|| MemoryLevel::L2(machine.l2.home(class)));
+        for level in l2.into_iter().chain([MemoryLevel::Dram]) {
             figures.entry(Figure::Bytes(level, class)).or_insert(0.0);
         }
     }
@@ -103,12 +105,24 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
 
 /// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed,
 /// instead of those that were missed between the marks. What is written, what is read past an L1, and what is missed
-/// for entries of stores when a register writes them out for no ray, is that of the marks.
-fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpec) -> Figures {
+/// for entries of stores when a register writes them out for no ray, is that of the marks. The host's own `lines` are
+/// known.
+fn asked_for(
+    inside: &Figures,
+    (missed, own): (Missed, Missed),
+    lines: &PerClass<u64>,
+    machine: &MachineSpec,
+) -> Figures {
     const MISSES: usize = CacheCounts::place("misses");
     let line = machine.line_bytes.get() as f64;
     let (mut figures, mut l2_bytes, mut dram_bytes) = (Figures::new(), 0.0, 0.0);
     for class in TrafficClass::ALL {
+        if class.is_of_host() {
+            let bytes = lines[class as usize] as f64 * line;
+            figures.insert(Figure::Bytes(MemoryLevel::Dram, class), bytes);
+            dram_bytes += bytes;
+            continue;
+        }
         let of_scene = matches!(class, TrafficClass::Node | TrafficClass::List | TrafficClass::Triangle);
         let is_of_rays = of_scene || machine.shadow_cache.register.get() == 0;
         let more = |own: &PerClass<u64>, missed: &PerClass<u64>| {

@@ -2,6 +2,7 @@
 
 mod auto;
 mod coverage;
+mod traffic;
 
 use super::findings::Findings;
 use super::pass::Sampler;
