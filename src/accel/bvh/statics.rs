@@ -6,6 +6,7 @@ use super::ancestry::Ancestry;
 use super::build::{Build, params};
 use super::forest::Forest;
 use super::tree::{Child, Node, Tree};
+use super::walk::nearest;
 use crate::accel::query::{Hit, Order, Scope};
 use crate::accel::ray::Ray;
 use crate::accel::shaft::{Shaft, Sight};
@@ -87,7 +88,7 @@ impl<const N: usize> JoinedTree for Forest<'_, N> {
     }
 
     fn closest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit> {
-        self.nearest(*ray, watch)
+        nearest(self, *ray, watch)
     }
 
     fn occluded(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {

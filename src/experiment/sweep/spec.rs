@@ -27,7 +27,7 @@ use crate::ron_file::{self, ConfigError, Kind};
 /// The most machines of a sweep: some years of replays.
 const MAX_MACHINES: u128 = 100_000;
 
-/// A sweep as its RON file says it.
+/// A sweep: one experiment on many machines, which differ in the fields that `vary` names.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SweepSpec {
