@@ -60,12 +60,7 @@ impl Observer for Recorder {
         self.frame.push(Span::new(frame, begin, &stats.since(&self.before)));
         self.before = stats;
         if self.frame.len() == MOST {
-            let joined = self.frame.chunks(2).map(|pair| {
-                let mut joined = pair[0].clone();
-                pair[1..].iter().for_each(|next| joined.extend(next));
-                joined
-            });
-            self.frame = joined.collect();
+            self.frame = self.frame.chunks(2).map(Span::joined).collect();
             self.interval *= 2;
         }
         Ok(())

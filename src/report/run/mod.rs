@@ -20,6 +20,7 @@ mod write;
 pub(crate) use files::{RunFiles, read_summary};
 pub(crate) use machine_columns::{CountedColumn, counted_columns};
 pub(crate) use over_time::{OverTime, Span};
+pub(in crate::report) use results::machine_rows;
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };

@@ -38,13 +38,20 @@ impl Span {
     }
 
     /// Adds the cycles that follow.
-    pub(crate) fn extend(&mut self, next: &Self) {
+    fn extend(&mut self, next: &Self) {
         self.cycles += next.cycles;
         self.dram_bytes += next.dram_bytes;
         for (unit, causes) in &next.units {
             let all = self.units.entry(unit.clone()).or_default();
             causes.iter().for_each(|(&cause, cycles)| *all.entry(cause).or_default() += cycles);
         }
+    }
+
+    /// Spans that follow one another as one; the default if there are none.
+    pub(crate) fn joined(spans: &[Self]) -> Self {
+        let mut joined = spans.first().cloned().unwrap_or_default();
+        spans.iter().skip(1).for_each(|next| joined.extend(next));
+        joined
     }
 
     /// The share of a unit kind's cycles that have a cause.
@@ -136,9 +143,7 @@ mod tests {
         let table = table(&all);
         let read = parse(&table.bytes().unwrap()).unwrap();
         assert_eq!(read, all);
-        let mut joined = span(0, 4);
-        joined.extend(&span(10, 6));
-        assert_eq!(joined, Span { cycles: 20, dram_bytes: 128, ..span(0, 10) });
+        assert_eq!(Span::joined(&[span(0, 4), span(10, 6)]), Span { cycles: 20, dram_bytes: 128, ..span(0, 10) });
         assert_eq!(parse(b"machine,policy,frame\na,b,x\n").unwrap_err().to_string(), "column frame: `x` is no count");
     }
 }

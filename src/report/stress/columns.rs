@@ -1,7 +1,7 @@
 //! Columns of policies, which both plots have.
 
 use crate::report::draw::DrawError;
-use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDE};
+use crate::report::draw::canvas::{Canvas, LEFT, Text};
 use crate::report::draw::palette::INK;
 
 /// Where columns begin, right of the cases' names.
@@ -13,7 +13,7 @@ pub(super) const ROW: i32 = 24;
 
 /// The columns' names, in lines that end above `bottom`; gives the columns' width.
 pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
-    let width = ((WIDE - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
+    let width = ((canvas.width() - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
     for (column, name) in (0..).zip(names) {
         let lines = lines(name);
         for (line, text) in (0..).zip(&lines) {

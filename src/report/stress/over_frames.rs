@@ -43,7 +43,7 @@ fn figure(summary: &StressSummary) -> Option<Figure<'_>> {
         about: "A bar a frame, those of a case on one scale; the number is the most in a frame.".into(),
         key: Vec::new(),
         data,
-        narrow: false,
+        narrow: true,
         height: Box::new(move |_| height),
         paint: Box::new(move |canvas| {
             let names: Vec<&str> = columns.iter().map(|&column| name(column)).collect();
@@ -67,7 +67,7 @@ fn draw_case(
     for (place, &column) in (0..).zip(columns) {
         let (left, frames) = (COLUMNS + place * width, &case.policies[column]);
         canvas.line(vec![(left, bottom), (left + width - 8, bottom)], GRID, 1)?;
-        let bar = (width - 8) / frames.len().max(1) as i32;
+        let bar = ((width - 8) / frames.len().max(1) as i32).max(1);
         for (frame, wrong) in (0..).zip(frames) {
             if wrong.wrong() > 0 {
                 let height = (wrong.wrong() * 26).div_ceil(most) as i32;

@@ -9,10 +9,12 @@ use super::{failure_map, over_frames};
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::palette::css;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::error::ReportError;
 use crate::report::format::{exact, percent};
 use crate::report::grid::Grid;
+use crate::report::results;
 use crate::report::template;
-use crate::report::writer::Report;
+use crate::report::writer::{Report, ReportFile};
 
 const PLOTS: &[Plot<StressSummary, Section>] = &[failure_map::PLOT, over_frames::PLOT];
 
@@ -25,6 +27,10 @@ impl Report for StressSummary {
 
     fn tables(&self) -> Vec<CsvTable> {
         Vec::new()
+    }
+
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        results::files(self)
     }
 
     fn plots(&self) -> Result<Vec<Drawing<Section>>, DrawError> {

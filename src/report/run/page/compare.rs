@@ -1,7 +1,6 @@
 //! Reference and policy beside each other, wrong pixels outlined.
 //!
-//! A policy's picture is that of the reference with the pixels that differ on top, and the reference of a later frame
-//! that of the first one likewise: the page is smaller so.
+//! A policy's picture is that of the reference with the pixels that differ on top: so much smaller a page is.
 
 use std::io::Cursor;
 
@@ -108,19 +107,13 @@ pub(super) fn comparisons(summary: &Summary, pictures: &[PngPicture]) -> (Vec<Va
     }
     frames.sort_by_key(|&frame| std::cmp::Reverse(wrong_in(summary, frame)));
     let (mut references, mut all) = (Vec::new(), Vec::new());
-    let mut first: Option<(u32, Pixels)> = None;
     for frame in frames {
         let Some((_, png)) = find(pictures, frame, PictureKind::Reference, None) else { continue };
         let Some(base) = pixels(png) else { continue };
-        let (width, height) = (base.width, base.height);
-        let over = first.as_ref().filter(|(_, first)| (first.width, first.height) == (width, height));
-        let over = over.and_then(|(frame, first)| Some((*frame, overlay(first, &base)?)));
-        let (over, image) = over.map_or_else(|| (None, data(png)), |(frame, image)| (Some(frame), data(&image)));
-        references.push(context! { frame, width, height, over, data => image });
+        references.push(context! { frame, width => base.width, height => base.height, data => data(png) });
         let mut policies: Vec<&str> = summary.policies.iter().map(|(name, _)| name).collect();
         policies.sort_by_key(|&name| summary.baseline.as_deref() == Some(name));
         all.extend(policies.iter().filter_map(|policy| comparison(summary, pictures, (frame, &base), policy)));
-        first.get_or_insert((frame, base));
     }
     (references, all)
 }

@@ -9,6 +9,7 @@ use crate::report::format::{number, percent, tick, words};
 use crate::report::grid::Grid;
 use crate::report::run::limits;
 use crate::report::run::over_time::Span;
+use crate::report::run::summary::MachineRun;
 use crate::stats::Cause;
 
 pub(super) const PLOT: MachinePlot = MachinePlot { name: "over_time", figure };
@@ -19,29 +20,37 @@ const GAP: i32 = 5;
 const HEAD: i32 = 26;
 /// Between two frames.
 const APART: i32 = 3;
-/// Spans that are drawn at most, all frames together.
-const SPANS: usize = 160;
-/// The least share that a cause has somewhere to be drawn, and that a unit works to have a strip.
-const LEAST: f64 = 0.01;
+/// Spans that are drawn at most, all frames together: on a wide sheet, and on a narrow one and as data.
+const SPANS: usize = 48;
+const FEW_SPANS: usize = 24;
+/// The least share that a cause has somewhere to be drawn.
+const LEAST: f64 = 0.02;
 /// A unit that works less stands still.
 const STILL: f64 = 0.05;
+/// Units of a kind have a strip if they are busier than this at some time.
+const WORKS: f64 = 0.2;
 
 /// A policy's run.
 struct Run<'a> {
     policy: &'a str,
-    frames: Vec<Vec<Span>>,
+    spans: &'a [Span],
     clock_mhz: f64,
     /// Bytes that the DRAM can move a cycle.
     peak: Option<f64>,
 }
 
 impl Run<'_> {
-    fn spans(&self) -> impl Iterator<Item = &Span> {
-        self.frames.iter().flatten()
+    /// The spans by frame, joined until there are `most` at most, or one a frame.
+    fn frames(&self, most: usize) -> Vec<Vec<Span>> {
+        let mut frames: Vec<Vec<Span>> = self.spans.chunk_by(|a, b| a.frame == b.frame).map(<[_]>::to_vec).collect();
+        while frames.iter().map(Vec::len).sum::<usize>() > most.max(frames.len()) {
+            frames.iter_mut().for_each(|frame| *frame = frame.chunks(2).map(Span::joined).collect());
+        }
+        frames
     }
 
     fn cycles(&self) -> u64 {
-        self.spans().map(|span| span.cycles).sum()
+        self.spans.iter().map(|span| span.cycles).sum()
     }
 
     /// Simulated time in ms.
@@ -55,30 +64,14 @@ impl Run<'_> {
     }
 }
 
-/// The spans by frame, joined until there are few.
-fn frames(spans: &[Span]) -> Vec<Vec<Span>> {
-    let mut frames: Vec<Vec<Span>> = spans.chunk_by(|a, b| a.frame == b.frame).map(<[_]>::to_vec).collect();
-    while frames.iter().map(Vec::len).sum::<usize>() > SPANS.max(frames.len()) {
-        for frame in &mut frames {
-            let join = |pair: &[Span]| {
-                let mut joined = pair[0].clone();
-                pair[1..].iter().for_each(|next| joined.extend(next));
-                joined
-            };
-            *frame = frame.chunks(2).map(join).collect();
-        }
-    }
-    frames
-}
-
 fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
-    let run = |(policy, run): (&'a str, &'a crate::report::run::MachineRun)| {
-        let frames = frames(machine.spans(policy));
+    let run = |(policy, run): (&'a str, &'a MachineRun)| {
+        let spans = machine.spans(policy);
         let (clock_mhz, peak) = (run.stats.clock_mhz, run.stats.dram_peak_bytes_per_cycle);
-        (!frames.is_empty()).then_some(Run { policy, frames, clock_mhz, peak })
+        (!spans.is_empty()).then_some(Run { policy, spans, clock_mhz, peak })
     };
     let runs: Vec<Run<'_>> = machine.runs().filter_map(run).collect();
-    let works = |unit: &&str| runs.iter().flat_map(Run::spans).any(|span| span.share(unit, Cause::Busy) >= LEAST);
+    let works = |unit: &&str| runs.iter().flat_map(|run| run.spans).any(|span| span.share(unit, Cause::Busy) >= WORKS);
     let units = machine.keys(|run| &run.stats.units).into_iter().filter(|unit| *unit != "dispatcher");
     let units: Vec<&str> = units.filter(works).collect();
     if runs.is_empty() || units.is_empty() {
@@ -89,7 +82,7 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let data = data(&runs, &units);
     let seen = |cause: &Cause| {
         let mut shares =
-            runs.iter().flat_map(Run::spans).flat_map(|it| units.iter().map(|unit| it.share(unit, *cause)));
+            runs.iter().flat_map(|run| run.spans).flat_map(|it| units.iter().map(|unit| it.share(unit, *cause)));
         shares.any(|share| share >= LEAST)
     };
     let causes = Cause::ALL.into_iter().filter(seen).collect::<Vec<_>>().into_iter();
@@ -122,15 +115,16 @@ fn title(machine: &Machine<'_>, runs: &[Run<'_>]) -> String {
     let steady = runs.last().and_then(|run| {
         let found = machine.found.policies.get(run.policy)?;
         let (unit, _) = limits::busiest(found)?;
-        let shares = || run.spans().map(|span| span.share(unit, Cause::Busy));
-        let (least, most) = (shares().fold(1.0, f64::min), shares().fold(0.0, f64::max));
-        let still = run.spans().zip(shares()).filter(|(_, share)| *share < STILL).map(|(span, _)| span.cycles);
-        let still = still.sum::<u64>() as f64 / run.cycles().max(1) as f64;
+        let shares = || run.spans.iter().map(|span| (span.cycles, span.share(unit, Cause::Busy)));
+        let works = || shares().map(|(_, share)| share).filter(|&share| share >= STILL);
+        let (least, most) = (works().fold(1.0, f64::min), works().fold(0.0, f64::max));
+        let still = shares().filter(|(_, share)| *share < STILL).map(|(cycles, _)| cycles).sum::<u64>();
+        let still = still as f64 / run.cycles().max(1) as f64;
         let busy = match still {
-            still if still >= LEAST => format!("hardly work in {} of the time", percent(still)),
-            _ => format!("are {} to {} busy all the time", percent(least), percent(most)),
+            still if still >= LEAST => format!("stand still for {} of the time", percent(still)),
+            _ => format!("are {} to {} busy", percent(least), percent(most)),
         };
-        let dram = run.spans().filter_map(|span| run.dram(span)).reduce(f64::max);
+        let dram = run.spans.iter().filter_map(|span| run.dram(span)).reduce(f64::max);
         let dram = dram.map(|most| format!("; up to {} of the DRAM's peak is used", percent(most)));
         Some(format!("with {}, {} units {busy}{}", run.policy, words(unit), dram.unwrap_or_default()))
     });
@@ -147,23 +141,28 @@ fn data(runs: &[Run<'_>], units: &[&str]) -> Grid {
         let busy = units.iter().map(|unit| share(span.share(unit, Cause::Busy)));
         names.into_iter().chain(busy).chain([run.dram(span).map_or_else(String::new, share)]).collect()
     };
-    let rows = runs.iter().flat_map(|run| run.spans().map(move |span| row(run, span))).collect();
+    let rows = runs
+        .iter()
+        .flat_map(|run| run.frames(FEW_SPANS).into_iter().flatten().map(|span| row(run, &span)).collect::<Vec<_>>())
+        .collect();
     Grid { head, names: 1, rows }
 }
 
 fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), DrawError> {
     let names = units.iter().map(|unit| Text::NOTE.width(&words(unit))).max().unwrap_or(0);
     let (left, right) = (LEFT + names.max(Text::NOTE.width("DRAM")) + 10, canvas.width() - 2 * LEFT - 10);
-    let frames = runs.iter().map(|run| run.frames.len() as i32).max().unwrap_or(1);
-    let longest = runs.iter().map(|run| run.time(run.cycles())).fold(f64::MIN_POSITIVE, f64::max);
+    let spans = if canvas.is_narrow() { FEW_SPANS } else { SPANS };
+    let runs: Vec<_> = runs.iter().map(|run| (run, run.frames(spans))).collect();
+    let frames = runs.iter().map(|(_, frames)| frames.len() as i32).max().unwrap_or(1);
+    let longest = runs.iter().map(|(run, _)| run.time(run.cycles())).fold(f64::MIN_POSITIVE, f64::max);
     let scale = f64::from(right - left - APART * (frames - 1)) / longest;
     let mut y = 0;
-    for run in runs {
+    for (run, frames) in &runs {
         canvas.text(run.policy, (LEFT, y + HEAD / 2), Text::LABEL.bold())?;
-        let columns = columns(run, left, scale);
+        let columns = columns(run, frames, left, scale);
         // Names of frames, as far as there is room.
         let mut free = LEFT + Text::LABEL.bold().width(run.policy) + 10;
-        for (frame, places) in run.frames.iter().zip(&columns) {
+        for (frame, places) in frames.iter().zip(&columns) {
             let (Some(span), Some(&from)) = (frame.first(), places.first()) else { continue };
             let name = format!("frame {}", span.frame);
             if from >= free {
@@ -174,14 +173,14 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
         y += HEAD;
         for unit in units {
             canvas.text(&words(unit), (left - 8, y + STRIP / 2), Text::NOTE.colored(INK).right())?;
-            for (frame, places) in run.frames.iter().zip(&columns) {
+            for (frame, places) in frames.iter().zip(&columns) {
                 unit_strip(canvas, unit, frame, places, y)?;
             }
             y += STRIP + GAP;
         }
         if run.peak.is_some() {
             canvas.text("DRAM", (left - 8, y + STRIP / 2), Text::NOTE.colored(INK).right())?;
-            for (frame, places) in run.frames.iter().zip(&columns) {
+            for (frame, places) in frames.iter().zip(&columns) {
                 let (from, to) = (places[0], places[places.len() - 1]);
                 canvas.rect((from, y), (to, y + STRIP), faded(INK, 0.06))?;
                 let used: Vec<f64> = frame.iter().map(|span| run.dram(span).unwrap_or(0.0).min(1.0)).collect();
@@ -201,7 +200,7 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
 }
 
 /// By frame, where each of its spans begins, and where the last one ends.
-fn columns(run: &Run<'_>, left: i32, scale: f64) -> Vec<Vec<i32>> {
+fn columns(run: &Run<'_>, frames: &[Vec<Span>], left: i32, scale: f64) -> Vec<Vec<i32>> {
     let mut passed = 0;
     let column = |passed: u64, frame: i32| left + frame * APART + (run.time(passed) * scale).round() as i32;
     let of_frame = |(index, frame): (i32, &Vec<Span>)| {
@@ -212,7 +211,7 @@ fn columns(run: &Run<'_>, left: i32, scale: f64) -> Vec<Vec<i32>> {
         }
         places
     };
-    (0..).zip(&run.frames).map(of_frame).collect()
+    (0..).zip(frames).map(of_frame).collect()
 }
 
 /// What units of a kind did in a frame: the causes one upon the other, busy lowest.
@@ -238,6 +237,9 @@ fn area(canvas: &Canvas<'_>, shares: &[f64], places: &[i32], top: i32, color: Co
     let y = |share: f64| bottom - (share * f64::from(STRIP)).round() as i32;
     let middles = places.windows(2).zip(shares).map(|(pair, &share)| (pair[0].midpoint(pair[1]), y(share)));
     let ends = [(to, y(last)), (to, bottom)];
-    let points = [(from, bottom), (from, y(first))].into_iter().chain(middles).chain(ends).collect();
-    canvas.polygon(points, color)
+    let points: Vec<(i32, i32)> = [(from, bottom), (from, y(first))].into_iter().chain(middles).chain(ends).collect();
+    // What lies on a level line says nothing.
+    let level =
+        |at: usize| at > 0 && at + 1 < points.len() && points[at - 1..=at + 1].iter().all(|it| it.1 == points[at].1);
+    canvas.polygon((0..points.len()).filter(|&at| !level(at)).map(|at| points[at]).collect(), color)
 }
