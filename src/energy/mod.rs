@@ -74,6 +74,11 @@ fn units(machine: &MachineSpec, structure: Structure, stats: &MachineStats, sum:
     }
     sum.add("dispatcher", spec.dispatcher * stats.rays as f64);
     sum.add("fifos", spec.fifo_byte * stats.moved("fifos").0 as f64);
+    if let Some(bytes) = stats.bytes.get("ray_buffer") {
+        // A buffer of the size of a FIFO.
+        let moved: u64 = bytes.values().map(|bytes| bytes.0).sum();
+        sum.add("ray_buffer", spec.fifo_byte * moved as f64);
+    }
 }
 
 /// Accesses of all caches: each reads or writes a line, and so do a fill and a write-back.

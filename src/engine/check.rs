@@ -5,6 +5,7 @@ use super::tally::{PerClass, QueueKind, Tally, UnitTally, sum};
 use crate::engine::source::{FrameCounts, StoreWork};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, ShadowCacheSpec};
+use crate::machine::traffic::RayBuffer;
 use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use crate::memory::cache::Past;
 use crate::memory::dram::spec::Model;
@@ -110,9 +111,24 @@ pub(crate) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     }
     let through = |kind: QueueKind| tally.queues[kind as usize].iter().map(|load| load.entries).sum();
     equal(|| "rays into and out of the FIFOs".into(), through(QueueKind::Dispatcher), through(QueueKind::Host))?;
+    host(tally, machine)?;
     equal(|| "rays that took less than their least latency".into(), tally.latencies.too_fast, 0)?;
     traffic(tally, machine)?;
     dram(tally, machine)
+}
+
+/// Lines of rays and hits against the rays that went through the FIFOs, of engines that know these.
+fn host(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
+    let (spec, line) = (&machine.traffic, machine.line_bytes.get());
+    if spec.rays != RayBuffer::Dram || !tally.has_causes {
+        return Ok(());
+    }
+    let through = |kind: QueueKind| tally.queues[kind as usize].iter().map(|load| load.entries).sum::<u64>();
+    let lines = |kind: QueueKind, bytes: u64| (through(kind) * bytes).div_ceil(line);
+    let (rays, hits) =
+        (lines(QueueKind::Dispatcher, spec.ray_bytes.get()), lines(QueueKind::Host, spec.hit_bytes.get()));
+    equal(|| "lines of rays".into(), tally.port.reads[TrafficClass::Ray as usize], rays)?;
+    equal(|| "lines of hits".into(), tally.port.writes[TrafficClass::Ray as usize], hits)
 }
 
 /// Conservation between the levels, a class at a time.
@@ -141,8 +157,8 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
         )?;
         let down = (l1.misses + l1.write_backs) * line + through_bytes + straight_bytes;
         equal(|| format!("{name}: bytes between L1s and L2"), down, moved[index].0)?;
-        let lines = l2.misses + l2.write_backs + l2.passed_writes;
-        equal(|| format!("{name}: bytes between L2 and DRAM"), lines * line, dram[index].0)?;
+        let lines = l2.misses + l2.write_backs + l2.passed_writes + tally.port.reads[index] + tally.port.writes[index];
+        equal(|| format!("{name}: bytes of L2 and host against DRAM"), lines * line, dram[index].0)?;
     }
     Ok(())
 }
@@ -159,7 +175,8 @@ fn dram(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let bytes: u64 = tally.channels.iter().flat_map(|channel| channel.moved).map(|bytes| bytes.0).sum();
     equal(|| "column commands times the line against DRAM bytes".into(), columns * machine.line_bytes.get(), bytes)?;
     let l2: u64 = tally.banks.iter().flat_map(|bank| bank.cache).map(|counts| counts.misses).sum();
-    equal(|| "DRAM reads against misses of the L2".into(), counts.reads, l2)?;
+    let host: u64 = tally.port.reads.iter().sum();
+    equal(|| "DRAM reads against misses of the L2 and reads of the host".into(), counts.reads, l2 + host)?;
     let (spec, mhz) = (&machine.dram, machine.clock_mhz.get());
     if let Some((peak, cycles)) = spec.channel_peak(mhz)
         && u128::from(bytes) * u128::from(cycles) > u128::from(spec.channels.get() * peak) * u128::from(tally.cycles)

@@ -8,6 +8,7 @@ use crate::engine::source::StoreWork;
 use crate::engine::unloaded::RayLatencies;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
+use crate::machine::traffic::{RayBuffer, Run};
 use crate::memory::bank::Served;
 use crate::memory::cache::Past;
 use crate::memory::queue::Load;
@@ -66,6 +67,23 @@ pub(crate) struct ChannelTally {
     pub moved: PerClass<Bytes>,
     /// Whether a refresh was due in the last cycle and not given.
     pub refresh_due: bool,
+}
+
+/// Lines that the host's port asked the DRAM for.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct PortTally {
+    /// Lines that are read.
+    pub reads: PerClass<u64>,
+    /// Lines that are written.
+    pub writes: PerClass<u64>,
+}
+
+impl PortTally {
+    /// Counts a run of lines.
+    pub(crate) fn count(&mut self, run: &Run) {
+        let counts = if run.write { &mut self.writes } else { &mut self.reads };
+        counts[run.class as usize] += run.lines;
+    }
 }
 
 /// Who takes from a queue.
@@ -129,6 +147,8 @@ pub(crate) struct Tally {
     pub divisions: Vec<PerCause>,
     /// Banks of the L2s, core by core.
     pub banks: Vec<BankTally>,
+    /// The host's port to the DRAM.
+    pub port: PortTally,
     /// Channels of the DRAM.
     pub channels: Vec<ChannelTally>,
 }
@@ -192,6 +212,12 @@ impl Tally {
         if rays > 0 {
             let bytes = Bytes(rays * machine.dispatcher.ray_bytes.get());
             stats.bytes.insert("fifos".into(), [(TrafficClass::Ray, bytes)].into());
+            if machine.traffic.rays == RayBuffer::OnChip {
+                let spec = &machine.traffic;
+                let [read, written] = [0, 1].map(|fifo| self.queues[fifo].iter().map(|load| load.entries).sum::<u64>());
+                let bytes = Bytes(read * spec.ray_bytes.get() + written * spec.hit_bytes.get());
+                stats.bytes.insert("ray_buffer".into(), [(TrafficClass::Ray, bytes)].into());
+            }
         }
         let known = RayKind::ALL.into_iter().zip(self.latencies.kinds).filter(|(_, counts)| counts.rays > 0);
         stats.latency.extend(known.map(|(kind, counts)| (kind.name().to_owned(), counts)));

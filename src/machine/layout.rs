@@ -120,6 +120,14 @@ impl Layout {
         }
     }
 
+    /// Lines of the frame's dynamic nodes, lists and triangle records: the first of each, and how many.
+    pub(crate) fn dynamic_arrays(&self) -> [(LineAddr, u64); 3] {
+        [&self.nodes, &self.lists, &self.triangles].map(|array| {
+            let bytes = array.element * array.dynamic_count;
+            (LineAddr(array.dynamic_base >> self.line_shift), bytes.div_ceil(1 << self.line_shift))
+        })
+    }
+
     /// Whether there are list entries.
     pub(crate) fn has_lists(&self) -> bool {
         self.lists.len() > 0

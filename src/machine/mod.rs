@@ -15,6 +15,7 @@ pub mod spec;
 pub mod stores;
 #[cfg(test)]
 mod tests;
+pub mod traffic;
 pub mod traversal;
 pub(crate) mod word_traffic;
 pub mod writes;

@@ -21,6 +21,8 @@ pub(crate) struct Parts {
     pub shadow_cache: u32,
     /// Banks of the L2s.
     pub banks: u32,
+    /// Ports of the host to the DRAM: one, or none if the host has no traffic of its own there.
+    pub ports: u32,
     /// Channels of the DRAM.
     pub channels: u32,
 }
@@ -37,6 +39,7 @@ impl Parts {
             division: all(spec.division.count.get()),
             shadow_cache: all(spec.shadow_cache.count.get()),
             banks: all(spec.l2.banks()),
+            ports: u32::from(spec.traffic.is_on()),
             channels: spec.dram.channels.get() as u32,
         }
     }
@@ -74,9 +77,14 @@ impl Parts {
         PartId(self.shadow_cache(self.shadow_cache).0 + index)
     }
 
+    /// The host's port to the DRAM.
+    pub(crate) fn port(&self) -> PartId {
+        self.bank(self.banks)
+    }
+
     /// Channel `index` of the DRAM.
     pub(crate) fn channel(&self, index: u32) -> PartId {
-        PartId(self.bank(self.banks).0 + index)
+        PartId(self.port().0 + self.ports + index)
     }
 
     /// The core of a unit or a bank.

@@ -8,7 +8,7 @@ use super::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
 use crate::memory::cache::CacheSpec;
 use crate::ranged::{Size, Within};
-use crate::stream::Step;
+use crate::stream::{Ray, Step};
 
 /// Which way accesses to a policy's stores go.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -85,6 +85,12 @@ impl ShadowCacheSpec {
     pub fn performs(&self, word: u32) -> bool {
         let free = || self.place == Place::Free && Step::unpack(word).and_then(Step::entry).is_some();
         !self.silent.drops(word) && !free()
+    }
+
+    /// Whether the host answers a ray: none of its steps is performed, and decisions fall with the hit.
+    pub(crate) fn is_answered(&self, ray: &Ray<'_>) -> bool {
+        let left = || ray.packed_policy().iter().filter(|&&word| self.performs(word)).count();
+        self.decide.answers(ray.head.decision, 0) && self.decide.answers(ray.head.decision, left())
     }
 
     /// Whether all such steps are performed as recorded, whatever the stream is.

@@ -11,6 +11,7 @@ use super::intersection::IntersectionSpec;
 use super::list::ListSpec;
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::stores::{StoreLayout, check_tag};
+use super::traffic::TrafficSpec;
 use super::traversal::TraversalSpec;
 use super::word_traffic::{LatchedCopy, SilentUpdates};
 use super::writes::WritePolicy;
@@ -50,6 +51,8 @@ pub struct MachineSpec {
     pub l2: L2Spec,
     /// The DRAM.
     pub dram: DramSpec,
+    /// The host's own traffic with the DRAM.
+    pub traffic: TrafficSpec,
     /// What operations, accesses and time cost in energy.
     pub energy: EnergySpec,
 }
@@ -69,6 +72,7 @@ impl Default for MachineSpec {
             shadow_cache: ShadowCacheSpec::default(),
             l2: L2Spec::default(),
             dram: DramSpec::default(),
+            traffic: TrafficSpec::default(),
             energy: EnergySpec::default(),
         }
     }

@@ -8,7 +8,7 @@ use crate::stats::TrafficClass;
 /// A set of classes of traffic; in files, a list of their names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Vec<TrafficClass>", into = "Vec<TrafficClass>")]
-pub struct Classes(u8);
+pub struct Classes(u16);
 
 impl Classes {
     /// Whether `class` is one of them.

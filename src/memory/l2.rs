@@ -43,13 +43,15 @@ impl L2Spec {
         }
     }
 
-    /// The place in [`L2Spec::caches`] of the class's home.
+    /// The place in [`L2Spec::caches`] of the class's home. Of a class that goes past all caches nobody asks; the first
+    /// cache stands in.
     pub fn home(&self, class: TrafficClass) -> usize {
         match self {
             Self::Unified(_) => 0,
             Self::Split(homes) => {
                 let home = homes.iter().position(|(_, home)| home.classes.contains(&class));
-                home.expect("a spec that leaves a class without a home is refused when it is checked")
+                home.or(class.goes_past_caches().then_some(0))
+                    .expect("a spec that leaves a class without a home is refused when it is checked")
             }
         }
     }
@@ -77,8 +79,14 @@ impl L2Spec {
                     std::iter::repeat_n(name.to_owned(), times)
                 };
                 let homes: Vec<_> = homes.iter().flat_map(home).collect();
+                let goes_past = class.goes_past_caches();
                 let class = class.name();
                 match homes.as_slice() {
+                    [home, ..] if goes_past => {
+                        let why = format!("`l2` has a home for `{class}` ({home}), which goes past all caches");
+                        return Err(format!("{why}: take it out of `classes`"));
+                    }
+                    [] if goes_past => {}
                     [_] => {}
                     [] => return Err(format!("`l2` has no home for `{class}`: one cache must list it in `classes`")),
                     more => {

@@ -222,7 +222,7 @@ mod tests {
     fn known(operations: f64, lines: f64) -> Columns {
         let known = Known {
             operations: [operations as u64, 0, 0, 0],
-            dram: [lines as u64, 0, 0, 0, 0, 0, 0],
+            dram: [lines as u64, 0, 0, 0, 0, 0, 0, 0, 0, 0],
             ..Known::default()
         };
         known.columns(&Capacity::new(&MachineSpec::default()))

@@ -46,6 +46,8 @@ pub(crate) enum Figure {
 pub(crate) enum MemoryLevel {
     /// The FIFOs of the dispatcher.
     Fifos,
+    /// The buffer of rays and hits on the chip.
+    RayBuffer,
     /// The L1s of a kind of units.
     L1(Kind),
     /// A cache of the L2, by its place in `L2Spec::caches`.
@@ -62,7 +64,9 @@ impl Levels {
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let l1s = Kind::ALL.map(|kind| (MemoryLevel::L1(kind), kind.names().1.to_owned()));
         let l2s = machine.l2.caches().into_iter().enumerate().map(|(home, (name, _))| (MemoryLevel::L2(home), name));
-        let others = [(MemoryLevel::Fifos, "fifos".to_owned()), (MemoryLevel::Dram, "dram".to_owned())];
+        let others =
+            [(MemoryLevel::Fifos, "fifos"), (MemoryLevel::RayBuffer, "ray_buffer"), (MemoryLevel::Dram, "dram")];
+        let others = others.map(|(level, name)| (level, name.to_owned()));
         Self(l1s.into_iter().chain(l2s).chain(others).collect())
     }
 

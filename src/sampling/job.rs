@@ -94,7 +94,8 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     let mut figures = Levels::new(machine).figures(&tally.stats(machine));
     // What no window moves, the tags may.
     for class in TrafficClass::ALL {
-        for level in [MemoryLevel::L2(machine.l2.home(class)), MemoryLevel::Dram] {
+        let l2 = (!class.goes_past_caches()).then(|| MemoryLevel::L2(machine.l2.home(class)));
+        for level in l2.into_iter().chain([MemoryLevel::Dram]) {
             figures.entry(Figure::Bytes(level, class)).or_insert(0.0);
         }
     }
@@ -121,7 +122,9 @@ fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpe
             figures.insert(figure, value);
             value
         };
-        l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
+        if !class.goes_past_caches() {
+            l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
+        }
         dram_bytes += own(Figure::Bytes(MemoryLevel::Dram, class), more_of_dram * line);
         // Counts of a cache are there all together or not at all.
         let misses = Figure::Cache(home, class, MISSES);

@@ -9,9 +9,10 @@ use crate::stats::{CacheCounts, DramCounts, TrafficClass};
 
 const KINDS: usize = Kind::ALL.len();
 const CLASSES: usize = TrafficClass::ALL.len();
+const CACHED: usize = TrafficClass::CACHED;
 
 /// Columns of [`Known::columns`].
-pub(crate) const COLUMNS: usize = KINDS + 3 + 2 * CLASSES + KINDS + 2;
+pub(crate) const COLUMNS: usize = KINDS + 3 + CACHED + CLASSES + KINDS + 2;
 
 /// The column of all operations; those of each kind of units but the first follow.
 pub(crate) const OPERATIONS: usize = 0;
@@ -23,7 +24,7 @@ const DRAM: usize = MOVED + 1;
 const BUSIEST: usize = DRAM + 1;
 /// The first column of lines of a class between L1s and L2, and between L2 and DRAM.
 const MOVED_OF_CLASS: usize = BUSIEST + 1;
-const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CLASSES;
+const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CACHED;
 /// The first column of lines that the L1s of each kind of units miss.
 const MISSED: usize = DRAM_OF_CLASS + CLASSES;
 /// The columns of what the home, and the bank of an L2, that has the most to do does.
@@ -36,7 +37,7 @@ pub(crate) struct Known {
     /// Operations of each kind of units.
     pub operations: [u64; KINDS],
     /// Lines of each class that tags alone would move between the L1s and the L2.
-    pub moved: [u64; CLASSES],
+    pub moved: [u64; CACHED],
     /// Lines that they would move between L2 and DRAM.
     pub dram: [u64; CLASSES],
     /// Lines that the L1s of each kind of units would miss.
@@ -194,7 +195,9 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
         }
         Figure::Bytes(MemoryLevel::L2(_), class) => by(&[moved(*class)], Some(moved(*class)), Span::Own),
         Figure::Bytes(MemoryLevel::Dram, class) => by(&[dram(*class)], Some(dram(*class)), Span::Own),
-        Figure::Bytes(MemoryLevel::L1(_) | MemoryLevel::Fifos, _) => by(&[], None, Span::Group),
+        Figure::Bytes(MemoryLevel::L1(_) | MemoryLevel::Fifos | MemoryLevel::RayBuffer, _) => {
+            by(&[], None, Span::Group)
+        }
         Figure::Cache(MemoryLevel::L2(_), class, MISSES) => by(&[dram(*class)], None, Span::Own),
         Figure::Cache(_, class, _) | Figure::L1(_, class, _) => by(&[moved(*class), dram(*class)], None, Span::Inside),
         Figure::Dram(place) if *place != REFRESHES => by(&[DRAM], None, Span::Inside),
@@ -233,7 +236,7 @@ mod tests {
         let busiest = |known: Known| known.columns(&capacity)[BUSIEST];
         assert_eq!(busiest(known([400, 0, 100, 100], 25)), 100.0, "traversal units");
         assert_eq!(busiest(known([400, 0, 100, 200], 140)), 140.0, "one shadow-cache unit has most of what 4 do");
-        let read = Known { dram: [0, 0, 60, 0, 20, 0, 0], ..known([400, 0, 100, 200], 140) };
+        let read = Known { dram: [0, 0, 60, 0, 20, 0, 0, 0, 0, 0], ..known([400, 0, 100, 200], 140) };
         assert_eq!(busiest(read), 160.0, "the bus");
     }
 

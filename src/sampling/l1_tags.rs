@@ -13,7 +13,8 @@ use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::shadow_cache::Place;
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
 use crate::memory::tags::Victim;
@@ -34,6 +35,9 @@ pub(super) struct L1Tags {
     /// Units of each kind that a core has.
     of_core: [u16; Kind::ALL.len()],
     capacity: Capacity,
+    /// The host's own lines, and which skipped rays it answers.
+    host: Option<HostTraffic>,
+    words: ShadowCacheSpec,
     /// Slots of all traversal units, and rays that are in them.
     slots: usize,
     in_flight: usize,
@@ -105,6 +109,8 @@ impl L1Tags {
             cores,
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
             capacity: Capacity::new(machine),
+            host: HostTraffic::new(&machine.traffic, line),
+            words: machine.shadow_cache,
             slots,
             in_flight: slots,
             traced: 0,
@@ -192,6 +198,12 @@ impl L1Tags {
     }
 
     fn begin<'c>(&mut self, ray: Ray<'c>) -> Flight<'c> {
+        if let Some(host) = &mut self.host
+            && !self.words.is_answered(&ray)
+        {
+            let runs = host.ray().into_iter().chain(host.result(ray.head.kind, ray.packed_path()));
+            runs.for_each(|run| self.known.dram[run.class as usize] += run.lines);
+        }
         let skipped = ray.head.decision == Decision::Skip;
         let decides = if skipped { self.intervals[Kind::ShadowCache as usize] } else { 0 };
         self.known.operations[Kind::ShadowCache as usize] += decides;

@@ -1,6 +1,7 @@
 //! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others
 //! replay what is measured.
 
+use std::borrow::Cow;
 use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
@@ -10,7 +11,7 @@ use super::estimate::Population;
 use super::job::{self, Found};
 use super::kept::{Kept, KeptJob};
 use super::plan::Plan;
-use super::windows::{Job, Windows};
+use super::windows::{Job, JobWork, Windows};
 use crate::engine::contract::Engine;
 use crate::engine::{self, ItemStream, RunError, Sampled};
 use crate::machine::MachineSpec;
@@ -143,17 +144,25 @@ impl<'a> Sampler<'a> {
     }
 
     fn replay_one(&self, job: &Job) -> Numbered {
-        (job.number, job::replay(self.engine().as_mut(), self.machine, job))
+        let machine = match &job.work {
+            JobWork::End(_) => Cow::Borrowed(self.machine),
+            // The frame's dynamic part is there: its building counts with the frame's end.
+            JobWork::Window(_) => {
+                let traffic = self.machine.traffic.without_build();
+                Cow::Owned(MachineSpec { traffic, ..self.machine.clone() })
+            }
+        };
+        (job.number, job::replay(self.engine(&machine).as_mut(), &machine, job))
     }
 
     /// The statistics of a run in which nothing happens.
     pub(crate) fn nothing(&self) -> MachineStats {
-        self.engine().tally(1).stats(self.machine)
+        self.engine(self.machine).tally(1).stats(self.machine)
     }
 
-    /// A new engine.
-    fn engine(&self) -> Box<dyn Engine> {
-        let engine = engine::engine(self.engine.into(), self.machine, self.header);
+    /// A new engine of a machine.
+    fn engine(&self, machine: &MachineSpec) -> Box<dyn Engine> {
+        let engine = engine::engine(self.engine.into(), machine, self.header);
         engine.expect("all that replay samples have machines in motion")
     }
 }

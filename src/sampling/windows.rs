@@ -43,7 +43,7 @@ pub(crate) struct Job {
 pub(crate) enum JobWork {
     /// A window.
     Window(Box<WindowWork>),
-    /// The steps of a frame's end.
+    /// The steps of a frame's end, and the building of its dynamic part, which no window does.
     End(Arc<Vec<u32>>),
 }
 
@@ -125,6 +125,8 @@ impl Open {
 /// Puts windows together.
 pub(super) struct Windows {
     plan: Plan,
+    /// Whether a frame's dynamic part is built when it begins.
+    builds: bool,
     capacity: Capacity,
     tags: L2Tags,
     info: FrameInfo,
@@ -151,6 +153,7 @@ impl Windows {
     /// draws below `unwanted`, become jobs.
     pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
         Self {
+            builds: machine.traffic != machine.traffic.without_build(),
             capacity: Capacity::new(machine),
             tags: L2Tags::new(header, machine),
             info: FrameInfo::default(),
@@ -188,7 +191,9 @@ impl Windows {
             self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
         }
         let Moved { dram, bank } = self.tags.pass(&requests);
-        (piece.known.dram, piece.known.bank) = (dram, bank);
+        // Of the host's own lines it is known already.
+        piece.known.dram.iter_mut().zip(dram).for_each(|(known, lines)| *known += lines);
+        piece.known.bank = bank;
         let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
         if !self.warms_up {
             self.rays += piece.rays.clone().filter(traced).count() as u64;
@@ -222,8 +227,8 @@ impl Windows {
         (self.population.axis, self.population.windows) = (self.axis.end(), self.axis.windows());
         let open = take(&mut self.open);
         let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
-        // All ends are replayed, by the first pass.
-        if !steps.is_empty() && self.plan.draws.start == 0 && !self.warms_up {
+        // All ends, and the building of all frames, are replayed by the first pass.
+        if (!steps.is_empty() || self.builds) && self.plan.draws.start == 0 && !self.warms_up {
             let warm = WarmCaches::new(l1s, self.tags.snapshot());
             jobs.push(Job { number: self.jobs, draw: 0, info: self.info, warm, work: JobWork::End(steps) });
             self.jobs += 1;

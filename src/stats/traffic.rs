@@ -19,14 +19,39 @@ pub enum TrafficClass {
     PixelCounter,
     /// Ids of occluders.
     OccluderId,
-    /// Rays.
+    /// Rays and hits.
     Ray,
+    /// Pixels of the frame buffer.
+    FrameBuffer,
+    /// Textures.
+    Texture,
+    /// Dynamic nodes, lists and triangle records as a builder writes them.
+    Build,
 }
 
 impl TrafficClass {
     /// All classes.
-    pub const ALL: [Self; 7] =
-        [Self::Node, Self::List, Self::Triangle, Self::ModeWord, Self::PixelCounter, Self::OccluderId, Self::Ray];
+    pub const ALL: [Self; 10] = [
+        Self::Node,
+        Self::List,
+        Self::Triangle,
+        Self::ModeWord,
+        Self::PixelCounter,
+        Self::OccluderId,
+        Self::Ray,
+        Self::FrameBuffer,
+        Self::Texture,
+        Self::Build,
+    ];
+
+    /// Classes that can have a home in an L2: the first ones of all. Lines of the others go past all caches, straight
+    /// to the DRAM, as those of rays do.
+    pub const CACHED: usize = 7;
+
+    /// Whether its lines have no home in an L2.
+    pub fn goes_past_caches(self) -> bool {
+        self as usize >= Self::CACHED
+    }
 
     /// The class's name in reports, as in files.
     pub fn name(self) -> &'static str {
@@ -38,6 +63,9 @@ impl TrafficClass {
             Self::PixelCounter => "pixel_counter",
             Self::OccluderId => "occluder_id",
             Self::Ray => "ray",
+            Self::FrameBuffer => "frame_buffer",
+            Self::Texture => "texture",
+            Self::Build => "build",
         }
     }
 }

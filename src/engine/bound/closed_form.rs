@@ -32,7 +32,7 @@ impl Bound {
         let left_out = if self.steps.stores_count { 0 } else { 2 * all.left_out };
         let (accesses, writes) = (measured.accesses.iter().sum::<u64>() + left_out, all.writes + left_out);
         let l2 = Bytes((accesses + writes) * line);
-        let dram = Bytes((accesses + 3 * writes) * line);
+        let dram = Bytes((accesses + 3 * writes + measured.host_lines) * line);
         let most = self.serial_cycles(&measured, left_out, dram.0 / line);
         Bounds {
             cycles: Range { least: Cycle(measured.cycles), most: Cycle(most) },
@@ -84,7 +84,8 @@ impl Bound {
             dram_peak_bytes_per_cycle: machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()),
             ..MachineStats::default()
         };
-        stats.dram.reads = sums.first_touches;
+        stats.dram.reads = sums.first_touches + sums.host_reads;
+        stats.dram.writes = sums.host_lines - sums.host_reads;
         for (home, (name, _)) in machine.l2.caches().into_iter().enumerate() {
             let mut here = sums.l2;
             let elsewhere = TrafficClass::ALL.into_iter().filter(|&class| machine.l2.home(class) != home);

@@ -2,6 +2,7 @@
 //! done a cycle at most. And an upper bound: everything missed, one thing after another.
 
 mod closed_form;
+mod host;
 mod lines;
 mod phases;
 mod steps;

@@ -1,5 +1,6 @@
 //! Frames and their ends follow one another: each is a phase, and the bounds of phases add up.
 
+use super::host::HostWork;
 use super::steps::{StepWork, Steps};
 use super::sums::Sums;
 use crate::engine::source::parents;
@@ -19,6 +20,7 @@ pub(in crate::engine) struct Bound {
     pool_held: u64,
     slots_held: u64,
     longest: u64,
+    host: HostWork,
     primitives: u64,
     /// The frame under way, and those that are over.
     number: u32,
@@ -35,6 +37,7 @@ impl Bound {
             pool_held: 0,
             slots_held: 0,
             longest: 0,
+            host: HostWork::new(machine),
             primitives: header.primitives.into(),
             number: 0,
             frames: Vec::new(),
@@ -47,6 +50,7 @@ impl Bound {
         match item {
             Item::Frame(info) => {
                 self.steps.begin_frame(info);
+                self.host.begin_frame(info, &self.steps.layout, &mut self.steps.sums);
                 // A sweep sets words and counters of all.
                 self.steps.sums.left_out += 2 * self.primitives;
                 self.number = info.number;
@@ -94,6 +98,7 @@ impl Bound {
                 self.steps.decide();
             }
             if !known {
+                self.host.ray(&ray, &mut self.steps.sums);
                 let kept = ray.packed_policy().split(|&word| spec.silent.drops(word));
                 policy += kept.map(|words| self.steps.add(words, Steps::Policy)).sum::<u64>();
                 self.steps.work[Kind::ShadowCache as usize].held += policy;
@@ -131,7 +136,11 @@ impl Bound {
             let line = self.machine.line_bytes.get();
             lines.channels.iter().for_each(|&lines| at_least(lines * line * cycles / bytes, 1));
         }
-        self.steps.sums.cycles += least;
+        // The frame's rays wait until its dynamic part is built, which the host's lines do not.
+        let building = self.host.building;
+        self.steps.sums.cycles += self.host.least(&lines.channels).max(least + building);
+        self.steps.sums.serial += building;
+        self.host.end_phase();
         (self.rays, self.pool_held, self.slots_held, self.longest) = (0, 0, 0, 0);
         self.steps.end_phase();
     }

@@ -94,7 +94,7 @@ struct Count {
 pub(super) struct StepWork {
     machine: MachineSpec,
     pub kinds: [KindSpec; Kind::ALL.len()],
-    layout: Layout,
+    pub layout: Layout,
     pub lines: Lines,
     tags: [[Tag; Step::TAGS]; Steps::ALL.len()],
     counts: [[Count; Step::TAGS]; Steps::ALL.len()],

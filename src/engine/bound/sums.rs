@@ -17,6 +17,9 @@ pub(super) struct Sums {
     pub traced: u64,
     /// Rays that are answered, traced or not.
     pub answered: u64,
+    /// Lines that the host reads and writes.
+    pub host_lines: u64,
+    pub host_reads: u64,
     /// Lines that nothing touched before.
     pub first_touches: u64,
     /// Accesses to lines that write.
@@ -42,6 +45,8 @@ impl AddAssign<&Sums> for Sums {
         self.traced += other.traced;
         self.answered += other.answered;
         self.first_touches += other.first_touches;
+        self.host_lines += other.host_lines;
+        self.host_reads += other.host_reads;
         self.writes += other.writes;
         self.left_out += other.left_out;
         add_each(&mut self.operations, &other.operations);

@@ -4,7 +4,8 @@
 use std::collections::VecDeque;
 
 use super::flat::{Bus, Moved};
-use super::wires::{DramRequest, Request, Wires};
+use super::request::{DramRequest, Request};
+use super::wires::Wires;
 use crate::memory::dram::command::{ChannelLog, Column, Command};
 use crate::memory::dram::part::DramPart;
 use crate::memory::dram::spec::{DramSpec, Model, Page};
@@ -101,8 +102,11 @@ impl Channel {
             && end * self.machine_mhz <= cycle * mhz
         {
             self.transfers.pop_front();
-            if !request.write {
-                wires.from_dram[request.from].put(cycle, request.line);
+            // The host's port comes after all banks: its lines are gone from the machine.
+            if !request.write
+                && let Some(bank) = wires.from_dram.get_mut(request.from)
+            {
+                bank.put(cycle, request.line);
             }
         }
         if self.log.is_kept() {

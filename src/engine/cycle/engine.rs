@@ -86,6 +86,7 @@ impl Cycle {
         in_turn(self.division.len(), now).for_each(|index| self.division[index].tick(now, wires));
         in_turn(self.shadow_cache.len(), now).for_each(|index| self.shadow_cache[index].tick(now, wires));
         in_turn(self.banks.len(), now).for_each(|index| self.banks[index].tick(now, wires));
+        wires.tick_port(now);
         in_turn(self.channels.len(), now).for_each(|index| self.channels[index].tick(now, wires));
         wires.settle();
     }
@@ -125,6 +126,7 @@ impl Cycle {
         self.division.iter().enumerate().for_each(|(i, unit)| list("division", i, unit.queues(wires)));
         self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(wires)));
         self.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues(wires)));
+        wires.port.iter().for_each(|port| list("host port", 0, port.queues()));
         self.channels.iter().enumerate().for_each(|(i, channel)| list("dram channel", i, channel.queues(wires)));
         lines.join("\n")
     }
@@ -156,6 +158,10 @@ impl Engine for Cycle {
             }
             if self.host.is_finished() && self.memory_is_empty() {
                 return Ok(now + 1);
+            }
+            let is_built = self.wires.port.as_ref().is_none_or(|port| port.is_built(now));
+            if !is_built {
+                watched = now;
             }
             if now - watched == self.patience {
                 let progress_now = self.tally(now + 1).operations();
@@ -197,6 +203,7 @@ impl Engine for Cycle {
             latencies: self.host.latencies,
             divisions: self.division.iter().map(|unit| unit.causes).collect(),
             banks: self.banks.iter().map(bank).collect(),
+            port: self.wires.port.as_ref().map(|port| port.counts.clone()).unwrap_or_default(),
             channels: self.channels.iter().map(channel).collect(),
         }
     }

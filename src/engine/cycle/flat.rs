@@ -1,7 +1,7 @@
 //! The data bus of a flat channel, which moves so many bytes in each cycle.
 
 use super::link::Link;
-use super::wires::{DramRequest, Request};
+use super::request::{DramRequest, Request};
 
 pub(super) struct Bus {
     latency: u64,

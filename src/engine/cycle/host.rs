@@ -102,7 +102,7 @@ impl Host {
             cycle.frame_over = Some(FrameCounts { frame: self.frame, tracer, machine, stores });
             self.phase = Phase::Between;
         }
-        cycle.frame_began = self.read_on(next, wires)?;
+        cycle.frame_began = self.read_on(now, next, wires)?;
         while let Some((at, _)) = self.shading.front()
             && *at <= now
             && let Some((_, Origin { group, index: parent })) = self.shading.pop_front()
@@ -127,11 +127,13 @@ impl Host {
             }
             let Some(origin) = self.ready.pop_front().or_else(|| self.primaries.pop_front()) else { break };
             wires.in_fifo.put(now, origin);
-            self.read_on(next, wires)?;
+            self.read_on(now, next, wires)?;
         }
         self.begin_end(now, wires);
         let cause = if handed_over > 0 {
             Cause::Busy
+        } else if wires.in_fifo.first(now).is_some() && !wires.port_lets_in(now) {
+            Cause::Memory
         } else if wires.in_fifo.first(now).is_some() {
             Cause::Blocked
         } else if !wires.in_fifo.is_empty() || !self.shading.is_empty() {
@@ -146,6 +148,7 @@ impl Host {
     /// Reads the stream until a primary ray is known or the frame has no more; whether a frame began.
     fn read_on<E: From<StreamFault>>(
         &mut self,
+        now: u64,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
         wires: &mut Wires,
     ) -> Result<bool, E> {
@@ -162,6 +165,9 @@ impl Host {
                 Some(Item::Frame(_)) if in_frame => return wrong("a frame's beginning"),
                 Some(Item::Frame(frame)) => {
                     wires.layout.begin_frame(&frame);
+                    if let Some(port) = &mut wires.port {
+                        port.begin_frame(now, &frame, &wires.layout);
+                    }
                     self.frame = frame.number;
                     self.phase = Phase::InFrame;
                     began = true;
@@ -199,6 +205,9 @@ impl Host {
     /// each core got in this cycle.
     fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
         let Some(origin) = wires.in_fifo.first(now).cloned() else { return Ok(false) };
+        if !wires.port_lets_in(now) {
+            return Ok(false);
+        }
         let Some(&id) = self.free_entries.front() else { return Ok(false) };
         let (mut ray, left_out) = read_ray(origin, wires)?;
         let steps = ray.path.iter().map(|&step| self.unloaded.step(step, ray.kind));
@@ -227,6 +236,9 @@ impl Host {
         left_out.count(wires);
         self.free_entries.pop_front();
         wires.in_fifo.take(now);
+        if let Some(port) = &mut wires.port {
+            port.hand_over(now);
+        }
         Ok(true)
     }
 
@@ -250,6 +262,9 @@ impl Host {
             Decision::Skip => replayed.shadow_rays_skipped += 1,
         }
         let origin = ray.origin.expect("a ray of the pool is of the stream");
+        if let Some(port) = &mut wires.port {
+            port.take_results(now, ray.kind, origin.group.chunk.ray(origin.index).packed_path());
+        }
         if !origin.group.children[origin.index].is_empty() {
             self.shading.push_back((now + self.spec.shading_cycles.get(), origin));
         }
@@ -259,7 +274,7 @@ impl Host {
     fn begin_end(&mut self, now: u64, wires: &mut Wires) {
         let Phase::AllKnown { end, totals } = &self.phase else { return };
         let rays_to_come = !self.primaries.is_empty() || !self.ready.is_empty() || !self.shading.is_empty();
-        if rays_to_come || !wires.in_fifo.is_empty() || self.in_flight() > 0 {
+        if rays_to_come || !wires.in_fifo.is_empty() || self.in_flight() > 0 || !wires.port_lets_end(now) {
             return;
         }
         let steps = wires.words.end(end, &wires.layout);

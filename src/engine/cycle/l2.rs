@@ -3,7 +3,8 @@
 use std::collections::VecDeque;
 
 use super::cache::{Asked, Cache, Met};
-use super::wires::{DramRequest, Request, Wires};
+use super::request::{DramRequest, Request};
+use super::wires::Wires;
 use crate::memory::bank::BankedSpec;
 use crate::memory::dram::spec::DramSpec;
 use crate::quantity::{Bytes, LineAddr};

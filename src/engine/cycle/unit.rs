@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, VecDeque};
 
 use super::cache::{Asked, Cache, Met};
 use super::ray::Id;
-use super::wires::{Request, Wires};
+use super::request::Request;
+use super::wires::Wires;
 use crate::engine::tally::UnitTally;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::writes::WritePolicy;

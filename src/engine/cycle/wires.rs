@@ -2,35 +2,15 @@
 
 use super::gathering::Gathering;
 use super::link::Link;
+use super::port::Port;
 use super::ray::{Id, Origin, Ray, Sender};
+use super::request::{DramRequest, Request};
 use super::words::Words;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
-use crate::memory::dram::mapping::Place;
-use crate::quantity::{Bytes, LineAddr};
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Header, RayKind, Step, Totals};
-
-/// What a cache asks of the level below.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Request {
-    pub line: LineAddr,
-    pub class: TrafficClass,
-    pub write: bool,
-    pub bytes: Bytes,
-    /// The L1, or the bank of the L2, that asks.
-    pub from: usize,
-}
-
-/// A request in a channel of the DRAM.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct DramRequest {
-    pub request: Request,
-    pub place: Place,
-    pub activated: bool,
-    pub precharged: bool,
-    pub bursts_done: u64,
-}
 
 fn put_if_room(queue: &mut Link<Id>, now: u64, id: Id) -> bool {
     let room = queue.has_room();
@@ -83,7 +63,9 @@ pub(super) struct Wires {
     homes: [(usize, u64); TrafficClass::ALL.len()],
     /// From the L2 to each L1: traversal units', list units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
-    /// From banks to each channel of the DRAM.
+    /// The host's port to the DRAM.
+    pub port: Option<Port>,
+    /// From banks and the port to each channel of the DRAM.
     pub to_channel: Vec<Link<DramRequest>>,
     /// From the DRAM to each bank.
     pub from_dram: Vec<Link<LineAddr>>,
@@ -138,6 +120,7 @@ impl Wires {
                 (first, caches[spec.l2.home(class)].1.banks.get())
             }),
             to_l1: links(kinds.into_iter().sum(), Link::unbounded),
+            port: Port::new(spec, cores * spec.l2.banks() as usize),
             to_channel: links(spec.dram.channels.size(), || Link::new(spec.dram.queue.size(), 1)),
             from_dram: links(cores * spec.l2.banks() as usize, Link::unbounded),
         }
@@ -167,6 +150,24 @@ impl Wires {
         self.out_fifo.settle();
         self.freed_slots.settle();
         self.frame_over.settle();
+    }
+
+    /// Whether the host's port lets a ray be handed over.
+    pub(super) fn port_lets_in(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_in(now))
+    }
+
+    /// Whether it lets the frame's end begin.
+    pub(super) fn port_lets_end(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_end(now))
+    }
+
+    /// Cycle `now` of the host's port.
+    pub(super) fn tick_port(&mut self, now: u64) {
+        let Self { port, to_channel, .. } = self;
+        if let Some(port) = port {
+            port.tick(now, to_channel);
+        }
     }
 
     /// The ray in entry `id`.

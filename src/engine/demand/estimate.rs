@@ -89,6 +89,12 @@ impl Demand {
         Misses { l1, l2 }
     }
 
+    /// Bytes that the host moved in the pass.
+    fn host_bytes(&self) -> u64 {
+        let classes = self.stats.bytes.get("dram").into_iter().flatten();
+        classes.filter(|(class, _)| is_of_host(**class)).map(|(_, bytes)| bytes.0).sum()
+    }
+
     /// Accesses and misses that the pass counted in a cache, by class.
     fn counted(&self, cache: &str) -> [(f64, f64); TrafficClass::ALL.len()] {
         let classes = self.stats.caches.get(cache);
@@ -131,7 +137,8 @@ impl Demand {
         busy.push(asked / (cores * l2.banks));
         busy.push(fetched * dram / (cores * l2.registers));
         let line = machine.line_bytes.get() as f64;
-        busy.push(machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()).map_or(0.0, |peak| fetched * line / peak));
+        let bytes = fetched * line + self.host_bytes() as f64;
+        busy.push(machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()).map_or(0.0, |peak| bytes / peak));
         busy
     }
 
@@ -150,23 +157,33 @@ impl Demand {
                 set(cache, Some(asked), misses.l2[class as usize]);
             }
         }
-        let known = stats.dram.reads as f64;
+        // The host's own lines do not follow what caches miss.
+        let host = self.host_bytes() / self.reference.line_bytes.get();
+        let caches = self.reference.l2.caches();
+        let missed: f64 = caches.iter().flat_map(|(name, _)| self.counted(name)).map(|(_, misses)| misses).sum();
+        let host_reads = stats.dram.reads - missed as u64;
+        let host_writes = host - host_reads;
         let fetched = total(&misses.l2);
-        let more = |count: u64| scale(count as f64, known, fetched) as u64;
+        let written = scale((stats.dram.writes - host_writes) as f64, missed, fetched) as u64;
+        let (known, found) = (stats.dram.reads as f64, fetched + host_reads as f64);
         let dram = &mut stats.dram;
-        for count in
-            [&mut dram.writes, &mut dram.row_hits, &mut dram.row_misses, &mut dram.row_conflicts, &mut dram.activates]
-        {
-            *count = more(*count);
+        for count in [&mut dram.row_hits, &mut dram.row_misses, &mut dram.row_conflicts, &mut dram.activates] {
+            *count = scale(*count as f64, known, found) as u64;
         }
-        dram.reads = fetched as u64;
-        let bytes = (dram.reads + dram.writes) * machine.line_bytes.get();
-        let moved = stats.moved("dram").0 as f64;
+        (dram.reads, dram.writes) = (fetched as u64 + host_reads, written + host_writes);
+        let bytes = (fetched as u64 + written) * machine.line_bytes.get();
+        let moved = (stats.moved("dram").0 - self.host_bytes()) as f64;
         if let Some(classes) = stats.bytes.get_mut("dram") {
-            classes.values_mut().for_each(|of| *of = Bytes(scale(of.0 as f64, moved, bytes as f64) as u64));
+            let cached = classes.iter_mut().filter(|(class, _)| !is_of_host(**class));
+            cached.for_each(|(_, of)| *of = Bytes(scale(of.0 as f64, moved, bytes as f64) as u64));
         }
         stats
     }
+}
+
+/// Whether lines of a class are the host's own, which go past all caches.
+fn is_of_host(class: TrafficClass) -> bool {
+    class == TrafficClass::Ray || class.goes_past_caches()
 }
 
 /// `found` times what `known` is of `reference`; as it is where that says nothing.

@@ -3,6 +3,7 @@
 use super::causes::Causes;
 use super::host::{ChunkRay, Host, Phase};
 use super::links::Links;
+use super::port::Port;
 use super::ray::{Owner, RayId};
 use crate::engine::source::{FrameCounts, StreamFault, check_step};
 use crate::engine::unloaded::{RayLatencies, Unloaded};
@@ -120,6 +121,7 @@ impl Dispatcher {
         }
         self.close(now, links);
         let idle = match (self.waiting.first(now), self.host.shading_ends()) {
+            (Some(_), _) if !links.port_lets_in(now) => Cause::Memory,
             (Some(_), _) => Cause::Blocked,
             (None, None) if self.waiting.is_empty() => Cause::Starved,
             (None, _) => Cause::Pipeline,
@@ -143,6 +145,11 @@ impl Dispatcher {
         if let Some(at) = self.host.shading_ends() {
             links.clock.wake(Parts::DISPATCHER, at.max(now + 1));
         }
+        if let Some(built_at) = links.port.as_ref().map(Port::built_at)
+            && built_at > now
+        {
+            links.clock.wake(Parts::DISPATCHER, built_at);
+        }
     }
 
     /// The place in turn of the next unit with a free slot, of a core that may get another ray in this cycle.
@@ -164,6 +171,9 @@ impl Dispatcher {
     /// Hands over the next ray; whether there was one, and a place for it.
     fn hand_over(&mut self, now: u64, links: &mut Links) -> Result<bool, StreamFault> {
         let Some(which) = self.waiting.first(now) else { return Ok(false) };
+        if !links.port_lets_in(now) {
+            return Ok(false);
+        }
         let Some(&id) = self.free.front() else { return Ok(false) };
         let source = self.host.ray(which);
         let skipped = source.head.decision == Decision::Skip;
@@ -205,13 +215,20 @@ impl Dispatcher {
         }
         self.free.pop_front();
         self.waiting.take(now, &mut links.clock);
+        if let Some(port) = &mut links.port {
+            port.hand_over(now, &mut links.clock);
+        }
         Ok(true)
     }
 
     /// The host takes the results of ray `id` in cycle `now`.
     fn take_results(&mut self, id: RayId, now: u64, links: &mut Links) {
         self.free.push_back(id);
-        let ray = &links.rays[id as usize];
+        let Links { rays, port, clock, .. } = links;
+        let ray = &rays[id as usize];
+        if let Some(port) = port {
+            port.take_results(ray, now, clock);
+        }
         self.latencies.count(ray.kind, ray.decision, ray.done - ray.handed_over, ray.unloaded);
         let totals = &mut links.replayed;
         match (ray.kind, ray.decision) {
@@ -235,7 +252,7 @@ impl Dispatcher {
     fn close(&mut self, now: u64, links: &mut Links) {
         let Phase::Closing(steps, totals) = &self.host.phase else { return };
         let host_is_done = !self.host.has_rays() && self.host.shading_ends().is_none();
-        if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 {
+        if !host_is_done || !self.waiting.is_empty() || self.in_flight() > 0 || !links.port_lets_end(now) {
             return;
         }
         if !links.begin_end(steps, now) {

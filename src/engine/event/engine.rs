@@ -15,6 +15,7 @@ use super::links::Links;
 use super::list::List;
 use super::memory::Memory;
 use super::pipeline::Pipeline;
+use super::port::Port;
 use super::shadow_cache::ShadowCache;
 use super::traversal::Traversal;
 use super::wheel::Wheel;
@@ -52,6 +53,7 @@ struct Groups {
     division: Range,
     shadow_cache: Range,
     banks: Range,
+    ports: Range,
     channels: Range,
 }
 
@@ -69,6 +71,7 @@ impl Groups {
             division: group(parts.division),
             shadow_cache: group(parts.shadow_cache),
             banks: group(parts.banks),
+            ports: group(parts.ports),
             channels: group(parts.channels),
         }
     }
@@ -151,6 +154,7 @@ impl Event {
         each_due(groups.division, due, now, |unit| division[unit].tick(now, links));
         each_due(groups.shadow_cache, due, now, |unit| shadow_cache[unit].tick(now, links));
         each_due(groups.banks, due, now, |bank| links.tick_bank(bank, now));
+        each_due(groups.ports, due, now, |_| links.tick_port(now));
         each_due(groups.channels, due, now, |channel| links.tick_channel(channel, now));
     }
 
@@ -188,7 +192,8 @@ impl Event {
         if progress == self.progress {
             return Err(RunError::Deadlock { cycle: now, queues: self.queues() });
         }
-        (self.progress, self.watch_at) = (progress, now + self.patience);
+        let built_at = self.links.port.as_ref().map_or(0, Port::built_at);
+        (self.progress, self.watch_at) = (progress, now.max(built_at) + self.patience);
         Ok(())
     }
 
@@ -202,6 +207,7 @@ impl Event {
         self.division.iter().enumerate().for_each(|(i, unit)| list("division", i, unit.queues(links)));
         self.shadow_cache.iter().enumerate().for_each(|(i, unit)| list("shadow_cache", i, unit.queues(links)));
         links.l2.banks.iter().enumerate().for_each(|(i, bank)| list("l2 bank", i, bank.queues()));
+        links.port.iter().for_each(|port| list("host port", 0, port.queues()));
         (0..links.dram.channels()).for_each(|i| list("dram channel", i, links.dram.queues(i)));
         lines.join("\n")
     }
@@ -313,6 +319,7 @@ impl Engine for Event {
             latencies: self.dispatcher.latencies,
             divisions: self.division.iter().map(|unit| unit.causes.until(cycles)).collect(),
             banks: banks.collect(),
+            port: self.links.port.as_ref().map(|port| port.counts().clone()).unwrap_or_default(),
             channels: (0..dram.channels()).map(channel).collect(),
         }
     }

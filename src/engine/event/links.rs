@@ -2,6 +2,7 @@
 //! clock that wakes parts.
 
 use super::memory::Memory;
+use super::port::Port;
 use super::ray::{Ray, RayId};
 use super::wheel::Wheel;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
@@ -116,6 +117,8 @@ pub(crate) struct Links {
     pub lines: Vec<Ring<Answer>>,
     /// The L2.
     pub l2: L2,
+    /// The host's port to the DRAM.
+    pub port: Option<Port>,
     /// The DRAM.
     pub dram: Dram,
     /// What was replayed of the frame so far.
@@ -163,6 +166,7 @@ impl Links {
             shadow_cache: spec.shadow_cache,
             lines: vec![Ring::new(); parts.count()],
             l2: spec.l2.build(parts.bank(0), parts.cores, line),
+            port: Port::new(spec, &parts),
             dram: Dram::new(&spec.dram, spec.clock_mhz.get(), line, parts.channel(0)),
             replayed: Totals::default(),
             clock,
@@ -261,6 +265,20 @@ impl Links {
         self.horizon = if self.layout.has_lists() { shortest.min(list) } else { shortest };
         let first = self.layout.dynamic_part();
         self.l2.banks.iter_mut().for_each(|bank| bank.drop_from(first));
+        let Self { port, layout, clock, .. } = self;
+        if let Some(port) = port {
+            port.begin_frame(frame, layout, clock.now(), clock);
+        }
+    }
+
+    /// Whether the host's port lets a ray be handed over in cycle `now`.
+    pub(crate) fn port_lets_in(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_in(now))
+    }
+
+    /// Whether it lets the frame's end begin in cycle `now`.
+    pub(crate) fn port_lets_end(&self, now: u64) -> bool {
+        self.port.as_ref().is_none_or(|port| port.lets_end(now))
     }
 
     /// A ray comes back to traversal unit `unit`, from an operation of part `from` that ends in cycle `ends`.
@@ -290,10 +308,23 @@ impl Links {
         });
     }
 
+    /// Cycle `now` of the host's port to the DRAM.
+    pub(crate) fn tick_port(&mut self, now: u64) {
+        let Self { port, dram, clock, .. } = self;
+        if let Some(port) = port {
+            port.tick(now, dram, clock);
+        }
+    }
+
     /// Cycle `now` of channel `index` of the DRAM.
     pub(crate) fn tick_channel(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;
-        dram.tick(index, now, clock, |to, line| l2.banks[(to.0 - first) as usize].deliver(line, now + 1));
+        dram.tick(index, now, clock, |to, line| {
+            // What comes for the host's port, whose number is after the banks', is gone from the machine.
+            if let Some(bank) = l2.banks.get_mut((to.0 - first) as usize) {
+                bank.deliver(line, now + 1);
+            }
+        });
     }
 }

@@ -10,6 +10,7 @@ mod links;
 mod list;
 mod memory;
 mod pipeline;
+mod port;
 mod ray;
 mod routing;
 mod shadow_cache;

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use super::entries::{Entries, EntryAccess};
 use super::flight::Flight;
 use super::host::{Host, Place, Pulled};
+use super::port::Port;
 use crate::engine::error::RunError;
 use crate::engine::feed::Feed;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
@@ -14,13 +15,13 @@ use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, Header, RayKind, Step, Totals};
+use crate::stream::{Decision, FrameInfo, Header, RayKind, Step, Totals};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Given {
     /// A frame begins; the layout is that of the frame.
-    Frame,
+    Frame(FrameInfo),
     /// The ray comes to its traversal unit in that cycle.
     Traced(u32, u64),
     /// The ray, which is not traced, comes to a shadow-cache unit in that cycle.
@@ -63,6 +64,9 @@ pub(crate) struct Dispatch {
     /// The cycle of the last hand-over, and how many were made in it.
     last_at: u64,
     given_then: u64,
+    /// The first cycles in which the host's port lets a ray be handed over, and the frame's end begin.
+    pub lets_in_at: u64,
+    pub lets_end_at: u64,
     /// Cycles with a hand-over.
     pub busy: u64,
     /// What was performed since the frame began.
@@ -98,6 +102,8 @@ impl Dispatch {
             next_in_turn: 0,
             last_at: 0,
             given_then: 0,
+            lets_in_at: 0,
+            lets_end_at: 0,
             busy: 0,
             replayed: Totals::default(),
             entries: Entries::new(machine, header),
@@ -137,7 +143,7 @@ impl Dispatch {
                     Pulled::Frame(info) => {
                         layout.begin_frame(&info);
                         (self.phase, self.frame) = (Phase::Open, info.number);
-                        return Ok(Some(Given::Frame));
+                        return Ok(Some(Given::Frame(info)));
                     }
                     Pulled::End(steps, totals) => {
                         check_steps(&steps, layout)?;
@@ -175,7 +181,7 @@ impl Dispatch {
                     (flight.path_end, flight.next, flight.evaluating, flight.operand) = (0, 0, 0, operand);
                     flight.steps.clear();
                     flight.steps.push(step.pack());
-                    return Ok(Some(Given::Ending(id, at + 1)));
+                    return Ok(Some(Given::Ending(id, at.max(self.lets_end_at) + 1)));
                 }
                 _ => return Ok(self.hand_out(at, layout)?),
             }
@@ -213,6 +219,7 @@ impl Dispatch {
         self.entries.steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
         (flight.evaluating, flight.operand) = (0, false);
         (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
+        let at = at.max(self.lets_in_at);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);
         } else if self.given_then == self.spec.per_cycle.get() * self.cores as u64 {
@@ -231,6 +238,16 @@ impl Dispatch {
                 Given::Traced(id, self.last_at + self.spec.latency.get())
             }
         }))
+    }
+
+    /// What the host's port lets happen, and when.
+    pub(super) fn heed(&mut self, port: &Port) {
+        (self.lets_in_at, self.lets_end_at) = (port.lets_in_at(), port.lets_end_at());
+    }
+
+    /// The cycle of the last hand-over.
+    pub(crate) fn handed_over_at(&self) -> u64 {
+        self.last_at
     }
 
     /// The flight's next step was performed.

@@ -5,6 +5,7 @@ use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
 use super::entries::EntryAccess;
 use super::memory::Memory;
+use super::port::Port;
 use super::unit::Unit;
 use super::watch::Watch;
 use super::whereabouts::{Stage, Way, Whereabouts};
@@ -36,7 +37,11 @@ pub(crate) struct Profile<W = ()> {
     /// Of each division unit, when it can begin the next operation, and how many it began.
     divisions: Vec<(u64, u64)>,
     memory: Memory<W>,
+    /// The host's port to the DRAM.
+    port: Option<Port>,
     agenda: Agenda,
+    /// When the last two frames were over: the run is no shorter than the one before its last.
+    frames_over: [u64; 2],
     /// Whether the end of shading is on the agenda, under the number after all rays'.
     shading: bool,
 }
@@ -71,7 +76,9 @@ impl<W: Watch> Profile<W> {
             units: Kind::ALL.into_iter().flat_map(of_kind).collect(),
             crossing,
             memory: Memory::new(machine, watch),
+            port: Port::new(machine),
             agenda: Agenda::new(rays + 1),
+            frames_over: [0; 2],
             shading: false,
         }
     }
@@ -293,6 +300,13 @@ impl<W: Watch> Profile<W> {
                 }
             }
         }
+        if let Some(port) = &mut self.port
+            && (id as usize) < self.dispatch.pool()
+        {
+            let flight = &self.dispatch.flights[id as usize];
+            port.take_results(flight.kind, &flight.steps[..flight.path_end], now, &mut self.memory);
+            self.dispatch.heed(port);
+        }
         self.dispatch.done(id, now);
         self.await_shading();
     }
@@ -324,7 +338,11 @@ impl<W: Watch> Profile<W> {
         while let Some(given) = self.dispatch.next(at, feed, &mut self.layout)? {
             self.tell_frame(at, feed)?;
             let (id, at, holder, stage) = match given {
-                Given::Frame => {
+                Given::Frame(info) => {
+                    if let Some(port) = &mut self.port {
+                        port.begin_frame(&info, &self.layout, at, &mut self.memory);
+                        self.dispatch.heed(port);
+                    }
                     let first = self.layout.dynamic_part();
                     self.units.iter_mut().for_each(|unit| unit.drop_from(first, at, &mut self.memory));
                     self.memory.drop_from(first, at);
@@ -333,6 +351,12 @@ impl<W: Watch> Profile<W> {
                 Given::Traced(id, at) => (id, at, Holder::Traversal, Stage::Step),
                 Given::Skipped(id, at) | Given::Ending(id, at) => (id, at, Holder::ShadowCache, Stage::Policy),
             };
+            if let Some(port) = &mut self.port
+                && !matches!(given, Given::Ending(..))
+            {
+                port.hand_over(self.dispatch.handed_over_at(), &mut self.memory);
+                self.dispatch.heed(port);
+            }
             let undecided = matches!(given, Given::Skipped(..)) && self.dispatch.units_decide();
             self.rays[id as usize] = Whereabouts { stage, holder, undecided, ..Whereabouts::IDLE };
             self.agenda.put(at, id);
@@ -341,8 +365,9 @@ impl<W: Watch> Profile<W> {
     }
 
     /// Tells what was counted up to cycle `at` if a frame is over.
-    fn tell_frame(&self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
+    fn tell_frame(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
         if feed.wants_frame() {
+            self.frames_over = [self.frames_over[1], at + 1];
             feed.frame_counted(&self.tally(at + 1))?;
         }
         Ok(())
@@ -357,7 +382,8 @@ impl<W: Watch> Profile<W> {
     fn settle(&mut self, now: u64) -> u64 {
         let units = self.units.iter().map(Unit::settled_at).max().unwrap_or(0);
         self.units.iter_mut().for_each(|unit| unit.settle(u64::MAX, &mut self.memory));
-        let end = now.max(units).max(self.memory.settled_at());
+        let host = self.port.as_ref().map_or(0, Port::lets_end_at);
+        let end = now.max(units).max(host).max(self.memory.settled_at());
         self.memory.settle(u64::MAX);
         end.max(self.memory.settled_at())
     }
@@ -387,7 +413,7 @@ impl<W: Watch> Engine for Profile<W> {
             let queues = format!("rays in flight {}", self.dispatch.in_flight());
             return Err(RunError::Deadlock { cycle: last, queues });
         }
-        Ok(self.settle(last) + 1)
+        Ok((self.settle(last) + 1).max(self.frames_over[0]))
     }
 
     fn tally(&self, cycles: u64) -> Tally {
@@ -399,6 +425,7 @@ impl<W: Watch> Engine for Profile<W> {
             units: Kind::ALL.map(units),
             divisions: self.divisions.iter().map(|&(_, begun)| busy(begun * self.division.interval.get())).collect(),
             banks: self.memory.banks(),
+            port: self.port.as_ref().map(|port| port.counts.clone()).unwrap_or_default(),
             channels: self.memory.channels(cycles),
             ..Tally::default()
         }

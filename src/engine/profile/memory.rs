@@ -118,6 +118,11 @@ impl<W: Watch> Memory<W> {
         Accessed { bank: index, ready, missed: found == Found::Missing }
     }
 
+    /// A line that goes past all caches is asked for in cycle `at`; gives when its data has passed.
+    pub(super) fn ask_dram(&mut self, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> u64 {
+        self.dram.request(line, class, write, at)
+    }
+
     /// The L2s hold from now on what `banks` do.
     pub(super) fn hold(&mut self, banks: &[Cache]) {
         self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.level.hold(cache.tags()));

@@ -18,6 +18,7 @@ mod flight;
 mod host;
 mod level;
 mod memory;
+mod port;
 mod slots;
 mod unit;
 mod watch;

@@ -120,7 +120,7 @@ fn engines_agree_on_any_machine_and_stream() {
             let never = cause == Cause::Intake && kind != Kind::ShadowCache;
             assert!(if never { reached == 0 } else { reached > 4 || rare }, "{kind:?}: {cause:?}");
         }
-        let never = [Cause::Memory, Cause::Intake].contains(&cause);
+        let never = cause == Cause::Intake;
         assert!(all.iter().any(|tally| tally.dispatcher[cause as usize] > 0) != never, "{cause:?}");
     }
     let reached = |what: &str, count: fn(&Tally) -> u64| {
@@ -152,6 +152,10 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("reads of learned bits at a frame's end", |tally| tally.stores.added_reads);
     reached("updates gathered", |tally| tally.stores.gathered_writes);
     reached("rays that the host answers", |tally| tally.stores.answered_rays);
+    for class in [TrafficClass::Ray, TrafficClass::FrameBuffer, TrafficClass::Texture, TrafficClass::Build] {
+        let moves = |tally: &&Tally| tally.channels.iter().any(|channel| channel.moved[class as usize].0 > 0);
+        assert!(all.iter().filter(moves).count() > 20, "{class:?}");
+    }
     reached("reads past the L1", |tally| {
         tally.units[Kind::ShadowCache as usize].iter().flat_map(|unit| unit.read_straight).map(|past| past.count).sum()
     });

@@ -7,6 +7,7 @@ use super::{num, pow, pow_size, size};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::stores::StoreLayout;
+use crate::machine::traffic::{Build, RayBuffer, TrafficSpec};
 use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
 use crate::machine::writes::WritePolicy;
 use crate::memory::allocation::{Classes, NoAllocate};
@@ -95,7 +96,8 @@ fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
                 TrafficClass::ModeWord | TrafficClass::PixelCounter => shares[TrafficClass::Triangle as usize],
                 other => shares[other as usize],
             };
-            let classes = TrafficClass::ALL.into_iter().filter(|&class| share(class) == index);
+            let classes =
+                TrafficClass::ALL.into_iter().filter(|&class| share(class) == index && !class.goes_past_caches());
             (format!("c{index}"), HomeSpec { classes: classes.collect(), cache })
         };
         L2Spec::Split([a, b, c].into_iter().enumerate().map(home).collect())
@@ -205,6 +207,26 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     )
 }
 
+/// The host's own traffic: as often off as on.
+fn traffic() -> impl Strategy<Value = TrafficSpec> {
+    let rays = prop_oneof![Just(RayBuffer::Free), Just(RayBuffer::OnChip), Just(RayBuffer::Dram)];
+    let bytes = || prop_oneof![Just(0), 1..40u64, 1..400u64];
+    let build = (prop_oneof![Just(Build::Free), Just(Build::Written)], prop_oneof![2 => Just(0), 1 => 10..1000u64]);
+    let on = (rays, bytes(), bytes(), bytes(), bytes(), build, prop_oneof![1..4u64, 1..60u64]).prop_map(
+        |(rays, ray, hit, pixel, texture, (build, build_rate), queue)| TrafficSpec {
+            rays,
+            ray_bytes: size(ray.max(1)),
+            hit_bytes: size(hit.max(1)),
+            pixel_bytes: size(pixel),
+            texture_bytes: size(texture),
+            build,
+            build_rate: num(build_rate),
+            queue: num(queue),
+        },
+    );
+    prop_oneof![Just(TrafficSpec::default()), on]
+}
+
 /// Lights of a scene: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
 pub(crate) fn lights() -> impl Strategy<Value = u32> {
     prop_oneof![Just(1), Just(2), Just(6), Just(8), Just(9), Just(14), Just(20), Just(40)]
@@ -220,9 +242,9 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let intervals = prop::collection::vec(prop_oneof![3 => Just(1), 1 => 1..40u64], 5);
     let cores = prop_oneof![2 => Just(1), 1 => 2..4u64];
     let more = (1..4u64, 1..5u64, 1..4u64, 1..4u64, 1..4u64, cores, 1..6u64, 1..4u64);
-    let rest = (50..4000u64, words(), 1..4000u64, (intervals, more, latency(300)));
+    let rest = (50..4000u64, words(), 1..4000u64, (intervals, more, latency(300)), traffic());
     (counts, latencies, caches, dram(line).boxed(), rest).prop_map(
-        move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency)))| {
+        move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency), traffic))| {
             let mut machine =
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow_size(line), dram, ..MachineSpec::default() };
             // About the shortest interval of refreshes that is allowed, and a little more.
@@ -240,7 +262,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.intersection.queue = num(counts.4);
             machine.dispatcher.rays = num(counts.5);
             machine.dispatcher.per_cycle = num(counts.6);
-            machine.shadow_cache = words;
+            (machine.shadow_cache, machine.traffic) = (words, traffic);
             machine.dispatcher.latency = num(latencies.0);
             machine.traversal.latency = num(latencies.1);
             machine.intersection.latency = num(latencies.2);

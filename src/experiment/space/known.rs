@@ -12,14 +12,14 @@ use crate::replay::{Demand, Estimate};
 /// The most passes over a stream for a machine of the experiment. With more, one must do for all.
 const MOST: usize = 8;
 
-/// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of lines
-/// and the places of words; and as the experiment's machine `base` in what an estimate works out, such as sizes,
+/// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of lines,
+/// the places of words and what the host moves; and as the experiment's machine `base` in what an estimate works out, such as sizes,
 /// numbers and times.
 fn reference(machine: &MachineSpec, base: &MachineSpec) -> MachineSpec {
     let ShadowCacheSpec { count, latency, interval, contexts, width, cache, .. } = base.shadow_cache;
     let unit = ShadowCacheSpec { count, latency, interval, contexts, width, cache, ..machine.shadow_cache };
-    let MachineSpec { line_bytes, cores, .. } = *machine;
-    let reference = MachineSpec { line_bytes, cores, shadow_cache: unit, ..base.clone() };
+    let MachineSpec { line_bytes, cores, traffic, .. } = *machine;
+    let reference = MachineSpec { line_bytes, cores, traffic, shadow_cache: unit, ..base.clone() };
     // Sizes of the one may not fit lines of the other.
     if reference.check().is_ok() { reference } else { MachineSpec { name: base.name.clone(), ..machine.clone() } }
 }
@@ -74,7 +74,7 @@ mod tests {
         for (path, value) in [("l2.bytes", "65536"), ("traversal.count", "3"), ("shadow_cache.cache.ways", "4")] {
             assert_eq!(reference(&with(path, value), &base), base, "{path}");
         }
-        for (path, value) in [("shadow_cache.place", "L2"), ("line_bytes", "128")] {
+        for (path, value) in [("shadow_cache.place", "L2"), ("line_bytes", "128"), ("traffic.rays", "Dram")] {
             assert_eq!(reference(&with(path, value), &base), with(path, value), "{path}");
         }
     }

@@ -46,6 +46,9 @@ pub(crate) fn class_color(class: TrafficClass) -> Color {
         TrafficClass::PixelCounter => ORANGE,
         TrafficClass::OccluderId => YELLOW,
         TrafficClass::Ray => PURPLE,
+        TrafficClass::FrameBuffer => RGBAColor(PURPLE.0, PURPLE.1, PURPLE.2, 0.65),
+        TrafficClass::Texture => RGBAColor(PURPLE.0, PURPLE.1, PURPLE.2, 0.35),
+        TrafficClass::Build => GREY,
     }
 }
 

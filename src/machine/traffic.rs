@@ -1,0 +1,225 @@
+//! The spec of the host's own traffic with the DRAM, and the lines that it comes to.
+//!
+//! Rays, hits, pixels and texels follow one another in regions of their own; the dynamic part of the scene lies where
+//! the layout puts it. This file knows no time: when a line is read or written, and what waits for that, engines say.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::quantity::LineAddr;
+use crate::ranged::{Size, Within};
+use crate::stats::TrafficClass;
+use crate::stream::{FrameInfo, RayKind, Step, Stop};
+
+/// Where rays from the host, and hits back to it, lie in between.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum RayBuffer {
+    /// In the FIFOs alone: they cost nothing more.
+    #[default]
+    Free,
+    /// In a buffer on the chip, whose bytes are counted.
+    OnChip,
+    /// In the DRAM.
+    Dram,
+}
+
+/// Whether the dynamic part of the scene is written anew in each frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Build {
+    /// It is there.
+    #[default]
+    Free,
+    /// Its nodes, lists and triangle records are written to the DRAM when the frame begins.
+    Written,
+}
+
+/// Traffic of the host and of a builder with the DRAM, which goes past all caches. All of it is off by default.
+///
+/// Source: a ray of 32 bytes is an origin, a direction and the ends of an interval, a hit of 16 bytes a distance, two
+/// barycentric coordinates and a triangle, all of 4 bytes (assumed: DXR and Vulkan have these fields). PowerVR GR6500
+/// (2014) builds 100 million dynamic triangles a second. The queue is assumed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(default, deny_unknown_fields)]
+pub struct TrafficSpec {
+    /// Where rays from the host, and hits back to it, lie in between.
+    pub rays: RayBuffer,
+    /// Bytes that the accelerator reads for a ray.
+    pub ray_bytes: Size<1, 4096>,
+    /// Bytes that it writes for a ray that is done.
+    pub hit_bytes: Size<1, 4096>,
+    /// Bytes of the frame buffer that the host writes for a primary ray that is done; 0 for none.
+    pub pixel_bytes: Size<0, 4096>,
+    /// Bytes of textures that the host reads for a hit of a ray that is no shadow ray; 0 for none.
+    pub texture_bytes: Size<0, 4096>,
+    /// Whether the dynamic part of the scene is written anew in each frame.
+    pub build: Build,
+    /// Dynamic triangles that a builder builds in a second, before the frame's first ray; 0 for a builder that works
+    /// while the frame before is traced.
+    #[schemars(extend("unit" = "million triangles a second"))]
+    pub build_rate: Within<0, 1_000_000>,
+    /// Lines that wait for the DRAM, from which on no ray is handed over.
+    pub queue: Within<1, 65_536>,
+}
+
+impl Default for TrafficSpec {
+    fn default() -> Self {
+        Self {
+            rays: RayBuffer::Free,
+            ray_bytes: const { Size::literal(32) },
+            hit_bytes: const { Size::literal(16) },
+            pixel_bytes: const { Size::literal(0) },
+            texture_bytes: const { Size::literal(0) },
+            build: Build::Free,
+            build_rate: const { Within::literal(0) },
+            queue: const { Within::literal(64) },
+        }
+    }
+}
+
+impl TrafficSpec {
+    /// Whether anything of it reaches the DRAM, or takes time.
+    pub fn is_on(&self) -> bool {
+        self.rays == RayBuffer::Dram
+            || self.pixel_bytes.get() > 0
+            || self.texture_bytes.get() > 0
+            || self.build == Build::Written
+            || self.build_rate.get() > 0
+    }
+
+    /// The same with the scene of each frame there when it begins.
+    pub fn without_build(self) -> Self {
+        let Self { build, build_rate, .. } = Self::default();
+        Self { build, build_rate, ..self }
+    }
+
+    /// Cycles of a clock of so many MHz in which the dynamic part of a frame is built, while its rays wait.
+    pub fn build_cycles(&self, frame: &FrameInfo, clock_mhz: u64) -> u64 {
+        let triangles = u64::from(frame.dynamic_slots);
+        if self.build_rate.get() == 0 { 0 } else { (triangles * clock_mhz).div_ceil(self.build_rate.get()) }
+    }
+}
+
+/// Lines that follow one another and are read or written in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Run {
+    /// What they are for.
+    pub class: TrafficClass,
+    /// Whether they are written.
+    pub write: bool,
+    /// The first.
+    pub first: LineAddr,
+    /// How many.
+    pub lines: u64,
+}
+
+/// Elements that follow one another in a region of memory. A line is read or written once, with the first element that
+/// has a byte in it: those that follow find it in a register.
+#[derive(Clone, Copy, Debug)]
+struct Region {
+    class: TrafficClass,
+    write: bool,
+    /// Where the region begins, and its bytes so far.
+    base: u64,
+    used: u64,
+}
+
+impl Region {
+    /// Region number `number`. Regions are 1 TiB apart, above everything that a stream can name.
+    fn new(number: u64, class: TrafficClass, write: bool) -> Self {
+        Self { class, write, base: number << 40, used: 0 }
+    }
+
+    /// The lines of the next element that the elements before it had no byte in.
+    fn next(&mut self, bytes: u64, line: u64) -> Run {
+        let first = self.used.div_ceil(line);
+        self.used += bytes;
+        let lines = self.used.div_ceil(line) - first;
+        Run { class: self.class, write: self.write, first: LineAddr(self.base / line + first), lines }
+    }
+}
+
+/// What a machine's host reads and writes.
+#[derive(Clone, Debug)]
+pub(crate) struct HostTraffic {
+    spec: TrafficSpec,
+    line: u64,
+    rays: Region,
+    hits: Region,
+    pixels: Region,
+    textures: Region,
+}
+
+impl HostTraffic {
+    /// That of a machine with lines of `line` bytes, before a stream begins; none if all of it is off.
+    pub(crate) fn new(spec: &TrafficSpec, line: u64) -> Option<Self> {
+        spec.is_on().then(|| Self {
+            spec: *spec,
+            line,
+            rays: Region::new(1, TrafficClass::Ray, false),
+            hits: Region::new(2, TrafficClass::Ray, true),
+            pixels: Region::new(3, TrafficClass::FrameBuffer, true),
+            textures: Region::new(4, TrafficClass::Texture, false),
+        })
+    }
+
+    /// The accelerator gets a ray.
+    pub(crate) fn ray(&mut self) -> Option<Run> {
+        let bytes = if self.spec.rays == RayBuffer::Dram { self.spec.ray_bytes.get() } else { 0 };
+        some(self.rays.next(bytes, self.line))
+    }
+
+    /// The host takes the results of a ray of a kind with a packed path: writes of the hit and of the pixel, then the
+    /// reads of textures.
+    pub(crate) fn result(&mut self, kind: RayKind, path: &[u32]) -> impl Iterator<Item = Run> + use<> {
+        let Self { spec, line, hits, pixels, textures, .. } = self;
+        let hit = if spec.rays == RayBuffer::Dram { spec.hit_bytes.get() } else { 0 };
+        let pixel = if kind == RayKind::Primary { spec.pixel_bytes.get() } else { 0 };
+        let is_textured = spec.texture_bytes.get() > 0 && kind != RayKind::Shadow && hits_something(path);
+        let texels = if is_textured { spec.texture_bytes.get() } else { 0 };
+        let runs = [hits.next(hit, *line), pixels.next(pixel, *line), textures.next(texels, *line)];
+        runs.into_iter().filter_map(some)
+    }
+
+    /// A frame begins whose dynamic arrays lie in these lines.
+    pub(crate) fn built(&self, arrays: [(LineAddr, u64); 3]) -> impl Iterator<Item = Run> + use<> {
+        let written = self.spec.build == Build::Written;
+        let run = |(first, lines)| Run { class: TrafficClass::Build, write: true, first, lines };
+        arrays.into_iter().filter(move |_| written).filter_map(move |array| some(run(array)))
+    }
+}
+
+/// A run that has lines.
+fn some(run: Run) -> Option<Run> {
+    (run.lines > 0).then_some(run)
+}
+
+/// Whether a test of a packed path hits.
+fn hits_something(path: &[u32]) -> bool {
+    path.iter().any(|&word| matches!(Step::unpack(word), Some(Step::Triangle { stop: Stop::Hit, .. })))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_is_moved_with_the_first_element_in_it() {
+        let mut region = Region::new(1, TrafficClass::Ray, false);
+        let mut lines = |bytes| {
+            let Run { first, lines, .. } = region.next(bytes, 64);
+            (first.0 - (1 << 34), lines)
+        };
+        // Elements of 48 bytes: the second one ends in the second line, the third one in the third, the fourth there.
+        assert_eq!([lines(48), lines(48), lines(48), lines(48)], [(0, 1), (1, 1), (2, 1), (3, 0)]);
+        assert_eq!([lines(0), lines(200)], [(3, 0), (3, 4)]);
+    }
+
+    #[test]
+    fn building_takes_the_stated_rate() {
+        let spec = TrafficSpec { build_rate: Within::literal(100), ..TrafficSpec::default() };
+        let frame = FrameInfo { dynamic_slots: 62_490, ..FrameInfo::default() };
+        // 62,490 triangles at 100 million a second are 625 microseconds.
+        assert_eq!(spec.build_cycles(&frame, 500), 312_450);
+        assert_eq!(spec.without_build().build_cycles(&frame, 500), 0);
+    }
+}
