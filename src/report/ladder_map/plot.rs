@@ -51,8 +51,8 @@ fn figure(map: &LadderMap) -> Drawn<'_> {
     let height: i32 = panels.iter().map(|(_, rows)| HEAD + rows.len() as i32 * ROW).sum();
     Drawn {
         title: finding(map),
-        about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in more than \
-                one of the samples."
+        about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in \
+                more than one of the samples."
             .into(),
         key: LOOKS.map(|(_, name, color)| (name.to_owned(), pale(color))).into(),
         data: grid(map),

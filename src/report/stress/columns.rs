@@ -25,7 +25,7 @@ pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i
 }
 
 /// A name such as `OccluderGrid` or `all repairs` in lines of a word each.
-fn lines(name: &str) -> Vec<String> {
+pub(super) fn lines(name: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for letter in name.chars() {
         match lines.last_mut() {

@@ -3,6 +3,7 @@
 use minijinja::{Value, context};
 use serde::Serialize;
 
+use super::columns::lines;
 use super::data::{CaseSummary, Effect, FrameWrong, ModelVerdict, Outcome, StressPolicy, StressSummary};
 use super::section::Section;
 use super::{failure_map, over_frames};
@@ -90,7 +91,7 @@ impl Report for StressSummary {
         let context = context! {
             verdict => failure_map::verdict(self),
             looks => template::key(&failure_map::key()),
-            policies => self.policies.iter().map(|policy| policy.name.clone()).collect::<Vec<_>>(),
+            policies => self.policies.iter().map(|policy| lines(&policy.name)).collect::<Vec<_>>(),
             over_frames => template::plots(plots, &Section::OverFrames),
             broken => self.broken(),
             totals => table(

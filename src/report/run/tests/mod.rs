@@ -274,6 +274,12 @@ fn the_page_has_every_part_and_needs_no_other_file() {
 }
 
 #[test]
+fn the_samples_page_is_small() {
+    let page = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/reports/sample/index.html")).unwrap();
+    assert!(page.len() < 500_000, "{} bytes", page.len());
+}
+
+#[test]
 fn the_same_run_gives_the_same_bytes_and_so_does_drawing_again() {
     let (_dir, target) = place();
     let report = sample(&[0, 16]);
