@@ -1,10 +1,10 @@
 //! Wrong decisions of each case over its frames.
 
-use super::columns::{COLUMNS, HEAD, ROW, head};
+use super::columns::{HEAD, ROW, first_column, head};
 use super::data::{CaseSummary, FrameWrong, Outcome, StressSummary};
 use super::section::Section;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
-use crate::report::draw::palette::{GRID, VERMILLION};
+use crate::report::draw::palette::{GRID, INK, VERMILLION};
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{counted, exact};
 use crate::report::grid::Grid;
@@ -62,10 +62,10 @@ fn draw_case(
     bottom: i32,
     width: i32,
 ) -> Result<(), DrawError> {
-    canvas.text(&case.name, (LEFT, bottom - 14), Text::LABEL)?;
+    canvas.text(&case.name, (LEFT, bottom - 14), Text::NOTE.colored(INK))?;
     let most = case.policies.iter().flatten().map(FrameWrong::wrong).max().unwrap_or(0).max(1);
     for (place, &column) in (0..).zip(columns) {
-        let (left, frames) = (COLUMNS + place * width, &case.policies[column]);
+        let (left, frames) = (first_column(canvas) + place * width, &case.policies[column]);
         canvas.line(vec![(left, bottom), (left + width - 8, bottom)], GRID, 1)?;
         let bar = ((width - 8) / frames.len().max(1) as i32).max(1);
         for (frame, wrong) in (0..).zip(frames) {
