@@ -33,8 +33,8 @@ pub(super) struct Replay {
     /// Event, rate: 0.05), or Auto(error: 0.02)
     #[arg(long, value_name = "LEVEL", default_value_t)]
     fidelity: Fidelity,
-    /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share
-    /// [example: 1%]
+    /// Sample, with more and more windows, until the 95 % intervals of cycles and of L2 and DRAM bytes are within this
+    /// share [example: 1%]
     #[arg(long, value_name = "SHARE")]
     target_error: Option<Share>,
     /// Write all measurements to this file too, as JSON; without a name, to standard output

@@ -88,7 +88,8 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     let machines = if machines { &experiment.machines } else { &none };
     let finished = std::thread::scope(|scope| {
         let mut replays = Replays::default();
-        let fidelity = experiment.spec.fidelity;
+        // Policies are compared.
+        let fidelity = experiment.spec.fidelity.compared();
         for (_, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
                 for role in roles(experiment, policy) {

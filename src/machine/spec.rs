@@ -273,6 +273,10 @@ mod tests {
                 "(l2: Split({\"a\": (classes: [node], cache: ()), \"b\": (classes: [node], cache: ())}))",
                 "more than one home for `node` (a, b)",
             ),
+            (
+                "(l2: Split({\"a\": (classes: [node, list, triangle, mode_word, pixel_counter, occluder_id, ray, texture], cache: ())}))",
+                "a home for `texture` (a), which goes past all caches",
+            ),
             ("(l2: Split({\"L2\": (classes: [node], cache: ())}))", "a cache `L2`: small letters"),
             (
                 "(shadow_cache: (layout: Beside), l2: Split({\"a\": (classes: [mode_word], cache: ()), \"b\": (classes: [node, list, triangle, pixel_counter, occluder_id, ray], cache: ())}))",

@@ -47,7 +47,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             Ok(Found::End(end.unwrap_or_default()))
         }
         JobWork::Window(work) => {
-            let WindowWork { size, hits, before, own, behind } = work.as_ref();
+            let WindowWork { hits, before, own, behind } = work.as_ref();
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];
@@ -59,7 +59,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
                     feed.items.push_back(Item::Rays(Arc::clone(&part.rays)));
                 }
             }
-            let (own, group) = (own.known.columns(&capacity), sum.columns(&capacity));
+            let (lines, own, group) = (own.known.dram, own.known.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
@@ -73,9 +73,10 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
                 figures: difference(&closed.figures, &opened.figures),
             };
             let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::marked(&tally));
-            let asked = Part { known: own, figures: asked_for(&inside.figures, all_missed, own_missed, machine) };
+            let asked =
+                Part { known: own, figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
-            let window = Window { size: *size, hits: hits.clone(), operations: own[OPERATIONS], spans };
+            let window = Window { hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
         }
     }
@@ -104,12 +105,24 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
 
 /// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed,
 /// instead of those that were missed between the marks. What is written, what is read past an L1, and what is missed
-/// for entries of stores when a register writes them out for no ray, is that of the marks.
-fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpec) -> Figures {
+/// for entries of stores when a register writes them out for no ray, is that of the marks. The host's own `lines` are
+/// known.
+fn asked_for(
+    inside: &Figures,
+    (missed, own): (Missed, Missed),
+    lines: &PerClass<u64>,
+    machine: &MachineSpec,
+) -> Figures {
     const MISSES: usize = CacheCounts::place("misses");
     let line = machine.line_bytes.get() as f64;
     let (mut figures, mut l2_bytes, mut dram_bytes) = (Figures::new(), 0.0, 0.0);
     for class in TrafficClass::ALL {
+        if class.is_of_host() {
+            let bytes = lines[class as usize] as f64 * line;
+            figures.insert(Figure::Bytes(MemoryLevel::Dram, class), bytes);
+            dram_bytes += bytes;
+            continue;
+        }
         let of_scene = matches!(class, TrafficClass::Node | TrafficClass::List | TrafficClass::Triangle);
         let is_of_rays = of_scene || machine.shadow_cache.register.get() == 0;
         let more = |own: &PerClass<u64>, missed: &PerClass<u64>| {
@@ -122,9 +135,7 @@ fn asked_for(inside: &Figures, missed: Missed, own: Missed, machine: &MachineSpe
             figures.insert(figure, value);
             value
         };
-        if !class.goes_past_caches() {
-            l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
-        }
+        l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
         dram_bytes += own(Figure::Bytes(MemoryLevel::Dram, class), more_of_dram * line);
         // Counts of a cache are there all together or not at all.
         let misses = Figure::Cache(home, class, MISSES);

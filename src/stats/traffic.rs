@@ -48,6 +48,11 @@ impl TrafficClass {
     /// to the DRAM, as those of rays do.
     pub const CACHED: usize = 7;
 
+    /// Whether it is the host's own: no cache of the machine keeps its lines.
+    pub fn is_of_host(self) -> bool {
+        self == Self::Ray || self.goes_past_caches()
+    }
+
     /// Whether its lines have no home in an L2.
     pub fn goes_past_caches(self) -> bool {
         self as usize >= Self::CACHED

@@ -92,7 +92,7 @@ impl Demand {
     /// Bytes that the host moved in the pass.
     fn host_bytes(&self) -> u64 {
         let classes = self.stats.bytes.get("dram").into_iter().flatten();
-        classes.filter(|(class, _)| is_of_host(**class)).map(|(_, bytes)| bytes.0).sum()
+        classes.filter(|(class, _)| class.is_of_host()).map(|(_, bytes)| bytes.0).sum()
     }
 
     /// Accesses and misses that the pass counted in a cache, by class.
@@ -174,16 +174,11 @@ impl Demand {
         let bytes = (fetched as u64 + written) * machine.line_bytes.get();
         let moved = (stats.moved("dram").0 - self.host_bytes()) as f64;
         if let Some(classes) = stats.bytes.get_mut("dram") {
-            let cached = classes.iter_mut().filter(|(class, _)| !is_of_host(**class));
+            let cached = classes.iter_mut().filter(|(class, _)| !class.is_of_host());
             cached.for_each(|(_, of)| *of = Bytes(scale(of.0 as f64, moved, bytes as f64) as u64));
         }
         stats
     }
-}
-
-/// Whether lines of a class are the host's own, which go past all caches.
-fn is_of_host(class: TrafficClass) -> bool {
-    class == TrafficClass::Ray || class.goes_past_caches()
 }
 
 /// `found` times what `known` is of `reference`; as it is where that says nothing.

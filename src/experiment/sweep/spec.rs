@@ -19,7 +19,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ranged::Within;
-use crate::replay::{Fidelity, Share};
+use crate::replay::{Cut, Fidelity, Share};
 use crate::report::format::counted;
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
@@ -107,6 +107,9 @@ pub(in super::super) struct Sweep {
     pub(in super::super) space: Option<SpaceSpec>,
     /// Combinations, and those that are no machines.
     pub(in super::super) combined: Combined,
+    /// How samples cut streams: alike for all machines, so that what a field changes is told window by window. None
+    /// where nothing is sampled.
+    pub(in super::super) cut: Option<Cut>,
 }
 
 /// Combinations of values in a space.
@@ -162,17 +165,21 @@ impl Sweep {
             }
             fields.push(Field { path: field.into(), values: tried.values });
         }
-        let mut sweep = Self { experiment, fields, machines: Vec::new(), space: None, combined: Combined::default() };
+        let combined = Combined::default();
+        let mut sweep = Self { experiment, fields, machines: Vec::new(), space: None, combined, cut: None };
         sweep.combine(spec.points).map_err(wrong)?;
+        if sweep.experiment.spec.fidelity.samples() {
+            let cut = |machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec));
+            sweep.cut = Cut::common((0..sweep.len()).map(cut).collect::<Result<Vec<_>, _>>()?);
+        }
         Ok(sweep)
     }
 
     /// The values that the varied fields have in the machines' files.
     pub(in super::super) fn own_values(&self) -> Vec<Own> {
         let of_machine = |(name, spec): (&str, &MachineSpec)| -> Vec<Own> {
-            let spec = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
             let own = |field: &Field| {
-                let value = field.path.split('.').try_fold(&spec, |place, name| place.get(name))?;
+                let value = set::value(spec, &field.path)?;
                 let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
                 Some(Own { machine: name.into(), field: field.path.clone(), value: text })
             };

@@ -32,7 +32,7 @@ fn shipped() -> (Summary, Value) {
 
 /// The numbers below a value, but for those that say which frame or light others are of and how they were estimated.
 fn numbers(value: &Value, found: &mut Vec<f64>) {
-    const APART: [&str; 5] = ["frame", "light", "warmup", "half_widths", "needs"];
+    const APART: [&str; 6] = ["frame", "light", "warmup", "half_widths", "residuals", "choice"];
     match value {
         Value::Number(number) => found.push(number.as_f64().unwrap()),
         Value::Array(values) => values.iter().for_each(|value| numbers(value, found)),

@@ -1,5 +1,6 @@
 //! The report of a run: what culling policies did, what machines measured, pictures, and a page that shows all.
 
+mod choice;
 mod files;
 mod findings;
 pub(super) mod frames_csv;

@@ -16,8 +16,8 @@ use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
 use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
-    ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, L1Counts, LatencyCounts, Limit,
+    MachineStats, QueueCounts, Residual, Residuals, TrafficClass, Why,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -138,23 +138,14 @@ fn machine(share: f64, words: u64) -> MachineRun {
             classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
         }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
-        needs: Some(Needs {
-            target: 0.02,
-            pilot_share: 0.002,
-            parts: vec![PartNeed {
-                part: "L2".into(),
-                cycles: Some(-0.2),
-                l2_bytes: Some(0.001),
-                dram_bytes: Some(-1.0),
-                matters: true,
-            }],
-            models: vec![ModelCheck {
-                model: "Profile".into(),
-                error: Some(0.007),
-                held_back: Some(0.009),
-                passes: true,
-            }],
+        // Of windows of its own.
+        residuals: Some(Residuals {
+            window_pixels: 512,
+            seed: (joules * 1e6) as u64,
+            freedom: [8.0; 3],
+            points: vec![Residual { place: 0.5, stratum: 0, weight: 2.0, errors: [0.01; 3] }],
         }),
+        choice: Some(Choice { target: 0.02, windows: 24, of: 480, cost: 0.25, why: Why::Sampled }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
     };
