@@ -1,6 +1,6 @@
 //! The report of a replay: the numbers of each machine, without plots and without a page.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::csv_table::CsvTable;
 use super::draw::{DrawError, Drawing};
@@ -12,7 +12,7 @@ use crate::named::Named;
 use crate::stats::MachineStats;
 
 /// What machines measured on a recorded stream; `summary.json` holds it.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReplaySummary {
     scene: String,
     machines: Named<MachineSummary>,
