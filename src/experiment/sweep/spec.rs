@@ -208,6 +208,11 @@ impl Sweep {
         self.machines[index].base
     }
 
+    /// Whether a machine has no other values than its file.
+    pub(in super::super) fn is_as_in_its_file(&self, index: usize) -> bool {
+        self.machines[index].values.is_empty()
+    }
+
     /// The places that a machine's values have among those that its fields are tried with.
     pub(in super::super) fn places(&self, index: usize) -> impl Iterator<Item = usize> {
         self.machines[index].values.iter().map(|(_, place)| *place)

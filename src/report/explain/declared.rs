@@ -255,6 +255,17 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
          (bytes_per_ray x shadow_rays)",
     ),
     ("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
+    ("points.*.effect.cycles_ratio", "ratio", "of a sweep's point: cycles over those of the machine as in its file"),
+    (
+        "points.*.effect.dram_bytes_ratio",
+        "ratio",
+        "of a sweep's point: DRAM bytes over those of the machine as in its file",
+    ),
+    (
+        "points.*.effect.half_widths.*",
+        "share",
+        "half the widths of the 95 % intervals of the two ratios, if they are of samples",
+    ),
     ("points.*.hit_rate.*.*", "share", "of a sweep's point: hits / accesses of a kind of cache and a class, as it is"),
     (
         "designs.*.wrong_pixels",

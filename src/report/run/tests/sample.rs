@@ -267,7 +267,10 @@ pub(crate) fn sweep() -> SweepSummary {
     let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
     let totals = frame(0, 0.2, 0).totals;
     let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
-    let point = |changes| SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals);
+    let point = |changes: Vec<Change>| {
+        let own = (!changes.is_empty()).then_some(&free);
+        SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals, own)
+    };
     SweepSummary {
         experiment: "kitchen <sample>".into(),
         scene: "kitchen".into(),
