@@ -1,4 +1,4 @@
-//! Student's t, for 95 % intervals of what few values tell.
+//! Student's t, and variances of sums over strata, for 95 % intervals of what few values tell.
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
@@ -8,9 +8,61 @@ pub(crate) fn student(freedom: f64) -> f64 {
     StudentsT::new(0.0, 1.0, freedom.min(1e6)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
+/// The variance of a sum over strata, as the values that were drawn tell it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Variance {
+    /// The variance.
+    pub value: f64,
+    /// Degrees of freedom: strata that vary more than others count for few (Welch 1947, whose -2 and +2 set right that
+    /// the variances are estimates themselves). None where nothing varies.
+    freedom: Option<f64>,
+}
+
+impl Variance {
+    /// The variance of the sum of values, each with the number of its stratum.
+    pub(crate) fn stratified(values: impl IntoIterator<Item = (usize, f64)>) -> Self {
+        let mut strata: Vec<Vec<f64>> = Vec::new();
+        for (stratum, value) in values {
+            strata.resize(strata.len().max(stratum + 1), Vec::new());
+            strata[stratum].push(value);
+        }
+        let (mut variance, mut squares) = (0.0, 0.0);
+        for here in strata {
+            let some = here.len() as f64;
+            if some > 1.0 {
+                let mean = here.iter().sum::<f64>() / some;
+                let here = here.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (some - 1.0) * some;
+                variance += here;
+                squares += here * here / (some + 1.0);
+            }
+        }
+        let freedom = (squares > 0.0).then(|| variance * variance / squares - 2.0);
+        Self { value: variance, freedom }
+    }
+
+    /// Degrees of freedom, of which there are at most so many.
+    pub(crate) fn freedom(&self, most: f64) -> f64 {
+        self.freedom.map_or(most, |freedom| most.min(freedom.max(1.0)))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn strata_that_vary_more_count_for_few() {
+        let pairs = |spread: [f64; 4]| {
+            let of = |(stratum, spread): (usize, f64)| [(stratum, 5.0), (stratum, 5.0 + spread)];
+            Variance::stratified(spread.into_iter().enumerate().flat_map(of))
+        };
+        // Two values that are d apart: their sum has a variance of d squared.
+        assert_eq!(pairs([1.0, 2.0, 0.0, 3.0]).value, 14.0);
+        assert_eq!(pairs([2.0; 4]).freedom(4.0), 4.0);
+        assert_eq!(pairs([2.0; 4]).freedom(100.0), 10.0);
+        assert_eq!(pairs([9.0, 0.0, 0.0, 0.0]).freedom(4.0), 1.0);
+        assert_eq!(pairs([0.0; 4]), Variance::default());
+    }
 
     #[test]
     fn students_t_by_the_table() {

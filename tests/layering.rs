@@ -29,7 +29,7 @@ const ROOMS: &[(&str, &[&str])] = &[
     ("spread", &[]),
     ("student", &[]),
     ("surrogate", &["random", "student"]),
-    ("stats", &["quantity", "counters"]),
+    ("stats", &["quantity", "counters", "student"]),
     ("stream", &["quantity", "output", "input", "counters"]),
     // The functional wing.
     ("scene", &["quantity", "random", "ranged", "input"]),

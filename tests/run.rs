@@ -236,7 +236,7 @@ fn a_sampled_replay_is_the_same_on_any_number_of_threads() {
     let (stream, machine) = (Path::new(ROOT).join("traces/quickstart.rays"), config("machines/small.ron"));
     let by = |threads: &str| {
         let replay = ["replay", stream.to_str().unwrap(), "--machine", machine.to_str().unwrap(), "--json", "x.json"];
-        let sampled = ["--fidelity", "Sampled(engine: Profile, rate: 0.3)", "--threads", threads];
+        let sampled = ["--fidelity", "Sampled(engine: Profile, rate: 0.6)", "--threads", threads];
         desk.succeed(&[&replay[..], &sampled].concat());
         json(fs::read(desk.path("x.json")).unwrap())
     };

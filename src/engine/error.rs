@@ -45,9 +45,10 @@ pub enum RunError {
     /// Whoever watches the run has failed.
     #[error(transparent)]
     Observer(io::Error),
-    /// No window was drawn.
+    /// So few windows tell nothing.
     #[error(
-        "none of the stream's {windows} windows of {pixels} pixels is in the sample of {rate} of them: a higher `rate` is needed"
+        "a sample of {rate} of the stream's {windows} windows of {pixels} pixels is too small to tell anything: \
+         {advice}"
     )]
     Sample {
         /// Windows of the stream.
@@ -56,6 +57,8 @@ pub enum RunError {
         pixels: usize,
         /// The share that was asked for.
         rate: f64,
+        /// What to do.
+        advice: String,
     },
     /// Nothing moves.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]

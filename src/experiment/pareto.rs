@@ -115,7 +115,7 @@ pub(crate) fn pareto(
             for (policy, stream) in recorded.iter().enumerate() {
                 let timed = |rung| {
                     let begin = Instant::now();
-                    let stats = replay(machine, rung, stream, stop);
+                    let stats = replay(machine, (rung, None), stream, stop);
                     bar.inc(1);
                     stats.map(|stats| (stats, begin.elapsed().as_secs_f64()))
                 };
@@ -128,7 +128,7 @@ pub(crate) fn pareto(
                     found.push(match timed(*rung) {
                         Ok((stats, seconds)) => {
                             timing.add(seconds, truth_seconds, stream.rays());
-                            Found::Measured(Measured { figures: Figures::of(&stats), accuracy: stats.accuracy })
+                            Found::Measured(Measured::of(stats))
                         }
                         Err(error) => Found::Refused { refused: refusal(error)? },
                     });

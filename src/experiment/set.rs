@@ -76,6 +76,13 @@ pub(super) fn field<T: Serialize + DeserializeOwned>(spec: &T, path: &str, value
     })
 }
 
+/// The value of the field at `path`, which is that of [`field`]; none if there is no such field.
+pub(super) fn value(spec: &impl Serialize, path: &str) -> Option<Value> {
+    let mut all = data(spec);
+    let found = path.split('.').try_fold(&mut all, |place, name| inside(place, name).get_mut(name));
+    found.map(Value::take)
+}
+
 fn data(spec: &impl Serialize) -> Value {
     serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold")
 }
@@ -146,6 +153,16 @@ mod tests {
         assert!(error("clock_mhz.x", "1").contains("`clock_mhz` has no fields of its own"));
         assert!(error("shadow_cache.place", "Onw").contains("expected one of `Own`, `Triangle`, `L2`, `Free`"));
         assert!(error("shadow_cache.count", "0").contains("0 is not allowed here: a whole number from 1 to 64 is"));
+    }
+
+    #[test]
+    fn a_value_is_found_where_it_is_set() {
+        let machine = field(&MachineSpec::default(), "l2.bytes", "256 KiB").unwrap();
+        for path in ["l2.bytes", "l2.Unified.bytes"] {
+            assert_eq!(value(&machine, path), Some(262_144.into()), "{path}");
+        }
+        assert_eq!(value(&machine, "shadow_cache.place"), Some("Own".into()));
+        assert_eq!(value(&machine, "l2.byte"), None);
     }
 
     #[test]

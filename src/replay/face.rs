@@ -5,7 +5,7 @@ use crate::engine::whole::whole;
 use crate::engine::{self, Demand, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
-use crate::sampling;
+use crate::sampling::{self, Cut};
 use crate::stats::{MachineStats, ReuseLevel};
 use crate::stream::{Header, Item, StreamError};
 
@@ -15,6 +15,8 @@ pub struct Replay<'a, F = Fidelity> {
     machine: &'a MachineSpec,
     header: &'a Header,
     fidelity: F,
+    /// How samples cut the stream.
+    cut: Cut,
 }
 
 impl<'a> Replay<'a> {
@@ -25,14 +27,20 @@ impl<'a> Replay<'a> {
     pub fn new(machine: &'a MachineSpec, header: &'a Header) -> Result<Self, SpecError> {
         machine.check()?;
         machine.check_stream(header)?;
-        Ok(Self { machine, header, fidelity: Fidelity::Event })
+        Ok(Self { machine, header, fidelity: Fidelity::Event, cut: Cut::new(machine) })
     }
 }
 
 impl<'a, F> Replay<'a, F> {
+    /// The same, whose samples cut the stream as is said: samples of the same frames with one cut are of the same
+    /// windows, and can be compared ([`MachineStats::half_width_of_ratio`]).
+    pub(crate) fn cut(self, cut: Cut) -> Self {
+        Self { cut, ..self }
+    }
+
     /// The same at another level: a [`Fidelity`], a [`OnePass`] or an [`Exact`] one.
     pub fn fidelity<G>(self, fidelity: G) -> Replay<'a, G> {
-        Replay { machine: self.machine, header: self.header, fidelity }
+        Replay { machine: self.machine, header: self.header, fidelity, cut: self.cut }
     }
 
     /// Replays the stream by [`Level::Profile`] and learns what it asks of machines like this one.
@@ -59,11 +67,11 @@ impl Replay<'_, Fidelity> {
     /// # Errors
     /// The level refuses the machine, the stream cannot be read, or a law that every run keeps is violated.
     pub fn run(&self, source: &dyn Source) -> Result<MachineStats, RunError> {
-        let Self { machine, header, fidelity } = *self;
+        let Self { machine, header, fidelity, cut } = *self;
         match fidelity {
-            Fidelity::Auto { error } => sampling::auto(machine, error, header, source),
+            Fidelity::Auto { error } => sampling::auto(machine, cut, error, header, source),
             Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
-                sampling::sample_until_within(target, engine, (rate, seed), machine, header, source)
+                sampling::sample_until_within(target, engine, cut, (rate, seed), machine, header, source)
             }
             Fidelity::Sampled { engine, rate, seed, target_error: None } => {
                 self.fidelity(OnePass::Sampled { engine, rate, seed }).run(source.open(0)?)
@@ -86,12 +94,12 @@ impl Replay<'_, OnePass> {
     /// # Errors
     /// See [`Replay::<Fidelity>::run`](Replay#method.run).
     pub fn run(&self, items: impl IntoIterator<Item = Result<Item, StreamError>>) -> Result<MachineStats, RunError> {
-        let Self { machine, header, fidelity } = *self;
+        let Self { machine, header, fidelity, cut } = *self;
         let mut items = items.into_iter();
         match fidelity {
             OnePass::Whole(level) => whole(level, machine, header, &mut items, None),
             OnePass::Sampled { engine, rate, seed } => {
-                sampling::sample(engine, (rate, seed), machine, header, &mut items)
+                sampling::sample(engine, cut, (rate, seed), machine, header, &mut items)
             }
         }
     }
@@ -125,7 +133,7 @@ impl Observed<'_, '_> {
     /// # Errors
     /// The observer fails, the DRAM is given an illegal command, or another law is violated.
     pub fn run(self, items: impl IntoIterator<Item = Result<Item, StreamError>>) -> Result<MachineStats, RunError> {
-        let Replay { machine, header, fidelity } = self.replay;
+        let Replay { machine, header, fidelity, .. } = self.replay;
         whole(fidelity.into(), machine, header, &mut items.into_iter(), Some(self.observer))
     }
 }

@@ -33,14 +33,15 @@ pub enum Fidelity {
         /// Which rays.
         #[serde(default)]
         seed: u64,
-        /// If it is set, sampling goes on until all intervals are within this share, and the rate is where it begins.
+        /// If it is set, sampling goes on until all intervals are within this share, those of changes among them where
+        /// replays are compared, and the rate is where it begins.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         target_error: Option<Share>,
     },
-    /// The cheapest of the others that a pilot finds close enough, closed forms and simpler rungs without the parts
-    /// that make no difference.
+    /// As much of `Event` as an error takes: tags alone over everything, and `Event` on as many windows as intervals
+    /// need; on everything where a sample would not pay.
     Auto {
-        /// The error that cycles and bytes may have.
+        /// The error that cycles and bytes may have, at 95 %; where replays are compared, changes of these too.
         error: Share,
     },
 }
@@ -77,6 +78,26 @@ impl Fidelity {
             }
         };
         Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
+    }
+
+    /// Whether it may measure a sample of a stream.
+    pub fn samples(self) -> bool {
+        matches!(self, Self::Sampled { .. } | Self::Auto { .. })
+    }
+
+    /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from
+    /// one to another is known to within the target too: errors of two samples add up as squares do, and those of
+    /// samples of the same windows cancel in part.
+    #[must_use]
+    pub fn compared(self) -> Self {
+        let narrower = |target: Share| Share::new(target.get() / std::f64::consts::SQRT_2).unwrap_or(target);
+        match self {
+            Self::Sampled { engine, rate, seed, target_error } => {
+                Self::Sampled { engine, rate, seed, target_error: target_error.map(narrower) }
+            }
+            Self::Auto { error } => Self::Auto { error: narrower(error) },
+            Self::Bound | Self::Profile | Self::Event | Self::Cycle => self,
+        }
     }
 
     /// The same, if one pass over a stream is enough.
@@ -188,6 +209,14 @@ mod tests {
         for text in ["", "event", "Sampled", "Sampled(engine: Cycle, rate: 0.1)", "Sampled(engine: Event, rate: 0)"] {
             assert!(text.parse::<Fidelity>().unwrap_err().contains("Bound, Profile, Event"), "{text}");
         }
+    }
+
+    #[test]
+    fn two_that_are_compared_are_each_closer_than_what_is_asked() {
+        let auto = |error| Fidelity::Auto { error: Share::new(error).unwrap() };
+        let Fidelity::Auto { error } = auto(0.02).compared() else { panic!("{:?}", auto(0.02).compared()) };
+        assert!((2.0 * error.get() * error.get() - 0.02 * 0.02).abs() < 1e-9, "{error:?}");
+        assert_eq!(Fidelity::Event.compared(), Fidelity::Event);
     }
 
     #[test]

@@ -16,3 +16,4 @@ pub use crate::engine::{
     Source,
 };
 pub use crate::ranged::Share;
+pub(crate) use crate::sampling::Cut;

@@ -14,6 +14,10 @@ pub(crate) struct Split {
     pub cycles: [u64; 3],
     /// DRAM bytes of the same three.
     pub dram: [Bytes; 3],
+    /// Half the widths of the 95 % intervals of the changes of cycles and of DRAM bytes, from the first to the last, if
+    /// they are of samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub half_widths: Option<[f64; 2]>,
     /// DRAM bytes that culling saved, words not counted: first less second.
     pub saved: i64,
     /// DRAM bytes of the words' own classes.
@@ -41,8 +45,24 @@ fn dram(stats: &MachineStats, of: impl Fn(TrafficClass) -> bool) -> u64 {
     classes.filter(|(class, _)| of(**class)).map(|(_, bytes)| bytes.0).sum()
 }
 
+/// Half the widths of the intervals of how cycles and DRAM bytes change, if samples tell them.
+pub(crate) fn half_widths(before: &MachineStats, after: &MachineStats) -> Option<[f64; 2]> {
+    let cycles = after.cycles.0 as f64 / before.cycles.0.max(1) as f64;
+    let bytes = after.moved("dram").0 as f64 / before.moved("dram").0.max(1) as f64;
+    Some([after.half_width_of_ratio(before, 0, cycles)?, after.half_width_of_ratio(before, 2, bytes)?])
+}
+
+/// How a figure changes, with its interval if it has one.
+pub(crate) fn change_within(before: f64, after: f64, half_width: Option<f64>) -> String {
+    let text = or_absent(change(before, after), |it| it);
+    match half_width {
+        Some(half) => format!("{} \u{b1} {}", text.trim_end_matches(" %"), percent(half)),
+        None => text,
+    }
+}
+
 /// A column of a table of splits: its header, and its text.
-type Column = (&'static str, fn(&Split) -> String);
+pub(crate) type Column = (&'static str, fn(&Split) -> String);
 
 impl Split {
     /// The split of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
@@ -66,6 +86,7 @@ impl Split {
         Self {
             cycles: [off, free, real].map(|stats| stats.cycles.0),
             dram: [off, free, real].map(all),
+            half_widths: half_widths(off, real),
             saved,
             words,
             interference,
@@ -80,8 +101,10 @@ impl Split {
 
     /// The columns of a table for people.
     pub(crate) const COLUMNS: [Column; 9] = [
-        ("cycles", |it| or_absent(change(it.cycles[0] as f64, it.cycles[2] as f64), |it| it)),
-        ("DRAM", |it| or_absent(change(it.dram[0].0 as f64, it.dram[2].0 as f64), |it| it)),
+        ("cycles", |it| {
+            change_within(it.cycles[0] as f64, it.cycles[2] as f64, it.half_widths.map(|[cycles, _]| cycles))
+        }),
+        ("DRAM", |it| change_within(it.dram[0].0 as f64, it.dram[2].0 as f64, it.half_widths.map(|[_, dram]| dram))),
         ("saved", |it| signed(it.saved)),
         ("words", |it| bytes(Bytes(it.words))),
         ("interference", |it| signed(it.interference)),
@@ -92,23 +115,29 @@ impl Split {
     ];
 
     /// The columns of a CSV.
-    pub(crate) const FIELDS: [Column; 15] = [
+    pub(crate) const FIELDS: [Column; 17] = [
         ("cycles_off", |it| it.cycles[0].to_string()),
         ("cycles_free_words", |it| it.cycles[1].to_string()),
         ("cycles", |it| it.cycles[2].to_string()),
         ("dram_bytes_off", |it| it.dram[0].to_string()),
         ("dram_bytes_free_words", |it| it.dram[1].to_string()),
         ("dram_bytes", |it| it.dram[2].to_string()),
+        ("cycles_change_half_width", |it| number(it.half_widths.map(|[cycles, _]| cycles))),
+        ("dram_bytes_change_half_width", |it| number(it.half_widths.map(|[_, dram]| dram))),
         ("saved_bytes", |it| it.saved.to_string()),
         ("word_bytes", |it| it.words.to_string()),
         ("interference_bytes", |it| it.interference.to_string()),
         ("extra_misses", |it| it.extra_misses.to_string()),
-        ("word_hit_rate", |it| it.word_hit_rate.map_or_else(String::new, |rate| rate.to_string())),
+        ("word_hit_rate", |it| number(it.word_hit_rate)),
         ("shadow_rays", |it| it.shadow_rays.to_string()),
         ("culled_share", |it| it.culled.to_string()),
         ("dram_bytes_per_ray_off", |it| it.bytes_per_ray.to_string()),
-        ("break_even_share", |it| it.break_even.map_or_else(String::new, |share| share.to_string())),
+        ("break_even_share", |it| number(it.break_even)),
     ];
+}
+
+fn number(value: Option<f64>) -> String {
+    value.map_or_else(String::new, |value| value.to_string())
 }
 
 /// An amount of data that may be below zero.

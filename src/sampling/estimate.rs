@@ -8,7 +8,8 @@ use super::figures::{Figure, Figures};
 use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot};
 use super::strata::{Point, Strata};
-use crate::student::student;
+use crate::stats::Residual;
+use crate::student::{Variance, student};
 
 /// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,8 +23,6 @@ pub(crate) struct Part {
 /// A window that was measured.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Window {
-    /// How long it is on the axis.
-    pub size: f64,
     /// The points that lie in it.
     pub hits: Vec<Point>,
     /// Operations that its rays ask for.
@@ -32,14 +31,11 @@ pub(crate) struct Window {
     pub spans: [Part; Span::ALL.len()],
 }
 
-/// A population of windows: the strata of its axis and where that ends, how many there are, and what is known of all
-/// together.
+/// A population of windows: the strata of its axis, how many windows there are, and what is known of all together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Population {
     /// Strata.
     pub strata: Strata,
-    /// The end.
-    pub axis: f64,
     /// Windows.
     pub windows: usize,
     /// Sums.
@@ -65,16 +61,24 @@ impl Population {
 pub(crate) struct Total {
     /// The estimate.
     pub total: f64,
-    /// The interval reaches so far to either side; none if there are too few windows to tell.
-    pub half_width: Option<f64>,
+    /// The interval reaches so far to either side.
+    pub half_width: f64,
 }
 
 impl Total {
     /// Half the interval's width over the total.
-    pub(crate) fn share(&self) -> Option<f64> {
-        let half_width = self.half_width?;
-        Some(if self.total > 0.0 { half_width / self.total } else { 0.0 })
+    pub(crate) fn share(&self) -> f64 {
+        if self.total > 0.0 { self.half_width / self.total } else { 0.0 }
     }
+}
+
+/// What the windows leave over of a figure.
+struct Left {
+    total: f64,
+    /// By point, what is off there.
+    errors: Vec<f64>,
+    /// Degrees of freedom at most.
+    freedom: f64,
 }
 
 /// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with
@@ -89,13 +93,40 @@ pub(crate) fn estimate(
     sample.figures().into_iter().map(|figure| (figure.clone(), sample.total(&figure))).collect()
 }
 
+/// The same of one figure.
+#[cfg(test)]
+pub(super) fn estimate_of(population: &Population, windows: &[Window], draws: usize, figure: &Figure) -> Total {
+    Sample::new(population, windows, draws, 64.0).total(figure)
+}
+
+/// What the points with draws below `draws` leave over of three figures, as shares of the estimates, and the degrees of
+/// freedom.
+pub(crate) fn residuals(
+    population: &Population,
+    windows: &[Window],
+    draws: usize,
+    line: u64,
+    figures: &[Figure; 3],
+) -> (Vec<Residual>, [f64; 3]) {
+    let mut sample = Sample::new(population, windows, draws, line as f64);
+    let left = figures.each_ref().map(|figure| sample.left(figure));
+    let share = |at: usize, left: &Left| if left.total > 0.0 { left.errors[at] / left.total } else { 0.0 };
+    let points = sample.places.iter().zip(sample.strata_of.iter().zip(&sample.weights)).enumerate();
+    let points = points.map(|(at, (&place, (&stratum, &weight)))| {
+        let errors = left.each_ref().map(|left| share(at, left));
+        Residual { place, stratum, weight, errors }
+    });
+    (points.collect(), left.each_ref().map(|left| left.freedom))
+}
+
 /// Points of a sample, and the windows that they lie in.
 struct Sample<'a> {
     population: &'a Population,
     line: f64,
     points: Vec<&'a Window>,
-    /// The stratum of each point, joined ones counted once, and its weight.
-    place: Vec<usize>,
+    /// The place of each point, its stratum, joined ones counted once, and its weight.
+    places: Vec<f64>,
+    strata_of: Vec<usize>,
     strata: usize,
     weights: Vec<f64>,
     /// A window's group is larger than itself: all are brought to the windows' size.
@@ -106,21 +137,20 @@ struct Sample<'a> {
 impl<'a> Sample<'a> {
     fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
         let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
-        let ends = population.strata.ends(draws, population.axis);
-        let stratum = |hit: &Point| ends.partition_point(|&end| end <= hit.place);
-        let (points, of): (Vec<&Window>, Vec<usize>) =
-            hits.filter(|(_, hit)| hit.draw < draws).map(|(window, hit)| (window, stratum(hit))).unzip();
-        let (strata, place) = joined(&ends, &of);
+        let (points, hits): (Vec<&Window>, Vec<Point>) = hits.filter(|(_, hit)| hit.draw < draws).unzip();
+        let ends = population.strata.ends(draws, population.windows as f64);
+        let places: Vec<f64> = hits.iter().map(|hit| hit.place).collect();
+        let of: Vec<usize> = places.iter().map(|place| ends.partition_point(|end| end <= place)).collect();
+        let (strata, strata_of) = joined(&ends, &of);
         let mut sampled = vec![0.0; strata.len()];
-        place.iter().for_each(|&stratum| sampled[stratum] += 1.0);
-        // A point stands for its share of the stratum, in which there are so many windows as long as its own.
-        let weight = |(window, &stratum): (&&Window, &usize)| strata[stratum] / sampled[stratum] / window.size;
-        let weights: Vec<f64> = points.iter().zip(&place).map(weight).collect();
+        strata_of.iter().for_each(|&stratum| sampled[stratum] += 1.0);
+        // A point stands for its share of the stratum's windows.
+        let weights: Vec<f64> = strata_of.iter().map(|&stratum| strata[stratum] / sampled[stratum]).collect();
         let size = |of: fn(&Window) -> f64| points.iter().zip(&weights).map(|(window, w)| w * of(window)).sum::<f64>();
         let grown = size(|window| window.span(Span::Group).known[OPERATIONS]);
         let scale = if grown > 0.0 { size(|window| window.operations) / grown } else { 1.0 };
         let (strata, solvers) = (strata.len(), BTreeMap::new());
-        Self { population, line, points, place, strata, weights, scale, solvers }
+        Self { population, line, points, places, strata_of, strata, weights, scale, solvers }
     }
 
     fn figures(&self) -> BTreeSet<Figure> {
@@ -129,6 +159,13 @@ impl<'a> Sample<'a> {
     }
 
     fn total(&mut self, figure: &Figure) -> Total {
+        let Left { total, errors, freedom } = self.left(figure);
+        let points = self.strata_of.iter().zip(errors.iter().zip(&self.weights));
+        let variance = Variance::stratified(points.map(|(&stratum, (error, weight))| (stratum, error * weight)));
+        Total { total, half_width: student(variance.freedom(freedom)) * variance.value.sqrt() }
+    }
+
+    fn left(&mut self, figure: &Figure) -> Left {
         let how = explanation(figure);
         let scale = if how.span == Span::Group { self.scale } else { 1.0 };
         let parts = || self.points.iter().map(|window| window.span(how.span));
@@ -153,34 +190,10 @@ impl<'a> Sample<'a> {
         // al. 1992, 6.6).
         let counts = solver.calibration(&known, weights, all);
         let full = left.iter().zip(leverage.iter().zip(&counts));
-        let full: Vec<f64> = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
+        let errors = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
         let total = expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
-        Total { total, half_width: self.half_width(&full, freedom) }
-    }
-
-    /// Half the width of the interval of a sum that a sample estimates from `values`.
-    fn half_width(&self, values: &[f64], freedom: f64) -> Option<f64> {
-        let mut strata = vec![Vec::new(); self.strata];
-        let points = self.place.iter().zip(values.iter().zip(&self.weights));
-        points.for_each(|(&stratum, (value, w))| strata[stratum].push(value * w));
-        let (mut variance, mut squares) = (0.0, 0.0);
-        for here in strata {
-            let some = here.len() as f64;
-            if some > 1.0 {
-                let mean = here.iter().sum::<f64>() / some;
-                let here = here.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (some - 1.0) * some;
-                variance += here;
-                squares += here * here / (some + 1.0);
-            }
-        }
-        // Strata that vary more than others count for few: degrees of freedom by Welch 1947, whose -2 and +2 set right
-        // that the variances are estimates themselves.
-        let freedom = if squares > 0.0 && freedom >= 1.0 {
-            freedom.min(variance * variance / squares - 2.0).max(1.0)
-        } else {
-            freedom
-        };
-        (freedom >= 1.0).then(|| student(freedom) * variance.sqrt())
+        // A point measures nothing by itself: `Sampler` asks for eight.
+        Left { total, errors, freedom: freedom.max(1.0) }
     }
 }
 
@@ -211,7 +224,7 @@ mod tests {
         let inside = Part { known, figures: [(Figure::Cycles, y)].into() };
         let other = || Part { known, ..Part::default() };
         let hits = vec![Point { place, draw: 0 }];
-        Window { size: 1.0, hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
+        Window { hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
     }
 
     fn strata(length: f64) -> Strata {
@@ -237,10 +250,10 @@ mod tests {
                 window(10.0 * f64::from(i), known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
             })
             .collect();
-        let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known: known(20_000.0, 300.0) };
+        let population = Population { strata: strata(40.0), windows: 160, known: known(20_000.0, 300.0) };
         let Total { total, half_width } = estimate(&population, &windows, 1, 64)[&Figure::Cycles];
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
-        assert!(half_width.unwrap() < 1e-6);
+        assert!(half_width < 1e-6);
     }
 
     /// Where the windows that were measured have half of the operations that they should stand for, each counts twice,
@@ -251,55 +264,44 @@ mod tests {
         let windows: Vec<_> = (0..16).map(|i| window(10.0 * f64::from(i), known(100.0, 0.0), cost(i))).collect();
         let found = [16_000.0, 32_000.0].map(|operations| {
             let known = known(operations, 0.0);
-            let population = Population { strata: strata(40.0), axis: 160.0, windows: 160, known };
+            let population = Population { strata: strata(40.0), windows: 160, known };
             estimate(&population, &windows, 1, 64)[&Figure::Cycles]
         });
-        let [once, twice] = found.map(|found| found.half_width.unwrap());
+        let [once, twice] = found.map(|found| found.half_width);
         assert!(once > 1.0 && (twice / once - 2.0).abs() < 1e-9, "{once} {twice}");
-    }
-
-    #[test]
-    fn large_windows_count_for_less() {
-        // Of 30 windows of length 1 and 10 of length 3 that cost what they are long, one each has a point; nothing is
-        // known of them.
-        let windows = [1.0, 3.0].map(|size| Window { size, ..window(size, known(0.0, 0.0), size) });
-        let population = Population { strata: strata(60.0), axis: 60.0, windows: 40, ..Population::default() };
-        let Total { total, half_width } = estimate(&population, &windows, 1, 64)[&Figure::Cycles];
-        assert_eq!((total, half_width), (60.0, Some(0.0)));
     }
 
     #[test]
     fn a_point_that_was_not_drawn_yet_does_not_count() {
         let mut windows = [window(0.0, known(1.0, 0.0), 5.0), window(1.0, known(1.0, 0.0), 5.0)];
         windows[1].hits.push(Point { place: 1.5, draw: 4 });
-        let population = Population { strata: strata(8.0), axis: 8.0, windows: 8, known: known(8.0, 0.0) };
+        let population = Population { strata: strata(8.0), windows: 8, known: known(8.0, 0.0) };
         let at = |draws| Sample::new(&population, &windows, draws, 64.0).points.len();
         assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
     }
 
-    /// Windows of different lengths along which what they cost grows, with points drawn by `draws`: means over many
+    /// Windows along which what they cost grows, with points drawn by `draws`: means over many
     /// seeds of what is estimated, of its squared error, and of what the interval says that this is, over the truth or
     /// its square.
     fn resampled(draws: usize) -> [f64; 3] {
         const SEEDS: u32 = 2000;
-        let size = |window: usize| 0.5 + (window % 3) as f64 / 2.0;
-        let cost = |window: usize| size(window) * window as f64;
+        let cost = |window: usize| window as f64;
         let truth: f64 = (0..300).map(cost).sum();
         let mut means = [0.0; 3];
         for seed in 0..SEEDS {
             let strata = Strata { length: 30.0, seed: seed.into() };
             let mut points: Vec<Point> = (0..10).flat_map(|number| strata.points(number, draws)).collect();
-            let (mut windows, mut end) = (Vec::new(), 0.0);
+            let mut windows = Vec::new();
             for at in 0..300 {
-                end += size(at);
+                let end = (at + 1) as f64;
                 let hits: Vec<Point> = points.extract_if(.., |point| point.place < end).collect();
                 if !hits.is_empty() {
-                    windows.push(Window { size: size(at), hits, ..window(0.0, known(0.0, 0.0), cost(at)) });
+                    windows.push(Window { hits, ..window(0.0, known(0.0, 0.0), cost(at)) });
                 }
             }
-            let population = Population { strata, axis: end, windows: 300, known: known(0.0, 0.0) };
+            let population = Population { strata, windows: 300, known: known(0.0, 0.0) };
             let Total { total, half_width } = estimate(&population, &windows, draws, 64)[&Figure::Cycles];
-            let error = half_width.unwrap() / student(1e9) / truth;
+            let error = half_width / student(1e9) / truth;
             let found = [total / truth, (total / truth - 1.0).powi(2), error * error];
             means.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / f64::from(SEEDS));
         }

@@ -4,12 +4,12 @@ use super::estimate::{self, Population, Total, Window};
 use super::figures::{Figure, Figures, Levels};
 use super::job::{Found, Latencies};
 use super::pass::{Pass, Sampler};
+use super::plan::Cut;
 use crate::machine::{MachineSpec, SpecError};
-use crate::stats::{Accuracy, LatencyCounts, MachineStats};
+use crate::stats::{Accuracy, LatencyCounts, MachineStats, Residuals};
 
-/// Windows from which on the width of an interval tells something: with fewer, too many intervals are too narrow by
-/// chance.
-pub(crate) const TELLING: usize = 48;
+/// The figures of a sample whose errors are told first.
+const TOLD: [Figure; 3] = [Figure::Cycles, Figure::L2Bytes, Figure::DramBytes];
 
 /// What a sample found.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,6 +22,8 @@ pub(crate) struct Findings {
     ends: Figures,
     /// Rays of the stream, skipped ones not counted.
     rays: u64,
+    /// Pixels of a window.
+    window_pixels: u64,
     /// The statistics of a run in which nothing happens, but for the longest latencies, which are those of the windows.
     nothing: MachineStats,
 }
@@ -31,9 +33,10 @@ impl Findings {
     ///
     /// # Errors
     /// The sampler's engine refuses the machine.
-    pub(crate) fn of(sampler: &Sampler<'_>, pass: Pass) -> Result<Self, SpecError> {
+    pub(crate) fn of(sampler: &Sampler<'_>, cut: &Cut, pass: Pass) -> Result<Self, SpecError> {
         let Pass { population, rays, found, .. } = pass;
-        let mut findings = Self { population, rays, nothing: sampler.nothing(), ..Self::default() };
+        let window_pixels = cut.window() as u64;
+        let mut findings = Self { population, rays, window_pixels, nothing: sampler.nothing(), ..Self::default() };
         findings.add(found);
         Ok(findings)
     }
@@ -60,9 +63,9 @@ impl Findings {
         }
     }
 
-    /// Whether there are enough windows for intervals that tell something.
-    pub(crate) fn tells(&self) -> bool {
-        self.measured.len() >= TELLING
+    /// The points of the sample with draws below `draws`.
+    pub(crate) fn points(&self, draws: usize) -> usize {
+        self.measured.iter().flat_map(|window| &window.hits).filter(|hit| hit.draw < draws).count()
     }
 
     /// The stream's statistics, as the first `draws` points of each stratum let them be estimated.
@@ -77,18 +80,19 @@ impl Findings {
         let levels = Levels::new(machine);
         let mut stats = levels.with(&self.nothing, found().map(|(figure, total)| (figure, total.total)));
         stats.rays = self.rays;
-        let share = |figure: Figure| totals.get(&figure).and_then(Total::share);
-        stats.accuracy = match (share(Figure::Cycles), share(Figure::L2Bytes), share(Figure::DramBytes)) {
-            (Some(cycles), Some(l2_bytes), Some(dram_bytes)) if self.tells() => {
-                let rate = self.measured.len() as f64 / self.population.windows as f64;
-                Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate }
-            }
-            _ => Accuracy::Few { windows: self.measured.len(), telling: TELLING },
-        };
-        if self.tells() {
-            let half_width = |(figure, total): (&Figure, &Total)| Some((levels.path(figure)?, total.half_width?));
-            stats.half_widths = found().filter_map(half_width).collect();
-        }
+        let share = |figure: Figure| totals.get(&figure).map_or(0.0, Total::share);
+        let [cycles, l2_bytes, dram_bytes] = TOLD.map(share);
+        let rate = self.measured.len() as f64 / self.population.windows as f64;
+        stats.accuracy = Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate };
+        let half_width = |(figure, total): (&Figure, &Total)| Some((levels.path(figure)?, total.half_width));
+        stats.half_widths = found().filter_map(half_width).collect();
+        stats.residuals = Some(self.residuals(machine, draws));
         stats
+    }
+
+    fn residuals(&self, machine: &MachineSpec, draws: usize) -> Residuals {
+        let Self { population, measured, window_pixels, .. } = self;
+        let (points, freedom) = estimate::residuals(population, measured, draws, machine.line_bytes.get(), &TOLD);
+        Residuals { window_pixels: *window_pixels, seed: population.strata.seed, freedom, points }
     }
 }

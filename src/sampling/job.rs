@@ -47,7 +47,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             Ok(Found::End(end.unwrap_or_default()))
         }
         JobWork::Window(work) => {
-            let WindowWork { size, hits, before, own, behind } = work.as_ref();
+            let WindowWork { hits, before, own, behind } = work.as_ref();
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];
@@ -76,7 +76,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             let asked =
                 Part { known: own, figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
-            let window = Window { size: *size, hits: hits.clone(), operations: own[OPERATIONS], spans };
+            let window = Window { hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
         }
     }

@@ -17,7 +17,7 @@ pub(crate) const COLUMNS: usize = KINDS + 3 + CACHED + CLASSES + KINDS + 2;
 /// The column of all operations; those of each kind of units but the first follow.
 pub(crate) const OPERATIONS: usize = 0;
 /// The column of all lines between L1s and L2.
-pub(crate) const MOVED: usize = KINDS;
+const MOVED: usize = KINDS;
 /// The column of all lines between L2 and DRAM.
 const DRAM: usize = MOVED + 1;
 /// The column of the cycles that the busiest kind of units, the busiest home, or the DRAM's bus, needs at least.

@@ -23,4 +23,5 @@ mod tests;
 mod windows;
 
 pub(crate) use self::auto::auto;
+pub(crate) use self::plan::Cut;
 pub(crate) use self::sample::{sample, sample_until_within};

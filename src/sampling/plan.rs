@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
+use serde::Serialize;
+
 use super::strata::Strata;
 use crate::machine::MachineSpec;
+use crate::stream::Header;
 
 /// Pixels before a window for a ray that the machine has room for.
 const BEFORE_A_RAY: usize = 2;
@@ -13,8 +16,14 @@ const LEAST_OWN: usize = 512;
 /// Lines of a traversal unit's L1 for a piece of a window.
 const LINES_A_PIECE: usize = 64;
 
+/// Points that tell an interval, at least: eight leave three degrees of freedom or more.
+pub(crate) const LEAST: usize = 8;
+/// Points from which on an interval's width tells how many are needed: with fewer, regressions have few columns, and
+/// intervals shrink much faster than with the root of the number of points.
+const TELLING: usize = 24;
+
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Cut {
     /// Pixels of a piece, about.
     pub pixels: usize,
@@ -45,6 +54,29 @@ impl Cut {
         Self { pixels, before: before.max(LEAST_BEFORE.div_ceil(pixels)), own, behind: 1 }
     }
 
+    /// One cut for several machines: of each length, the longest that one of them asks for. What they measure can be
+    /// compared window by window.
+    pub(crate) fn common(machines: impl IntoIterator<Item = Self>) -> Option<Self> {
+        machines.into_iter().reduce(|a, b| {
+            let pixels = a.pixels.max(b.pixels);
+            let longer = |of: fn(&Self) -> usize| {
+                [a, b].iter().map(|cut| (of(cut) * cut.pixels).div_ceil(pixels)).max().unwrap_or_default()
+            };
+            Self {
+                pixels,
+                before: longer(|cut| cut.before),
+                own: longer(|cut| cut.own).max(2),
+                behind: longer(|cut| cut.behind),
+            }
+        })
+    }
+
+    /// Windows of the measured frames of a stream, about.
+    pub(crate) fn windows(&self, header: &Header) -> f64 {
+        let frames = header.frames.len().saturating_sub(header.warmup.len());
+        frames as f64 * (header.resolution.pixels() as f64 / self.window() as f64).max(1.0)
+    }
+
     /// Pixels that are replayed for one of a window.
     pub(crate) fn effort(&self) -> f64 {
         (self.before + self.own + self.behind) as f64 / self.own as f64
@@ -56,13 +88,12 @@ impl Cut {
     }
 }
 
-/// How much is replayed. Windows lie one after another on an axis, each as long as it is large ([`super::axis`]), which
-/// is cut into strata of equal length. Each stratum has two points ([`super::strata`]), and windows with a point are
-/// measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
+/// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of
+/// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
 /// ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
-    /// The strata of the axis, on which windows are of length 1 on average.
+    /// The strata of the axis, on which windows are of length 1.
     pub strata: Strata,
     /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its
     /// halves get.
@@ -72,19 +103,19 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// The plan that measures about `rate` of the windows of a stream on `machine`, two a stratum.
-    pub(crate) fn new(rate: f64, machine: &MachineSpec, seed: u64) -> Self {
-        Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut: Cut::new(machine) }
+    /// The plan that measures about `rate` of the windows of a stream, two a stratum.
+    pub(crate) fn new(rate: f64, cut: Cut, seed: u64) -> Self {
+        Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut }
     }
 
-    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when those so
-    /// far gave `share`, if they tell that; `None` where that would take more than `most`. Intervals shrink with the
+    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points`
+    /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the
     /// root of the number of points, and a quarter more is taken, since the width of an interval is itself known from a
     /// sample only. For the same reason no more than twice as many are: a first width may be far too large.
-    pub(crate) fn next_draws(&self, share: Option<f64>, target: f64, most: usize) -> Option<usize> {
+    pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
-        let enough = share.map_or(twice, |share| needed(share).max(now + 1));
+        let enough = if points < TELLING { twice } else { needed(share).max(now + 1) };
         (enough <= most).then_some(enough.min(twice))
     }
 }

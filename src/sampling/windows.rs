@@ -50,8 +50,6 @@ pub(crate) enum JobWork {
 /// A window and what is replayed beside it.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowWork {
-    /// How long it is on the axis.
-    pub size: f64,
     /// The points that lie in it.
     pub hits: Vec<Point>,
     /// What comes before it, which fills what is in flight; less at a frame's beginning.
@@ -104,8 +102,7 @@ impl Part {
 /// A window that is being put together.
 struct Open {
     window: usize,
-    /// How long it is and its points, once they are known.
-    size: f64,
+    /// Its points, once they are known.
     hits: Vec<Point>,
     /// Pieces that come before the window's first one.
     lead: usize,
@@ -118,7 +115,7 @@ struct Open {
 impl Open {
     fn new(Lead { window, pieces: lead }: Lead, warm: WarmCaches) -> Self {
         let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
-        Self { window, size: 0.0, hits: Vec::new(), lead, warm, before, own, behind }
+        Self { window, hits: Vec::new(), lead, warm, before, own, behind }
     }
 }
 
@@ -224,7 +221,7 @@ impl Windows {
     }
 
     fn end(&mut self, FrameEnd { steps, requests, l1s }: FrameEnd) -> Vec<Job> {
-        (self.population.axis, self.population.windows) = (self.axis.end(), self.axis.windows());
+        self.population.windows = self.axis.windows();
         let open = take(&mut self.open);
         let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
         // All ends, and the building of all frames, are replayed by the first pass.
@@ -237,7 +234,7 @@ impl Windows {
         jobs
     }
 
-    /// It is known how long the window is, and which points lie in it: without any, it need not be kept.
+    /// It is known which points lie in the window: without any, it need not be kept.
     fn end_window(&mut self) {
         let known = take(&mut self.known).columns(&self.capacity);
         if self.warms_up {
@@ -245,14 +242,14 @@ impl Windows {
             self.windows += 1;
             return;
         }
-        let (size, hits) = self.axis.next(&known);
+        let hits = self.axis.next();
         let wanted = self.plan.draws.start..self.unwanted;
         let is_wanted = hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw));
         let window = self.windows;
         if !is_wanted {
             self.open.retain(|open| open.window != window);
         } else if let Some(open) = self.open.iter_mut().find(|open| open.window == window) {
-            (open.size, open.hits) = (size, hits);
+            open.hits = hits;
         }
         self.population.add(&known);
         self.windows += 1;
@@ -260,11 +257,11 @@ impl Windows {
 
     /// A job of a window that was put together, if it has points.
     fn job(&mut self, open: Open) -> Option<Job> {
-        let Open { size, hits, warm, before, own, behind, .. } = open;
+        let Open { hits, warm, before, own, behind, .. } = open;
         let draw = hits.iter().map(|hit| hit.draw).min()?;
         let [before, own, behind] =
             [(before, false), (own, true), (behind, false)].map(|(pieces, is_own)| Part::of(&pieces, is_own));
-        let work = JobWork::Window(Box::new(WindowWork { size, hits, before, own, behind }));
+        let work = JobWork::Window(Box::new(WindowWork { hits, before, own, behind }));
         self.jobs += 1;
         Some(Job { number: self.jobs - 1, draw, info: self.info, warm, work })
     }

@@ -4,11 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::accuracy::{Accuracy, Bounds, Limit, Needs};
+use super::accuracy::{Accuracy, Bounds, Limit};
+use super::choice::Choice;
 use super::counts::{CacheCounts, CacheStats, DramCounts, LatencyCounts, QueueCounts};
 use super::difference::{less, less_nested, more, more_nested};
 use super::energy::Energy;
 use super::frames::FrameStats;
+use super::residuals::Residuals;
 use super::traffic::{Cause, TrafficClass};
 use crate::quantity::{Bytes, Cycle};
 
@@ -52,9 +54,12 @@ pub struct MachineStats {
     /// Half the widths of the 95 % intervals of estimated figures, by their path: `bytes.l2.node`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub half_widths: BTreeMap<String, f64>,
-    /// What the stream needs; where somebody asked.
+    /// What a sample's windows leave over, for comparisons.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub needs: Option<Needs>,
+    pub residuals: Option<Residuals>,
+    /// What `Auto` did.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub choice: Option<Choice>,
     /// The frames that were replayed, warm-up frames among them; of runs that know them apart. All other figures are
     /// of the measured frames: the sums of theirs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -82,6 +87,17 @@ impl MachineStats {
         levels.flat_map(|(_, classes)| classes.values()).copied().sum()
     }
 
+    /// Half the width of the interval of a figure's ratio to that of another run, if samples tell it; `figure` is its
+    /// place in [`Accuracy::shares`]. Samples of the same windows tell it by the differences of these; errors of
+    /// others add up, at worst.
+    pub fn half_width_of_ratio(&self, before: &Self, figure: usize, ratio: f64) -> Option<f64> {
+        half_width_of_ratio(
+            [(&self.accuracy, self.residuals.as_ref()), (&before.accuracy, before.residuals.as_ref())],
+            figure,
+            ratio,
+        )
+    }
+
     /// Hits over accesses, a cache and class of traffic, where there are any.
     pub fn hit_rates(&self) -> BTreeMap<String, BTreeMap<TrafficClass, f64>> {
         let of = |classes: &BTreeMap<TrafficClass, CacheStats>| {
@@ -101,6 +117,19 @@ impl MachineStats {
         let total = self.cycles.0 * self.unit_counts.get(unit)?;
         (total > 0).then(|| busy as f64 / total as f64)
     }
+}
+
+/// Half the width of the interval of a figure's ratio to what it was before, of two runs' accuracies and residuals: see
+/// [`MachineStats::half_width_of_ratio`].
+pub(crate) fn half_width_of_ratio(
+    [(accuracy, residuals), (accuracy_before, before)]: [(&Accuracy, Option<&Residuals>); 2],
+    figure: usize,
+    ratio: f64,
+) -> Option<f64> {
+    let [own, others] = [accuracy.shares()?[figure], accuracy_before.shares()?[figure]];
+    let is_exact = *accuracy == Accuracy::Exact && *accuracy_before == Accuracy::Exact;
+    let paired = residuals.zip(before).and_then(|(residuals, before)| residuals.of_ratio(before, figure));
+    (!is_exact).then_some(ratio * paired.unwrap_or(own + others))
 }
 
 impl MachineStats {

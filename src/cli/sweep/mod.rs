@@ -45,8 +45,8 @@ pub(super) struct Sweep {
     /// Auto(error: 0.02)
     #[arg(long, value_name = "LEVEL")]
     fidelity: Option<Fidelity>,
-    /// Sample, with more and more windows, until the intervals of cycles and of L2 and DRAM bytes are within this share
-    /// [example: 1%]
+    /// Sample, with more and more windows, until the 95 % intervals of cycles and of L2 and DRAM bytes, and those of
+    /// their changes from policy to policy and from machine to machine, are within this share [example: 1%]
     #[arg(long, value_name = "SHARE")]
     target_error: Option<Share>,
     #[command(flatten)]

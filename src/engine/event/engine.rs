@@ -224,7 +224,7 @@ impl Engine for Event {
             self.pipelines_mut().for_each(Pipeline::foresee_nothing);
         }
         if looks {
-            self.links.look_no_further();
+            self.links.looked_at = feed.look_at();
         }
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
@@ -271,8 +271,11 @@ impl Engine for Event {
             if self.dispatcher.is_finished() && self.is_idle() {
                 return Ok(now + 1);
             }
-            if looks && feed.look_at() != u64::MAX {
-                self.links.clock.wake(Parts::DISPATCHER, feed.look_at());
+            if looks {
+                self.links.looked_at = feed.look_at();
+                if self.links.looked_at != u64::MAX {
+                    self.links.clock.wake(Parts::DISPATCHER, self.links.looked_at);
+                }
             }
             self.watch(now)?;
         }

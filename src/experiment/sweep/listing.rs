@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::super::set;
 use super::super::split::Role;
 use super::error::SweepError;
 use super::plan::{Plan, Point};
@@ -68,8 +69,6 @@ fn name(role: Role) -> &'static str {
 
 /// The fields' values in a machine. A machine without a shadow-cache unit has no fields of one.
 fn values(machine: &MachineSpec, role: Role, fields: &[String]) -> Map<String, Value> {
-    let all = serde_json::to_value(machine).expect("a spec is plain data, which JSON can hold");
     let has = |field: &&String| role.has_field(field);
-    let value = |field: &String| field.split('.').try_fold(&all, |at, name| at.get(name)).cloned();
-    fields.iter().filter(has).filter_map(|field| Some((field.clone(), value(field)?))).collect()
+    fields.iter().filter(has).filter_map(|field| Some((field.clone(), set::value(machine, field)?))).collect()
 }

@@ -87,7 +87,8 @@ impl Maker<'_> {
         if !matches!(points::read(self.folder, point.key), Ok(Some(_))) {
             let stream = &self.streams[point.policy];
             let machine = point.role.machine(&self.sweep.machine(point.machine)?.spec);
-            let stats = replay(&machine, self.sweep.experiment.spec.fidelity, stream, self.stop)?;
+            let fidelity = self.sweep.experiment.spec.fidelity.compared();
+            let stats = replay(&machine, (fidelity, self.sweep.cut), stream, self.stop)?;
             let measured = Measured { stats, totals: stream.totals };
             points::write(self.folder, point.key, measured)
                 .map_err(|source| SweepError::File { path: file, source })?;

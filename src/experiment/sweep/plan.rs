@@ -86,7 +86,7 @@ impl Plan {
 
     /// The key of a machine's replay.
     pub(in super::super) fn key(&self, sweep: &Sweep, machine: &MachineSpec, policy: usize, role: Role) -> Key {
-        Key::new(self.identities[policy], sweep.experiment.spec.fidelity, &role.machine(machine))
+        Key::new(self.identities[policy], (sweep.experiment.spec.fidelity, sweep.cut), &role.machine(machine))
     }
 
     /// The policy that the others are measured against.

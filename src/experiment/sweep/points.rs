@@ -12,7 +12,7 @@ use super::streams::{BUILD, Identity};
 use crate::input;
 use crate::machine::MachineSpec;
 use crate::output::write_whole;
-use crate::replay::Fidelity;
+use crate::replay::{Cut, Fidelity};
 use crate::stats::MachineStats;
 use crate::stream::Totals;
 
@@ -30,10 +30,10 @@ impl Key {
         Self(xxh3_128(&keys.flat_map(|key| key.0.to_le_bytes()).collect::<Vec<u8>>()))
     }
 
-    /// The key of a replay of a stream. A machine's name changes no result.
-    pub(super) fn new(stream: Identity, fidelity: Fidelity, machine: &MachineSpec) -> Self {
+    /// The key of a replay of a stream, of which samples are cut alike. A machine's name changes no result.
+    pub(super) fn new(stream: Identity, (fidelity, cut): (Fidelity, Option<Cut>), machine: &MachineSpec) -> Self {
         let machine = MachineSpec { name: String::new(), ..machine.clone() };
-        let all = serde_json::to_vec(&(stream.to_string(), fidelity, machine));
+        let all = serde_json::to_vec(&(stream.to_string(), fidelity, cut, machine));
         Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
     }
 

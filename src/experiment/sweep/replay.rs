@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::error::SweepError;
 use super::streams::Recorded;
 use crate::machine::MachineSpec;
-use crate::replay::{Demand, Fidelity, Items, Replay, RunError, Source, StreamFile};
+use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile};
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
@@ -21,17 +21,18 @@ impl Source for Stoppable<'_> {
     }
 }
 
-/// Replays a recorded stream on a machine.
+/// Replays a recorded stream on a machine; samples are cut as is said, or as the machine asks for.
 ///
 /// # Errors
 /// The replay is stopped or fails.
 pub(crate) fn replay(
     machine: &MachineSpec,
-    fidelity: Fidelity,
+    (fidelity, cut): (Fidelity, Option<Cut>),
     stream: &Recorded,
     stop: &AtomicBool,
 ) -> Result<MachineStats, SweepError> {
-    let replayed = replay_of(machine, stream).and_then(|replay| replay.fidelity(fidelity).run(&source(stream, stop)));
+    let replay = replay_of(machine, stream).map(|replay| cut.map_or(replay, |cut| replay.cut(cut)));
+    let replayed = replay.and_then(|replay| replay.fidelity(fidelity).run(&source(stream, stop)));
     told(replayed, machine, stream, stop)
 }
 

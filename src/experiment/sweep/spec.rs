@@ -19,7 +19,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ranged::Within;
-use crate::replay::{Fidelity, Share};
+use crate::replay::{Cut, Fidelity, Share};
 use crate::report::format::counted;
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
@@ -99,6 +99,8 @@ fn machines_of_a_space() -> Within<2, 10_000> {
 
 /// A sweep with everything that its files name.
 pub(in super::super) struct Sweep {
+    /// The sweep's file, beside which files lie that `vary` names.
+    path: PathBuf,
     pub(in super::super) experiment: Experiment,
     fields: Vec<Field>,
     /// All machines, in the order of the files: no two of them are the same.
@@ -107,6 +109,9 @@ pub(in super::super) struct Sweep {
     pub(in super::super) space: Option<SpaceSpec>,
     /// Combinations, and those that are no machines.
     pub(in super::super) combined: Combined,
+    /// How samples cut streams: alike for all machines, so that what a field changes is told window by window. None
+    /// where nothing is sampled.
+    pub(in super::super) cut: Option<Cut>,
 }
 
 /// Combinations of values in a space.
@@ -162,17 +167,22 @@ impl Sweep {
             }
             fields.push(Field { path: field.into(), values: tried.values });
         }
-        let mut sweep = Self { experiment, fields, machines: Vec::new(), space: None, combined: Combined::default() };
+        let combined = Combined::default();
+        let path = path.to_owned();
+        let mut sweep = Self { path, experiment, fields, machines: Vec::new(), space: None, combined, cut: None };
         sweep.combine(spec.points).map_err(wrong)?;
+        if sweep.experiment.spec.fidelity.samples() {
+            let cut = |machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec));
+            sweep.cut = Cut::common((0..sweep.len()).map(cut).collect::<Result<Vec<_>, _>>()?);
+        }
         Ok(sweep)
     }
 
     /// The values that the varied fields have in the machines' files.
     pub(in super::super) fn own_values(&self) -> Vec<Own> {
         let of_machine = |(name, spec): (&str, &MachineSpec)| -> Vec<Own> {
-            let spec = serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold");
             let own = |field: &Field| {
-                let value = field.path.split('.').try_fold(&spec, |place, name| place.get(name))?;
+                let value = set::value(spec, &field.path)?;
                 let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
                 Some(Own { machine: name.into(), field: field.path.clone(), value: text })
             };
@@ -196,6 +206,11 @@ impl Sweep {
     /// The number of a machine's base among the experiment's machines.
     pub(in super::super) fn base(&self, index: usize) -> usize {
         self.machines[index].base
+    }
+
+    /// Whether a machine has no other values than its file.
+    pub(in super::super) fn is_as_in_its_file(&self, index: usize) -> bool {
+        self.machines[index].values.is_empty()
     }
 
     /// The places that a machine's values have among those that its fields are tried with.
@@ -324,7 +339,7 @@ impl Sweep {
             for Field { path, values } in &self.fields {
                 for value in values {
                     let wrong = |what| format!("`vary` has the value `{value}` for `{path}` of `{name}`: {what}");
-                    set::field(base, path, value).map_err(wrong)?;
+                    ron_file::beside(&self.path, || set::field(base, path, value)).map_err(wrong)?;
                 }
             }
         }
@@ -341,7 +356,7 @@ impl Sweep {
         let mut spec = base.clone();
         for &(field, value) in &changes {
             let wrong = |what: String| format!("`vary` has the value `{value}` for `{field}`: {what}");
-            spec = set::field(&spec, field, value).map_err(wrong)?;
+            spec = ron_file::beside(&self.path, || set::field(&spec, field, value)).map_err(wrong)?;
         }
         spec.check().map_err(|error| format!("machine `{name}` with {}: {error}", listed(&changes)))?;
         let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });

@@ -26,7 +26,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "policies.*.numeric_differences",
         "rays",
-        "those of compared_rays on which tracer (f32, nothing culled) and reference renderer (f64) differ: rounding, no decision",
+        "those of compared_rays on which tracer (f32, nothing culled) and reference renderer (f64) differ: rounding, \
+         no decision",
     ),
     (
         "policies.*.traversal_saved",
@@ -40,7 +41,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "policies.*.intersection_saved",
         "share",
-        "of a frame: 1 - (shadow_triangle_tests + policy_triangle_tests - occlusion_tests) / the baseline's shadow_triangle_tests",
+        "of a frame: 1 - (shadow_triangle_tests + policy_triangle_tests - occlusion_tests) / the baseline's \
+         shadow_triangle_tests",
     ),
     ("policies.*.intersection_saved.mean", "share", "mean of intersection_saved over the frames"),
     ("policies.*.intersection_saved.max", "share", "the most of any frame"),
@@ -168,21 +170,29 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "as the figure",
         "half the width of the 95 % interval of the figure with this path",
     ),
-    ("machines.*.policies.*.needs.target", "share", "the error that was asked for"),
-    ("machines.*.policies.*.needs.pilot_share", "share", "pixels of the pilot, of all; as many were held back"),
-    ("machines.*.policies.*.needs.parts.*.cycles", "share", "change of the pilot's cycles without the part"),
+    ("machines.*.policies.*.choice.target", "share", "the error that `Auto` was asked for"),
+    ("machines.*.policies.*.choice.windows", "windows", "windows that `Auto` measured by `Event`"),
+    ("machines.*.policies.*.choice.of", "windows", "windows of the measured frames, about"),
     (
-        "machines.*.policies.*.needs.parts.*.l2_bytes",
+        "machines.*.policies.*.choice.cost",
         "share",
-        "change of the pilot's bytes between L1s and L2 without the part",
+        "processor time over that of `Event` on everything, by count of the rays that were replayed",
     ),
-    ("machines.*.policies.*.needs.parts.*.dram_bytes", "share", "change of the pilot's DRAM bytes without the part"),
     (
-        "machines.*.policies.*.needs.models.*.error",
-        "share",
-        "largest error of the model's cycles and bytes on the pilot; of a sample, half its widest interval",
+        "machines.*.policies.*.residuals.window_pixels",
+        "pixels",
+        "pixels of a window: samples with the same ones and the same seed are of the same windows",
     ),
-    ("machines.*.policies.*.needs.models.*.held_back", "share", "the same on what was held back"),
+    ("machines.*.policies.*.residuals.seed", "number", "the seed that windows were drawn with"),
+    ("machines.*.policies.*.residuals.freedom.*", "number", "degrees of freedom of cycles, L2 and DRAM bytes"),
+    ("machines.*.policies.*.residuals.points.*.place", "windows", "where the point lies: windows are of length 1"),
+    ("machines.*.policies.*.residuals.points.*.stratum", "number", "the stratum of the point"),
+    ("machines.*.policies.*.residuals.points.*.weight", "windows", "windows that the point stands for"),
+    (
+        "machines.*.policies.*.residuals.points.*.errors.*",
+        "share",
+        "how far cycles, L2 and DRAM bytes are off there, over those of the stream",
+    ),
     ("machines.*.policies.*.bounds.cycles.least", "cycles", "no machine of the spec can take less on this stream"),
     ("machines.*.policies.*.bounds.cycles.most", "cycles", "everything missed, one thing after another"),
     ("machines.*.policies.*.bounds.l2_bytes.least", "B", "every line once from the L2 for each kind of unit"),
@@ -210,6 +220,11 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     ),
     ("machines.*.split.*.dram.*", "B", "DRAM bytes of the same three replays"),
     (
+        "machines.*.split.*.half_widths.*",
+        "share",
+        "half the widths of the 95 % intervals of how cycles and DRAM bytes change, first to last; of samples",
+    ),
+    (
         "machines.*.split.*.saved",
         "B",
         "DRAM bytes that culling saves if words cost nothing, its own occlusion tests counted in",
@@ -236,9 +251,21 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "machines.*.split.*.break_even",
         "share",
-        "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / (bytes_per_ray x shadow_rays)",
+        "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / \
+         (bytes_per_ray x shadow_rays)",
     ),
     ("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
+    ("points.*.effect.cycles_ratio", "ratio", "of a sweep's point: cycles over those of the machine as in its file"),
+    (
+        "points.*.effect.dram_bytes_ratio",
+        "ratio",
+        "of a sweep's point: DRAM bytes over those of the machine as in its file",
+    ),
+    (
+        "points.*.effect.half_widths.*",
+        "share",
+        "half the widths of the 95 % intervals of the two ratios, if they are of samples",
+    ),
     ("points.*.hit_rate.*.*", "share", "of a sweep's point: hits / accesses of a kind of cache and a class, as it is"),
     (
         "designs.*.wrong_pixels",

@@ -126,6 +126,7 @@ pub(crate) mod tests {
             rungs: vec![Found::Measured(Measured {
                 figures: figures(found),
                 accuracy: Accuracy::Estimated { cycles: 0.05, l2_bytes: 0.0, dram_bytes: 0.0, rate: 0.1 },
+                residuals: None,
             })],
         }
     }

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::run::{Figures, Found, Run};
 use crate::report::format::percent;
+use crate::stats::half_width_of_ratio;
 
 /// How far off a rung is, over all runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -77,7 +78,7 @@ impl Rung {
             let off = off(run)?;
             let [with, without] = [run.found(index)?, off.found(index)?];
             let ratio = 1.0 - saved(with.figures, without.figures);
-            let claimed = with.accuracy.of_ratio(&without.accuracy, 0, ratio)?;
+            let claimed = half_width_of_ratio([with.trust(), without.trust()], 0, ratio)?;
             Some((saving(run)? <= claimed, claimed, 3))
         });
         let intervals: Vec<(bool, f64, usize)> = of_figures.chain(of_saving).collect();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::stats::{Accuracy, MachineStats};
+use crate::stats::{Accuracy, MachineStats, Residuals};
 
 /// A machine on the stream of a policy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,16 +75,29 @@ impl Figures {
 }
 
 /// What a rung found.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Measured {
     /// The figures.
     #[serde(flatten)]
     pub figures: Figures,
     /// What it says of their error.
     pub accuracy: Accuracy,
+    /// What its windows leave over, if it is a sample.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub residuals: Option<Residuals>,
 }
 
 impl Measured {
+    /// From a run's statistics.
+    pub(crate) fn of(stats: MachineStats) -> Self {
+        Self { figures: Figures::of(&stats), accuracy: stats.accuracy, residuals: stats.residuals }
+    }
+
+    /// What it says of its error.
+    pub(super) fn trust(&self) -> (&Accuracy, Option<&Residuals>) {
+        (&self.accuracy, self.residuals.as_ref())
+    }
+
     /// Half the widths of its intervals over the figures.
     pub(super) fn claimed(&self) -> Option<[f64; 3]> {
         self.accuracy.shares().filter(|_| self.accuracy != Accuracy::Exact)

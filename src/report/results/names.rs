@@ -60,7 +60,7 @@ impl Metric {
 }
 
 /// What has columns or rows of its own.
-const APART: [&str; 7] = ["frame", "frames", "light", "lights", "warmup", "half_widths", "needs"];
+const APART: [&str; 8] = ["frame", "frames", "light", "lights", "warmup", "half_widths", "residuals", "choice"];
 
 /// The metrics whose paths begin alike, by the words that follow.
 #[derive(Debug, Default)]

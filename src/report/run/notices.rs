@@ -43,9 +43,6 @@ pub(crate) fn notices(summary: &Summary) -> Vec<String> {
 fn thin(machine: &str, policy: &str, run: &MachineRun) -> Option<String> {
     let whose = format!("`{machine}` under `{policy}`");
     match run.stats.accuracy {
-        Accuracy::Few { windows, telling } => Some(format!(
-            "{whose} was sampled too thinly: {windows} windows tell nothing about their error, {telling} would."
-        )),
         Accuracy::Unknown => Some(format!("{whose}: how far off the figures are is not known.")),
         _ => run
             .stats
@@ -76,10 +73,10 @@ mod tests {
         let mut thin = run.clone();
         for machine in thin.machines.values_mut() {
             for run in machine.policies.values_mut() {
-                run.stats.accuracy = Accuracy::Few { windows: 3, telling: 48 };
+                run.stats.accuracy = Accuracy::Estimated { cycles: 0.3, l2_bytes: 0.1, dram_bytes: 0.1, rate: 0.1 };
             }
         }
-        assert!(told(&thin, "3 windows tell nothing"));
+        assert!(told(&thin, "its figures may be 30.0 % off"));
         let mut dark = run.clone();
         dark.policies.values_mut().for_each(|policy| policy.counts.totals.shadow_rays = 0);
         assert!(told(&dark, "No shadow ray"));

@@ -1,5 +1,6 @@
 //! The few figures that sum a run up, for the terminal and the page.
 
+use super::choice::choice;
 use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
 use crate::counters::Counter;
 use crate::named::Named;
@@ -7,10 +8,7 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, exact, or_absent, percent, short};
 use crate::report::grid::{Grid, drawn, paragraph};
 use crate::report::split::Split;
-use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, ModelCheck, Needs, PartNeed,
-    TrafficClass,
-};
+use crate::stats::{Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, TrafficClass};
 
 /// A figure of a policy: its name, and its text.
 pub(super) type PolicyColumn = (&'static str, fn(&PolicySummary) -> String);
@@ -68,7 +66,7 @@ pub(super) fn interval_of(
 ) -> Option<String> {
     let (old, new) = (figure(before)?, figure(after)?);
     let text = change(old, new)?;
-    Some(match after.stats.accuracy.of_ratio(&before.stats.accuracy, share, new / old) {
+    Some(match after.stats.half_width_of_ratio(&before.stats, share, new / old) {
         Some(wide) => format!("{} \u{b1} {}", text.trim_end_matches(" %"), percent(wide)),
         None => text,
     })
@@ -81,7 +79,6 @@ pub(super) fn error(accuracy: &Accuracy) -> String {
         Accuracy::Estimated { cycles, dram_bytes, .. } => {
             format!("\u{b1} {}, {}", percent(cycles).trim_end_matches(" %"), percent(dram_bytes))
         }
-        Accuracy::Few { windows, .. } => format!("unknown: {windows} windows"),
         Accuracy::Bounded => "within bounds".into(),
         Accuracy::Unknown => "unknown".into(),
     }
@@ -147,9 +144,9 @@ fn in_detail(model: &str, stats: &MachineStats) -> String {
         rows: units.collect(),
     };
     let dram = format!("DRAM: {}", stats.dram_organization);
-    let needs = stats.needs.iter().flat_map(|needs| [drawn(&parts(needs)), drawn(&models(needs))]);
+    let choice = choice([stats]).map(|line| paragraph(&line));
     let rest = [paragraph(&dram), drawn(&caches(stats)), drawn(&units)];
-    std::iter::once(trust(model, stats)).chain(needs).chain(rest).collect::<Vec<_>>().join("\n\n")
+    choice.into_iter().chain([trust(model, stats)]).chain(rest).collect::<Vec<_>>().join("\n\n")
 }
 
 /// What each cache counted, a class a row; a counter that a level does not have is absent there.
@@ -183,9 +180,6 @@ fn trust(model: &str, stats: &MachineStats) -> String {
                 "within {cycles} (cycles), {l2} (L2) and {dram} (DRAM), at 95 %; {rate} of all windows were measured"
             )
         }
-        Accuracy::Few { windows, telling } => {
-            format!("error unknown: the sample has {windows} windows, too few to tell ({telling} would)")
-        }
         Accuracy::Bounded => "error not known, but within the bounds".to_owned(),
         Accuracy::Unknown => "error unknown".to_owned(),
     };
@@ -207,31 +201,4 @@ fn trust(model: &str, stats: &MachineStats) -> String {
         ));
     }
     lines.join("\n")
-}
-
-/// What each part of the machine is worth on a stream.
-pub(super) fn parts(needs: &Needs) -> Grid {
-    let signed = |share: Option<f64>| or_absent(share.and_then(|it| change(1.0, 1.0 + it)), |it| it);
-    let row = |it: &PartNeed| {
-        let [cycles, l2, dram] = [it.cycles, it.l2_bytes, it.dram_bytes].map(signed);
-        vec![it.part.clone(), if it.matters { "matters" } else { "does not matter" }.into(), cycles, l2, dram]
-    };
-    Grid {
-        head: ["without", "", "cycles", "L2 bytes", "DRAM bytes"].map(Into::into).to_vec(),
-        names: 2,
-        rows: needs.parts.iter().map(row).collect(),
-    }
-}
-
-/// Which models were tried on a stream; the last was taken.
-pub(super) fn models(needs: &Needs) -> Grid {
-    let row = |it: &ModelCheck| {
-        let verdict = if it.passes { "close enough" } else { "not close enough" };
-        vec![it.model.clone(), verdict.into(), or_absent(it.error, percent), or_absent(it.held_back, percent)]
-    };
-    Grid {
-        head: ["model", "", "error", "on what was held back"].map(Into::into).to_vec(),
-        names: 2,
-        rows: needs.models.iter().map(row).collect(),
-    }
 }

@@ -1,5 +1,6 @@
 //! A run on the terminal: its main table, and its verdict in a sentence.
 
+use super::choice::choice;
 use super::limits::limit;
 use super::steady;
 use super::summary::{MachineRun, Summary};
@@ -25,11 +26,19 @@ pub(crate) fn terminal(summary: &Summary) -> String {
     );
     let stopped = summary.provenance.get("stopped early").map(|done| format!("stopped early: {done}"));
     let notes = steady::frames(summary).into_iter().chain(steady::cold_starts(summary)).chain(stopped);
+    let notes = notes.chain(choices(summary));
     let notes = std::iter::once(head).chain(notes).map(|line| paragraph(&line)).collect::<Vec<_>>().join("\n");
     let grid = machines(summary);
     let machines = (!grid.rows.is_empty()).then(|| drawn_most(&grid, MACHINE_COLUMNS));
     let policies = drawn_most(&chosen(&policies(summary), &POLICY_COLUMNS), 6);
     [Some(notes), machines, Some(policies)].into_iter().flatten().collect::<Vec<_>>().join("\n\n")
+}
+
+/// What `Auto` did with the streams of each machine.
+fn choices(summary: &Summary) -> impl Iterator<Item = String> {
+    let machines = summary.machines.iter();
+    machines
+        .filter_map(|(name, it)| Some(format!("{name}: {}", choice(it.policies.iter().map(|(_, run)| &run.stats))?)))
 }
 
 fn chosen(grid: &Grid, columns: &[usize]) -> Grid {

@@ -9,13 +9,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::{Value, context};
 
+use super::choice::choice;
 use super::files::PngPicture;
 use super::pictures::{NO_WORD, OCCLUSION_MODES, PictureKind, Rgb, SHADOW_MODES, word_color};
 use super::plots::Section;
-use super::summary::{MachineRun, MachineSummary, Summary};
+use super::summary::{MachineSummary, Summary};
 use super::{findings, notices};
 use crate::report::draw::Drawing;
-use crate::report::format::percent;
 use crate::report::template::{self, defined, grid, key};
 use tables::MEANINGS;
 
@@ -68,19 +68,9 @@ pub(super) fn page(
 fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section>]) -> Value {
     let plots = template::plots(drawings, &Section::Machine(name.into()));
     let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
-    let needs = |(policy, run): (&str, &MachineRun)| {
-        let needs = run.stats.needs.as_ref()?;
-        let [target, pilot] = [needs.target, needs.pilot_share].map(percent);
-        Some(context! {
-            policy, target, pilot,
-            taken => needs.models.last().map(|taken| taken.model.as_str()),
-            parts => grid(super::tables::parts(needs)),
-            models => grid(super::tables::models(needs)),
-        })
-    };
-    let needs: Vec<Value> = machine.policies.iter().filter_map(needs).collect();
+    let choice = choice(machine.policies.iter().map(|(_, run)| &run.stats));
     let split = defined(super::tables::split(machine), MEANINGS);
-    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, needs, split }
+    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split }
 }
 
 /// The legend of mode words: a row a shadow mode, a colour an occlusion mode.

@@ -1,10 +1,10 @@
 //! The tables of a run's page.
 
 use crate::quantity::Bytes;
-use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absent, percent, short};
+use crate::report::format::{bytes, exact, joules, milliseconds, or_absent, percent, short};
 use crate::report::grid::Grid;
 use crate::report::run::summary::{MachineRun, PolicySummary, Psnr, Summary};
-use crate::report::run::tables::{OF_POLICIES, PolicyColumn, of_policies, share_of_shadow_rays};
+use crate::report::run::tables::{OF_POLICIES, PolicyColumn, interval_of, of_policies, share_of_shadow_rays};
 use crate::stats::Accuracy;
 
 /// What columns mean.
@@ -91,18 +91,18 @@ pub(super) fn machines(summary: &Summary) -> Grid {
     let rows = runs().map(|(name, machine, (policy, run))| {
         let off = summary.baseline.as_deref().filter(|&baseline| baseline != policy);
         let off = off.and_then(|baseline| machine.policies.get(baseline));
-        let changed = |figure: fn(&MachineRun) -> Option<f64>| {
-            let text = off.and_then(|off| change(figure(off)?, figure(run)?));
+        let changed = |figure: fn(&MachineRun) -> Option<f64>, share: usize| {
+            let text = off.and_then(|off| interval_of(figure, share, off, run));
             text.unwrap_or_else(|| if off.is_none() { "base".into() } else { or_absent(None::<f64>, short) })
         };
         let mut row = vec![
             name.to_owned(),
             policy.to_owned(),
             or_absent(run.milliseconds_per_frame, milliseconds),
-            changed(|run| run.milliseconds_per_frame),
+            changed(|run| run.milliseconds_per_frame, 0),
             or_absent(run.rays_answered_per_second, short),
             or_absent(run.dram_bytes_per_frame, |amount| bytes(Bytes(amount.round() as u64))),
-            changed(|run| run.dram_bytes_per_frame),
+            changed(|run| run.dram_bytes_per_frame, 2),
             or_absent(run.dram_utilization, percent),
             or_absent(run.joules_per_frame, joules),
             shares(run).unwrap_or_else(|| "exact".into()),

@@ -9,14 +9,15 @@ use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::report::file_names::FileNamed;
 use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::report::run::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
+    FrameResult, LightWrong, MachineRun, MachineSummary, OverTime, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary,
+    Span, Summary,
 };
 use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
 use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, DramCounts, Energy, L1Counts, LatencyCounts, Limit, MachineStats,
-    ModelCheck, Needs, PartNeed, QueueCounts, TrafficClass,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, L1Counts, LatencyCounts, Limit,
+    MachineStats, QueueCounts, Residual, Residuals, TrafficClass, Why,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -137,23 +138,14 @@ fn machine(share: f64, words: u64) -> MachineRun {
             classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
         }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
-        needs: Some(Needs {
-            target: 0.02,
-            pilot_share: 0.002,
-            parts: vec![PartNeed {
-                part: "L2".into(),
-                cycles: Some(-0.2),
-                l2_bytes: Some(0.001),
-                dram_bytes: Some(-1.0),
-                matters: true,
-            }],
-            models: vec![ModelCheck {
-                model: "Profile".into(),
-                error: Some(0.007),
-                held_back: Some(0.009),
-                passes: true,
-            }],
+        // Of windows of its own.
+        residuals: Some(Residuals {
+            window_pixels: 512,
+            seed: (joules * 1e6) as u64,
+            freedom: [8.0; 3],
+            points: vec![Residual { place: 0.5, stratum: 0, weight: 2.0, errors: [0.01; 3] }],
         }),
+        choice: Some(Choice { target: 0.02, windows: 24, of: 480, cost: 0.25, why: Why::Sampled }),
         bounds: Some(Bounds::default()),
         oracle: Some(Limit::default()),
     };
@@ -164,7 +156,25 @@ fn machine(share: f64, words: u64) -> MachineRun {
 /// A report such as a run makes, with frame numbers `frames`.
 pub(crate) fn sample(frames: &[u32]) -> RunFiles {
     let (summary, config, images) = parts(frames);
-    RunFiles::new(summary, config, &images).unwrap()
+    let over_time = over_time(&summary);
+    RunFiles { over_time, ..RunFiles::new(summary, config, &images).unwrap() }
+}
+
+/// What the machines of `summary` did in ten spans of frame 16 each, busier and busier.
+pub(crate) fn over_time(summary: &Summary) -> OverTime {
+    let span = |run: &MachineRun, at: u64| {
+        let whole = Span::new(16, 0, &run.stats);
+        let mut units = whole.units;
+        units.values_mut().for_each(|causes| *causes.entry(Cause::Busy).or_default() *= at + 1);
+        Span { begin: at * 1000, cycles: 1000, dram_bytes: 1000 * at, units, ..whole }
+    };
+    let of = |(name, machine): (&str, &MachineSummary)| {
+        let runs = machine.policies.iter();
+        let spans =
+            runs.map(|(policy, run)| ((name.to_owned(), policy.to_owned()), (0..10).map(|at| span(run, at)).collect()));
+        spans.collect::<Vec<_>>()
+    };
+    summary.machines.iter().flat_map(of).collect()
 }
 
 /// What a run hands to its report: numbers, the experiment as run, and pictures.
@@ -257,7 +267,10 @@ pub(crate) fn sweep() -> SweepSummary {
     let (off, free, real) = (machine(0.0, 0).stats, machine(0.12, 0).stats, machine(0.1, 12_000_000).stats);
     let totals = frame(0, 0.2, 0).totals;
     let change = Change { field: "shadow_cache.place".into(), value: "L2".into() };
-    let point = |changes| SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals);
+    let point = |changes: Vec<Change>| {
+        let own = (!changes.is_empty()).then_some(&free);
+        SweepPoint::new("small", "published", changes, [&off, &free, &real], &totals, own)
+    };
     SweepSummary {
         experiment: "kitchen <sample>".into(),
         scene: "kitchen".into(),
