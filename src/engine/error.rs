@@ -47,7 +47,8 @@ pub enum RunError {
     Observer(io::Error),
     /// So few windows tell nothing.
     #[error(
-        "a sample of {rate} of the stream's {windows} windows of {pixels} pixels is too small to tell anything: {advice}"
+        "a sample of {rate} of the stream's {windows} windows of {pixels} pixels is too small to tell anything: \
+         {advice}"
     )]
     Sample {
         /// Windows of the stream.

@@ -85,9 +85,9 @@ impl Fidelity {
         matches!(self, Self::Sampled { .. } | Self::Auto { .. })
     }
 
-    /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from one
-    /// to another is known to within the target too: errors of two samples add up as squares do, and those of samples of
-    /// the same windows cancel in part.
+    /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from
+    /// one to another is known to within the target too: errors of two samples add up as squares do, and those of
+    /// samples of the same windows cancel in part.
     #[must_use]
     pub fn compared(self) -> Self {
         let narrower = |target: Share| Share::new(target.get() / std::f64::consts::SQRT_2).unwrap_or(target);

@@ -62,7 +62,7 @@ pub(crate) fn change_within(before: f64, after: f64, half_width: Option<f64>) ->
 }
 
 /// A column of a table of splits: its header, and its text.
-type Column = (&'static str, fn(&Split) -> String);
+pub(crate) type Column = (&'static str, fn(&Split) -> String);
 
 impl Split {
     /// The split of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.

@@ -1,5 +1,5 @@
-//! No more than a stream needs, in two phases: the tags of the caches over everything, which tell what every window asks
-//! for, and `Event` on as many windows as the target takes. Where that would not pay, `Event` on everything.
+//! No more than a stream needs, in two phases: the tags of the caches over everything, which tell what every window
+//! asks for, and `Event` on as many windows as the target takes. Where that would not pay, `Event` on everything.
 
 use super::plan::{Cut, LEAST, Plan};
 use super::sample::{Goal, sample_until};

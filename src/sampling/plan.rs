@@ -88,8 +88,8 @@ impl Cut {
     }
 }
 
-/// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of equal
-/// length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
+/// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of
+/// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
 /// ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
@@ -108,8 +108,8 @@ impl Plan {
         Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut }
     }
 
-    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points` so
-    /// far gave `share`; `None` where that would take more than `most`. Intervals shrink with the
+    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points`
+    /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the
     /// root of the number of points, and a quarter more is taken, since the width of an interval is itself known from a
     /// sample only. For the same reason no more than twice as many are: a first width may be far too large.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {

@@ -7,8 +7,8 @@ pub(super) fn dot(a: &Columns, b: &Columns) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Windows for a column, at least. (Kitchen, `small`: with four, intervals of the cycles of 24 windows are three times as
-/// wide as with six or eight; with eight, those of 12 and 16 windows are wider by a half.)
+/// Windows for a column, at least. (Kitchen, `small`, intervals of cycles: with four, those of 24 windows are nearly
+/// twice as wide as with six; with eight, those of 12 windows are wider by a third.)
 const WINDOWS_A_COLUMN: usize = 6;
 
 /// Weighted least squares, of the columns that are not a combination of those before.

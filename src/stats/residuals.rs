@@ -8,7 +8,7 @@ use crate::student::{Variance, student};
 /// what differs between them is known better than either.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
-    /// Pixels of a window. Samples of one stream's frames with the same ones, and the same seed, are of the same windows.
+    /// Pixels of a window. Samples of the same frames with the same ones, and the same seed, are of the same windows.
     pub window_pixels: u64,
     /// The seed of the windows.
     pub seed: u64,

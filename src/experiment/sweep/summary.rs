@@ -1,6 +1,9 @@
 //! What a sweep found, from its points: read one after another, so that memory does not grow with them.
 
+use std::collections::HashMap;
 use std::path::Path;
+
+use rustc_hash::FxBuildHasher;
 
 use super::super::split::Role;
 use super::error::SweepError;
@@ -8,6 +11,7 @@ use super::plan::Plan;
 use super::points::{self, Key, Measured};
 use super::spec::Sweep;
 use crate::report::sweep::{SweepPoint, SweepSummary};
+use crate::stats::MachineStats;
 
 /// The summary of a sweep whose points are all in `folder`.
 ///
@@ -17,8 +21,16 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
     let experiment = &sweep.experiment;
     let names: Vec<&str> = experiment.policy_names().collect();
     let mut found = Vec::new();
-    for machine in 0..sweep.len() {
-        let machine = sweep.machine(machine)?;
+    // By machine of the experiment and policy, what it measured as in its file.
+    let mut own: HashMap<(usize, usize), MachineStats, FxBuildHasher> = HashMap::default();
+    for at in (0..sweep.len()).filter(|&at| sweep.is_as_in_its_file(at)) {
+        for policy in plan.culling() {
+            let key = plan.key(sweep, &sweep.machine(at)?.spec, policy, Role::AsItIs);
+            own.insert((sweep.base(at), policy), read(folder, key)?.stats);
+        }
+    }
+    for at in 0..sweep.len() {
+        let machine = sweep.machine(at)?;
         let measured = |policy, role| read(folder, plan.key(sweep, &machine.spec, policy, role));
         let baseline = measured(plan.off(), Role::WithoutUnit)?;
         for policy in plan.culling() {
@@ -29,6 +41,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
                 machine.changes.clone(),
                 [&baseline.stats, &measured(policy, Role::FreeWords)?.stats, &real.stats],
                 &real.totals,
+                own.get(&(sweep.base(at), policy)).filter(|_| !machine.changes.is_empty()),
             ));
         }
     }

@@ -8,7 +8,7 @@ use super::values::shown;
 use crate::quantity::{Bytes, Resolution};
 use crate::report::format::{or_absent, percent, words};
 use crate::report::grid::Grid;
-use crate::report::split::Split;
+use crate::report::split::{Column, Split, change_within, half_widths};
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
 
@@ -65,20 +65,68 @@ pub(crate) struct SweepPoint {
     /// What was saved and paid.
     #[serde(flatten)]
     pub split: Split,
+    /// What differs from the machine as in its file, under the same policy; none of that machine itself.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub effect: Option<Effect>,
     /// DRAM bytes by class, as it is.
     pub bytes: BTreeMap<TrafficClass, Bytes>,
     /// Hits over accesses, a cache and class of traffic, as it is.
     pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
 }
 
+/// What a machine's changed fields change.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Effect {
+    /// Cycles over those of the machine as in its file.
+    pub cycles_ratio: f64,
+    /// DRAM bytes over those of the machine as in its file; none if it moves none.
+    pub dram_bytes_ratio: Option<f64>,
+    /// Half the widths of the 95 % intervals of both, if they are of samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub half_widths: Option<[f64; 2]>,
+}
+
+impl Effect {
+    /// From the machine as in its file to another one.
+    pub(crate) fn new(own: &MachineStats, changed: &MachineStats) -> Self {
+        let [before, after] = [own, changed].map(|stats| stats.moved("dram").0 as f64);
+        Self {
+            cycles_ratio: changed.cycles.0 as f64 / own.cycles.0.max(1) as f64,
+            dram_bytes_ratio: (before > 0.0).then(|| after / before),
+            half_widths: half_widths(own, changed),
+        }
+    }
+
+    /// The columns of a table for people.
+    const COLUMNS: [&str; 2] = ["cycles, as to file", "DRAM, as to file"];
+    /// The columns of a CSV.
+    pub(super) const FIELDS: [&str; 4] =
+        ["cycles_ratio_to_file", "cycles_ratio_half_width", "dram_bytes_ratio_to_file", "dram_bytes_ratio_half_width"];
+
+    fn cells(of: Option<&Self>) -> [String; 2] {
+        let half = |at: usize| of?.half_widths.map(|both| both[at]);
+        let ratios = [of.map(|it| it.cycles_ratio), of.and_then(|it| it.dram_bytes_ratio)];
+        std::array::from_fn(|at| or_absent(ratios[at], |ratio| change_within(1.0, ratio, half(at))))
+    }
+
+    /// The cells under [`Effect::FIELDS`].
+    pub(super) fn fields(of: Option<&Self>) -> [String; 4] {
+        let half = |at: usize| of?.half_widths.map(|both| both[at]);
+        let [cycles, dram] = [of.map(|it| it.cycles_ratio), of.and_then(|it| it.dram_bytes_ratio)];
+        [cycles, half(0), dram, half(1)].map(|it| it.map_or_else(String::new, |it| it.to_string()))
+    }
+}
+
 impl SweepPoint {
-    /// The point of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
+    /// The point of three measurements (without culling, with free words, as it is) of a stream that holds `totals`;
+    /// `own` is what the machine as in its file measured, if this is another one.
     pub(crate) fn new(
         machine: &str,
         policy: &str,
         changes: Vec<Change>,
         measured: [&MachineStats; 3],
         totals: &Totals,
+        own: Option<&MachineStats>,
     ) -> Self {
         let [.., real] = measured;
         Self {
@@ -86,6 +134,7 @@ impl SweepPoint {
             policy: policy.into(),
             changes,
             split: Split::new(measured, totals),
+            effect: own.map(|own| Effect::new(own, real)),
             bytes: real.bytes.get("dram").cloned().unwrap_or_default(),
             hit_rate: real.hit_rates(),
         }
@@ -119,14 +168,17 @@ impl SweepPoint {
     }
 }
 
-/// The points as a table.
+/// The points as a table: names, what a policy changes, what fields change, and the rest.
 pub(crate) fn grid(summary: &SweepSummary) -> Grid {
-    let columns = Split::COLUMNS;
+    let [cycles, dram, rest @ ..] = Split::COLUMNS;
     let row = |point: &SweepPoint| {
-        point.names().into_iter().chain(columns.map(|(_, text)| text(&point.split))).collect::<Vec<_>>()
+        let split = |columns: &[Column]| columns.iter().map(|(_, text)| text(&point.split)).collect::<Vec<_>>();
+        let effect = Effect::cells(point.effect.as_ref());
+        point.names().into_iter().chain(split(&[cycles, dram])).chain(effect).chain(split(&rest)).collect()
     };
-    let head = NAMES.into_iter().chain(columns.map(|(name, _)| name)).map(Into::into);
-    Grid { head: head.collect(), names: 3, rows: summary.points.iter().map(row).collect() }
+    let names = |columns: &[Column]| columns.iter().map(|(name, _)| *name).collect::<Vec<_>>();
+    let head = NAMES.into_iter().chain(names(&[cycles, dram])).chain(Effect::COLUMNS).chain(names(&rest));
+    Grid { head: head.map(Into::into).collect(), names: 3, rows: summary.points.iter().map(row).collect() }
 }
 
 /// Hit rates of every cache that any point has, by class of traffic.
@@ -147,4 +199,23 @@ pub(super) fn hit_rates(summary: &SweepSummary) -> Vec<(String, Grid)> {
     let used = summary.points.iter().flat_map(|point| &point.hit_rate).filter(|(_, rates)| !rates.is_empty());
     let caches: BTreeSet<&String> = used.map(|(cache, _)| cache).collect();
     caches.into_iter().map(of_cache).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::run::tests::sample::sweep;
+
+    /// Each figure has the column of its name, and what a field changes is told with its interval.
+    #[test]
+    fn a_point_tells_what_its_fields_change() {
+        let table = grid(&sweep());
+        assert_eq!(&table.head[3..7], ["cycles", "DRAM", "cycles, as to file", "DRAM, as to file"]);
+        assert!(table.rows.iter().all(|row| row.len() == table.head.len()));
+        assert_eq!(table.rows[0][5], "\u{2013}", "the machine as in its file: {:?}", table.rows);
+        assert!(table.rows[1][5].starts_with('+') && table.rows[1][5].contains(" \u{b1} "), "{:?}", table.rows);
+        let changed = Effect::fields(sweep().points[1].effect.as_ref());
+        assert!(changed.iter().all(|cell| cell.parse::<f64>().is_ok()), "{changed:?}");
+        assert_eq!(Effect::fields(None), [const { String::new() }; 4]);
+    }
 }

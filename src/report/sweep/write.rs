@@ -3,7 +3,7 @@
 use minijinja::context;
 use serde::Serialize;
 
-use super::data::{NAMES, SweepSummary, grid, hit_rates};
+use super::data::{Effect, NAMES, SweepPoint, SweepSummary, grid, hit_rates};
 use super::{bytes, curves, front, heat_map, tornado};
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
@@ -29,11 +29,12 @@ impl Report for SweepSummary {
     }
 
     fn tables(&self) -> Vec<CsvTable> {
-        let head = NAMES.into_iter().chain(Split::FIELDS.map(|(name, _)| name));
-        let rows = self
-            .points
-            .iter()
-            .map(|point| point.names().into_iter().chain(Split::FIELDS.map(|(_, text)| text(&point.split))).collect());
+        let head = NAMES.into_iter().chain(Split::FIELDS.map(|(name, _)| name)).chain(Effect::FIELDS);
+        let row = |point: &SweepPoint| {
+            let split = Split::FIELDS.map(|(_, text)| text(&point.split));
+            point.names().into_iter().chain(split).chain(Effect::fields(point.effect.as_ref())).collect()
+        };
+        let rows = self.points.iter().map(row);
         vec![CsvTable::new("sweep.csv", head, rows.collect())]
     }
 
