@@ -53,7 +53,6 @@ struct Groups {
     division: Range,
     shadow_cache: Range,
     banks: Range,
-    ports: Range,
     channels: Range,
 }
 
@@ -71,8 +70,8 @@ impl Groups {
             division: group(parts.division),
             shadow_cache: group(parts.shadow_cache),
             banks: group(parts.banks),
-            ports: group(parts.ports),
-            channels: group(parts.channels),
+            // After the host's port, if there is one.
+            channels: Range::new(parts.channel(0).0, parts.channel(parts.channels).0),
         }
     }
 }
@@ -154,7 +153,9 @@ impl Event {
         each_due(groups.division, due, now, |unit| division[unit].tick(now, links));
         each_due(groups.shadow_cache, due, now, |unit| shadow_cache[unit].tick(now, links));
         each_due(groups.banks, due, now, |bank| links.tick_bank(bank, now));
-        each_due(groups.ports, due, now, |_| links.tick_port(now));
+        if links.port.is_some() && due.has(links.parts.port()) {
+            links.tick_port(now);
+        }
         each_due(groups.channels, due, now, |channel| links.tick_channel(channel, now));
     }
 
