@@ -124,9 +124,7 @@ pub(crate) fn top_names(text: &str) -> Vec<String> {
 /// The text is no RON, or none of a `T`; the error points at the line.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
-    let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());
-    let parsed = options.from_str(text);
-    FOLDER.replace(outer);
+    let parsed = beside(path, || options.from_str(text));
     parsed.map_err(|error| ConfigError::At(Box::new(place(text, path, &error))))
 }
 
@@ -134,6 +132,14 @@ thread_local! {
     /// The folder of the file that is being read: a field that names another file is told by nobody else where it
     /// stands.
     static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
+}
+
+/// What `read` reads, where names of files are relative to the folder of `path`.
+pub(crate) fn beside<T>(path: &Path, read: impl FnOnce() -> T) -> T {
+    let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());
+    let found = read();
+    FOLDER.replace(outer);
+    found
 }
 
 /// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it, or

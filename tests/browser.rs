@@ -19,16 +19,21 @@ fn pages() -> (Desk, Vec<PathBuf>) {
     desk.put("both.ron", &format!("(experiment: \"tiny.ron\", {both})"));
     let levels = "experiments: [(file: \"tiny.ron\", frames: \"0..4\")], machines: [\"small.ron\"]";
     desk.put("levels.ron", &format!("({levels}, rungs: [Bound, Profile])"));
+    let fields = "\"traversal.count\": Integers(1, 4), \"shadow_cache.cache.bytes\": Log(128, 1024)";
+    let points = "frames: \"0..2\", points: Space(machines: 12, budget: 8)";
+    desk.put("space.ron", &format!("(experiment: \"tiny.ron\", {points}, vary: {{{fields}}})"));
     desk.succeed(&["trace", "tiny.ron", "-o", "x.rays"]);
     desk.succeed(&["run", "tiny.ron", "--out", "run"]);
     desk.succeed(&["sweep", "sweep.ron", "--out", "sweep"]);
     desk.succeed(&["sweep", "both.ron", "--out", "both"]);
+    desk.succeed(&["sweep", "space.ron", "--out", "space"]);
     desk.succeed(&["pareto", "levels.ron", "--out", "pareto"]);
+    desk.succeed(&["stress", "--case", "C1,C7,C8,C13,Plain", "--out", "stress"]);
     desk.succeed(&["chart", "run", "--out", "chart"]);
     desk.succeed(&["run", "tiny.ron", "--set", "clock_mhz=800", "--out", "faster"]);
     desk.succeed(&["diff", "run", "faster", "--out", "diff"]);
     desk.succeed(&["profile", "x.rays", "--machine", "small.ron", "--out", "profile"]);
-    let kinds = ["run", "sweep", "both", "pareto", "chart", "profile", "diff"];
+    let kinds = ["run", "sweep", "both", "space", "pareto", "stress", "chart", "profile", "diff"];
     let pages = kinds.map(|kind| desk.path(kind).join("index.html")).into();
     (desk, pages)
 }
@@ -52,20 +57,41 @@ fn pages_are_quiet_fit_the_window_and_print() {
     sliders_and_tables(&mut browser, &pages[0]);
 }
 
-/// Pictures of the sample's page in the book: width, height, and the colours that the reader prefers.
-const PICTURES: [(&str, u32, u32, &str); 3] =
-    [("page-light", 1200, 1000, "light"), ("page-dark", 1200, 1000, "dark"), ("page-phone", 390, 844, "light")];
+/// Pictures of a page in the book: the end of the name, width, height, and what the reader prefers.
+const PICTURES: [(&str, u32, u32, &str); 4] = [
+    ("light", 1200, 1000, "light"),
+    ("dark", 1200, 1000, "dark"),
+    ("phone", 390, 844, "light"),
+    ("print", 794, 1123, "print"),
+];
+
+/// The sweep of the book's recipe, of small pictures.
+const SWEEP: &str = "(experiment: \"quickstart\", frames: \"0..4:2\", resolution: (width: 48, height: 48), vary: {
+    \"shadow_cache.cache.bytes\": [\"512 B\", \"1 KiB\", \"2 KiB\", \"4 KiB\", \"8 KiB\", \"16 KiB\"],
+})";
+
+#[test]
+fn the_book_shows_a_runs_page_as_it_is() {
+    the_book_shows("page", &Path::new(common::ROOT).join("reports/sample/index.html"));
+}
+
+#[test]
+fn the_book_shows_a_sweeps_page_as_it_is() {
+    let desk = Desk::new();
+    desk.put("words.ron", SWEEP);
+    desk.succeed(&["sweep", "words.ron", "--out", "words"]);
+    the_book_shows("sweep", &desk.path("words/index.html"));
+}
 
 /// The book's pictures are of the page as it is, but for how a system's fonts are drawn. `UMBRASIM_BLESS=1` makes them.
-#[test]
-fn the_book_shows_the_page_as_it_is() {
+fn the_book_shows(kind: &str, page: &Path) {
     let Some(mut browser) = chromium::start() else { return };
-    let root = Path::new(common::ROOT);
-    for (name, width, height, scheme) in PICTURES {
-        browser.prefer(scheme);
-        browser.open(&root.join("reports/sample/index.html"), width);
+    for (end, width, height, look) in PICTURES {
+        let name = format!("{kind}-{end}");
+        browser.prefer(look);
+        browser.open(page, width);
         let found = browser.picture(width, height);
-        let file = root.join(format!("docs/guide/images/{name}.png"));
+        let file = Path::new(common::ROOT).join(format!("docs/guide/images/{name}.png"));
         if std::env::var_os("UMBRASIM_BLESS").is_some() {
             std::fs::write(&file, &found).unwrap();
         }
@@ -118,7 +144,8 @@ fn accessible(browser: &mut Browser, page: &Path) {
     let Some(axe) = axe() else { return };
     browser.value(&format!("{axe}; true"));
     let run = "axe.run().then((it) => it.violations.filter((rule) => ['serious', 'critical'].includes(rule.impact))\
-               .map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3).map((node) => node.html.slice(0, 200)).join(' | ')}`))";
+               .map((rule) => `${rule.id}: ${rule.nodes.slice(0, 3)\
+               .map((node) => node.html.slice(0, 200)).join(' | ')}`))";
     let found = browser.value(run);
     assert_eq!(found, json!([]), "{}", page.display());
 }

@@ -7,10 +7,11 @@ use anyhow::{Result, ensure};
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
-use super::destinations::claim_files;
+use super::destinations::{claim_files, results_folder};
 use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
+use super::print::print;
 use super::replay_exports::{DramArgs, LineArgs};
 use super::replay_views::ViewArgs;
 use crate::experiment::exports::Exports;
@@ -18,6 +19,8 @@ use crate::experiment::line_export::LineExport;
 use crate::experiment::replay::replay_file;
 use crate::named::Named;
 use crate::replay::{Fidelity, Share};
+use crate::report;
+use crate::report::replay::ReplaySummary;
 use crate::report::run::{replay_verdict, replayed};
 use crate::stream::StreamReader;
 
@@ -37,6 +40,9 @@ pub(super) struct Replay {
     /// Write all measurements to this file too, as JSON; without a name, to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
+    /// Write all measurements to this folder too, in long form: results.csv, and what its columns and metrics mean
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
     #[command(flatten)]
     dram: DramArgs,
     #[command(flatten)]
@@ -48,6 +54,7 @@ pub(super) struct Replay {
 impl Replay {
     pub(super) fn run(self) -> Result<Outcome> {
         claim_files([("--json", self.json.as_deref())])?;
+        let out = self.out.as_deref().map(results_folder).transpose()?;
         self.dram.claim()?;
         self.lines.claim()?;
         self.views.claim()?;
@@ -79,6 +86,10 @@ impl Replay {
             lines.map_or(Ok(()), LineExport::finish)?;
             found.insert(machine.name.clone(), stats);
         }
+        if let Some(out) = &out {
+            let summary = ReplaySummary::new(&header.scene, &header.policy, &fidelity.to_string(), &found);
+            report::write(out, &summary)?;
+        }
         match found.iter().next() {
             Some((_, stats)) if machines.len() == 1 => json.finish(stats)?,
             _ => json.finish(&found)?,
@@ -86,6 +97,9 @@ impl Replay {
         if !is_alone {
             let tables = [replayed(&fidelity.to_string(), &header.policy, &found)].into_iter().chain(told);
             tell(&tables.collect::<Vec<_>>().join("\n\n"), &replay_verdict(&found), begin)?;
+            if let Some(out) = &self.out {
+                print(format!("results: {}", out.join("results.csv").display()))?;
+            }
         }
         Ok(Outcome::Done)
     }

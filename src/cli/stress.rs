@@ -18,6 +18,9 @@ use crate::report;
 /// error. The command fails if a policy that must never be wrong is.
 #[derive(Args)]
 pub(super) struct Stress {
+    /// These cases alone [example: C1,C8,Slivers]; what the text leaves open is not looked at then
+    #[arg(long = "case", value_name = "CASE", value_delimiter = ',')]
+    cases: Vec<String>,
     /// Where the report goes
     #[arg(long, value_name = "DIR", default_value = "reports/stress")]
     out: PathBuf,
@@ -29,7 +32,8 @@ impl Stress {
     pub(super) fn run(self) -> Result<Outcome> {
         let begin = Instant::now();
         let out = results_folder(&self.out)?;
-        let summary = stress::run();
+        let cases = stress::cases(&self.cases).map_err(anyhow::Error::msg)?;
+        let summary = stress::run(&cases, self.cases.is_empty());
         let page = report::write(&out, &summary)?;
         let broken = summary.broken();
         broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));

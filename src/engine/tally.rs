@@ -212,12 +212,13 @@ impl Tally {
         if rays > 0 {
             let bytes = Bytes(rays * machine.dispatcher.ray_bytes.get());
             stats.bytes.insert("fifos".into(), [(TrafficClass::Ray, bytes)].into());
-            if machine.traffic.rays == RayBuffer::OnChip {
-                let spec = &machine.traffic;
-                let [read, written] = [0, 1].map(|fifo| self.queues[fifo].iter().map(|load| load.entries).sum::<u64>());
-                let bytes = Bytes(read * spec.ray_bytes.get() + written * spec.hit_bytes.get());
-                stats.bytes.insert("ray_buffer".into(), [(TrafficClass::Ray, bytes)].into());
-            }
+        }
+        if machine.traffic.rays == RayBuffer::OnChip && !self.queues[0].is_empty() {
+            let spec = &machine.traffic;
+            let [read, written] = [0, 1].map(|fifo| self.queues[fifo].iter().map(|load| load.entries).sum::<u64>());
+            let mut moved = PerClass::default();
+            moved[TrafficClass::Ray as usize] = Bytes(read * spec.ray_bytes.get() + written * spec.hit_bytes.get());
+            stats.bytes.insert("ray_buffer".into(), present(&moved));
         }
         let known = RayKind::ALL.into_iter().zip(self.latencies.kinds).filter(|(_, counts)| counts.rays > 0);
         stats.latency.extend(known.map(|(kind, counts)| (kind.name().to_owned(), counts)));

@@ -14,6 +14,7 @@ pub(crate) mod ladder_map;
 pub(crate) mod line_export;
 mod load;
 pub mod need;
+mod over_time;
 pub mod paper;
 pub mod pareto;
 mod progress;

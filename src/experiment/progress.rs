@@ -69,7 +69,7 @@ pub(super) fn bar(message: &'static str, length: usize, things: &'static str) ->
         let _ = text.write_str(&rate(state));
     };
     let left = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-        let _ = text.write_str(&left(state));
+        let _ = text.write_str(&left(state.pos(), state.len().unwrap_or_default(), state.elapsed()));
     };
     let bar = ProgressBar::new(length as u64);
     bar.set_style(style.with_key("rate", rate).with_key("left", left));
@@ -90,7 +90,7 @@ fn lines(bar: ProgressBar, things: &'static str) -> (Arc<AtomicBool>, JoinHandle
             if next.is_zero() {
                 told += EVERY;
                 let (at, of) = (bar.position(), bar.length().unwrap_or_default());
-                let left = if is_stable(at, of, bar.elapsed()) { about(bar.eta()) } else { String::new() };
+                let left = left(at, of, bar.elapsed());
                 let message = bar.message();
                 console::note(format!("{message}: {at} of {of} {things} after {} s{left}", told.as_secs()));
             } else {
@@ -105,9 +105,13 @@ fn is_stable(at: u64, of: u64, elapsed: Duration) -> bool {
     at < of && at >= 2 && at * 10 >= of && elapsed >= STABLE
 }
 
+/// A time in whole minutes, or in seconds where it is short.
 fn about(left: Duration) -> String {
-    let seconds = Duration::from_secs(left.as_secs().max(1));
-    format!(", about {} left", humantime::format_duration(seconds))
+    let seconds = match left.as_secs() {
+        short @ 0..120 => short.max(1),
+        long => long.div_ceil(60) * 60,
+    };
+    format!(", about {} left", humantime::format_duration(Duration::from_secs(seconds)))
 }
 
 /// How fast it goes: things a second, or seconds a thing.
@@ -123,9 +127,12 @@ fn rate(state: &ProgressState) -> String {
     text
 }
 
-fn left(state: &ProgressState) -> String {
-    let is_told = is_stable(state.pos(), state.len().unwrap_or_default(), state.elapsed());
-    if is_told { about(state.eta()) } else { String::new() }
+/// How long the rest takes, if its things take as long as those that are done.
+fn left(at: u64, of: u64, elapsed: Duration) -> String {
+    if !is_stable(at, of, elapsed) {
+        return String::new();
+    }
+    about(elapsed.mul_f64((of - at) as f64 / at as f64))
 }
 
 #[cfg(test)]
@@ -142,5 +149,8 @@ mod tests {
         assert!(!is_stable(100, 100, seconds(10)), "nothing is left");
         assert_eq!(about(seconds(90)), ", about 1m 30s left");
         assert_eq!(about(Duration::ZERO), ", about 1s left");
+        // However long nothing was done, the estimate follows from what was.
+        assert_eq!(left(27, 45, seconds(600)), ", about 7m left");
+        assert_eq!(left(1, 45, seconds(600)), "");
     }
 }

@@ -8,11 +8,13 @@ use std::time::{Duration, Instant};
 
 use super::exports::Exports;
 use super::line_export::LineExport;
+use super::over_time::Recorder;
 use super::progress::{self, Progress};
 use super::split::Role;
 use crate::machine::MachineSpec;
 use crate::output::TemporaryFolder;
 use crate::replay::{Fidelity, Items, Replay, RunError, Source, StreamFile};
+use crate::report::run::Span;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
@@ -41,6 +43,8 @@ struct Running<'scope> {
 pub(crate) struct Replayed {
     /// The measurements.
     pub stats: MachineStats,
+    /// The measured frames over time, of a machine as it is that is replayed cycle by cycle.
+    pub over_time: Vec<Span>,
     /// Wall time of the simulation, waiting for the tracer included.
     pub wall: Duration,
 }
@@ -72,16 +76,20 @@ impl<'scope> Replays<'scope> {
         let thread = scope.spawn(move || {
             let begin = Instant::now();
             let replay = Replay::new(&spec, &header)?;
-            let stats = match fidelity.one_pass() {
-                Some(fidelity) => replay.fidelity(fidelity).run(received.into_iter().map(Ok))?,
-                None => {
+            let mut recorder = Recorder::new(&header);
+            let stats = match (fidelity.exact(), fidelity.one_pass()) {
+                (Ok(exact), _) if role == Role::AsItIs => {
+                    replay.fidelity(exact).observe(&mut recorder)?.run(received.into_iter().map(Ok))?
+                }
+                (_, Some(fidelity)) => replay.fidelity(fidelity).run(received.into_iter().map(Ok))?,
+                (_, None) => {
                     let folder = TemporaryFolder::create().map_err(temporary)?;
                     let file = folder.path().join("stream.rays");
                     record(&header, received, &file)?;
                     replay.fidelity(fidelity).run(&StreamFile(&file))?
                 }
             };
-            Ok(Replayed { stats, wall: begin.elapsed() })
+            Ok(Replayed { stats, over_time: recorder.finish(), wall: begin.elapsed() })
         });
         self.runs.push(Running { policy, machine: machine.name.clone(), role, items, thread });
     }

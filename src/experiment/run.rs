@@ -20,7 +20,8 @@ use crate::replay::RunError;
 use crate::report::ReportError;
 use crate::report::run::pictures::{Image, PictureInfo};
 use crate::report::run::{
-    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, RunFiles, SCHEMA, SceneSummary, Summary,
+    Asked, FrameResult, LightWrong, MachineRun, MachineSummary, OverTime, PolicySummary, RunFiles, SCHEMA,
+    SceneSummary, Summary,
 };
 use crate::report::split::Split;
 use crate::stats::MachineStats;
@@ -333,6 +334,7 @@ impl Gathered {
 
         let mut machines: Named<MachineSummary> = Named::default();
         let mut measured: BTreeMap<String, Vec<(usize, Role, MachineStats)>> = BTreeMap::new();
+        let mut over_time = OverTime::new();
         for Finished { policy, machine, role, result } in finished {
             let replayed = result.map_err(|source| RunFailure::Machine {
                 machine: machine.clone(),
@@ -347,6 +349,9 @@ impl Gathered {
             measured.entry(machine.clone()).or_default().push((policy, role, replayed.stats.clone()));
             if role != Role::AsItIs {
                 continue;
+            }
+            if !replayed.over_time.is_empty() {
+                over_time.insert((machine.clone(), names[policy].to_owned()), replayed.over_time);
             }
             let mut summary = machines.get(&machine).cloned().unwrap_or_else(|| MachineSummary {
                 fidelity: experiment.spec.fidelity.to_string(),
@@ -417,6 +422,6 @@ impl Gathered {
             simulated_rays_per_wall_second: speeds,
         };
         let pictures: Vec<_> = self.first.into_iter().chain(self.worst).collect();
-        Ok(RunFiles::new(summary, experiment.as_run(), &pictures)?)
+        Ok(RunFiles { over_time, ..RunFiles::new(summary, experiment.as_run(), &pictures)? })
     }
 }

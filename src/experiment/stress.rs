@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::progress::{self, Progress};
 use super::stress_models::{self, MODELS, Recorded};
+use crate::alike::closest;
 use crate::culling::published::rules::{
     Directions, EvidenceRule, Preset, PublishedSpec, References, ResetCheck, Secondary,
 };
@@ -75,14 +76,33 @@ pub(crate) fn policies() -> Vec<(String, PolicySpec)> {
     PolicySpec::all().into_iter().chain(readings).map(|(name, spec)| (name.to_owned(), spec)).collect()
 }
 
-/// Runs everything.
-pub(crate) fn run() -> StressSummary {
+/// The cases of these names; all, if there are none.
+///
+/// # Errors
+/// A name is no case's; the error proposes one.
+pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
+    if names.is_empty() {
+        return Ok(Case::all().collect());
+    }
+    let all: Vec<&str> = Case::all().map(Case::name).collect();
+    let case = |name: &String| {
+        Case::all().find(|case| case.name().eq_ignore_ascii_case(name)).ok_or_else(|| {
+            let near = closest(name, &all).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
+            format!("there is no case `{name}`{near} Cases are {}", all.join(", "))
+        })
+    };
+    names.iter().map(case).collect()
+}
+
+/// Runs cases; all of them, and what answers to open questions change too, if `all` is set.
+pub(crate) fn run(cases: &[Case], all: bool) -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
     let models = MODELS.map(|model| StressModel { name: model.to_string(), exact: model.is_exact() });
-    let bar = progress::bar("stress", Case::all().count() + SCENES as usize, "cases");
-    let cases = Case::all().map(|case| run_case(case, &policies)).inspect(|_| bar.inc(1)).collect();
-    let summary = StressSummary::new(named.collect(), models.to_vec(), cases, effects(&bar), SCENES);
+    let bar = progress::bar("stress", cases.len() + if all { SCENES as usize } else { 0 }, "cases");
+    let found = cases.iter().map(|&case| run_case(case, &policies)).inspect(|_| bar.inc(1)).collect();
+    let effects = if all { effects(&bar) } else { Vec::new() };
+    let summary = StressSummary::new(named.collect(), models.to_vec(), found, effects, SCENES);
     drop(bar);
     summary
 }
@@ -199,7 +219,7 @@ mod tests {
 
     #[test]
     fn the_map_shows_what_is_known() {
-        let summary = run();
+        let summary = run(&Case::all().collect::<Vec<_>>(), true);
         assert_eq!(summary.broken(), Vec::<String>::new());
         let outcome = |case: &str, policy: &str| {
             let column = summary.policies.iter().position(|it| it.name == policy).expect("a policy");

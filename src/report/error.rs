@@ -36,6 +36,14 @@ pub(crate) enum ReportError {
         /// What is wrong, and where.
         source: serde_json::Error,
     },
+    /// The file is no table of a run.
+    #[error("{} is not a table of this report", path.display())]
+    BrokenTable {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        source: csv::Error,
+    },
     /// The summary is of another version.
     #[error("{} has schema {found}; this version reads schema {schema}: run the experiment again", path.display())]
     Schema {

@@ -18,6 +18,7 @@ mod grid;
 pub(crate) mod ladder_map;
 mod numbers;
 pub(crate) mod pareto;
+pub(crate) mod replay;
 mod results;
 pub(crate) mod reuse;
 pub(crate) mod run;

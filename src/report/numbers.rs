@@ -4,18 +4,22 @@ use std::fs;
 use std::path::Path;
 
 use super::error::ReportError;
+use super::replay::ReplaySummary;
 use super::run::read_summary;
 use super::sweep::SweepSummary;
 
-/// Reads what the summary of a run or of a sweep holds.
+/// Reads what the summary of a run, of a sweep or of a replay holds.
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.
 pub(crate) fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
     let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
-    match serde_json::from_slice::<SweepSummary>(&text) {
-        Ok(sweep) => serde_json::to_value(sweep).map_err(broken),
+    if let Ok(sweep) = serde_json::from_slice::<SweepSummary>(&text) {
+        return serde_json::to_value(sweep).map_err(broken);
+    }
+    match serde_json::from_slice::<ReplaySummary>(&text) {
+        Ok(replay) => serde_json::to_value(replay).map_err(broken),
         Err(_) => serde_json::to_value(read_summary(path)?).map_err(broken),
     }
 }

@@ -38,7 +38,8 @@ pub(super) fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<V
     let there = drawings.iter().filter(|drawing| drawing.section == *section);
     let value = |it: &Drawing<S>| {
         context! {
-            name => it.name.as_str(), title => it.title.as_str(), about => it.about.as_str(), key => key(&it.key), data => grid(it.data.clone()),
+            name => it.name.as_str(), title => it.title.as_str(), about => it.about.as_str(),
+            key => key(&it.key), data => grid(it.data.clone()),
             wide => it.wide.as_str(), narrow => it.narrow.as_str(),
         }
     };

@@ -35,8 +35,8 @@ pub fn start() -> Option<Browser> {
         return None;
     };
     // The browser reads calls from descriptor 3 and writes answers to descriptor 4, each with a zero byte at its end.
-    let line = "exec \"$0\" --headless --no-sandbox --disable-gpu --hide-scrollbars --remote-debugging-pipe about:blank \
-                3<&0 4>&1 </dev/null >/dev/null 2>&1";
+    let line = "exec \"$0\" --headless --no-sandbox --disable-gpu --hide-scrollbars --remote-debugging-pipe \
+                about:blank 3<&0 4>&1 </dev/null >/dev/null 2>&1";
     let mut shell = Command::new("sh");
     shell.args(["-c", line, name]).stdin(Stdio::piped()).stdout(Stdio::piped());
     let mut process = shell.spawn().unwrap();
@@ -107,10 +107,12 @@ impl Browser {
         self.call("Emulation.setDeviceMetricsOverride", size);
     }
 
-    /// Asks for light or dark pages.
-    pub fn prefer(&mut self, scheme: &str) {
+    /// Asks for pages that are `light`, `dark`, or as on paper: `print`.
+    pub fn prefer(&mut self, look: &str) {
+        let scheme = if look == "dark" { "dark" } else { "light" };
         let features = json!([{ "name": "prefers-color-scheme", "value": scheme }]);
-        self.call("Emulation.setEmulatedMedia", json!({ "features": features }));
+        let media = if look == "print" { "print" } else { "" };
+        self.call("Emulation.setEmulatedMedia", json!({ "media": media, "features": features }));
     }
 
     /// What the page complained about and asked the network for since it was opened, files beside it and data in it
@@ -144,9 +146,12 @@ impl Browser {
     /// Clicks at a place within the first element that `selector` finds: shares of its width and height.
     pub fn click(&mut self, selector: &str, at: (f64, f64)) {
         let place = self.value(&format!(
-            "(() => {{ const it = document.querySelector({}); it.scrollIntoView({{ block: 'center', behavior: 'instant' }}); \
-             const box = it.getBoundingClientRect(); return [box.x + box.width * {}, box.y + box.height * {}]; }})()",
-            json!(selector), at.0, at.1
+            "(() => {{ const it = document.querySelector({}); it.scrollIntoView({{ block: 'center', behavior: \
+             'instant' }}); const box = it.getBoundingClientRect(); return [box.x + box.width * {}, box.y + \
+             box.height * {}]; }})()",
+            json!(selector),
+            at.0,
+            at.1
         ));
         for kind in ["mousePressed", "mouseReleased"] {
             let event = json!({ "type": kind, "x": place[0], "y": place[1], "button": "left", "clickCount": 1 });

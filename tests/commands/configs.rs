@@ -40,7 +40,7 @@ fn a_field_that_is_not_there_is_told_with_one_that_is() {
     let desk = Desk::new();
     insta::assert_snapshot!(desk.refuses(&["describe", "machine.shadow_cach"]), @r"
     error: `machine` has no `shadow_cach`; did you mean `shadow_cache`?
-    allowed: `name`, `clock_mhz`, `line_bytes`, `cores`, `dispatcher`, `traversal`, `list`, `intersection`, `division`, `shadow_cache`, `l2`, `dram`, `energy`
+    allowed: `name`, `clock_mhz`, `line_bytes`, `cores`, `dispatcher`, `traversal`, `list`, `intersection`, `division`, `shadow_cache`, `l2`, `dram`, `traffic`, `energy`
     ");
     insta::assert_snapshot!(desk.refuses(&["describe", "cache.bytes"]), @r"
     error: there is no kind of file `cache`; did you mean `machine.traversal.cache.bytes`?

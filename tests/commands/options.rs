@@ -1,6 +1,6 @@
 //! Options that commands share, and what is said of useless runs.
 
-use super::common::{Desk, error_text};
+use super::common::{Desk, SCENE, error_text};
 use super::fits;
 
 fn json(text: &str) -> serde_json::Value {
@@ -77,6 +77,37 @@ fn a_file_of_another_kind_is_told() {
     insta::assert_snapshot!(desk.refuses(&["run", "small.ron"]), @"error: small.ron is a machine file: use --machine small.ron; an experiment file is needed here");
     desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1"]);
     insta::assert_snapshot!(desk.refuses(&["replay", "s.rays", "--machine", "tiny.ron"]), @"error: tiny.ron is an experiment file: use umbrasim run tiny.ron; a machine file is needed here");
+}
+
+#[test]
+fn files_in_a_sweep_lie_beside_it() {
+    let desk = Desk::with_experiment();
+    std::fs::create_dir(desk.path("study")).unwrap();
+    desk.put("study/other.ron", &super::common::dram_part());
+    let vary = "vary: {\"dram.part\": [\"other.ron\"]}";
+    desk.put("study/sweep.ron", &format!("(experiment: \"../tiny.ron\", frames: \"0..1\", {vary})"));
+    let told = desk.prints(&["sweep", "study/sweep.ron", "--out", "out"]);
+    // It is the same part as the machine's, so that there is no other point.
+    assert!(told.contains("baseline"), "{told}");
+}
+
+#[test]
+fn a_scene_that_shows_nothing_is_warned_of() {
+    let desk = Desk::with_experiment();
+    let told = |scene: &str, args: &[&str]| {
+        desk.put("scene.ron", scene);
+        let output = desk.program(&[&["run", "tiny.ron", "--out", "a"][..], args].concat()).output().unwrap();
+        assert!(output.status.success(), "{}", error_text(&output));
+        error_text(&output) + &String::from_utf8(output.stdout).unwrap()
+    };
+    let lights = SCENE.find("lights: [").unwrap();
+    let end = lights + SCENE[lights..].find(']').unwrap() + 1;
+    let dark = format!("{}lights: []{}", &SCENE[..lights], &SCENE[end..]);
+    assert!(told(&dark, &[]).contains("has no lights: there is no shadow ray"), "{dark}");
+    let fov = SCENE.find("fov: ").unwrap();
+    let end = fov + SCENE[fov..].find(',').unwrap();
+    let narrow = format!("{}fov: Vertical(0.7){}", &SCENE[..fov], &SCENE[end..]);
+    assert!(told(&narrow, &[]).contains("sees 0.7 degrees from bottom to top: `fov` is in degrees"), "{narrow}");
 }
 
 #[test]

@@ -53,7 +53,6 @@ struct Groups {
     division: Range,
     shadow_cache: Range,
     banks: Range,
-    ports: Range,
     channels: Range,
 }
 
@@ -71,8 +70,8 @@ impl Groups {
             division: group(parts.division),
             shadow_cache: group(parts.shadow_cache),
             banks: group(parts.banks),
-            ports: group(parts.ports),
-            channels: group(parts.channels),
+            // After the host's port, if there is one.
+            channels: Range::new(parts.channel(0).0, parts.channel(parts.channels).0),
         }
     }
 }
@@ -154,7 +153,9 @@ impl Event {
         each_due(groups.division, due, now, |unit| division[unit].tick(now, links));
         each_due(groups.shadow_cache, due, now, |unit| shadow_cache[unit].tick(now, links));
         each_due(groups.banks, due, now, |bank| links.tick_bank(bank, now));
-        each_due(groups.ports, due, now, |_| links.tick_port(now));
+        if links.port.is_some() && due.has(links.parts.port()) {
+            links.tick_port(now);
+        }
         each_due(groups.channels, due, now, |channel| links.tick_channel(channel, now));
     }
 
@@ -223,7 +224,7 @@ impl Engine for Event {
             self.pipelines_mut().for_each(Pipeline::foresee_nothing);
         }
         if looks {
-            self.links.look_no_further();
+            self.links.looked_at = feed.look_at();
         }
         self.links.clock.wake(Parts::DISPATCHER, 0);
         (0..self.links.parts.channels).for_each(|index| self.links.clock.wake(self.links.parts.channel(index), 0));
@@ -270,8 +271,11 @@ impl Engine for Event {
             if self.dispatcher.is_finished() && self.is_idle() {
                 return Ok(now + 1);
             }
-            if looks && feed.look_at() != u64::MAX {
-                self.links.clock.wake(Parts::DISPATCHER, feed.look_at());
+            if looks {
+                self.links.looked_at = feed.look_at();
+                if self.links.looked_at != u64::MAX {
+                    self.links.clock.wake(Parts::DISPATCHER, self.links.looked_at);
+                }
             }
             self.watch(now)?;
         }

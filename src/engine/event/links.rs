@@ -71,7 +71,9 @@ pub(crate) struct Links {
     /// there began.
     pub returned: Vec<Ring<Back>>,
     /// What comes to a traversal unit and is not known in a cycle comes more than so many cycles later.
-    pub horizon: u64,
+    horizon: u64,
+    /// The next cycle that somebody looks at.
+    pub looked_at: u64,
     /// The next cycle in which each traversal unit acts for sure.
     pub wakes: Vec<u64>,
     /// Rays to each list unit.
@@ -142,6 +144,7 @@ impl Links {
             dispatched: vec![Inbox::new(); parts.traversal as usize],
             returned: vec![Ring::new(); parts.traversal as usize],
             horizon: 0,
+            looked_at: u64::MAX,
             wakes: vec![u64::MAX; parts.traversal as usize],
             lists: vec![Queue::new(spec.list.queue.size()); parts.list as usize],
             listed: vec![Inbox::new(); parts.list as usize],
@@ -242,9 +245,11 @@ impl Links {
         true
     }
 
-    /// No unit works ahead of the others, so that all can be looked at in any cycle.
-    pub(crate) fn look_no_further(&mut self) {
-        self.latencies.0 = 0;
+    /// The first cycle beyond those that a unit which works in cycle `now` may work ahead to. A unit ahead counts a
+    /// cycle beyond its work where rays get a line one by one: it stops two cycles before one that is looked at.
+    #[inline]
+    pub(crate) fn reach(&self, now: u64) -> u64 {
+        now + self.horizon.min(self.looked_at.saturating_sub(now + 2)) + 1
     }
 
     /// A shadow-cache unit's steps of a frame's end that has begun.

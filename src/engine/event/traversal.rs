@@ -98,7 +98,7 @@ impl Traversal {
         let next = self.pipeline.end(now, links, leaving);
         let next = if !leaving && self.pipeline.can_work_ahead() {
             let next = self.work_ahead(now, links);
-            self.worked_to = next.min(now + links.horizon + 1);
+            self.worked_to = next.min(links.reach(now));
             links.clock.wake_if(part, self.pipeline.sends_at().max(now + 1));
             next
         } else if sent && leaving {
@@ -115,7 +115,7 @@ impl Traversal {
     /// come that is not known yet; [`u64::MAX`] if nothing is known.
     fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
-        let end = now + links.horizon + 1;
+        let end = links.reach(now);
         let mut line = self.pipeline.line_at(links).min(end);
         if !self.pipeline.go_on(now + 1, line, links) {
             return now + 1;

@@ -99,6 +99,8 @@ fn machines_of_a_space() -> Within<2, 10_000> {
 
 /// A sweep with everything that its files name.
 pub(in super::super) struct Sweep {
+    /// The sweep's file, beside which files lie that `vary` names.
+    path: PathBuf,
     pub(in super::super) experiment: Experiment,
     fields: Vec<Field>,
     /// All machines, in the order of the files: no two of them are the same.
@@ -166,7 +168,8 @@ impl Sweep {
             fields.push(Field { path: field.into(), values: tried.values });
         }
         let combined = Combined::default();
-        let mut sweep = Self { experiment, fields, machines: Vec::new(), space: None, combined, cut: None };
+        let path = path.to_owned();
+        let mut sweep = Self { path, experiment, fields, machines: Vec::new(), space: None, combined, cut: None };
         sweep.combine(spec.points).map_err(wrong)?;
         if sweep.experiment.spec.fidelity.samples() {
             let cut = |machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec));
@@ -336,7 +339,7 @@ impl Sweep {
             for Field { path, values } in &self.fields {
                 for value in values {
                     let wrong = |what| format!("`vary` has the value `{value}` for `{path}` of `{name}`: {what}");
-                    set::field(base, path, value).map_err(wrong)?;
+                    ron_file::beside(&self.path, || set::field(base, path, value)).map_err(wrong)?;
                 }
             }
         }
@@ -353,7 +356,7 @@ impl Sweep {
         let mut spec = base.clone();
         for &(field, value) in &changes {
             let wrong = |what: String| format!("`vary` has the value `{value}` for `{field}`: {what}");
-            spec = set::field(&spec, field, value).map_err(wrong)?;
+            spec = ron_file::beside(&self.path, || set::field(&spec, field, value)).map_err(wrong)?;
         }
         spec.check().map_err(|error| format!("machine `{name}` with {}: {error}", listed(&changes)))?;
         let changes = changes.into_iter().map(|(field, value)| Change { field: field.into(), value: value.into() });

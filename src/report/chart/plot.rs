@@ -48,9 +48,9 @@ fn figure(chart: &ChartSummary) -> Figure<'_> {
     let key = chart.experiments.iter().enumerate().map(|(index, name)| (name.clone(), series_color(index))).collect();
     Figure {
         title: finding(chart),
-        about: "Share of the work of shadow rays saved, against the run without culling, mean of the frames. Left: policies \
-                that are never wrong. Right: the others over their wrong decisions, which have a place of their own for \
-                none."
+        about: "Share of the work of shadow rays saved, against the run without culling, mean of the frames. Left: \
+                policies that are never wrong. Right: the others over their wrong decisions, which have a place of \
+                their own for none."
             .into(),
         key,
         data: chart.grid(),

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::Serialize;
 use serde_json::Value;
 
-use crate::report::format::{ABSENT, change, exact, or_absent, short, words};
+use crate::report::format::{ABSENT, change, exact, joules, or_absent, short, words};
 
 /// Parts of a report that say how it was made, not what was found.
 const ASIDE: [&str; 6] =
@@ -57,12 +57,16 @@ impl Figure {
 
     /// The figure in words, both values, and the change.
     pub(super) fn row(&self) -> Vec<String> {
-        let show = |value: Option<f64>| or_absent(value, number);
+        let text: fn(f64) -> String = if self.path.ends_with(ENERGY) { joules } else { number };
+        let show = |value: Option<f64>| or_absent(value, text);
         let [a, b] = self.values;
         let change = a.zip(b).and_then(|(a, b)| change(a, b));
         vec![self.path.clone(), show(a), show(b), change.unwrap_or_else(|| ABSENT.into())]
     }
 }
+
+/// What the energy of a frame is called.
+const ENERGY: &str = "energy/frame";
 
 fn number(value: f64) -> String {
     let is_count = value.fract() == 0.0 && (0.0..1e7).contains(&value);
@@ -145,7 +149,7 @@ fn of(rest: &[String]) -> String {
     words(&rest.join(" "))
         .replace("milliseconds per frame", "ms/frame")
         .replace("bytes per frame", "bytes/frame")
-        .replace("joules per frame", "energy/frame, J")
+        .replace("joules per frame", ENERGY)
         .replace("rays answered per second", "rays answered/s")
         .replace("occlusion tests per pixel", "occlusion tests/pixel")
 }

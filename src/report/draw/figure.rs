@@ -64,6 +64,18 @@ pub(crate) struct Drawing<S = ()> {
     pub narrow: String,
 }
 
+/// What the style sheet of pages says of many elements, and what is left of it: a page has thousands of them.
+const IN_STYLE_SHEET: [(&str, &str); 8] = [
+    (" dy=\"0.5ex\" text-anchor=\"start\"", ""),
+    (" dy=\"0.5ex\"", ""),
+    (" fill=\"currentColor\">", ">"),
+    (" font-size=\"12\"", ""),
+    ("<polyline fill=\"none\"", "<polyline"),
+    (" opacity=\"0.16\" stroke=\"currentColor\"", " class=\"rule\""),
+    (" text-anchor=\"middle\" opacity=\"0.78\"", " class=\"tick\""),
+    (" text-anchor=\"end\" opacity=\"0.78\"", " class=\"end\""),
+];
+
 impl<S> Drawing<S> {
     /// Draws a figure.
     ///
@@ -74,9 +86,7 @@ impl<S> Drawing<S> {
         let draw = |width, class| {
             let height = (figure.height)(width);
             let Painted { elements, attributes } = sheet(width, height, |canvas| (figure.paint)(canvas))?;
-            // Style sheets of pages say what all texts have in common.
-            let elements = elements.replace(" dy=\"0.5ex\" text-anchor=\"start\"", "").replace(" dy=\"0.5ex\"", "");
-            let elements = elements.replace(" fill=\"currentColor\">", ">");
+            let elements = IN_STYLE_SHEET.iter().fold(elements, |text, (long, short)| text.replace(long, short));
             Ok(format!(
                 "<svg class=\"{class}\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-labelledby=\"{name}-title\" \
                  aria-describedby=\"{name}-about\"{attributes}>{elements}</svg>"

@@ -26,7 +26,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "policies.*.numeric_differences",
         "rays",
-        "those of compared_rays on which tracer (f32, nothing culled) and reference renderer (f64) differ: rounding, no decision",
+        "those of compared_rays on which tracer (f32, nothing culled) and reference renderer (f64) differ: rounding, \
+         no decision",
     ),
     (
         "policies.*.traversal_saved",
@@ -40,7 +41,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "policies.*.intersection_saved",
         "share",
-        "of a frame: 1 - (shadow_triangle_tests + policy_triangle_tests - occlusion_tests) / the baseline's shadow_triangle_tests",
+        "of a frame: 1 - (shadow_triangle_tests + policy_triangle_tests - occlusion_tests) / the baseline's \
+         shadow_triangle_tests",
     ),
     ("policies.*.intersection_saved.mean", "share", "mean of intersection_saved over the frames"),
     ("policies.*.intersection_saved.max", "share", "the most of any frame"),
@@ -249,7 +251,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "machines.*.split.*.break_even",
         "share",
-        "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / (bytes_per_ray x shadow_rays)",
+        "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / \
+         (bytes_per_ray x shadow_rays)",
     ),
     ("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
     ("points.*.effect.cycles_ratio", "ratio", "of a sweep's point: cycles over those of the machine as in its file"),

@@ -82,6 +82,14 @@ impl Statistic {
             && path.next().is_none()
     }
 
+    /// The words of `name` that stand for names of the report's, a `*` of this one.
+    fn named<'a>(&self, name: &'a str) -> Vec<&'a str> {
+        let asked: Vec<_> = name.split('.').collect();
+        let own: Vec<_> = self.parts().collect();
+        let own = own.iter().rev().zip(asked.iter().rev());
+        own.filter(|(own, asked)| **own == "*" && **asked != "*").map(|(_, asked)| *asked).collect()
+    }
+
     /// Whether somebody who asks for `name`, a path or the end of one, means this.
     fn is_meant(&self, name: &str) -> bool {
         let asked: Vec<_> = name.split('.').collect();
@@ -122,7 +130,11 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
     let Some(report) = report else { return Ok(drawn(&about)) };
     let mut found = Vec::new();
     numbers(report, &mut Vec::new(), &mut found);
-    let of_meant = found.into_iter().filter(|(path, _)| meant.iter().any(|statistic| statistic.declares(path)));
+    let is_meant = |statistic: &Statistic, path: &[String]| {
+        let named = name.map(|name| statistic.named(name)).unwrap_or_default();
+        statistic.declares(path) && named.iter().all(|word| path.iter().any(|part| part == word))
+    };
+    let of_meant = found.into_iter().filter(|(path, _)| meant.iter().any(|statistic| is_meant(statistic, path)));
     let rows = of_meant.map(|(path, number)| vec![path.join("."), number]).collect();
     let values = Grid { head: heads(&["in the report", "value"]), names: 1, rows };
     Ok(format!("{}\n\n{}", drawn(&about), drawn(&values)))
@@ -174,6 +186,22 @@ mod tests {
             let is_there = found.iter().any(|(path, _)| statistic.declares(path)) || columns.contains(&statistic.name);
             assert!(is_there, "{} is declared, and no number is called so", statistic.name);
         }
+    }
+
+    #[test]
+    fn values_are_those_of_the_names_that_were_asked_for() {
+        let report = serde_json::json!({ "machines": { "small": { "policies": { "Off": {
+            "bytes": { "dram": { "node": 1, "ray": 2 }, "l2": { "node": 3 } }, "cycles": 4,
+        } } } } });
+        let values = |name: &str| {
+            let told = explain(Some(name), Some(&report)).unwrap();
+            let lines = told.lines().filter(|line| line.starts_with("machines.small."));
+            lines.map(|line| line.split_whitespace().last().unwrap().to_owned()).collect::<Vec<_>>()
+        };
+        assert_eq!(values("bytes.dram.node"), ["1"]);
+        assert_eq!(values("bytes.*.node"), ["1", "3"]);
+        assert_eq!(values("machines.small.policies.Off.cycles"), ["4"]);
+        assert_eq!(values("bytes.*.*"), ["1", "2", "3"]);
     }
 
     #[test]

@@ -154,5 +154,5 @@ pub(crate) fn verdict(map: &LadderMap) -> String {
     if worst.is_empty() {
         return "no level says how many cycles a point takes".into();
     }
-    format!("worst errors of cycles against Event: {}", worst.join(", "))
+    format!("worst errors of cycles against Event: {}", worst.join("; "))
 }

@@ -1,7 +1,7 @@
 //! The failure map of the ladder: a panel a figure and band of axes, a row a level, a column a point.
 
-use super::data::{Axis, Figure, LadderMap, Row, grid};
-use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, WIDE};
+use super::data::{Axis, Figure, LadderMap, Point, Row, grid};
+use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
 use crate::report::draw::palette::{Color, GREEN, INK, ORANGE, SKY, VERMILLION, YELLOW, pale};
 use crate::report::draw::{Figure as Drawn, Plot};
 use crate::report::format::percent;
@@ -48,22 +48,20 @@ pub(super) fn finding(map: &LadderMap) -> String {
 
 fn figure(map: &LadderMap) -> Drawn<'_> {
     let panels: Vec<_> = Figure::ALL.into_iter().map(|figure| (figure, shown(map, figure))).collect();
-    let bands = bands(map);
     let height: i32 = panels.iter().map(|(_, rows)| HEAD + rows.len() as i32 * ROW).sum();
-    let height = height * bands.len() as i32;
     Drawn {
         title: finding(map),
-        about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in more than \
-                one of the samples."
+        about: "Share in % by which each level is off Event. In bold: an interval that did not hold the cycles in \
+                more than one of the samples."
             .into(),
         key: LOOKS.map(|(_, name, color)| (name.to_owned(), pale(color))).into(),
         data: grid(map),
-        narrow: false,
-        height: Box::new(move |_| height + LINE),
+        narrow: true,
+        height: Box::new(move |width| height * bands(map, width).len() as i32 + LINE),
         paint: Box::new(move |canvas| {
             let mut y = 0;
             for (figure, rows) in &panels {
-                for band in &bands {
+                for band in &bands(map, canvas.width()) {
                     panel(canvas, (map, band), *figure, rows, y)?;
                     y += HEAD + rows.len() as i32 * ROW;
                 }
@@ -80,21 +78,26 @@ fn shown(map: &LadderMap, figure: Figure) -> Vec<usize> {
     (0..map.rows.len()).filter(|&index| points().any(|point| says(&point.rows[index]))).collect()
 }
 
-/// How wide an axis is: as its points, or as its name.
-fn axis_width(axis: &Axis) -> i32 {
-    (axis.points.len() as i32 * COLUMN).max(Text::NOTE.width(&axis.name))
+/// Points of an axis that stand beside each other: all, if there is room.
+type Piece<'a> = (&'a Axis, &'a [Point]);
+
+/// How wide a piece is: as its points, or as the axis's name.
+fn piece_width((axis, points): Piece<'_>) -> i32 {
+    (points.len() as i32 * COLUMN).max(Text::NOTE.width(&axis.name))
 }
 
-/// The axes in bands, each as wide as the plot at most.
-fn bands(map: &LadderMap) -> Vec<Vec<&Axis>> {
-    let mut bands: Vec<Vec<&Axis>> = Vec::new();
-    let mut end = WIDE;
-    for axis in &map.axes {
-        let width = axis_width(axis);
-        match bands.last_mut().filter(|_| end + width + LEFT <= WIDE) {
-            Some(band) => band.push(axis),
+/// The axes in bands, each as wide as the sheet at most.
+fn bands(map: &LadderMap, sheet: i32) -> Vec<Vec<Piece<'_>>> {
+    let room = ((sheet - COLUMNS - LEFT) / COLUMN).max(1) as usize;
+    let pieces = map.axes.iter().flat_map(|axis| axis.points.chunks(room).map(move |points| (axis, points)));
+    let mut bands: Vec<Vec<Piece<'_>>> = Vec::new();
+    let mut end = sheet;
+    for piece in pieces {
+        let width = piece_width(piece);
+        match bands.last_mut().filter(|_| end + width + LEFT <= sheet) {
+            Some(band) => band.push(piece),
             None => {
-                bands.push(vec![axis]);
+                bands.push(vec![piece]);
                 end = COLUMNS;
             }
         }
@@ -105,7 +108,7 @@ fn bands(map: &LadderMap) -> Vec<Vec<&Axis>> {
 
 fn panel(
     canvas: &Canvas<'_>,
-    (map, band): (&LadderMap, &[&Axis]),
+    (map, band): (&LadderMap, &[Piece<'_>]),
     figure: Figure,
     rows: &[usize],
     top: i32,
@@ -116,10 +119,10 @@ fn panel(
         canvas.text(&map.rows[row], (LEFT, first + line * ROW + ROW / 2), Text::NOTE.colored(INK))?;
     }
     let mut x = COLUMNS;
-    for axis in band {
-        let width = axis_width(axis) / axis.points.len().max(1) as i32;
+    for &(axis, points) in band {
+        let width = piece_width((axis, points)) / points.len().max(1) as i32;
         canvas.text(&axis.name, (x, top + 34), Text::NOTE.colored(INK))?;
-        for point in &axis.points {
+        for point in points {
             canvas.text(&point.value, (x + width / 2, first - 7), Text::NOTE.centered())?;
             for (line, &row) in (0..).zip(rows) {
                 let y = first + line * ROW;

@@ -64,8 +64,9 @@ fn figure<'a>(summary: &'a ParetoSummary, timings: &'a [Timing]) -> Figure<'a> {
     Figure {
         title: finding(summary, timings),
         about: format!(
-            "Error against {} over the simulator's speed. Mark: mean of all runs; line up: the worst; bar across: half the \
-             95 % interval that the level claims; hollow: it claims nothing; ring: no level is faster and closer.",
+            "Error against {} over the simulator's speed. Mark: mean of all runs; line up: the worst; bar across: \
+             half the 95 % interval that the level claims; hollow: it claims nothing; ring: no level is faster and \
+             closer.",
             summary.truth
         ),
         key: Vec::new(),

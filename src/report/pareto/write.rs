@@ -10,6 +10,7 @@ use super::run::Figures;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use crate::report::error::ReportError;
+use crate::report::results;
 use crate::report::template;
 use crate::report::writer::{Report, ReportFile, json};
 
@@ -60,7 +61,8 @@ impl Report for ParetoReport {
     }
 
     fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
-        Ok(vec![(TIMINGS_FILE.into(), json(TIMINGS_FILE, &self.timings)?)])
+        let timings = (TIMINGS_FILE.into(), json(TIMINGS_FILE, &self.timings)?);
+        Ok(std::iter::once(timings).chain(results::files(&self.summary)?).collect())
     }
 
     fn plots(&self) -> Result<Vec<Drawing>, DrawError> {

@@ -6,8 +6,11 @@ use serde_json::Value;
 
 use super::{Results, files};
 use crate::report::read_numbers;
+use crate::report::replay::ReplaySummary;
+use crate::report::reuse::ReuseSummary;
 use crate::report::run::tests::sample::{sample, space, sweep};
 use crate::report::run::{Summary, read_summary};
+use crate::stats::{MachineStats, ReuseCurve, ReuseLevel, TrafficClass};
 
 /// A CSV file's rows by header.
 fn rows(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
@@ -39,6 +42,47 @@ fn numbers(value: &Value, found: &mut Vec<f64>) {
         }
         _ => {}
     }
+}
+
+/// The stats of a run that is made up.
+fn stats() -> MachineStats {
+    sample(&[0, 16]).summary.machines.get("small").unwrap().policies.get("published").unwrap().stats.clone()
+}
+
+fn replay() -> ReplaySummary {
+    ReplaySummary::new("room", "published", "Event", &[("small", stats())].into_iter().collect())
+}
+
+/// A cache that misses half of its accesses at every size, a tenth of them in the sample.
+fn profile() -> ReuseSummary {
+    let misses = ReuseCurve::sizes().map(|_| 50.0).collect();
+    let curve = ReuseCurve { accesses: 1000, sampled: 100.0, first_touches: 1.0, misses, misses_in_sets: 50.0 };
+    let classes = [(TrafficClass::Node, curve)].into();
+    let level = ReuseLevel { name: "l1_traversal".into(), caches: 4, bytes: 16384, ways: 4, classes };
+    let [machine, scene, policy, of] = ["small", "room", "published", "all lines"].map(String::from);
+    ReuseSummary { machine, scene, policy, of, stats: stats(), levels: vec![level] }
+}
+
+#[test]
+fn levels_cases_and_cache_sizes_are_rows() {
+    let [levels, _] = written(&crate::report::pareto::with_timings().0);
+    let of = |level: &str| {
+        let rows = levels.iter().filter(|row| row["fidelity"] == level && row["metric"] == "cycles");
+        rows.map(|row| (row["policy"].as_str(), row["value"].as_str(), row["half_width"].as_str())).collect::<Vec<_>>()
+    };
+    assert_eq!(of("Event"), [("Off", "1000", "0"), ("A", "980", "0")]);
+    assert_eq!(of("B"), [("Off", "1020", "51"), ("A", "1100", "55")]);
+    let [cases, _] = written(&crate::report::stress::summary());
+    let lit = |scope: &str| {
+        let wrong = cases.iter().filter(|row| row["scope"] == scope && row["metric"] == "false_dark");
+        wrong.filter(|row| row["policy"] == "Published").map(|row| row["value"].clone()).collect::<Vec<_>>()
+    };
+    assert_eq!((lit("total"), lit("frame")), (vec!["156".into()], vec!["0".into(), "78".into(), "78".into()]));
+    let [sizes, _] = written(&profile());
+    let misses = sizes.iter().filter(|row| row["cache.bytes"] == "16384" && row["metric"] == "caches.misses");
+    assert_eq!(misses.map(|row| row["value"].as_str()).collect::<Vec<_>>(), ["500"]);
+    let [machines, _] = written(&replay());
+    assert!(machines.iter().any(|row| row["machine"] == "small" && row["scope"] == "frame" && row["metric"] == "rays"));
 }
 
 #[test]
@@ -119,6 +163,10 @@ fn columns_and_metrics_are_in_the_dictionary() {
     check(written(&shipped().0));
     check(written(&sample(&[0, 16]).summary));
     check(written(&sweep()));
+    check(written(&crate::report::pareto::with_timings().0));
+    check(written(&crate::report::stress::summary()));
+    check(written(&replay()));
+    check(written(&profile()));
 }
 
 #[test]

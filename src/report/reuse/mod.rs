@@ -2,6 +2,7 @@
 
 mod data;
 mod plot;
+mod results;
 mod write;
 
 pub(crate) use data::{ReuseSummary, grid};

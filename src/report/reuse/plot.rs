@@ -54,8 +54,8 @@ fn figure(summary: &ReuseSummary) -> Figure<'_> {
     Figure {
         title: finding(summary),
         about: format!(
-            "Share of a class's accesses that miss in LRU caches without sets, over the size of one cache, asked as on {} \
-             ({}). The upright line with a ring a class: the size that the machine has.",
+            "Share of a class's accesses that miss in LRU caches without sets, over the size of one cache, asked as \
+             on {} ({}). The upright line with a ring a class: the size that the machine has.",
             summary.machine, summary.of
         ),
         key: classes.iter().map(|class| (words(class.name()), class_color(*class))).collect(),

@@ -7,8 +7,10 @@ use super::data::{ReuseSummary, grid};
 use super::plot;
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::error::ReportError;
+use crate::report::results;
 use crate::report::template;
-use crate::report::writer::Report;
+use crate::report::writer::{Report, ReportFile};
 use crate::stats::ReuseCurve;
 
 const PLOTS: &[Plot<ReuseSummary>] = &[plot::PLOT];
@@ -37,6 +39,10 @@ impl Report for ReuseSummary {
             }
         }
         vec![CsvTable::new("reuse.csv", ["cache", "class", "bytes", "accesses", "misses", "miss_ratio"], rows)]
+    }
+
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        results::files(self)
     }
 
     fn plots(&self) -> Result<Vec<Drawing>, DrawError> {

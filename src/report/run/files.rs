@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Component, Path};
 
+use super::over_time::{self, OverTime};
 use super::pictures::{Image, PictureInfo, png};
 use super::summary::{SCHEMA, Summary};
 use crate::input;
@@ -27,6 +28,8 @@ pub(crate) struct RunFiles {
     pub config: String,
     /// The pictures, in the page's order.
     pub pictures: Vec<PngPicture>,
+    /// What machines that were replayed cycle by cycle did over time.
+    pub over_time: OverTime,
 }
 
 impl RunFiles {
@@ -44,7 +47,8 @@ impl RunFiles {
             let bytes = png(image).map_err(|source| ReportError::Picture { file: info.file.clone(), source })?;
             Ok((info.clone(), bytes))
         };
-        Ok(Self { summary, config, pictures: pictures.iter().map(encode).collect::<Result<_, _>>()? })
+        let pictures = pictures.iter().map(encode).collect::<Result<_, _>>()?;
+        Ok(Self { summary, config, pictures, over_time: OverTime::new() })
     }
 
     /// Reads the files of the report in `folder`.
@@ -66,7 +70,7 @@ impl RunFiles {
             let png = fs::read(&picture).map_err(|source| ReportError::Read { path: picture, source })?;
             pictures.push((info.clone(), png));
         }
-        Ok(Self { summary, config, pictures })
+        Ok(Self { summary, config, pictures, over_time: over_time::read(folder)? })
     }
 }
 

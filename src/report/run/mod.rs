@@ -7,6 +7,7 @@ pub(super) mod frames_csv;
 mod limits;
 mod machine_columns;
 mod notices;
+mod over_time;
 mod page;
 pub(crate) mod pictures;
 mod plots;
@@ -19,6 +20,8 @@ mod write;
 
 pub(crate) use files::{RunFiles, read_summary};
 pub(crate) use machine_columns::{CountedColumn, counted_columns};
+pub(crate) use over_time::{OverTime, Span};
+pub(in crate::report) use results::machine_rows;
 pub(crate) use summary::{
     Asked, FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, SCHEMA, SceneSummary, Summary,
 };

@@ -201,6 +201,17 @@ mod tests {
     }
 
     #[test]
+    fn a_meaning_has_one_colour_in_plots_and_pictures() {
+        let is = |color: Color, verdict: PixelVerdict| {
+            let of = SHOWN_VERDICTS.iter().find(|(it, ..)| *it == verdict).map(|(.., rgb)| *rgb);
+            assert_eq!(of, Some([color.0, color.1, color.2]), "{verdict:?}");
+        };
+        is(FALSE_DARK, PixelVerdict::FalseDark);
+        is(FALSE_LIT, PixelVerdict::FalseLit);
+        is(NUMERIC, PixelVerdict::Numeric);
+    }
+
+    #[test]
     fn png_files_hold_what_was_put_in() {
         let colors: Vec<Vec3> = (0..24).map(|index| Vec3::splat(index as f32 / 24.0)).collect();
         let image = render(SIZE, &colors);

@@ -53,6 +53,18 @@ impl Results for Summary {
     }
 }
 
+/// The rows of what a machine measured.
+///
+/// # Errors
+/// See [`Results::rows`].
+pub(in crate::report) fn machine_rows(
+    of: Subject<'_>,
+    machine: &MachineSummary,
+    take: &mut Take<'_>,
+) -> Result<(), ReportError> {
+    Families::new().of_machine(of, machine, take)
+}
+
 impl Families {
     /// What the tracer counted.
     fn of_policy(&self, of: Subject<'_>, policy: &PolicySummary, take: &mut Take<'_>) -> Result<(), ReportError> {

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::files::{CONFIG_FILE, RunFiles};
 use super::frames_csv::frames_csv;
+use super::over_time;
 use super::page::page;
 use super::plots::{self, Section};
 use crate::output::ResultsFolder;
@@ -23,7 +24,8 @@ impl Report for RunFiles {
     }
 
     fn tables(&self) -> Vec<CsvTable> {
-        vec![frames_csv(&self.summary)]
+        let over_time = (!self.over_time.is_empty()).then(|| over_time::table(&self.over_time));
+        std::iter::once(frames_csv(&self.summary)).chain(over_time).collect()
     }
 
     fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
@@ -34,7 +36,7 @@ impl Report for RunFiles {
     }
 
     fn plots(&self) -> Result<Vec<Drawing<Section>>, DrawError> {
-        plots::draw(&self.summary)
+        plots::draw(&self.summary, &self.over_time)
     }
 
     fn page(&self, plots: &[Drawing<Section>]) -> Result<Option<String>, minijinja::Error> {

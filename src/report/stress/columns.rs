@@ -1,11 +1,14 @@
 //! Columns of policies, which both plots have.
 
 use crate::report::draw::DrawError;
-use crate::report::draw::canvas::{Canvas, LEFT, Text, WIDE};
+use crate::report::draw::canvas::{Canvas, LEFT, Text};
 use crate::report::draw::palette::INK;
 
 /// Where columns begin, right of the cases' names.
-pub(super) const COLUMNS: i32 = 140;
+pub(super) fn first_column(canvas: &Canvas<'_>) -> i32 {
+    if canvas.is_narrow() { 94 } else { 140 }
+}
+
 /// Height of the columns' names: three short lines.
 pub(super) const HEAD: i32 = 3 * 15 + 8;
 /// Height of a case's row.
@@ -13,19 +16,32 @@ pub(super) const ROW: i32 = 24;
 
 /// The columns' names, in lines that end above `bottom`; gives the columns' width.
 pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
-    let width = ((WIDE - COLUMNS - LEFT) / names.len().max(1) as i32).min(150);
+    let first = first_column(canvas);
+    let width = ((canvas.width() - first - LEFT) / names.len().max(1) as i32).min(150);
     for (column, name) in (0..).zip(names) {
         let lines = lines(name);
         for (line, text) in (0..).zip(&lines) {
             let y = bottom - 12 - 15 * (lines.len() as i32 - 1 - line);
-            canvas.text(text, (COLUMNS + column * width, y), Text::NOTE.colored(INK))?;
+            canvas.text(&fitted(text, width), (first + column * width, y), Text::NOTE.colored(INK))?;
         }
     }
     Ok(width)
 }
 
+/// A word that is cut where it would run into the next column.
+fn fitted(word: &str, width: i32) -> String {
+    if Text::NOTE.width(word) <= width {
+        return word.to_owned();
+    }
+    let letters = word.chars().scan(String::new(), |text, letter| {
+        text.push(letter);
+        (Text::NOTE.width(text) <= width).then_some(letter)
+    });
+    letters.collect::<String>() + "."
+}
+
 /// A name such as `OccluderGrid` or `all repairs` in lines of a word each.
-fn lines(name: &str) -> Vec<String> {
+pub(super) fn lines(name: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for letter in name.chars() {
         match lines.last_mut() {
@@ -39,6 +55,12 @@ fn lines(name: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_are_cut_where_there_is_no_room() {
+        assert_eq!(fitted("Published", 100), "Published");
+        assert_eq!(fitted("Published", Text::NOTE.width("Publ")), "Publ.");
+    }
 
     #[test]
     fn names_break_at_words() {

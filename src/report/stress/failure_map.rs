@@ -1,6 +1,6 @@
 //! The failure map: case by policy.
 
-use super::columns::{COLUMNS, HEAD, ROW, head};
+use super::columns::{HEAD, ROW, first_column, head};
 use super::data::{CaseSummary, Outcome, StressSummary};
 use super::section::Section;
 use crate::report::draw::canvas::{LEFT, LINE, Text};
@@ -57,7 +57,7 @@ fn figure(summary: &StressSummary) -> Figure<'_> {
                 let y = HEAD + row * ROW;
                 canvas.text(&case.name, (LEFT, y + ROW / 2), Text::LABEL)?;
                 for (column, frames) in (0..).zip(&case.policies) {
-                    let (left, outcome) = (COLUMNS + column * width, Outcome::of(frames));
+                    let (left, outcome) = (first_column(canvas) + column * width, Outcome::of(frames));
                     canvas.rect((left, y), (left + width - 2, y + ROW - 2), look(outcome))?;
                     if outcome != Outcome::Right {
                         let at = (left + width / 2, y + ROW / 2);

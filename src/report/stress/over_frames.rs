@@ -1,10 +1,10 @@
 //! Wrong decisions of each case over its frames.
 
-use super::columns::{COLUMNS, HEAD, ROW, head};
+use super::columns::{HEAD, ROW, first_column, head};
 use super::data::{CaseSummary, FrameWrong, Outcome, StressSummary};
 use super::section::Section;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
-use crate::report::draw::palette::{GRID, VERMILLION};
+use crate::report::draw::palette::{GRID, INK, VERMILLION};
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{counted, exact};
 use crate::report::grid::Grid;
@@ -43,7 +43,7 @@ fn figure(summary: &StressSummary) -> Option<Figure<'_>> {
         about: "A bar a frame, those of a case on one scale; the number is the most in a frame.".into(),
         key: Vec::new(),
         data,
-        narrow: false,
+        narrow: true,
         height: Box::new(move |_| height),
         paint: Box::new(move |canvas| {
             let names: Vec<&str> = columns.iter().map(|&column| name(column)).collect();
@@ -62,12 +62,12 @@ fn draw_case(
     bottom: i32,
     width: i32,
 ) -> Result<(), DrawError> {
-    canvas.text(&case.name, (LEFT, bottom - 14), Text::LABEL)?;
+    canvas.text(&case.name, (LEFT, bottom - 14), Text::NOTE.colored(INK))?;
     let most = case.policies.iter().flatten().map(FrameWrong::wrong).max().unwrap_or(0).max(1);
     for (place, &column) in (0..).zip(columns) {
-        let (left, frames) = (COLUMNS + place * width, &case.policies[column]);
+        let (left, frames) = (first_column(canvas) + place * width, &case.policies[column]);
         canvas.line(vec![(left, bottom), (left + width - 8, bottom)], GRID, 1)?;
-        let bar = (width - 8) / frames.len().max(1) as i32;
+        let bar = ((width - 8) / frames.len().max(1) as i32).max(1);
         for (frame, wrong) in (0..).zip(frames) {
             if wrong.wrong() > 0 {
                 let height = (wrong.wrong() * 26).div_ceil(most) as i32;

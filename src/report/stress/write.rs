@@ -3,16 +3,19 @@
 use minijinja::{Value, context};
 use serde::Serialize;
 
+use super::columns::lines;
 use super::data::{CaseSummary, Effect, FrameWrong, ModelVerdict, Outcome, StressPolicy, StressSummary};
 use super::section::Section;
 use super::{failure_map, over_frames};
 use crate::report::csv_table::CsvTable;
 use crate::report::draw::palette::css;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::error::ReportError;
 use crate::report::format::{exact, percent};
 use crate::report::grid::Grid;
+use crate::report::results;
 use crate::report::template;
-use crate::report::writer::Report;
+use crate::report::writer::{Report, ReportFile};
 
 const PLOTS: &[Plot<StressSummary, Section>] = &[failure_map::PLOT, over_frames::PLOT];
 
@@ -25,6 +28,10 @@ impl Report for StressSummary {
 
     fn tables(&self) -> Vec<CsvTable> {
         Vec::new()
+    }
+
+    fn attachments(&self) -> Result<Vec<ReportFile>, ReportError> {
+        results::files(self)
     }
 
     fn plots(&self) -> Result<Vec<Drawing<Section>>, DrawError> {
@@ -84,7 +91,7 @@ impl Report for StressSummary {
         let context = context! {
             verdict => failure_map::verdict(self),
             looks => template::key(&failure_map::key()),
-            policies => self.policies.iter().map(|policy| policy.name.clone()).collect::<Vec<_>>(),
+            policies => self.policies.iter().map(|policy| lines(&policy.name)).collect::<Vec<_>>(),
             over_frames => template::plots(plots, &Section::OverFrames),
             broken => self.broken(),
             totals => table(

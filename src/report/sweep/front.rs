@@ -82,8 +82,8 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
             fastest.machine,
             signed(place(fastest).0)
         ),
-        about: "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no point \
-                of the machine and policy is better in both."
+        about: "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
+                point of the machine and policy is better in both."
             .into(),
         key: Vec::new(),
         data,
@@ -104,12 +104,17 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
             canvas.text("cycles", (end, top + PANEL + 34), Text::NOTE.right())?;
             for tick in 0..=((xs.1 - xs.0) / xs.2).round() as i32 {
                 let share = xs.0 + f64::from(tick) * xs.2;
-                canvas.line(vec![(x(share), top), (x(share), top + PANEL)], if share.abs() < 1e-9 { FAINT } else { GRID }, 1)?;
+                let color = if share.abs() < 1e-9 { FAINT } else { GRID };
+                canvas.line(vec![(x(share), top), (x(share), top + PANEL)], color, 1)?;
                 canvas.text(&percent_tick(share), (x(share), top + PANEL + 14), Text::NOTE.centered())?;
             }
             for tick in 0..=((ys.1 - ys.0) / ys.2).round() as i32 {
                 let share = ys.0 + f64::from(tick) * ys.2;
-                canvas.line(vec![(AXIS, y(share)), (end, y(share))], if share.abs() < 1e-9 { FAINT } else { GRID }, 1)?;
+                canvas.line(
+                    vec![(AXIS, y(share)), (end, y(share))],
+                    if share.abs() < 1e-9 { FAINT } else { GRID },
+                    1,
+                )?;
                 canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
             }
             let at = |point: &SweepPoint| (x(place(point).0), y(place(point).1));

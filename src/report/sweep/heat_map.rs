@@ -48,8 +48,8 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
     Some(Figure {
         title: format!("Culling gains most with {}: {} cycles on {}", best.label(), signed(gain(best)), best.machine),
         about: format!(
-            "Change of cycles by culling. Across: `{}`, down: `{}`. The stronger the colour, the larger the change; green is \
-             faster.",
+            "Change of cycles by culling. Across: `{}`, down: `{}`. The stronger the colour, the larger the change; \
+             green is faster.",
             across.path, down.path
         ),
         key: vec![("faster with culling".into(), GREEN), ("slower".into(), VERMILLION)],

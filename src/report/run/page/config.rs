@@ -2,8 +2,8 @@
 
 use minijinja::{Value, context};
 
-/// The lines of a configuration in RON, one field a line, each with whether it or a part of it is one of the paths
-/// `changed`.
+/// The lines of a configuration in RON with half its indentation, one field a line, each with whether it or a part of
+/// it is one of the paths `changed`.
 pub(super) fn lines(config: &str, changed: &[String]) -> Vec<Value> {
     let mut path: Vec<String> = Vec::new();
     let line = |line: &str| {
@@ -21,7 +21,8 @@ pub(super) fn lines(config: &str, changed: &[String]) -> Vec<Value> {
         if rest.ends_with(['(', '[', '{']) {
             path.push(name.to_owned());
         }
-        context! { text => line, differs }
+        let indentation = (line.len() - line.trim_start().len()) / 2;
+        context! { text => format!("{:indentation$}{}", "", line.trim_start()), differs }
     };
     config.lines().map(line).collect()
 }

@@ -132,7 +132,8 @@ fn tile(summary: &Summary, name: &str, machine: &MachineSummary) -> Value {
             "bad"
         };
         context! {
-            label => *label, class, without => shown(before, *text), with => shown(after, *text), change => or_absent(changed, |it| it)
+            label => *label, class,
+            without => shown(before, *text), with => shown(after, *text), change => or_absent(changed, |it| it),
         }
     };
     let wrong = |policy: Option<&str>| {

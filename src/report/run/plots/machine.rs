@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::report::draw::Figure;
 use crate::report::draw::palette::{Color, WITHOUT, series_color};
 use crate::report::format::change;
+use crate::report::run::over_time::{OverTime, Span};
 use crate::report::run::summary::{MachineRun, MachineSummary, Summary};
 
 /// A plot that is drawn once a machine.
@@ -20,6 +21,7 @@ pub(super) struct Machine<'a> {
     pub name: &'a str,
     pub found: &'a MachineSummary,
     pub run: &'a Summary,
+    pub over_time: &'a OverTime,
 }
 
 impl<'a> Machine<'a> {
@@ -58,6 +60,11 @@ impl<'a> Machine<'a> {
             return Some(format!("{} with {name}", change(before, after)?));
         };
         Some(format!("{} with {least} to {} with {most}", change(before, first)?, change(before, last)?))
+    }
+
+    /// What a policy's run did over time; empty where nobody watched.
+    pub(super) fn spans(&self, policy: &str) -> &'a [Span] {
+        self.over_time.get(&(self.name.to_owned(), policy.to_owned())).map_or(&[], Vec::as_slice)
     }
 
     /// All keys that the runs have, in order.

@@ -6,6 +6,7 @@ mod diagram;
 mod dram_rows;
 mod hit_rates;
 mod machine;
+mod over_time;
 mod saving;
 mod section;
 mod split;
@@ -14,6 +15,7 @@ mod tradeoff;
 mod utilization;
 mod wrong;
 
+use super::over_time::OverTime;
 use super::summary::Summary;
 use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
 use crate::report::file_names::file_names;
@@ -29,16 +31,16 @@ const FRAME_PLOTS: &[MachinePlot] = &[times::PLOT];
 
 /// Plots drawn once a machine, in the page's order.
 const MACHINE_PLOTS: &[MachinePlot] =
-    &[diagram::PLOT, utilization::PLOT, split::PLOT, bytes::PLOT, hit_rates::PLOT, dram_rows::PLOT];
+    &[diagram::PLOT, utilization::PLOT, over_time::PLOT, split::PLOT, bytes::PLOT, hit_rates::PLOT, dram_rows::PLOT];
 
 /// All plots of a run that there is data for.
-pub(super) fn draw(summary: &Summary) -> Result<Vec<Drawing<Section>>, DrawError> {
+pub(super) fn draw(summary: &Summary, over_time: &OverTime) -> Result<Vec<Drawing<Section>>, DrawError> {
     let mut drawings = draw_all(summary, RUN_PLOTS)?;
     let names = file_names(summary.machines.iter().map(|(name, _)| name));
     let frames = FRAME_PLOTS.iter().map(|plot| (plot, true));
     for (MachinePlot { name, figure }, over_frames) in frames.chain(MACHINE_PLOTS.iter().map(|plot| (plot, false))) {
         for (machine, (_, found)) in names.iter().zip(summary.machines.iter()) {
-            let of = Machine { name: machine.name, found, run: summary };
+            let of = Machine { name: machine.name, found, run: summary, over_time };
             let section = if over_frames { Section::Frames } else { Section::Machine(machine.name.into()) };
             if let Some(figure) = figure(&of) {
                 drawings.push(Drawing::new(format!("{name}-{}", machine.file), section, figure)?);

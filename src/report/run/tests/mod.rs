@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use self::sample::{frame, sample};
+use self::sample::{frame, over_time, sample};
 use super::*;
 use crate::named::Named;
 use crate::output::{FolderError, ResultsFolder};
@@ -210,7 +210,7 @@ fn plots_are_well_formed_and_the_same_twice() {
     let mut summary = sample(&[0, 16, 48]).summary;
     let published = summary.policies.get("published").unwrap().clone();
     summary.policies.insert("a<b & \"c\"", published);
-    let drawings = plots::draw(&summary).unwrap();
+    let drawings = plots::draw(&summary, &over_time(&summary)).unwrap();
     let names: Vec<&str> = drawings.iter().map(|drawing| drawing.name.as_str()).collect();
     assert_eq!(
         names,
@@ -224,6 +224,8 @@ fn plots_are_well_formed_and_the_same_twice() {
             "diagram-desktop",
             "utilization-small",
             "utilization-desktop",
+            "over_time-small",
+            "over_time-desktop",
             "split-small",
             "split-desktop",
             "bytes-small",
@@ -240,7 +242,7 @@ fn plots_are_well_formed_and_the_same_twice() {
         assert!(!drawing.data.rows.is_empty() && !drawing.title.is_empty(), "{}", drawing.name);
     }
     assert!(drawings[0].file.contains("a&lt;b &amp; &quot;c&quot;"));
-    assert_eq!(plots::draw(&summary).unwrap(), drawings);
+    assert_eq!(plots::draw(&summary, &over_time(&summary)).unwrap(), drawings);
 }
 
 #[test]
@@ -251,7 +253,8 @@ fn a_run_with_little_data_is_drawn_too() {
     report.summary.policies =
         [("published", PolicySummary::new(&[frame(5, 0.2, 0)], Vec::new(), None))].into_iter().collect();
     report.pictures.clear();
-    let names: Vec<String> = plots::draw(&report.summary).unwrap().into_iter().map(|drawing| drawing.name).collect();
+    let names: Vec<String> =
+        plots::draw(&report.summary, &report.over_time).unwrap().into_iter().map(|drawing| drawing.name).collect();
     assert_eq!(names, ["wrong"]);
     let (_dir, target) = place();
     write(&target, &report).unwrap();
@@ -267,7 +270,7 @@ fn the_page_has_every_part_and_needs_no_other_file() {
     for id in ["policies", "frames", "machine-1", "machine-2", "run"] {
         assert_eq!(page.matches(&format!("<section id=\"{id}\">")).count(), 1, "{id}");
     }
-    let plots = plots::draw(&report.summary).unwrap();
+    let plots = plots::draw(&report.summary, &report.over_time).unwrap();
     assert_eq!(page.matches("<svg class=\"wide\"").count(), plots.len());
     assert_eq!(page.matches("<svg class=\"narrow\"").count(), plots.len());
     // References once, what differs from them a policy; mode words.
@@ -277,6 +280,12 @@ fn the_page_has_every_part_and_needs_no_other_file() {
     assert!(include_str!("../../script.js").len() < 12_000);
     assert!(page.contains("kitchen &lt;sample&gt;") && page.contains("&lt;a comment&gt;"));
     assert!(page.contains("0123456789abcdef") && page.contains("wrong shadow decisions"));
+}
+
+#[test]
+fn the_samples_page_is_small() {
+    let page = fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/reports/sample/index.html")).unwrap();
+    assert!(page.len() < 500_000, "{} bytes", page.len());
 }
 
 #[test]

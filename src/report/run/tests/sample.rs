@@ -9,7 +9,8 @@ use crate::quantity::{Bytes, Cycle, Resolution};
 use crate::report::file_names::FileNamed;
 use crate::report::run::pictures::{self, Image, PictureInfo, PictureKind};
 use crate::report::run::{
-    FrameResult, LightWrong, MachineRun, MachineSummary, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary, Summary,
+    FrameResult, LightWrong, MachineRun, MachineSummary, OverTime, PolicySummary, Psnr, RunFiles, SCHEMA, SceneSummary,
+    Span, Summary,
 };
 use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
@@ -155,7 +156,25 @@ fn machine(share: f64, words: u64) -> MachineRun {
 /// A report such as a run makes, with frame numbers `frames`.
 pub(crate) fn sample(frames: &[u32]) -> RunFiles {
     let (summary, config, images) = parts(frames);
-    RunFiles::new(summary, config, &images).unwrap()
+    let over_time = over_time(&summary);
+    RunFiles { over_time, ..RunFiles::new(summary, config, &images).unwrap() }
+}
+
+/// What the machines of `summary` did in ten spans of frame 16 each, busier and busier.
+pub(crate) fn over_time(summary: &Summary) -> OverTime {
+    let span = |run: &MachineRun, at: u64| {
+        let whole = Span::new(16, 0, &run.stats);
+        let mut units = whole.units;
+        units.values_mut().for_each(|causes| *causes.entry(Cause::Busy).or_default() *= at + 1);
+        Span { begin: at * 1000, cycles: 1000, dram_bytes: 1000 * at, units, ..whole }
+    };
+    let of = |(name, machine): (&str, &MachineSummary)| {
+        let runs = machine.policies.iter();
+        let spans =
+            runs.map(|(policy, run)| ((name.to_owned(), policy.to_owned()), (0..10).map(|at| span(run, at)).collect()));
+        spans.collect::<Vec<_>>()
+    };
+    summary.machines.iter().flat_map(of).collect()
 }
 
 /// What a run hands to its report: numbers, the experiment as run, and pictures.
