@@ -49,9 +49,9 @@ pub(crate) fn auto(
     let plan = Plan::new(FIRST as f64 / all, cut, 0);
     // What was spent is spent: more windows are measured as long as they take less than `Event` on everything.
     let goal = Goal { target, most: 1.0 / cut.effort() };
-    let (sampled, is_enough) = sample_until(Sampled::Event, machine, header, plan, goal, source)?;
+    let (sampled, is_enough, passes) = sample_until(Sampled::Event, machine, header, plan, goal, source)?;
     let windows = sampled.residuals.as_ref().map_or(0, |residuals| residuals.windows());
-    let spent = cost(windows as f64);
+    let spent = cost(windows as f64) + TAGS * f64::from(passes - 1);
     if is_enough {
         return Ok(MachineStats { choice: Some(choice(windows, spent, Why::Sampled)), ..sampled });
     }
