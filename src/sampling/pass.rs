@@ -24,8 +24,8 @@ const ITEMS: usize = 4;
 const CUT: usize = 4;
 const JOBS: usize = 2;
 
-/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, twice.
-const KEPT: usize = 4;
+/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, three times.
+const KEPT: usize = 8;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]

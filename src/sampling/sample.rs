@@ -82,7 +82,7 @@ pub(crate) fn sample_until_within(
     if first <= MOST {
         let goal = Goal { target, most: MOST };
         let plan = Plan::new(first, cut, seed);
-        let (stats, is_enough) = sample_until(engine, machine, header, plan, goal, source)?;
+        let (stats, is_enough, _) = sample_until(engine, machine, header, plan, goal, source)?;
         if is_enough {
             return Ok(stats);
         }
@@ -90,7 +90,8 @@ pub(crate) fn sample_until_within(
     whole(engine.into(), machine, header, &mut source.open(0)?, None)
 }
 
-/// Samples with more and more windows, as long as the goal may be reached; also whether it was.
+/// Samples with more and more windows, as long as the goal may be reached; also whether it was, and how many passes over
+/// the stream that took.
 pub(crate) fn sample_until(
     engine: Sampled,
     machine: &MachineSpec,
@@ -98,22 +99,24 @@ pub(crate) fn sample_until(
     mut plan: Plan,
     Goal { target, most }: Goal,
     source: &dyn Source,
-) -> Result<(MachineStats, bool), RunError> {
+) -> Result<(MachineStats, bool, u32), RunError> {
     let sampler = Sampler::new(engine, machine, header);
     let keep = (most * plan.strata.length) as usize;
     let mut pass = sampler.pass(&plan, keep, &mut source.open(0)?)?;
     let mut kept = std::mem::take(&mut pass.kept);
     let mut findings = Findings::of(&sampler, &plan.cut, pass)?;
+    let mut passes = 1;
     loop {
         let (stats, points) = (findings.estimate(machine, plan.draws.end), findings.points(plan.draws.end));
         let widest = stats.accuracy.widest().unwrap_or(f64::INFINITY);
         let is_enough = points >= LEAST && widest <= target.get();
         let next = plan.next_draws(points, widest, target.get(), keep);
-        let Some(draws) = next.filter(|_| !is_enough) else { return Ok((stats, is_enough)) };
+        let Some(draws) = next.filter(|_| !is_enough) else { return Ok((stats, is_enough, passes)) };
         plan.draws = plan.draws.end..draws;
         let more = match kept.take(&plan.draws) {
             Some(jobs) => sampler.replay(jobs)?,
             None => {
+                passes += 1;
                 let pass = sampler.pass(&plan, keep, &mut source.open(0)?)?;
                 kept = pass.kept;
                 pass.found

@@ -28,7 +28,7 @@ fn a_sample_is_as_close_as_was_asked_and_says_what_it_took() {
     let (header, stream) = quickstart();
     let mut machine = shipped("small");
     machine.dispatcher.rays = num(16);
-    let cut = Cut { pixels: 16, before: 4, own: 2, behind: 1 };
+    let cut = Cut { pixels: 16, before: 2, own: 2, behind: 1 };
     let found = auto(&machine, cut, "0.1".parse().unwrap(), &header, &stream).unwrap();
     let event = on(&machine, &header, "Event", &stream);
     let choice = found.choice.unwrap();
