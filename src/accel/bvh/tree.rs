@@ -42,9 +42,9 @@ impl<const N: usize> Default for Node<N> {
 impl<const N: usize> Node<N> {
     /// Makes `child` the child number `at`, with the given box.
     pub(crate) fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
-        for axis in 0..3 {
-            self.bounds[axis][0][at] = low[axis];
-            self.bounds[axis][1][at] = high[axis];
+        for (side, corner) in [low, high].into_iter().enumerate() {
+            let [x, y, z] = &mut self.bounds;
+            (x[side][at], y[side][at], z[side][at]) = corner.into();
         }
         self.children[at] = child;
     }
@@ -61,7 +61,8 @@ impl<const N: usize> Node<N> {
 
     /// The lower and the upper corner of a child's box.
     pub(crate) fn corners(&self, child: usize) -> [Vec3; 2] {
-        [0, 1].map(|side| Vec3::from_array(self.bounds.map(|planes| planes[side][child])))
+        let [x, y, z] = &self.bounds;
+        [0, 1].map(|side| Vec3::new(x[side][child], y[side][child], z[side][child]))
     }
 
     /// Where the ray enters each child's box, and infinity where it misses it.

@@ -3,8 +3,6 @@
 //! Children are visited nearest first, unless a shadow ray asks for another order; ties go by the node's own order. A
 //! child that lies behind the nearest hit by the time it is taken from the stack is dropped without a visit.
 
-use multiversion::multiversion;
-
 use super::forest::Forest;
 use super::tree::{Child, Node};
 use crate::accel::query::{Hit, Order, Scope};
@@ -46,7 +44,6 @@ fn visit<const N: usize>(node: &Node<N>, ray: &Ray, order: Order, stack: &mut St
 }
 
 /// The nearest hit; at equal distance the one on the lowest primitive.
-#[multiversion(targets("x86_64+avx2"))]
 pub(crate) fn nearest<const N: usize, W: Observer>(forest: &Forest<'_, N>, mut ray: Ray, watch: &mut W) -> Option<Hit> {
     let mut stack = Stack::with_capacity(64);
     let mut nearest: Option<Hit> = None;
@@ -77,7 +74,6 @@ pub(crate) fn nearest<const N: usize, W: Observer>(forest: &Forest<'_, N>, mut r
 }
 
 /// A triangle that blocks the ray, among those below the children on the stack.
-#[multiversion(targets("x86_64+avx2"))]
 fn first_blocker<const N: usize, W: Observer>(
     forest: &Forest<'_, N>,
     ray: &Ray,
