@@ -29,11 +29,11 @@ EXPERIMENT = """(
 # What a run has where its series does not say otherwise.
 USUAL = {"triangles": 100_000, "lights": 2, "frames": 2, "width": 256, "machines": 1}
 SERIES = {
-    "triangles": [10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000],
-    "width": [128, 256, 512, 1024],
-    "frames": [2, 4, 8, 16, 32],
+    "triangles": [10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000],
+    "width": [64, 128, 256, 512],
+    "frames": [2, 4, 8, 16],
     "lights": [1, 2, 4, 6],
-    "machines": [1, 2, 4, 8],
+    "machines": [1, 2, 4],
 }
 MACHINES = ["desktop", "small", "mobile", "desktop_naive", "small_naive", "arches_like", "raycore", "ideal"]
 
