@@ -185,7 +185,7 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may have no window: what the others find is told all the same. `Profile` knows words
+    /// A sample of a short stream may tell nothing: what the others find is told all the same. `Profile` knows words
     /// in triangle records.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
@@ -205,7 +205,7 @@ mod tests {
         assert!([bound, profile].iter().all(|rung| rung.refusals.is_empty() && rung.cycles.is_some()));
         let why = |rung: &Rung| rung.refusals.first().cloned().unwrap_or_default();
         assert!(why(sampled).contains("on `in_records` under `Off`: "), "{}", why(sampled));
-        assert!(why(sampled).contains("a higher `rate` is needed"), "{}", why(sampled));
+        assert!(why(sampled).contains("is too small to tell anything: take Auto or Event"), "{}", why(sampled));
         assert_eq!((sampled.refusals.len(), sampled.cycles), (2, None));
         assert_eq!(timings.iter().map(|timing| timing.rays > 0).collect::<Vec<_>>(), [true, true, true, false]);
     }

@@ -8,6 +8,7 @@ use super::random::{machines, streams};
 use super::*;
 use crate::engine::lines::LineStream;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::traffic::TrafficSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::dram::spec::Model;
 use crate::memory::replacement::Policy;
@@ -161,13 +162,17 @@ fn what_looks_better_can_be_slower() {
     );
     println!("| change | machines | slower | worst | mean |\n|---|---|---|---|---|");
     let book = include_str!("../../../docs/model/anomalies.md");
+    let mut others = Vec::new();
     for (Change { what, .. }, found) in CHANGES.iter().zip(found.into_inner().unwrap()) {
         assert!(found.cases > 20, "{what}: {} machines only", found.cases);
         let row = found.row(what);
         println!("{row}");
         // The long suite has more machines than the book's table.
-        assert!(is_long() || book.contains(&row), "docs/model/anomalies.md has another row than this:\n{row}");
+        if !is_long() && !book.contains(&row) {
+            others.push(row);
+        }
     }
+    assert!(others.is_empty(), "docs/model/anomalies.md has other rows than these:\n{}", others.join("\n"));
 }
 
 /// No change of timing changes what traversal, list and intersection units do, words by way of intersection units
@@ -234,9 +239,10 @@ fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
     assert!(compared > 40, "more ways matter in {compared} cases only");
 }
 
-/// A ray that is alone in a machine on a flat DRAM only gains by what leaves the order of its accesses. (Another unit's
-/// L1 is cold. More miss registers bring the lines of one fetch in another order. Banks have rows that an earlier
-/// request finds open or closed.)
+/// A ray that is alone in a machine on a flat DRAM, without traffic of the host and shaded in a cycle, only gains by what
+/// leaves the order of its accesses. (Another unit's L1 is cold. More miss registers bring the lines of one fetch in
+/// another order. Banks have rows that an earlier request finds open or closed. What is long shaded beside the next ray
+/// may come in another order.)
 #[test]
 fn one_ray_at_a_time_knows_no_anomaly() {
     check_many(
@@ -246,6 +252,8 @@ fn one_ray_at_a_time_knows_no_anomaly() {
             let stream = without_policy(&stream);
             machine.cores = num(1);
             machine.dispatcher.rays = num(1);
+            machine.dispatcher.shading_cycles = num(1);
+            machine.traffic = TrafficSpec::default();
             machine.dram.model = Model::Flat { latency: num(40), bytes_per_cycle: Some(size(8)) };
             let before = replayed(&machine, stream.clone());
             for Change { what, make, .. } in CHANGES.iter().filter(|change| change.is_orderly) {

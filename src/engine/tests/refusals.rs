@@ -147,7 +147,7 @@ fn violated_identities_are_found() {
         ("hits + half misses + misses + passed writes", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
         ("cycles of all causes", |t| t.units[Kind::Traversal as usize][1].causes[Cause::Busy as usize] += 1),
         ("row hits", |t| t.channels[0].counts.row_hits += 1),
-        ("bytes between L2 and DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),
+        ("bytes of L2 and host against DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),
         ("against DRAM bytes", |t| {
             t.channels[0].counts.reads -= 1;
             t.channels[0].counts.row_misses -= 1;
