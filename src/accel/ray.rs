@@ -56,8 +56,8 @@ impl Ray {
         met(near, far)
     }
 
-    /// As [`Ray::entries`], of a ray that keeps its coordinate along an axis: there is no crossing to compute, and a ray
-    /// in the face of a box would leave it where it enters it.
+    /// As [`Ray::entries`], of a ray that keeps its coordinate along an axis: there is no crossing to compute, and a
+    /// ray in the face of a box would leave it where it enters it.
     #[cold]
     fn entries_in_plane<const N: usize>(&self, bounds: &Boxes<N>) -> [f32; N] {
         let (mut near, mut far) = ([0.0f32; N], [self.reach; N]);

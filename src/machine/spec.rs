@@ -274,7 +274,8 @@ mod tests {
                 "more than one home for `node` (a, b)",
             ),
             (
-                "(l2: Split({\"a\": (classes: [node, list, triangle, mode_word, pixel_counter, occluder_id, ray, texture], cache: ())}))",
+                "(l2: Split({\"a\": (classes: [node, list, triangle, mode_word, pixel_counter, occluder_id, ray, texture], \
+                 cache: ())}))",
                 "a home for `texture` (a), which goes past all caches",
             ),
             ("(l2: Split({\"L2\": (classes: [node], cache: ())}))", "a cache `L2`: small letters"),

@@ -19,8 +19,8 @@ const LINES_A_PIECE: usize = 64;
 /// Points that tell an interval, at least: eight leave three degrees of freedom or more.
 pub(crate) const LEAST: usize = 8;
 /// Points from which on an interval's width tells how many are needed: with fewer, regressions have few columns, and
-/// intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`, `small`, 512 windows:
-/// 24 windows would have asked for more than there are for 2 %; 48 gave 1.9 %.)
+/// intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`, `small`, 512
+/// windows: 24 windows would have asked for more than there are for 2 %; 48 gave 1.9 %.)
 pub(crate) const TELLING: usize = 48;
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
@@ -89,9 +89,9 @@ impl Cut {
     }
 }
 
-/// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of
-/// equal length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are wanted, strata are halved: points have an order, so that a later pass can measure the next
-/// ones.
+/// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of equal
+/// length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are
+/// wanted, strata are halved: points have an order, so that a later pass can measure the next ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
     /// The strata of the axis, on which windows are of length 1.

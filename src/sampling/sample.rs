@@ -90,8 +90,8 @@ pub(crate) fn sample_until_within(
     whole(engine.into(), machine, header, &mut source.open(0)?, None)
 }
 
-/// Samples with more and more windows, as long as the goal may be reached; also whether it was, and how many passes over
-/// the stream that took.
+/// Samples with more and more windows, as long as the goal may be reached; also whether it was, and how many passes
+/// over the stream that took.
 pub(crate) fn sample_until(
     engine: Sampled,
     machine: &MachineSpec,

@@ -85,8 +85,8 @@ pub enum Cause {
     Starved,
     /// It had rays, all inside its pipeline.
     Pipeline,
-    /// It had rays, and the first that waits does so for data of its cache; of the dispatcher, for the host's port to the
-    /// DRAM.
+    /// It had rays, and the first that waits does so for data of its cache; of the dispatcher, for the host's port to
+    /// the DRAM.
     Memory,
     /// It had a result that its neighbour could not take.
     Blocked,

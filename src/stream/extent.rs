@@ -43,8 +43,8 @@ impl Extent {
         self.strays
     }
 
-    /// The extent of the steps of rays, which lie one after another in `words`; `policies` are those of the policy among
-    /// them.
+    /// The extent of the steps of rays, which lie one after another in `words`; `policies` are those of the policy
+    /// among them.
     pub(super) fn of<'a>(words: &[u32], policies: impl Iterator<Item = &'a [u32]>) -> Self {
         let [nodes, list_entries, slots, others] = furthest(words);
         let mut extent = Self { nodes, list_entries, slots, ..Self::default() };

@@ -213,7 +213,8 @@ impl Step {
     }
 }
 
-/// How many packed steps visit nodes and read lists. The loop has no branch, so that several words are looked at at once.
+/// How many packed steps visit nodes and read lists. The loop has no branch, so that several words are looked at at
+/// once.
 #[multiversion(targets("x86_64+avx2"))]
 fn visits_and_reads(words: &[u32]) -> [u32; 2] {
     let (mut nodes, mut lists) = (0, 0);
@@ -227,6 +228,19 @@ fn visits_and_reads(words: &[u32]) -> [u32; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Several words at once, and the rest one by one.
+    #[test]
+    fn many_steps_are_counted_as_one_by_one() {
+        for length in [0, 1, 7, 8, 31, 32, 33, 401] {
+            let words: Vec<u32> =
+                (0..length).map(|at: u32| ((at * 7919) % 1000) | ((at * 5 % 16) << INDEX_BITS)).collect();
+            let of =
+                |is: fn(Step) -> bool| words.iter().filter(|&&word| Step::unpack(word).is_some_and(is)).count() as u64;
+            let (nodes, lists) = (of(|it| matches!(it, Step::Node(_))), of(|it| matches!(it, Step::List(_))));
+            assert_eq!(Step::count(&words), [nodes, lists, words.len() as u64 - nodes - lists], "{length} words");
+        }
+    }
 
     #[test]
     fn an_update_is_the_same_step_whatever_it_changes() {

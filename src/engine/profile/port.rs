@@ -1,5 +1,5 @@
-//! The host's port to the DRAM, without a queue of its own: its lines are asked for at once, and rays wait until so many
-//! are done that the others find room in the queues.
+//! The host's port to the DRAM, without a queue of its own: its lines are asked for at once, and rays wait until so
+//! many are done that the others find room in the queues.
 
 use std::collections::VecDeque;
 

@@ -239,10 +239,10 @@ fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
     assert!(compared > 40, "more ways matter in {compared} cases only");
 }
 
-/// A ray that is alone in a machine on a flat DRAM, without traffic of the host and shaded in a cycle, only gains by what
-/// leaves the order of its accesses. (Another unit's L1 is cold. More miss registers bring the lines of one fetch in
-/// another order. Banks have rows that an earlier request finds open or closed. What is long shaded beside the next ray
-/// may come in another order.)
+/// A ray that is alone in a machine on a flat DRAM, without traffic of the host and shaded in a cycle, only gains by
+/// what leaves the order of its accesses. (Another unit's L1 is cold. More miss registers bring the lines of one fetch
+/// in another order. Banks have rows that an earlier request finds open or closed. What is long shaded beside the next
+/// ray may come in another order.)
 #[test]
 fn one_ray_at_a_time_knows_no_anomaly() {
     check_many(

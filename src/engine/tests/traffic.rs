@@ -54,8 +54,9 @@ fn answered_rays_move_nothing() {
     assert_eq!([moved(Decide::Unit), moved(Decide::Hit)], [[4], [2]]);
 }
 
-/// H4, H5, H8: the port puts a line a cycle into a channel that takes all; ten rays have 64 each, and three lines of hits
-/// come between them. Ray after ray with an empty port, or with lines in it, so that the eight between cost no cycle.
+/// H4, H5, H8: the port puts a line a cycle into a channel that takes all; ten rays have 64 each, and three lines of
+/// hits come between them. Ray after ray with an empty port, or with lines in it, so that the eight between cost no
+/// cycle.
 #[test]
 fn a_full_port_holds_rays_back() {
     let mut machine = rays_in_dram();

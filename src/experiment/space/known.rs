@@ -12,9 +12,9 @@ use crate::replay::{Demand, Estimate};
 /// The most passes over a stream for a machine of the experiment. With more, one must do for all.
 const MOST: usize = 8;
 
-/// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of lines,
-/// the places of words and what the host moves; and as the experiment's machine `base` in what an estimate works out, such as sizes,
-/// numbers and times.
+/// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of
+/// lines, the places of words and what the host moves; and as the experiment's machine `base` in what an estimate works
+/// out, such as sizes, numbers and times.
 fn reference(machine: &MachineSpec, base: &MachineSpec) -> MachineSpec {
     let ShadowCacheSpec { count, latency, interval, contexts, width, cache, .. } = base.shadow_cache;
     let unit = ShadowCacheSpec { count, latency, interval, contexts, width, cache, ..machine.shadow_cache };

@@ -99,16 +99,22 @@ pub(super) fn read(folder: &Path) -> Result<OverTime, ReportError> {
 }
 
 fn parse(text: &[u8]) -> Result<OverTime, csv::Error> {
-    let mut all = OverTime::new();
+    let (mut all, mut sum) = (OverTime::new(), 0u64);
     for row in csv::Reader::from_reader(text).deserialize() {
         let mut row: BTreeMap<String, String> = row?;
+        if let Some(column) = FIRST.iter().find(|column| !row.contains_key(**column)) {
+            return Err(broken(format!("there is no column `{column}`")));
+        }
         let mut name = |column: &str| row.remove(column).unwrap_or_default();
         let of = (name("machine"), name("policy"));
         let mut span = Span::default();
         for (column, text) in row.iter().filter(|(_, text)| !text.is_empty()) {
-            let number: u64 = text.parse().map_err(|_| not_a_number(column, text))?;
+            let not_a_count = || broken(format!("column {column}: `{text}` is no count"));
+            let number: u64 = text.parse().map_err(|_| not_a_count())?;
+            // Whoever adds some of the counts up need not look.
+            sum = sum.checked_add(number).ok_or_else(not_a_count)?;
             match column.as_str() {
-                "frame" => span.frame = u32::try_from(number).map_err(|_| not_a_number(column, text))?,
+                "frame" => span.frame = u32::try_from(number).map_err(|_| not_a_count())?,
                 "begin" => span.begin = number,
                 "cycles" => span.cycles = number,
                 "dram_bytes" => span.dram_bytes = number,
@@ -116,7 +122,7 @@ fn parse(text: &[u8]) -> Result<OverTime, csv::Error> {
                     let words = unit.strip_prefix("units.").and_then(|unit| unit.rsplit_once('.'));
                     let cause = |name: &str| Cause::ALL.into_iter().find(|cause| cause.name() == name);
                     let Some((unit, cause)) = words.and_then(|(unit, name)| Some((unit, cause(name)?))) else {
-                        continue;
+                        return Err(broken(format!("column `{column}` is none of this table's")));
                     };
                     span.units.entry(unit.to_owned()).or_default().insert(cause, number);
                 }
@@ -127,8 +133,8 @@ fn parse(text: &[u8]) -> Result<OverTime, csv::Error> {
     Ok(all)
 }
 
-fn not_a_number(column: &str, text: &str) -> csv::Error {
-    std::io::Error::new(std::io::ErrorKind::InvalidData, format!("column {column}: `{text}` is no count")).into()
+fn broken(why: String) -> csv::Error {
+    std::io::Error::new(std::io::ErrorKind::InvalidData, why).into()
 }
 
 #[cfg(test)]
@@ -144,6 +150,20 @@ mod tests {
         let read = parse(&table.bytes().unwrap()).unwrap();
         assert_eq!(read, all);
         assert_eq!(Span::joined(&[span(0, 4), span(10, 6)]), Span { cycles: 20, dram_bytes: 128, ..span(0, 10) });
-        assert_eq!(parse(b"machine,policy,frame\na,b,x\n").unwrap_err().to_string(), "column frame: `x` is no count");
+    }
+
+    #[test]
+    fn what_is_no_table_of_spans_is_told() {
+        let refused = |more: &str, row: &str| {
+            let text = format!("machine,policy,frame,begin,cycles,dram_bytes{more}\n{row}\n");
+            parse(text.as_bytes()).unwrap_err().to_string()
+        };
+        assert_eq!(refused("", "a,b,x,0,1,2"), "column frame: `x` is no count");
+        assert_eq!(refused("", "a,b,4294967296,0,1,2"), "column frame: `4294967296` is no count");
+        assert_eq!(refused(",units.list.bored", "a,b,0,0,1,2,3"), "column `units.list.bored` is none of this table's");
+        let most = u64::MAX;
+        assert_eq!(refused("", &format!("a,b,0,0,{most},{most}")), format!("column dram_bytes: `{most}` is no count"));
+        let without = parse(b"machine,policy,frame\na,b,1\n").unwrap_err().to_string();
+        assert_eq!(without, "there is no column `begin`");
     }
 }

@@ -36,8 +36,8 @@ impl Pipeline {
     }
 
     /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's
-    /// latency. At the latest, that in which a hit is there whose access is made after the next look: what is made ahead
-    /// of a look is counted in it.
+    /// latency. At the latest, that in which a hit is there whose access is made after the next look: what is made
+    /// ahead of a look is counted in it.
     #[inline]
     pub(super) fn first_unknown(&self, now: u64, links: &Links) -> u64 {
         let after_look = links.looked_at.saturating_add(self.hit_latency + 1);
