@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 
+use super::query::Hit;
 use super::ray::{Boxes, Ray};
 use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
@@ -88,6 +89,19 @@ impl Record {
             (Stop::Hit, _) => (Stop::Plane, false),
             (stop, _) => (stop, false),
         }
+    }
+
+    /// Tests the triangle and keeps its hit if that is the nearest so far, at equal distance the one on the lowest
+    /// primitive: the ray's reach is then the hit's distance.
+    pub(super) fn test_nearest(&self, ray: &mut Ray, nearest: &mut Option<Hit>) -> Stop {
+        let (stop, hit) = self.test(ray);
+        let Some(TriangleHit { t, barycentric }) = hit else { return stop };
+        let nearer = nearest.is_none_or(|old| (t, self.primitive) < (old.t, old.primitive));
+        if nearer && t <= ray.reach {
+            ray.reach = t;
+            *nearest = Some(Hit { primitive: self.primitive, t, barycentric });
+        }
+        stop
     }
 
     /// Whether the triangle blocks the ray by more than rounding: then the boxes around it cannot miss the ray either,

@@ -59,15 +59,8 @@ pub(crate) fn nearest<const N: usize, W: Observer>(forest: &Forest<'_, N>, mut r
             continue;
         }
         for slot in child.index..child.index + child.count {
-            let record = forest.record(TriangleSlot(slot));
-            let (stop, hit) = record.test(&ray);
+            let stop = forest.record(TriangleSlot(slot)).test_nearest(&mut ray, &mut nearest);
             watch.triangle(TriangleSlot(slot), stop);
-            let Some(hit) = hit else { continue };
-            let nearer = nearest.is_none_or(|old| (hit.t, record.primitive) < (old.t, old.primitive));
-            if nearer && hit.t <= ray.reach {
-                ray.reach = hit.t;
-                nearest = Some(Hit { primitive: record.primitive, t: hit.t, barycentric: hit.barycentric });
-            }
         }
     }
     nearest

@@ -122,15 +122,8 @@ impl Forest<'_> {
             for entry in self.descend(Span { exit, ..span }, &ray, &mut stack, watch) {
                 watch.list(ListId(entry));
                 let slot = self.entry(entry);
-                let record = self.record(slot);
-                let (stop, hit) = record.test(&ray);
+                let stop = self.record(slot).test_nearest(&mut ray, &mut nearest);
                 watch.triangle(slot, stop);
-                let Some(hit) = hit else { continue };
-                let nearer = nearest.is_none_or(|old| (hit.t, record.primitive) < (old.t, old.primitive));
-                if nearer && hit.t <= ray.reach {
-                    ray.reach = hit.t;
-                    nearest = Some(Hit { primitive: record.primitive, t: hit.t, barycentric: hit.barycentric });
-                }
             }
         }
         nearest
