@@ -1,5 +1,7 @@
 //! Student's t, and variances of sums over strata, for 95 % intervals of what few values tell.
 
+use std::collections::BTreeMap;
+
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// The 97.5 % point of Student's t; nothing is within it where there is no degree of freedom.
@@ -21,13 +23,13 @@ pub(crate) struct Variance {
 impl Variance {
     /// The variance of the sum of values, each with the number of its stratum.
     pub(crate) fn stratified(values: impl IntoIterator<Item = (usize, f64)>) -> Self {
-        let mut strata: Vec<Vec<f64>> = Vec::new();
+        // Numbers may be those of a file: memory follows the values.
+        let mut strata: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (stratum, value) in values {
-            strata.resize(strata.len().max(stratum + 1), Vec::new());
-            strata[stratum].push(value);
+            strata.entry(stratum).or_default().push(value);
         }
         let (mut variance, mut squares) = (0.0, 0.0);
-        for here in strata {
+        for here in strata.into_values() {
             let some = here.len() as f64;
             if some > 1.0 {
                 let mean = here.iter().sum::<f64>() / some;
@@ -62,6 +64,7 @@ mod tests {
         assert_eq!(pairs([2.0; 4]).freedom(100.0), 10.0);
         assert_eq!(pairs([9.0, 0.0, 0.0, 0.0]).freedom(4.0), 1.0);
         assert_eq!(pairs([0.0; 4]), Variance::default());
+        assert_eq!(Variance::stratified([(usize::MAX, 1.0), (usize::MAX, 3.0)]).value, 4.0);
     }
 
     #[test]

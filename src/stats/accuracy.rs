@@ -72,9 +72,4 @@ impl Accuracy {
     pub fn widest(&self) -> Option<f64> {
         self.shares().map(|shares| shares.into_iter().fold(0.0, f64::max))
     }
-
-    /// Whether all shares that are known are at most `target`, and nothing else is known to be off.
-    pub fn is_within(&self, target: f64) -> bool {
-        self.widest().is_some_and(|widest| widest <= target)
-    }
 }
