@@ -85,12 +85,28 @@ impl Fidelity {
         matches!(self, Self::Sampled { .. } | Self::Auto { .. })
     }
 
+    /// Whether samples go on until their intervals are within a target.
+    pub fn has_target(self) -> bool {
+        matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
+    }
+
     /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from
     /// one to another is known to within the target too: errors of two samples add up as squares do, and those of
     /// samples of the same windows cancel in part.
     #[must_use]
     pub fn compared(self) -> Self {
-        let narrower = |target: Share| Share::new(target.get() / std::f64::consts::SQRT_2).unwrap_or(target);
+        self.narrower(std::f64::consts::SQRT_2)
+    }
+
+    /// The same for replays that are compared and measured beside a baseline: what that is off, and what others are off
+    /// otherwise, are together what [`Fidelity::compared`] says.
+    #[must_use]
+    pub fn beside_baseline(self) -> Self {
+        self.narrower(2.0)
+    }
+
+    fn narrower(self, by: f64) -> Self {
+        let narrower = |target: Share| Share::new(target.get() / by).unwrap_or(target);
         match self {
             Self::Sampled { engine, rate, seed, target_error } => {
                 Self::Sampled { engine, rate, seed, target_error: target_error.map(narrower) }

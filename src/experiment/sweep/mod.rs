@@ -18,6 +18,7 @@ mod shard;
 mod spec;
 mod streams;
 mod summary;
+mod together;
 mod values;
 
 use std::path::{Path, PathBuf};

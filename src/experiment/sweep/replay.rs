@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::error::SweepError;
 use super::streams::Recorded;
 use crate::machine::MachineSpec;
-use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile};
+use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
@@ -47,6 +47,50 @@ pub(in super::super) fn demand(
 ) -> Result<Demand, SweepError> {
     let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
     told(demand, machine, stream, stop)
+}
+
+/// Samples a recorded stream for several machines on the same passes, where that is what the level does.
+pub(super) struct Shared<'a> {
+    together: Together<'a>,
+    stream: &'a Recorded,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Shared<'a> {
+    /// None where nothing is sampled.
+    pub(super) fn of(
+        (fidelity, cut): (Fidelity, Option<Cut>),
+        baseline: Option<(&'a MachineSpec, &'a MachineStats)>,
+        stream: &'a Recorded,
+        stop: &'a AtomicBool,
+    ) -> Option<Self> {
+        let together = Together { header: &stream.header, fidelity, cut: cut?, baseline };
+        together.samples().then_some(Self { together, stream, stop })
+    }
+
+    /// The sample of each machine, or what says that everything is to be replayed.
+    ///
+    /// # Errors
+    /// Sampling is stopped or fails.
+    pub(super) fn sample(&self, machines: &[MachineSpec]) -> Result<Vec<Verdict>, SweepError> {
+        for machine in machines {
+            told(replay_of(machine, self.stream), machine, self.stream, self.stop)?;
+        }
+        let Some(first) = machines.first() else { return Ok(Vec::new()) };
+        let specs: Vec<&MachineSpec> = machines.iter().collect();
+        let sampled = self.together.sample(&specs, &source(self.stream, self.stop));
+        let sampled = told(sampled, first, self.stream, self.stop)?.into_iter().zip(machines);
+        sampled.map(|(verdict, machine)| told(verdict, machine, self.stream, self.stop)).collect()
+    }
+
+    /// The statistics of a machine: of its sample, or of a replay of everything.
+    ///
+    /// # Errors
+    /// The replay is stopped or fails.
+    pub(super) fn stats(&self, verdict: Verdict, machine: &MachineSpec) -> Result<MachineStats, SweepError> {
+        let stats = verdict.stats(machine, &self.stream.header, &source(self.stream, self.stop));
+        told(stats, machine, self.stream, self.stop)
+    }
 }
 
 fn source<'a>(stream: &'a Recorded, stop: &'a AtomicBool) -> Stoppable<'a> {

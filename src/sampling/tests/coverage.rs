@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::super::axis::Axis;
-use super::super::estimate::{Population, Total, Window, estimate_of, residuals};
+use super::super::estimate::{Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
 use super::super::known::{Columns, Span};
 use super::super::plan::LEAST;
@@ -35,9 +35,8 @@ impl Census {
     fn of(machine: &MachineSpec) -> Self {
         let (header, stream) = quickstart();
         let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..1000, cut: CUT };
-        let sampler = Sampler::new(Sampled::Event, machine, &header);
-        let pass = sampler.pass(&plan, 0, &mut items(stream)).unwrap();
-        let mut windows = Findings::of(&sampler, &CUT, pass).unwrap().measured;
+        let sampler = Sampler::new(Sampled::Event, &header);
+        let mut windows = Findings::of(&sampler, machine, &CUT, pass(&sampler, machine, &plan, 0, &stream)).measured;
         for window in &mut windows {
             // Groups overlap: here each counts as it is.
             window.operations = window.span(Span::Group).known[0];
@@ -91,14 +90,16 @@ impl Stream<'_> {
     }
 
     fn estimate(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Total {
-        estimate_of(&self.population(drawn, *span), &drawn.windows, drawn.draws, figure)
+        let population = self.population(drawn, *span);
+        estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure).total(figure)
     }
 
     /// What the sample leaves over; all three figures are those of one span here.
     fn residuals(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Residuals {
-        let figures = [(); 3].map(|()| figure.clone());
-        let (points, freedom) = residuals(&self.population(drawn, *span), &drawn.windows, drawn.draws, 64, &figures);
-        Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points }
+        let population = self.population(drawn, *span);
+        let estimates = estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure);
+        let (points, freedom) = estimates.residuals(&[(); 3].map(|()| figure.clone()));
+        Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points, change: None }
     }
 }
 
