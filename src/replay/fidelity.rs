@@ -95,18 +95,7 @@ impl Fidelity {
     /// samples of the same windows cancel in part.
     #[must_use]
     pub fn compared(self) -> Self {
-        self.narrower(std::f64::consts::SQRT_2)
-    }
-
-    /// The same for replays that are compared and measured beside a baseline: what that is off, and what others are off
-    /// otherwise, are together what [`Fidelity::compared`] says.
-    #[must_use]
-    pub fn beside_baseline(self) -> Self {
-        self.narrower(2.0)
-    }
-
-    fn narrower(self, by: f64) -> Self {
-        let narrower = |target: Share| Share::new(target.get() / by).unwrap_or(target);
+        let narrower = |target: Share| Share::new(target.get() / std::f64::consts::SQRT_2).unwrap_or(target);
         match self {
             Self::Sampled { engine, rate, seed, target_error } => {
                 Self::Sampled { engine, rate, seed, target_error: target_error.map(narrower) }

@@ -13,9 +13,10 @@ use crate::stream::Header;
 /// Processor time of the tags' pass, over that of `Event` (kitchen, `Published`: 17 % on `small`, 16 % on `desktop`,
 /// 12 % on `tni_engine`).
 const TAGS: f64 = 0.17;
-/// Points with which sampling begins: twice as many tell intervals of half the width or less, since regressions have
-/// more columns.
-const FIRST: usize = 12;
+/// Points with which sampling begins, at least, and a share of those that are expected: twice as many tell intervals of
+/// half the width or less, since regressions have more columns. What comes later was kept, up to eight times as many.
+const FIRST: f64 = 12.0;
+const FIRST_SHARE: f64 = 0.2;
 /// Points that intervals of 2 % take, as a rule (kitchen: 24 to 48), and some more. A sample is tried where so many
 /// would pay, and [`TELLING`] ones at least: a try that is given up costs more than it can win.
 const EXPECTED: f64 = 60.0;
@@ -44,7 +45,7 @@ pub(crate) fn auto(
     if !pays(cut, target, header, baseline.is_some()) {
         return Ok(machines.iter().map(|_| Ok(event(choice(0, 1.0, Why::Short)))).collect());
     }
-    let plan = Plan::new(FIRST as f64 / all, cut, 0);
+    let plan = Plan::new(FIRST.max(FIRST_SHARE * expected(target, baseline.is_some())) / all, cut, 0);
     // What was spent is spent: more windows are measured as long as they take less than `Event` on everything.
     let goal = Goal { target, most: 1.0 / cut.effort() };
     let verdict = |(stats, is_enough): (MachineStats, bool)| {
@@ -65,11 +66,15 @@ pub(crate) fn auto(
 /// Whether a sample of a stream is tried, beside a baseline or without.
 pub(crate) fn pays(cut: Cut, target: Share, header: &Header, has_baseline: bool) -> bool {
     let windows = cut.windows(header);
-    let expected = match has_baseline {
+    windows >= 2.0 * LEAST as f64 && cost(cut, expected(target, has_baseline), windows) <= WORTH
+}
+
+/// Points that intervals of a target take.
+fn expected(target: Share, has_baseline: bool) -> f64 {
+    match has_baseline {
         true => EXPECTED_BESIDE,
         false => (EXPECTED * (EXPECTED_AT / target.get()).powi(2)).max(TELLING as f64),
-    };
-    windows >= 2.0 * LEAST as f64 && cost(cut, expected, windows) <= WORTH
+    }
 }
 
 /// The processor time of the tags and of so many of all windows, over that of `Event`.

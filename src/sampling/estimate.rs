@@ -166,7 +166,10 @@ struct Sample<'a> {
 impl<'a> Sample<'a> {
     fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
         let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
-        let (points, hits): (Vec<&Window>, Vec<Point>) = hits.filter(|(_, hit)| hit.draw < draws).unzip();
+        let mut hits: Vec<(&Window, &Point)> = hits.filter(|(_, hit)| hit.draw < draws).collect();
+        // Whatever was measured first: in the order of the stream.
+        hits.sort_by(|(_, one), (_, other)| one.place.total_cmp(&other.place));
+        let (points, hits): (Vec<&Window>, Vec<&Point>) = hits.into_iter().unzip();
         let ends = population.strata.ends(draws, population.windows as f64);
         let places: Vec<f64> = hits.iter().map(|hit| hit.place).collect();
         let of: Vec<usize> = places.iter().map(|place| ends.partition_point(|end| end <= place)).collect();

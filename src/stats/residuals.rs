@@ -77,10 +77,13 @@ impl Change {
     }
 }
 
-/// Half the width of the interval of what two samples are apart, each with degrees of freedom and its points; without
-/// any, it is off nowhere.
-fn apart([own, others]: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
-    let [few, many] = if own.1.len() > others.1.len() { [others.1, own.1] } else { [own.1, others.1] };
+/// Half the width of the interval of what two samples are apart, each with degrees of freedom and its points. One
+/// without points is exact.
+fn apart(samples: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
+    let most = samples.iter().filter(|(_, points)| !points.is_empty()).map(|(freedom, _)| *freedom);
+    let most = most.fold(f64::INFINITY, f64::min);
+    let [one, other] = samples.map(|(_, points)| points);
+    let [few, many] = if one.len() > other.len() { [other, one] } else { [one, other] };
     let mut rest = many.iter();
     let both = few.iter().map(|point| Some((point, rest.find(|it| it.place == point.place)?)));
     let both: Vec<_> = both.collect::<Option<_>>()?;
@@ -97,8 +100,7 @@ fn apart([own, others]: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
     let shrunk = if with.value > 0.0 { (all / with.value).min(1.0) } else { 1.0 };
     let alike = (sum.value - difference.value) / 2.0 * shrunk;
     let variance = (alone.value + all - alike).max(0.0);
-    let freedom = difference.freedom(own.0.min(others.0));
-    Some(student(freedom) * variance.sqrt())
+    Some(student(difference.freedom(most)) * variance.sqrt())
 }
 
 #[cfg(test)]

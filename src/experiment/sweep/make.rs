@@ -127,9 +127,9 @@ impl Maker<'_> {
         Ok(point.role.machine(&self.sweep.machine(point.machine)?.spec))
     }
 
-    /// The level of replays that are compared, where some are measured beside a baseline.
+    /// The level of replays that are compared.
     pub(super) fn fidelity(&self) -> Fidelity {
-        self.sweep.experiment.spec.fidelity.beside_baseline()
+        self.sweep.experiment.spec.fidelity.compared()
     }
 
     /// Keeps what a point's replay measured.

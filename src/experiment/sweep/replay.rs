@@ -1,8 +1,10 @@
 //! A recorded stream replayed on a machine, unless it is stopped.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::SweepError;
+use super::kept::kept;
 use super::streams::Recorded;
 use crate::machine::MachineSpec;
 use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
@@ -36,17 +38,23 @@ pub(crate) fn replay(
     told(replayed, machine, stream, stop)
 }
 
-/// What a recorded stream asks of machines like `machine`.
+/// What a recorded stream asks of machines like `machine`, unless that is kept in `folder`.
 ///
 /// # Errors
 /// The pass is stopped or fails.
 pub(in super::super) fn demand(
     machine: &MachineSpec,
     stream: &Recorded,
+    folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Demand, SweepError> {
-    let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
-    told(demand, machine, stream, stop)
+    let spec = serde_json::to_string(machine).expect("plain data, which JSON can hold");
+    // A stream's file is named by its inputs.
+    let inputs = format!("{} {spec}", stream.path.file_name().unwrap_or_default().display());
+    kept(folder, "demand", &inputs, || {
+        let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
+        told(demand, machine, stream, stop)
+    })
 }
 
 /// Samples a recorded stream for several machines on the same passes, where that is what the level does.

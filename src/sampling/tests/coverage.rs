@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::super::axis::Axis;
-use super::super::estimate::{Population, Total, Window, estimates};
+use super::super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
 use super::super::known::{Columns, Span};
 use super::super::plan::LEAST;
@@ -14,12 +14,12 @@ use crate::stats::{CacheCounts, Residuals, TrafficClass};
 const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
 
 /// All windows of the recorded stream on a machine.
-struct Census(Vec<Window>);
+pub(super) struct Census(Vec<Window>);
 
 /// On `small`; the stream is short: a small pool makes for many windows.
-static SMALL: LazyLock<Census> = LazyLock::new(|| Census::of(&few_rays()));
+pub(super) static SMALL: LazyLock<Census> = LazyLock::new(|| Census::of(&few_rays()));
 /// The same with other L1s.
-static OTHER: LazyLock<Census> = LazyLock::new(|| {
+pub(super) static OTHER: LazyLock<Census> = LazyLock::new(|| {
     let mut machine = few_rays();
     machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap();
     Census::of(&machine)
@@ -56,26 +56,26 @@ impl Census {
         Stream { windows, known: sums.map(|sum| sum.known) }
     }
 
-    fn whole(&self) -> Stream<'_> {
+    pub(super) fn whole(&self) -> Stream<'_> {
         self.stream(0, self.0.len())
     }
 }
 
-struct Stream<'a> {
+pub(super) struct Stream<'a> {
     windows: &'a [Window],
     /// What is known of them, by span.
     known: [Columns; Span::ALL.len()],
 }
 
 /// A sample of a stream.
-struct Drawn {
+pub(super) struct Drawn {
     windows: Vec<Window>,
     strata: Strata,
     draws: usize,
 }
 
 impl Stream<'_> {
-    fn drawn(&self, strata: Strata, draws: usize) -> Drawn {
+    pub(super) fn drawn(&self, strata: Strata, draws: usize) -> Drawn {
         let mut axis = Axis::new(strata, draws);
         let hits = self.windows.iter().map(|window| Window { hits: axis.next(), ..window.clone() });
         Drawn { windows: hits.filter(|window| !window.hits.is_empty()).collect(), strata, draws }
@@ -85,25 +85,28 @@ impl Stream<'_> {
         Population { strata: drawn.strata, windows: self.windows.len(), known: self.known[span as usize] }
     }
 
-    fn truth(&self, (figure, span): &(Figure, Span)) -> f64 {
+    pub(super) fn truth(&self, (figure, span): &(Figure, Span)) -> f64 {
         self.windows.iter().map(|window| window.span(*span).figures[figure]).sum()
     }
 
-    fn estimate(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Total {
-        let population = self.population(drawn, *span);
-        estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure).total(figure)
+    pub(super) fn estimates(&self, drawn: &Drawn, (figure, span): (&Figure, Span)) -> Estimates {
+        let population = self.population(drawn, span);
+        estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure)
+    }
+
+    pub(super) fn estimate(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Total {
+        self.estimates(drawn, (figure, *span)).total(figure)
     }
 
     /// What the sample leaves over; all three figures are those of one span here.
     fn residuals(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Residuals {
-        let population = self.population(drawn, *span);
-        let estimates = estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure);
+        let estimates = self.estimates(drawn, (figure, *span));
         let (points, freedom) = estimates.residuals(&[(); 3].map(|()| figure.clone()));
         Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points, change: None }
     }
 }
 
-const TOLD: [(Figure, Span); 3] =
+pub(super) const TOLD: [(Figure, Span); 3] =
     [(Figure::Cycles, Span::Inside), (Figure::DramBytes, Span::Own), (Figure::L2Bytes, Span::Own)];
 
 fn misses() -> Figure {
@@ -111,7 +114,7 @@ fn misses() -> Figure {
 }
 
 /// Strata of which so many points are drawn of a stream, two each.
-fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
+pub(super) fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
     Strata { length: 2.0 * stream.windows.len() as f64 / points as f64, seed }
 }
 

@@ -1,6 +1,7 @@
 //! Samples: what any machine and stream must give, how far windows by themselves are off, and how often intervals hold.
 
 mod auto;
+mod beside;
 mod coverage;
 mod together;
 mod traffic;

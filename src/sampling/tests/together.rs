@@ -36,19 +36,26 @@ fn machines_share_the_tags_that_are_equal() {
     assert_eq!(found, [vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![5]]]);
 }
 
+/// With a baseline or without; the first machine is the baseline.
 #[test]
 fn each_gives_what_it_gives_alone() {
     let (header, stream) = quickstart();
     let machines = some();
     let cut = Cut { pixels: 16, before: 2, own: 2, behind: 1 };
     let plan = Plan::new(0.03, cut, 0);
-    let goal = Goal { target: "0.2".parse().unwrap(), most: 0.5 };
-    let sampled = |machines: &[&MachineSpec]| {
-        let found = sample_until((Sampled::Event, &header), machines, None, &plan, goal, &stream).unwrap();
+    let sampled = |machines: &[&MachineSpec], baseline, target: &str| {
+        let goal = Goal { target: target.parse().unwrap(), most: 0.5 };
+        let found = sample_until((Sampled::Event, &header), machines, baseline, &plan, goal, &stream).unwrap();
         found.into_iter().map(Result::unwrap).collect::<Vec<_>>()
     };
-    let together = sampled(&machines.iter().collect::<Vec<_>>());
-    for (machine, together) in machines.iter().zip(together) {
-        assert!(together == sampled(&[machine])[0]);
+    let (known, _) = sampled(&[&machines[0]], None, "0.1").remove(0);
+    for (baseline, target) in [(None, "0.2"), (Some((&machines[0], &known)), "0.05")] {
+        let others: Vec<&MachineSpec> = machines.iter().skip(1).collect();
+        let together = sampled(&others, baseline, target);
+        for (machine, together) in others.into_iter().zip(together) {
+            assert!(together == sampled(&[machine], baseline, target)[0]);
+            let change = together.0.residuals.unwrap().change;
+            assert_eq!(change.is_some(), baseline.is_some());
+        }
     }
 }
