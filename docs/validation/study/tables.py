@@ -121,9 +121,17 @@ def wrong():
            "`Hybrid`, wrong", "silent of all writes"], lines())
 
 
+def balance():
+    """How busy units are."""
+    columns = ["dispatcher", "traversal", "intersection", "division", "dram"]
+    table(["scene", "machine", *columns[:-1], "DRAM"],
+          [[it["scene"].replace("_", " ").replace("sponza", "Sponza"), f"`{it['machine']}`",
+            *[f"{100 * float(it[column]):.1f} %" for column in columns]] for it in rows("balance.csv")])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    tables = {it.__name__: it for it in (unit, scenes, words, lights, resolution, wrong)}
+    tables = {it.__name__: it for it in (unit, scenes, words, lights, resolution, wrong, balance)}
     parser.add_argument("table", choices=tables)
     parser.add_argument("scenes", nargs="*", help="of `unit`")
     chosen = parser.parse_args()
