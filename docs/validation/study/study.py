@@ -110,7 +110,7 @@ def main():
                      for it, found in zip(plan, stats)]
             for stream in streams.values():
                 pathlib.Path(stream).unlink()
-    write(chosen.csv, rows)
+            write(chosen.csv, rows)
 
 
 if __name__ == "__main__":
