@@ -3,7 +3,7 @@
     python3 docs/validation/study/balance.py docs/validation/study/balance.csv
 
 Each row is one command: `umbrasim replay STREAM --machine MACHINE`, with the stream of `umbrasim trace
-configs/studies/SCENE.ron --policy Off --warmup 1 -o STREAM`.
+configs/studies/SCENE.ron --resolution 256x256 --policy Off --warmup 1 -o STREAM`.
 """
 
 import argparse
@@ -28,7 +28,7 @@ def main():
         stream = str(pathlib.Path(folder) / "off.rays")
         for scene in SCENES:
             subprocess.run([chosen.program, "trace", f"configs/studies/{scene}.ron", "--policy", "Off", "--warmup", "1",
-                            "--threads", chosen.threads, "--quiet", "-o", stream],
+                            "--resolution", "256x256", "--threads", chosen.threads, "--quiet", "-o", stream],
                            check=True, stdout=subprocess.DEVNULL)
             for machine in ("small", "mobile", "desktop"):
                 stats = replay(chosen.program, stream, machine, {})

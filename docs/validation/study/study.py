@@ -60,7 +60,7 @@ def experiments(part, scenes, folder):
         if part == "words":
             yield {"scene": scene}, file, 256
         elif part == "resolution":
-            for size in (128, 256, 512, 1024):
+            for size in (128, 256, 512):
                 yield {"scene": scene}, file, size
         else:
             for count in (1, 4, 15):
@@ -106,8 +106,10 @@ def main():
             stats = list(pool.map(
                 lambda it: replay(chosen.program, streams[it[1]], it[0], it[3], chosen.fidelity), plan))
             off = {it[0]: found for it, found in zip(plan, stats) if it[1] == "Off"}
-            rows += [value | {"resolution": size} | row(*it, found, off[it[0]]) | {"l1_accesses": accesses(found)}
-                     for it, found in zip(plan, stats)]
+            for it, found in zip(plan, stats):
+                rows.append(value | {"resolution": size} | row(*it, found, off[it[0]]))
+                if chosen.part == "resolution":
+                    rows[-1]["l1_accesses"] = accesses(found)
             for stream in streams.values():
                 pathlib.Path(stream).unlink()
             write(chosen.csv, rows)

@@ -32,8 +32,8 @@ def unit(scene):
             off = next(it for it in found if it["machine"] == machine and it["policy"] == "Off")
             print(f"{scene}, `{machine}`, `{policy}` (no culling: {int(off['cycles']):,} cycles, "
                   f"{int(off['dram_bytes']):,} DRAM bytes, {1000 * float(off['joules']):.2f} mJ in two frames):\n")
-            table(["unit", "cycles, warm", "cycles, cold", "DRAM, warm", "energy, warm", "unit busy", "memory", "intake",
-                   "starved"],
+            table(["unit", "cycles, warm", "cycles, cold", "DRAM, warm", "energy, warm",
+                   "unit busy", "memory", "intake", "starved"],
                   [[it["design"], *[signed(it[column]) for column in DESIGN],
                     *[f"{100 * float(it[f'unit_{cause}']):.0f} %" for cause in ("busy", "memory", "intake", "starved")]]
                    for it in found if (it["machine"], it["policy"]) == (machine, policy)])
@@ -52,6 +52,21 @@ def scenes():
                            of("dram_change", design), of("joules_change", design), of("joules_change", "free words")]
     table(["scene", "machine", "policy", "cycles, warm", "cycles, cold", "free words", "DRAM", "energy",
            "energy, free words"], lines())
+
+
+def sizes():
+    """Two sizes of the picture."""
+    def lines():
+        for scene in ("living_room", "staircase", "sponza"):
+            for machine in ("desktop", "small"):
+                def of(found, policy, design):
+                    return signed(find(found, "cycles_change", machine=machine, policy=policy, design=design))
+                pictures = [rows(f"designs_{scene}_256.csv"), rows(f"designs_{scene}.csv")]
+                yield [scene.replace("_", " ").replace("sponza", "Sponza"), f"`{machine}`",
+                       *[of(found, policy, design) for policy, design in
+                         (("Published", FAIR), ("Published", "free words"), ("Hybrid", FOUR)) for found in pictures]]
+    table(["scene", "machine", "`Published`, 256x256", "512x512", "free words, 256x256", "512x512",
+           "`Hybrid`, 256x256", "512x512"], lines())
 
 
 def words():
@@ -131,7 +146,7 @@ def balance():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    tables = {it.__name__: it for it in (unit, scenes, words, lights, resolution, wrong, balance)}
+    tables = {it.__name__: it for it in (unit, scenes, sizes, words, lights, resolution, wrong, balance)}
     parser.add_argument("table", choices=tables)
     parser.add_argument("scenes", nargs="*", help="of `unit`")
     chosen = parser.parse_args()
