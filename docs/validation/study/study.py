@@ -40,11 +40,12 @@ LIGHTS = {
 
 
 def with_lights(scene, count, folder):
-    """A study of a scene with other lights than its file has."""
+    """A study of a scene with other lights than its file has, and without what moves."""
     root = pathlib.Path.cwd()
     lights = ", ".join(f"(position: {place}, color: (0.1, 0.1, 0.1))" for place in LIGHTS[scene][:count])
     text = (root / f"configs/scenes/{scene}.ron").read_text()
     text = re.sub(r"lights: \[.*?\]", f"lights: [{lights}]", text, flags=re.DOTALL)
+    text = re.sub(r"    moving: \[.*?\n    \],\n", "", text, flags=re.DOTALL)
     (folder / f"{count}.scene.ron").write_text(text.replace('"../../../shared', f'"{root}/../shared'))
     study = (root / f"configs/studies/{scene}.ron").read_text()
     study = study.replace('"../machines/', f'"{root}/configs/machines/')
