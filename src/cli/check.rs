@@ -36,7 +36,7 @@ impl Check {
     pub(super) fn run(self) -> Result<Outcome> {
         let mut wrong = Vec::new();
         for file in &self.files {
-            match check(&any_config_path(file)) {
+            match any_config_path(file).and_then(|path| check(&path)) {
                 Ok(text) => print(paragraph(&format!("{}: {text}", file.display())))?,
                 Err(error) => wrong.push(error),
             }

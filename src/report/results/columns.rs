@@ -68,11 +68,7 @@ pub(super) const VALUES: [Column; 7] = [
         about: "what the number is: see the rows of this file whose entry is metric",
         of: Of::Text(|row| &row.metric.name),
     },
-    Column {
-        name: "value",
-        about: "the number; empty where a sample cannot tell it",
-        of: Of::Number(|row| row.value),
-    },
+    Column { name: "value", about: "the number; empty where a sample cannot tell it", of: Of::Number(|row| row.value) },
     Column { name: "unit", about: "unit of value and half_width", of: Of::Text(|row| row.metric.unit) },
     Column {
         name: "half_width",
@@ -80,11 +76,7 @@ pub(super) const VALUES: [Column; 7] = [
                 empty where the interval is not known",
         of: Of::Number(|row| row.half_width.map(Amount::Real)),
     },
-    Column {
-        name: "reason",
-        about: "why half_width, or value with it, is empty",
-        of: Of::Text(|row| row.reason()),
-    },
+    Column { name: "reason", about: "why half_width, or value with it, is empty", of: Of::Text(|row| row.reason()) },
 ];
 
 /// What a varied field holds.

@@ -193,7 +193,9 @@ fn what_is_absent_has_no_row_and_what_is_estimated_has_its_interval() {
     let of = |row: &BTreeMap<String, String>| ["value", "half_width", "reason"].map(|column| row[column].clone());
     let untold: BTreeSet<_> = metric("split.extra_misses").map(of).collect();
     assert_eq!(untold, BTreeSet::from([["", "", "the sample has no interval of this"].map(String::from)]));
-    assert!(metric("split.saved").all(|row| row["half_width"].parse::<f64>().unwrap() > 0.0 && row["reason"].is_empty()));
+    assert!(
+        metric("split.saved").all(|row| row["half_width"].parse::<f64>().unwrap() > 0.0 && row["reason"].is_empty())
+    );
     assert!(results.iter().all(|row| row["half_width"].is_empty() != row["reason"].is_empty()));
 }
 
