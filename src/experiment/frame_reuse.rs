@@ -4,7 +4,6 @@ use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
 
 use super::load::Experiment;
-use super::run::RunFailure;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::replay::{Fidelity, Replay, RunError};
@@ -13,6 +12,16 @@ use crate::stream::{Header, Item};
 
 /// Items that may wait for a machine.
 const WAITING: usize = 8;
+
+/// A machine failed.
+pub(super) struct Failed {
+    /// Its name.
+    pub machine: String,
+    /// The policy of the stream.
+    pub policy: String,
+    /// What happened.
+    pub source: RunError,
+}
 
 type Found = Result<Option<Vec<ReuseLevel>>, RunError>;
 
@@ -60,7 +69,7 @@ impl<'scope> FrameReuses<'scope> {
     ///
     /// # Errors
     /// A machine failed.
-    pub(super) fn finish(self) -> Result<Named<FrameReuse>, RunFailure> {
+    pub(super) fn finish(self) -> Result<Named<FrameReuse>, Failed> {
         let (policy, frame) = (self.name, self.frame.unwrap_or_default());
         let mut found = Named::default();
         for (machine, items, thread) in self.runs {
@@ -69,9 +78,7 @@ impl<'scope> FrameReuses<'scope> {
             match levels {
                 Ok(Some(levels)) => found.insert(machine, FrameReuse { policy: policy.clone(), frame, levels }),
                 Ok(None) => continue,
-                Err(source) => {
-                    return Err(RunFailure::Machine { machine, policy, source: Box::new(source) });
-                }
+                Err(source) => return Err(Failed { machine, policy, source }),
             };
         }
         Ok(found)

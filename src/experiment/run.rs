@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::changed::changed;
-use super::frame_reuse::FrameReuses;
+use super::frame_reuse::{Failed, FrameReuses};
 use super::frames::Replayed;
 use super::load::Experiment;
 use super::progress;
@@ -316,7 +316,7 @@ impl Gathered {
         self,
         experiment: &Experiment,
         headers: &[Header],
-        (finished, reuse): (Vec<Finished>, Result<Named<FrameReuse>, RunFailure>),
+        (finished, reuse): (Vec<Finished>, Result<Named<FrameReuse>, Failed>),
         clock: Clock,
         begin: Instant,
     ) -> Result<RunFiles, RunFailure> {
@@ -371,7 +371,11 @@ impl Gathered {
             summary.policies.insert(names[policy], MachineRun::new(replayed.stats, asked));
             machines.insert(machine, summary);
         }
-        let reuse = reuse?;
+        let reuse = reuse.map_err(|Failed { machine, policy, source }| RunFailure::Machine {
+            machine,
+            policy,
+            source: Box::new(source),
+        })?;
         let machines: Named<MachineSummary> = machines
             .iter()
             .map(|(name, machine)| {

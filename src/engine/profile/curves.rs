@@ -300,7 +300,7 @@ mod tests {
         let class = TrafficClass::Node;
         let level = || Level::new("l2".into(), 2, 1024, 4, 64, &Distances::Exact(Stack::default()));
         let turn = |level: &mut Level| {
-            let touches = (0..500u64).map(|at| (at as usize % 2, LineAddr(crate::random::mix(at) % 90)));
+            let touches = (0..500u64).map(|at| (at as usize % 2, LineAddr((at * at * 31 + at * 7919) % 97 % 90)));
             touches.for_each(|(cache, line)| level.touch(cache, line, class));
         };
         let (mut repeated, mut once, mut twice) = (level(), level(), level());
