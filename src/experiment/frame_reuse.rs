@@ -20,7 +20,7 @@ pub(super) struct Failed {
     /// The policy of the stream.
     pub policy: String,
     /// What happened.
-    pub source: RunError,
+    pub source: Box<RunError>,
 }
 
 type Found = Result<Option<Vec<ReuseLevel>>, RunError>;
@@ -78,7 +78,7 @@ impl<'scope> FrameReuses<'scope> {
             match levels {
                 Ok(Some(levels)) => found.insert(machine, FrameReuse { policy: policy.clone(), frame, levels }),
                 Ok(None) => continue,
-                Err(source) => return Err(Failed { machine, policy, source }),
+                Err(source) => return Err(Failed { machine, policy, source: Box::new(source) }),
             };
         }
         Ok(found)

@@ -371,11 +371,8 @@ impl Gathered {
             summary.policies.insert(names[policy], MachineRun::new(replayed.stats, asked));
             machines.insert(machine, summary);
         }
-        let reuse = reuse.map_err(|Failed { machine, policy, source }| RunFailure::Machine {
-            machine,
-            policy,
-            source: Box::new(source),
-        })?;
+        let failed = |Failed { machine, policy, source }| RunFailure::Machine { machine, policy, source };
+        let reuse = reuse.map_err(failed)?;
         let machines: Named<MachineSummary> = machines
             .iter()
             .map(|(name, machine)| {
