@@ -1,8 +1,6 @@
 //! What steps ask for. Steps with one tag differ only in which element they name: how many there are is counted, and
 //! what they ask for is worked out once a phase. Only an element that was not named yet touches lines.
 
-use std::slice::Iter;
-
 use fixedbitset::FixedBitSet;
 
 use super::lines::{self, Lines};
@@ -202,34 +200,28 @@ impl StepWork {
 
     /// Counts packed steps; cycles that a ray takes for them at least.
     pub(super) fn add(&mut self, words: &[u32], steps: Steps) -> u64 {
-        let (mut stay, mut left) = (0, words.iter());
-        while let Some(word) = self.count_known(&mut left, steps, &mut stay) {
-            self.look_at(word, steps);
-        }
-        stay
-    }
-
-    /// Counts packed steps by their tags, up to the first of which the tag does not tell all: that one is returned.
-    #[inline]
-    fn count_known(&mut self, words: &mut Iter<'_, u32>, steps: Steps, stay: &mut u64) -> Option<u32> {
-        let Self { tags, counts, named, .. } = self;
-        let (tags, counts) = (&tags[steps as usize], &mut counts[steps as usize]);
-        words.copied().find(|&word| {
+        let mut stay = 0;
+        for &word in words {
             let (at, index) = (Step::tag(word) as usize, word & Step::MAX_INDEX);
-            let (tag, count) = (&tags[at], &mut counts[at]);
-            *stay += tag.stay;
+            let (tag, count) = (&self.tags[steps as usize][at], &mut self.counts[steps as usize][at]);
+            stay += tag.stay;
             count.steps += 1;
-            let is_known = match &tag.lines {
-                LinesOf::All(_) => true,
+            match &tag.lines {
+                LinesOf::All(_) => {}
                 LinesOf::ByPlace(lines) => {
                     let place = index - if index < tag.dynamic { 0 } else { tag.dynamic };
                     count.lines += u64::from(lines[place as usize % PERIOD]);
-                    true
                 }
-                LinesOf::Unknown => false,
-            };
-            !is_known || !named[tag.named as usize].contains(index as usize)
-        })
+                LinesOf::Unknown => {
+                    self.look_at(word, steps);
+                    continue;
+                }
+            }
+            if !self.named[tag.named as usize].contains(index as usize) {
+                self.look_at(word, steps);
+            }
+        }
+        stay
     }
 
     /// Counts what the tag of a step does not tell.
