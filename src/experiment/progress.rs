@@ -116,9 +116,11 @@ fn about(left: Duration) -> String {
 
 /// How fast it goes: things a second, or seconds a thing.
 fn rate(state: &ProgressState) -> String {
-    let per_second = state.per_sec();
+    // Of the whole time: the bar's own rate falls while nothing ends, and says nothing then.
+    let per_second = state.pos() as f64 / state.elapsed().as_secs_f64().max(f64::MIN_POSITIVE);
     let mut text = String::new();
-    if state.pos() > 0 && per_second > 0.0 {
+    let is_done = state.len().is_some_and(|length| state.pos() >= length);
+    if state.pos() > 0 && !is_done && per_second > 0.0 {
         let _ = match per_second >= 1.0 {
             true => write!(text, ", {per_second:.1}/s"),
             false => write!(text, ", {:.1} s each", 1.0 / per_second),

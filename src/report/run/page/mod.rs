@@ -72,7 +72,8 @@ fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section
     let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
     let choice = choice(machine.policies.iter().map(|(_, run)| &run.stats));
     let split = defined(super::tables::split(machine), MEANINGS);
-    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split }
+    let reuse = machine.reuse.is_some();
+    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split, reuse }
 }
 
 /// The legend of mode words: a row a shadow mode, a colour an occlusion mode.

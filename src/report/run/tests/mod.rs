@@ -232,6 +232,8 @@ fn plots_are_well_formed_and_the_same_twice() {
             "bytes-desktop",
             "hit_rates-small",
             "hit_rates-desktop",
+            "reuse-small",
+            "reuse-desktop",
             "dram_rows-small",
             "dram_rows-desktop"
         ]
