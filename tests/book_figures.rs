@@ -56,7 +56,9 @@ fn the_studys_scenes_are_those_of_their_files() {
         ("kitchen", "unit_designs_kitchen"),
         ("robot", "unit_designs_robot"),
         ("living room", "designs_living_room"),
+        ("staircase", "designs_staircase"),
         ("Sponza", "designs_sponza"),
+        ("gas station", "designs_gas_station"),
     ] {
         let rows = rows(file);
         for machine in ["desktop", "small"] {

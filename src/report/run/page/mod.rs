@@ -2,6 +2,7 @@
 
 mod compare;
 mod config;
+mod left_out;
 mod tables;
 mod verdict;
 
@@ -60,6 +61,7 @@ pub(super) fn page(
         schema => summary.schema,
         provenance => pairs(&summary.provenance),
         made => pairs(&summary.made),
+        left_out => grid(left_out::left_out(summary)),
         wall => grid(tables::wall(summary)),
     };
     template::render("page.html", include_str!("page.html"), context)
