@@ -54,9 +54,9 @@ pub(crate) fn reuse(
 
 /// Rays of a frame from which the hottest lines are learned.
 const LEARNED_FROM: usize = 1 << 15;
-/// How many lines are the hottest, and the share of the others that is measured.
-const HOT: usize = 1024;
-const SHARE: f64 = 0.1;
+/// How many lines are the hottest, and the share of the others that is measured: `ladder-map` says how good that is.
+const HOT: usize = 256;
+const SHARE: f64 = 0.05;
 
 /// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame came again and again: what
 /// caches miss that have seen the frame before.
