@@ -33,7 +33,8 @@ fn pages() -> (Desk, Vec<PathBuf>) {
     desk.succeed(&["run", "tiny.ron", "--set", "clock_mhz=800", "--out", "faster"]);
     desk.succeed(&["diff", "run", "faster", "--out", "diff"]);
     desk.succeed(&["profile", "x.rays", "--machine", "small.ron", "--out", "profile"]);
-    let kinds = ["run", "sweep", "both", "space", "pareto", "stress", "chart", "profile", "diff"];
+    desk.succeed(&["ladder-map", "--quick", "--axis", "updates", "--axis", "skew", "--out", "ladder"]);
+    let kinds = ["run", "sweep", "both", "space", "pareto", "stress", "chart", "profile", "diff", "ladder"];
     let pages = kinds.map(|kind| desk.path(kind).join("index.html")).into();
     (desk, pages)
 }
@@ -48,6 +49,12 @@ fn pages_are_quiet_fit_the_window_and_print() {
             assert_eq!(browser.complaints(), Vec::<String>::new(), "{} at {width}", page.display());
             let wide = browser.value("document.documentElement.scrollWidth");
             assert!(wide.as_u64().unwrap() <= width.into(), "{} is {wide} wide at {width}", page.display());
+            if width >= 1024 {
+                // The tables of policies and machines are seen as a whole.
+                let cut = "[...document.querySelectorAll('#policies .scroll')]\
+                           .filter((it) => it.scrollWidth > it.clientWidth + 1).length";
+                assert_eq!(browser.value(cut), 0, "{} at {width}", page.display());
+            }
         }
         let count = browser.printed();
         assert!((1..=6).contains(&count), "{}: {count} pages on paper", page.display());
@@ -178,6 +185,27 @@ fn sliders_and_tables(browser: &mut Browser, page: &Path) {
     assert!(cursor(browser) < last);
     assert_eq!(browser.value("document.querySelector('.frames input').ariaValueText"), "frame 2");
     assert!(browser.value("document.querySelector('.frames dl').textContent").as_str().unwrap().contains("wrong"));
+
+    // The strip of time frames the frame that is chosen, and a click into it or a plot chooses another.
+    let framed = |browser: &mut Browser| {
+        let shown = "document.querySelectorAll('svg.wide[data-strips] .cursor:not([data-hidden])').length";
+        browser.value(shown).as_u64().unwrap()
+    };
+    let strip = browser.value("document.querySelector('svg.wide[data-strips]').dataset.strips");
+    let first = strip.as_str().unwrap().split(' ').next().unwrap().to_owned();
+    let inside = "(() => { const [, x, y, right, bottom] = document.querySelector('svg.wide[data-strips]')\
+                  .dataset.strips.split(' ').map(Number); const { width, height } = document\
+                  .querySelector('svg.wide[data-strips]').viewBox.baseVal;\
+                  return [(x + right) / 2 / width, (y + bottom) / 2 / height]; })()";
+    let inside = browser.value(inside);
+    let [x, y] = [0, 1].map(|at| inside[at].as_f64().unwrap());
+    browser.click("svg.wide[data-strips]", (x, y));
+    assert_eq!(frame(browser), format!("frame {first}"));
+    assert!(framed(browser) > 0);
+    browser.click("svg.wide[data-frames]", (0.08, 0.3));
+    assert_eq!(frame(browser), "frame 0");
+    assert_eq!(framed(browser), 0, "frame 0 warms up, and has no strip");
+    browser.click(".frames input", (0.6, 0.5));
 
     let cut = |browser: &mut Browser| {
         let style = "document.querySelector('.compare:not([data-hidden])').style.getPropertyValue('--cut')";

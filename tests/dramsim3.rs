@@ -126,10 +126,12 @@ fn a_stream_costs_what_it_costs_there() {
     let pressed: Vec<Asked> = came.iter().map(|&(_, address, write)| (0, address, write)).collect();
     // Reads that find their line among writes that wait are answered there, and both choose rows in their own order.
     let (mine, other) = (ours(&came, 32), theirs("as_came"));
+    println!("as it came: ours {mine:.0}, DRAMsim3's {other:.0} pJ");
     assert!((mine / other - 1.0).abs() < 0.05, "as it came: {mine} against {other} pJ");
     // A full queue decides how many activates there are. DRAMsim3 chooses among 32 reads, as many writes, and eight
     // more a bank: its energy lies between ours with 32 and with 64 places.
     let (long, short, other) = (ours(&pressed, 64), ours(&pressed, 32), theirs("pressed"));
+    println!("pressed: ours {short:.0} (32 places) and {long:.0} (64), DRAMsim3's {other:.0} pJ");
     assert!(long <= other && other <= short, "pressed: {long} to {short} against {other} pJ");
 }
 

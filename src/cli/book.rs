@@ -1,4 +1,5 @@
-//! Commands that the README and the book tell: a test says that they are commands, and that what they name is there.
+//! Commands that the README and the book tell: tests say that they are commands, that what they name is there, and that
+//! a reader knows how long each takes.
 
 use std::path::Path;
 
@@ -30,28 +31,13 @@ fn commands(page: &str) -> Vec<String> {
     commands.map(alone).collect()
 }
 
-/// The words of a command as a shell reads them.
-fn words(command: &str) -> Vec<String> {
-    let (mut words, mut quote) = (vec![String::new()], None);
-    for letter in command.chars() {
-        match (quote, letter) {
-            (None, '\'' | '"') => quote = Some(letter),
-            (Some(open), _) if open == letter => quote = None,
-            (None, ' ') => words.push(String::new()),
-            _ => words.last_mut().expect("one is there").push(letter),
-        }
-    }
-    words.retain(|word| !word.is_empty());
-    words
-}
-
 #[test]
 fn commands_in_the_book_are_commands_and_their_configs_are_there() {
     let (mut count, mut wrong) = (0, Vec::new());
     for (page, text) in pages() {
         for command in commands(&text) {
             count += 1;
-            let words = words(&command);
+            let words = shlex::split(&command).expect(&command);
             let parsed = Cli::try_parse_from(std::iter::once("umbrasim".to_owned()).chain(words.iter().cloned()));
             if let Err(error) = parsed {
                 wrong.push(format!("{page}: `umbrasim {command}`: {error}"));
@@ -70,4 +56,24 @@ fn commands_in_the_book_are_commands_and_their_configs_are_there() {
     }
     assert!(count > 30, "{count} commands only");
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Commands that end at once; tests of the command line run them all.
+const AT_ONCE: [&str; 10] =
+    ["new", "describe", "check", "schema", "completions", "man", "explain", "inspect", "diff", "plot"];
+
+/// Whether a text says how long something takes.
+fn tells_a_time(text: &str) -> bool {
+    ["second", "minute", "hour"].iter().any(|unit| text.contains(unit))
+}
+
+#[test]
+fn a_section_with_commands_says_how_long_they_take() {
+    let mut silent = Vec::new();
+    for (page, text) in pages() {
+        let sections = text.split("\n#").filter(|section| !tells_a_time(section));
+        let slow = sections.flat_map(commands).filter(|it| !AT_ONCE.iter().any(|name| it.starts_with(name)));
+        silent.extend(slow.map(|command| format!("{page}: `umbrasim {command}`")));
+    }
+    assert!(silent.is_empty(), "nobody says how long these take:\n{}", silent.join("\n"));
 }

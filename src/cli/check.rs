@@ -15,6 +15,7 @@ use crate::fields::{Root, kind_of};
 use crate::output::signals;
 use crate::quantity::Resolution;
 use crate::report::format::{counted, exact, short};
+use crate::report::paragraph;
 use crate::ron_file;
 
 /// The longer side of the small picture, in pixels.
@@ -35,8 +36,8 @@ impl Check {
     pub(super) fn run(self) -> Result<Outcome> {
         let mut wrong = Vec::new();
         for file in &self.files {
-            match check(&any_config_path(file)) {
-                Ok(text) => print(format!("{}: {text}", file.display()))?,
+            match any_config_path(file).and_then(|path| check(&path)) {
+                Ok(text) => print(paragraph(&format!("{}: {text}", file.display())))?,
                 Err(error) => wrong.push(error),
             }
         }
@@ -56,7 +57,7 @@ fn check(file: &Path) -> Result<String> {
             let experiment = Experiment::load(file, Overrides::default())?;
             warnings::warnings(&experiment, true).iter().for_each(warn);
             let estimate = estimate(file, &experiment).context("a small picture of the first frame")?;
-            format!("{}\n  {estimate}", experiment.need())
+            format!("{}; {estimate}", experiment.need())
         }
         Root::Machine => {
             let machine = experiment::read_machine(file)?;
@@ -95,6 +96,17 @@ fn check(file: &Path) -> Result<String> {
     Ok(format!("{}; {told}", kind.title()))
 }
 
+/// Processor time that the process has taken; none where the system does not tell it.
+fn processor_time() -> Option<Duration> {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+        Duration::try_from(time).ok()
+    }
+    #[cfg(not(unix))]
+    None
+}
+
 /// How many rays the experiment traces without culling, and how long it takes, from a small picture of its first frame.
 fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
     let Resolution { width, height } = whole.spec.resolution;
@@ -105,6 +117,7 @@ fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
     let frames = format!("{first}..{}", first + 1).parse().map_err(anyhow::Error::msg)?;
     let small =
         Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0), ..Overrides::default() };
+    let begin = processor_time();
     let small = run::run(&Experiment::load(file, small)?, true, &signals::stop_flag())?.summary;
     if small.sees_nothing() {
         warn("no ray of the camera met a surface that asks a light: is it turned away, or in a wall?");
@@ -113,14 +126,18 @@ fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
     let off = small.policies.iter().find(|(name, _)| small.baseline.as_deref() == Some(*name));
     let rays = off.map_or(0, |(_, off)| off.counts.primary_rays + off.counts.secondary_rays + off.counts.shadow_rays);
     let frames = whole.frames.len() as f64;
-    // Stages take time with the pixels of the frames that they are made for.
-    let stage = |name: &str, frames: f64| small.wall_seconds.get(name).copied().unwrap_or_default() * pixels * frames;
+    // Stages take time with the pixels of the frames that they are made for. Their shares are those of wall time, and
+    // the whole is processor time, which other programs leave alone.
+    let wall = |name: &str| small.wall_seconds.get(name).copied().unwrap_or_default();
+    let all: f64 = ["trace", "reference", "machines"].into_iter().map(wall).sum();
+    let spent = processor_time().zip(begin).map_or(all, |(end, begin)| (end - begin).as_secs_f64());
+    let stage = |name: &str, frames: f64| wall(name) / all.max(f64::MIN_POSITIVE) * spent * pixels * frames;
     let validated = (0..whole.frames.len()).filter(|&at| whole.spec.validate.takes(at)).count() as f64;
     let seconds =
         stage("trace", frames) + stage("reference", validated) + stage("machines", whole.replayed.frames.len() as f64);
     let time = humantime::format_duration(Duration::from_secs(seconds.ceil() as u64));
     Ok(format!(
-        "about {} rays without culling, about {time} (from one frame of {resolution})",
+        "about {} rays without culling, about {time} of processor time (from one frame of {resolution})",
         short(rays as f64 * pixels * frames)
     ))
 }

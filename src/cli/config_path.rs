@@ -27,10 +27,18 @@ pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
 }
 
 /// The path of the config of any kind that `argument` names: a file, or the first shipped config of that name.
-pub(super) fn any_config_path(argument: &Path) -> PathBuf {
+///
+/// # Errors
+/// See [`config_path`].
+pub(super) fn any_config_path(argument: &Path) -> Result<PathBuf> {
     let name = argument.to_str().filter(|text| shipped::is_name(text) && !argument.exists());
-    let shipped = name.and_then(|name| Kind::ALL.into_iter().find_map(|kind| shipped::path(kind, name)));
-    shipped.unwrap_or_else(|| argument.into())
+    let Some(name) = name else { return Ok(argument.into()) };
+    let shipped = Kind::ALL.into_iter().find_map(|kind| shipped::path(kind, name));
+    shipped.ok_or_else(|| {
+        let names: Vec<&str> = Kind::ALL.into_iter().flat_map(shipped::names).collect();
+        let proposal = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?"));
+        anyhow!("there is no file and no shipped config `{name}`{}", proposal.unwrap_or_default())
+    })
 }
 
 /// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
@@ -60,6 +68,8 @@ mod tests {
         let error = config_path(Kind::Machine, Path::new("smal")).unwrap_err().to_string();
         assert!(error.contains("no shipped machine `smal`; did you mean `small`?\nshipped machines: "), "{error}");
         assert!(!config_path(Kind::Machine, Path::new("qqq")).unwrap_err().to_string().contains("did you mean"));
+        let error = any_config_path(Path::new("quickstrt")).unwrap_err().to_string();
+        assert_eq!(error, "there is no file and no shipped config `quickstrt`; did you mean `quickstart`?");
         let file = Path::new("no/such/file.ron");
         assert_eq!(config_path(Kind::Machine, file).unwrap(), file, "a path is left to who reads it");
     }

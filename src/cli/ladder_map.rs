@@ -25,6 +25,9 @@ pub(super) struct LadderMap {
     /// Every other point, on streams an eighth as long: less than a minute
     #[arg(long)]
     quick: bool,
+    /// These axes alone, by how their names begin; may be given again [example: skew]
+    #[arg(long, value_name = "NAME")]
+    axis: Vec<String>,
     #[command(flatten)]
     ending: Ending,
 }
@@ -33,7 +36,7 @@ impl LadderMap {
     pub(super) fn run(self) -> Result<Outcome> {
         let begin = Instant::now();
         let out = results_folder(&self.out)?;
-        let map = ladder_map::run(if self.quick { Effort::Quick } else { Effort::Full });
+        let map = ladder_map::run(if self.quick { Effort::Quick } else { Effort::Full }, &self.axis)?;
         let plot = report::write(&out, &map)?;
         let table = report::drawn(&report::ladder_map::grid(&map));
         self.ending.tell(&map, &table, &report::ladder_map::verdict(&map), begin, Some(&plot))?;

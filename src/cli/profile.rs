@@ -45,7 +45,7 @@ impl Profile {
         let summary = reuse(&machine, of, &self.input.stream)?;
         let plot = report::write(&out, &summary)?;
         let table = report::drawn(&report::reuse::grid(&summary));
-        self.ending.tell(&summary, &table, &report::reuse::finding(&summary), begin, Some(&plot))?;
+        self.ending.tell(&summary, &table, &report::reuse::finding(&summary.levels), begin, Some(&plot))?;
         Ok(Outcome::Done)
     }
 }

@@ -1,6 +1,7 @@
 //! The table of hits whose updates of mode words are gathered: the last shadow ray of a hit takes all of them along.
 
 use rustc_hash::FxHashMap;
+use smallvec::SmallVec;
 
 use crate::machine::stores::Stores;
 use crate::stream::{RayKind, Step};
@@ -29,12 +30,15 @@ pub(super) struct Retiring<'a> {
     pub path_end: usize,
 }
 
+/// Updates of a hit that take no memory of their own: most hits have one or two words.
+const MOST_AT_HAND: usize = 4;
+
 /// A hit with several traced shadow rays, of which some are done with their paths.
 #[derive(Clone, Debug, Default)]
 struct Hit {
     retired: u32,
     /// The updates gathered, packed, if the hit has an entry of the table.
-    updates: Option<Vec<u32>>,
+    updates: Option<SmallVec<[u32; MOST_AT_HAND]>>,
 }
 
 /// The table.
@@ -68,23 +72,26 @@ impl Gathering {
         let is_gathered = |&word: &u32| Step::unpack(word).is_some_and(|step| stores.updates_word(step));
         let has_own = ray.steps[ray.path_end..].iter().any(is_gathered);
         if hit.updates.is_none() && has_own && !is_last && self.in_use < self.entries {
-            hit.updates = Some(Vec::new());
+            hit.updates = Some(SmallVec::new());
             self.in_use += 1;
         }
         let mut merged = 0;
         if let Some(updates) = &mut hit.updates {
-            let policy = ray.steps.split_off(ray.path_end);
-            let (own, others): (Vec<u32>, Vec<u32>) = policy.into_iter().partition(is_gathered);
-            for update in own {
-                if updates.iter().any(|&known| Step::unpack(known) == Step::unpack(update)) {
+            let mut kept = ray.path_end;
+            for at in ray.path_end..ray.steps.len() {
+                let step = ray.steps[at];
+                if !is_gathered(&step) {
+                    ray.steps[kept] = step;
+                    kept += 1;
+                } else if updates.iter().any(|&known| Step::unpack(known) == Step::unpack(step)) {
                     merged += 1;
                 } else {
-                    updates.push(update);
+                    updates.push(step);
                 }
             }
-            ray.steps.extend(others);
+            ray.steps.truncate(kept);
             if is_last {
-                ray.steps.append(updates);
+                ray.steps.extend_from_slice(updates);
                 self.in_use -= 1;
             }
         }

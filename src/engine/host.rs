@@ -27,6 +27,8 @@ struct Active {
     /// Of each ray its first child, and its next sibling. A primary ray's next sibling is the next primary ray.
     first_child: Vec<u32>,
     next_sibling: Vec<u32>,
+    /// Of each ray the traced shadow rays that start at its hit.
+    traced_shadows: Vec<u32>,
     left: usize,
     /// Whether all steps exist. If not, the ray that has the first that does not is refused when it is handed over.
     sound: bool,
@@ -37,6 +39,11 @@ impl Active {
         let parents = parents(&chunk)?;
         let mut first_child = vec![NONE; parents.len()];
         let mut next_sibling = vec![NONE; parents.len()];
+        let mut traced_shadows = vec![0; parents.len()];
+        for (head, &parent) in chunk.heads().zip(parents.iter()) {
+            let is_traced = head.kind == RayKind::Shadow && head.decision != Decision::Skip;
+            traced_shadows[parent as usize] += u32::from(is_traced);
+        }
         let mut next_primary = NONE;
         for (index, &parent) in parents.iter().enumerate().rev() {
             let first = if parent as usize == index { &mut next_primary } else { &mut first_child[parent as usize] };
@@ -45,7 +52,7 @@ impl Active {
         let extent = chunk.extent();
         let exist = extent.outermost().all(|step| layout.check(step).is_ok());
         let sound = exist && extent.unknown().is_none() && !extent.strays();
-        Ok(Self { left: parents.len(), chunk, first_child, next_sibling, sound })
+        Ok(Self { left: parents.len(), chunk, first_child, next_sibling, traced_shadows, sound })
     }
 
     fn children(&self, index: u32) -> impl Iterator<Item = u32> {
@@ -154,12 +161,8 @@ impl Host {
 
     /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
     pub(super) fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
-        let (active, hit) = (self.active(place), place.index - back);
-        let traced = |&child: &u32| {
-            let head = active.chunk.head(child as usize);
-            head.kind == RayKind::Shadow && head.decision != Decision::Skip
-        };
-        (hit, active.children(hit).filter(traced).count() as u32)
+        let hit = place.index - back;
+        (hit, self.active(place).traced_shadows[hit as usize])
     }
 
     /// Whether all steps of the ray's chunk are known to exist.

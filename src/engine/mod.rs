@@ -48,5 +48,5 @@ pub use self::level::{Exact, Level, Sampled};
 pub use self::lines::LineStream;
 pub use self::observe::{Observer, Seen};
 pub use self::reuse::ReuseOf;
-pub(crate) use self::reuse::reuse;
+pub(crate) use self::reuse::{reuse, reuse_of_frame};
 pub use self::snapshot::{Place, Places};

@@ -8,7 +8,7 @@ use super::work::entries_as_recorded;
 use crate::machine::{MachineSpec, SpecError};
 use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats, ReuseLevel};
-use crate::stream::Header;
+use crate::stream::{Header, Item, StreamError};
 
 /// Whose reuse is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +35,7 @@ pub(crate) fn reuse(
     header: &Header,
     source: &dyn Source,
 ) -> Result<(MachineStats, Vec<ReuseLevel>), RunError> {
-    if !entries_as_recorded(machine) {
-        let what = "reuse distances are known only with `place: Own`, `register: 0`, `frame_end: List` and no \
-                    `latched: Buffers` of `shadow_cache`";
-        return Err(SpecError::new(what).into());
-    }
+    check(machine)?;
     let sample = match of {
         ReuseOf::Everything => None,
         ReuseOf::Sample { rate, hot } => {
@@ -54,4 +50,46 @@ pub(crate) fn reuse(
     let mut items = source.open(0)?;
     let stats = within_bounds(&mut engine, machine, header, &mut items, None)?;
     Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
+}
+
+/// Rays of a frame from which the hottest lines are learned.
+const LEARNED_FROM: usize = 1 << 15;
+/// How many lines are the hottest, and the share of the others that is measured: `ladder-map` says how good that is.
+const HOT: usize = 256;
+const SHARE: f64 = 0.05;
+
+/// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame came again and again: what
+/// caches miss that have seen the frame before.
+///
+/// # Errors
+/// See [`reuse`].
+pub(crate) fn reuse_of_frame(
+    machine: &MachineSpec,
+    header: &Header,
+    items: &mut dyn Iterator<Item = Result<Item, StreamError>>,
+) -> Result<Vec<ReuseLevel>, RunError> {
+    check(machine)?;
+    let (mut heat, mut first, mut rays) = (Heat::new(machine, header), Vec::new(), 0);
+    while rays < LEARNED_FROM
+        && let Some(item) = items.next().transpose()?
+    {
+        heat.add(&item);
+        if let Item::Rays(chunk) = &item {
+            rays += chunk.len();
+        }
+        first.push(item);
+    }
+    let curves = Curves::new(machine, Some((SHARE, heat.hottest(HOT))));
+    let mut engine = Profile::watched(machine, header, curves);
+    within_bounds(&mut engine, machine, header, &mut first.into_iter().map(Ok).chain(items), None)?;
+    let mut curves = engine.into_watch();
+    curves.repeat();
+    Ok(curves.levels())
+}
+
+/// Refuses machines whose stores are not accessed as recorded.
+fn check(machine: &MachineSpec) -> Result<(), SpecError> {
+    let what = "reuse distances are known only with `place: Own`, `register: 0`, `frame_end: List` and no `latched: \
+                Buffers` of `shadow_cache`";
+    if entries_as_recorded(machine) { Ok(()) } else { Err(SpecError::new(what)) }
 }

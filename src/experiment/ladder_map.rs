@@ -31,6 +31,14 @@ const RATE: f64 = 0.25;
 const LINES: f64 = 0.05;
 const HOT: usize = 256;
 
+/// Nothing is swept by that name.
+#[derive(Debug, thiserror::Error)]
+#[error("no axis begins with `{name}`; known are {known}")]
+pub(crate) struct UnknownAxis {
+    name: String,
+    known: String,
+}
+
 /// How much is replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
@@ -266,9 +274,18 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
     ]
 }
 
-/// Runs everything.
-pub(crate) fn run(effort: Effort) -> LadderMap {
-    let axes = axes(effort);
+/// Runs the axes whose names begin with one of `only`, or all.
+///
+/// # Errors
+/// No axis begins with one of the names.
+pub(crate) fn run(effort: Effort, only: &[String]) -> Result<LadderMap, UnknownAxis> {
+    let mut axes = axes(effort);
+    let begins = |axis: &str, wanted: &String| axis.starts_with(wanted.as_str());
+    if let Some(name) = only.iter().find(|wanted| !axes.iter().any(|(axis, _)| begins(axis, wanted))) {
+        let known = axes.iter().map(|(axis, _)| *axis).collect::<Vec<_>>().join("; ");
+        return Err(UnknownAxis { name: name.clone(), known });
+    }
+    axes.retain(|(axis, _)| only.is_empty() || only.iter().any(|wanted| begins(axis, wanted)));
     let bar = progress::bar("ladder", axes.iter().map(|(_, points)| points.len()).sum(), "points");
     let axis = |(name, points): &(&str, Vec<Made>)| Axis {
         name: (*name).into(),
@@ -276,7 +293,7 @@ pub(crate) fn run(effort: Effort) -> LadderMap {
     };
     let map = LadderMap { rows: rows(), axes: axes.iter().map(axis).collect() };
     drop(bar);
-    map
+    Ok(map)
 }
 
 /// What is compared, in the order of [`point`].

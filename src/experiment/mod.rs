@@ -7,6 +7,7 @@ pub(crate) mod dram_export;
 mod export_file;
 pub(crate) mod exports;
 mod files;
+mod frame_reuse;
 pub(crate) mod frames;
 pub mod identities;
 pub(crate) mod interval_export;

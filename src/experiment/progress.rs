@@ -1,6 +1,5 @@
 //! Progress on standard error: a bar on a terminal, a line every half minute elsewhere.
 
-use std::fmt::Write as _;
 use std::io::{IsTerminal, stderr};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -66,7 +65,7 @@ pub(super) fn bar(message: &'static str, length: usize, things: &'static str) ->
     let style = ProgressStyle::with_template(&template).expect("the template is right").progress_chars("=> ");
     // A text that cannot be written is a bar without it.
     let rate = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-        let _ = text.write_str(&rate(state));
+        let _ = text.write_str(&rate(state.pos(), state.len().unwrap_or_default(), state.elapsed()));
     };
     let left = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
         let _ = text.write_str(&left(state.pos(), state.len().unwrap_or_default(), state.elapsed()));
@@ -114,17 +113,15 @@ fn about(left: Duration) -> String {
     format!(", about {} left", humantime::format_duration(Duration::from_secs(seconds)))
 }
 
-/// How fast it goes: things a second, or seconds a thing.
-fn rate(state: &ProgressState) -> String {
-    let per_second = state.per_sec();
-    let mut text = String::new();
-    if state.pos() > 0 && per_second > 0.0 {
-        let _ = match per_second >= 1.0 {
-            true => write!(text, ", {per_second:.1}/s"),
-            false => write!(text, ", {:.1} s each", 1.0 / per_second),
-        };
+/// How fast it goes: things a second, or seconds a thing, of the whole time. The bar's own rate falls while nothing
+/// ends, and says nothing then.
+fn rate(at: u64, of: u64, elapsed: Duration) -> String {
+    let each = elapsed.as_secs_f64() / at as f64;
+    match each {
+        _ if at == 0 || at >= of || elapsed.is_zero() => String::new(),
+        each if each <= 1.0 => format!(", {:.1}/s", 1.0 / each),
+        each => format!(", {each:.1} s each"),
     }
-    text
 }
 
 /// How long the rest takes, if its things take as long as those that are done.
@@ -152,5 +149,7 @@ mod tests {
         // However long nothing was done, the estimate follows from what was.
         assert_eq!(left(27, 45, seconds(600)), ", about 7m left");
         assert_eq!(left(1, 45, seconds(600)), "");
+        assert_eq!([rate(3, 12, seconds(126)), rate(6, 12, seconds(3))], [", 42.0 s each", ", 2.0/s"]);
+        assert_eq!([rate(0, 12, seconds(9)), rate(12, 12, seconds(9))], ["", ""]);
     }
 }

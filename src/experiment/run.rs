@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use super::changed::changed;
+use super::frame_reuse::{Failed, FrameReuses};
 use super::frames::Replayed;
 use super::load::Experiment;
 use super::progress;
@@ -24,7 +25,7 @@ use crate::report::run::{
     SceneSummary, Summary,
 };
 use crate::report::split::Split;
-use crate::stats::MachineStats;
+use crate::stats::{FrameReuse, MachineStats};
 use crate::stream::{Header, Item, Step, Totals};
 use crate::tracer::{LaneFrame, Tracer, WrongDecisions};
 
@@ -86,8 +87,9 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
 
     let none = Named::<MachineSpec>::default();
     let machines = if machines { &experiment.machines } else { &none };
-    let finished = std::thread::scope(|scope| {
+    let (finished, reuse) = std::thread::scope(|scope| {
         let mut replays = Replays::default();
+        let reuses = FrameReuses::start(scope, experiment, machines, &headers);
         // Policies are compared.
         let fidelity = experiment.spec.fidelity.compared();
         for (_, machine) in machines.iter() {
@@ -113,6 +115,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
                     return Ok(());
                 }
                 let sent = Instant::now();
+                reuses.send(policy, number, &item);
                 let result = replays.send(policy, &item);
                 clock.machines += sent.elapsed();
                 result
@@ -136,7 +139,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
         }
         bar.set_message("machines");
         let waiting = Instant::now();
-        let finished = replays.finish();
+        let finished = (replays.finish(), reuses.finish());
         clock.machines += waiting.elapsed();
         Ok::<_, RunFailure>(finished)
     })?;
@@ -144,7 +147,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     if gathered.frames.is_empty() && finished.iter().all(|run| run.result.is_ok()) {
         return Err(RunFailure::Stopped);
     }
-    gathered.report(experiment, &headers, finished, clock, begin)
+    gathered.report(experiment, &headers, (finished, reuse), clock, begin)
 }
 
 /// What machines replay the stream of policy `policy` for.
@@ -313,7 +316,7 @@ impl Gathered {
         self,
         experiment: &Experiment,
         headers: &[Header],
-        finished: Vec<Finished>,
+        (finished, reuse): (Vec<Finished>, Result<Named<FrameReuse>, Failed>),
         clock: Clock,
         begin: Instant,
     ) -> Result<RunFiles, RunFailure> {
@@ -359,6 +362,7 @@ impl Gathered {
                 warmup: self.warmup.clone(),
                 policies: Named::default(),
                 split: Named::default(),
+                reuse: None,
             });
             let totals = &self.totals[policy];
             let rays = totals.primary_rays + totals.secondary_rays + totals.shadow_rays;
@@ -367,11 +371,13 @@ impl Gathered {
             summary.policies.insert(names[policy], MachineRun::new(replayed.stats, asked));
             machines.insert(machine, summary);
         }
+        let failed = |Failed { machine, policy, source }| RunFailure::Machine { machine, policy, source };
+        let reuse = reuse.map_err(failed)?;
         let machines: Named<MachineSummary> = machines
             .iter()
             .map(|(name, machine)| {
                 let split = self.split(experiment, &names, measured.get(name).map_or(&[], Vec::as_slice));
-                (name, MachineSummary { split, ..machine.clone() })
+                (name, MachineSummary { split, reuse: reuse.get(name).cloned(), ..machine.clone() })
             })
             .collect();
         stage("total".to_owned(), begin.elapsed(), None);

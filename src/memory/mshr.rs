@@ -98,7 +98,8 @@ impl MshrFile {
 
     /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
     pub(crate) fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
-        waiting.extend_from_slice(&self.registers[id.0].waiting);
+        // Few wait: one by one takes fewer instructions than a copy.
+        self.registers[id.0].waiting.iter().for_each(|&who| waiting.push(who));
         self.used -= 1;
         self.registers.swap(id.0, self.used);
     }

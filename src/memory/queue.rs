@@ -103,8 +103,8 @@ impl<T: Copy> Queue<T> {
         self.load.waited += now + 1 - at;
         self.taken_then = if self.last_taken == now { self.taken_then + 1 } else { 1 };
         self.last_taken = now;
-        for part in self.waiting.drain(..) {
-            wake.wake(part, now + 1);
+        if !self.waiting.is_empty() {
+            self.waiting.drain(..).for_each(|part| wake.wake(part, now + 1));
         }
     }
 
@@ -132,7 +132,25 @@ impl<T: Copy> Queue<T> {
 
     /// Entries that can be taken in cycle `now` in their order, with their places.
     pub(crate) fn visible(&self, now: u64) -> impl Iterator<Item = (usize, &T)> {
-        self.entries.iter().enumerate().take_while(move |(_, (at, _))| *at <= now).map(|(i, (_, entry))| (i, entry))
+        self.visible_from(0, now)
+    }
+
+    /// As [`Queue::visible`], from entry `first` on.
+    #[inline]
+    pub(crate) fn visible_from(&self, first: usize, now: u64) -> impl Iterator<Item = (usize, &T)> {
+        let entries = self.entries.iter_from(first).take_while(move |(at, _)| *at <= now);
+        (first..).zip(entries.map(|(_, entry)| entry))
+    }
+
+    /// Whether there is an entry `index`, and it can be taken in cycle `now`.
+    #[inline]
+    pub(crate) fn is_visible(&self, index: usize, now: u64) -> bool {
+        self.entries.get(index).is_some_and(|(at, _)| *at <= now)
+    }
+
+    /// Entry `index`.
+    pub(crate) fn get(&self, index: usize) -> Option<&T> {
+        self.entries.get(index).map(|(_, entry)| entry)
     }
 
     /// Entry `index`, to change it.

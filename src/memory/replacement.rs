@@ -89,11 +89,10 @@ impl State {
 /// Brings line `way` to the front. Most uses are of the first few lines.
 #[inline]
 fn to_front(lines: &mut [u64], way: usize) {
-    let line = lines[way];
-    for place in (0..way).rev() {
-        lines[place + 1] = lines[place];
+    let mut next = lines[way];
+    for line in &mut lines[..=way] {
+        std::mem::swap(line, &mut next);
     }
-    lines[0] = line;
 }
 
 /// Sets the bits on the way from the root to `way` so that they point to the other side.

@@ -52,6 +52,12 @@ impl<T: Copy> Ring<T> {
         if self.len == 0 { None } else { self.places.get(self.place(self.len - 1)) }
     }
 
+    /// Entry `index`.
+    #[inline]
+    pub(crate) fn get(&self, index: usize) -> Option<&T> {
+        if index < self.len { self.places.get(self.place(index)) } else { None }
+    }
+
     /// Entry `index`, to change it.
     #[inline]
     pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {
@@ -121,7 +127,13 @@ impl<T: Copy> Ring<T> {
 
     /// The entries in order.
     pub(crate) fn iter(&self) -> impl Iterator<Item = &T> + Clone {
-        (0..self.len).map(|index| &self.places[self.place(index)])
+        self.iter_from(0)
+    }
+
+    /// The entries in order, from entry `first` on.
+    #[inline]
+    pub(crate) fn iter_from(&self, first: usize) -> impl Iterator<Item = &T> + Clone {
+        (first..self.len).map(|index| &self.places[self.place(index)])
     }
 }
 

@@ -60,6 +60,17 @@ impl<'a, F> Replay<'a, F> {
     pub fn reuse(&self, of: ReuseOf, source: &dyn Source) -> Result<(MachineStats, Vec<ReuseLevel>), RunError> {
         engine::reuse(self.machine, of, self.header, source)
     }
+
+    /// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame came again and again.
+    ///
+    /// # Errors
+    /// See [`Replay::reuse`].
+    pub(crate) fn reuse_of_frame(
+        &self,
+        items: &mut dyn Iterator<Item = Result<Item, StreamError>>,
+    ) -> Result<Vec<ReuseLevel>, RunError> {
+        engine::reuse_of_frame(self.machine, self.header, items)
+    }
 }
 
 impl Replay<'_, Fidelity> {

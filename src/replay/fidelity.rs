@@ -6,6 +6,7 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::alike;
 use crate::engine::retired::{self, WithoutRetired};
 use crate::engine::{Exact, Level, Sampled};
 use crate::machine::SpecError;
@@ -178,12 +179,26 @@ impl FromStr for Fidelity {
         let options = ron::Options::default().with_default_extension(ron::extensions::Extensions::IMPLICIT_SOME);
         options.from_str(text).map_err(|error| match error.code.to_string() {
             what if what == retired::FUNCTIONAL => what,
-            what => format!(
-                "`{text}` is no fidelity ({what}): Bound, Profile, Event, Cycle, Sampled(engine: Event, rate: 0.05) and \
-                 Auto(error: 0.02) are"
-            ),
+            what => refused(text, &what),
         })
     }
+}
+
+/// Names of fidelities.
+const NAMES: [&str; 6] = ["Bound", "Profile", "Event", "Cycle", "Sampled", "Auto"];
+
+/// Why `text` is no fidelity; `what` is wrong with it if its name is known.
+fn refused(text: &str, what: &str) -> String {
+    let name = text.split('(').next().unwrap_or_default().trim();
+    let why = match NAMES.contains(&name) {
+        true => format!("`{text}` is no fidelity: {what}"),
+        false => {
+            let proposal = alike::closest(name, &NAMES).map(|other| format!("; did you mean `{other}`?"));
+            format!("unknown fidelity `{name}`{}", proposal.unwrap_or_default())
+        }
+    };
+    let end = if why.ends_with('?') { "" } else { "." };
+    format!("{why}{end} Allowed: Bound, Profile, Event, Cycle, Sampled(engine: Event, rate: 0.05), Auto(error: 0.02)")
 }
 
 impl Serialize for Fidelity {

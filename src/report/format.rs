@@ -109,8 +109,12 @@ pub(crate) fn or_absent<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> 
 /// A key of a file in words: `l1_traversal` is `L1 traversal`.
 pub(crate) fn words(key: &str) -> String {
     const UPPER: [&str; 9] = ["l1", "l2", "dram", "trv", "ist", "ist1", "ist2", "scu", "ra"];
-    let shown = key.split('_').map(|word| if UPPER.contains(&word) { word.to_uppercase() } else { word.to_owned() });
-    shown.collect::<Vec<String>>().join(" ")
+    let shown = |word: &str| match word {
+        "fifos" => "FIFOs".to_owned(),
+        word if UPPER.contains(&word) => word.to_uppercase(),
+        word => word.to_owned(),
+    };
+    key.split('_').map(shown).collect::<Vec<String>>().join(" ")
 }
 
 /// Milliseconds with three digits.

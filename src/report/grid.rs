@@ -49,7 +49,7 @@ fn fitted(grid: &Grid, width: usize) -> String {
         .collect();
     let whole: Vec<usize> = cells.iter().zip(&grid.head).map(|(cells, head)| letters(head).max(*cells)).collect();
     if total(&whole) <= width {
-        return table(&grid.head, grid, &(0..grid.head.len()).collect::<Vec<_>>());
+        return table(&grid.head, grid, &(0..grid.head.len()).collect::<Vec<_>>(), width);
     }
     let head: Vec<String> = grid.head.iter().zip(&cells).map(|(head, cells)| wrapped(head, *cells)).collect();
     let narrow: Vec<usize> = cells.iter().zip(&head).map(|(cells, head)| letters(head).max(*cells)).collect();
@@ -65,7 +65,7 @@ fn fitted(grid: &Grid, width: usize) -> String {
             part.push(column);
         }
     }
-    parts.iter().map(|part| table(&head, grid, part)).collect::<Vec<_>>().join("\n\n")
+    parts.iter().map(|part| table(&head, grid, part, width)).collect::<Vec<_>>().join("\n\n")
 }
 
 fn total(widths: &[usize]) -> usize {
@@ -90,13 +90,18 @@ fn wrapped(head: &str, width: usize) -> String {
     lines.join("\n")
 }
 
-/// The columns of a grid that `columns` names.
-fn table(head: &[String], grid: &Grid, columns: &[usize]) -> String {
+/// The columns of a grid that `columns` names, at most `width` letters a line.
+fn table(head: &[String], grid: &Grid, columns: &[usize], width: usize) -> String {
     let row = |row: &[String]| columns.iter().map(|&column| row[column].clone()).collect::<Vec<_>>();
     let mut table = Table::new();
     table.load_preset(PLAIN).set_header(row(head));
     for cells in &grid.rows {
         table.add_row(row(cells));
+    }
+    // Names alone may be too wide: these go on in the next line.
+    if table.lines().any(|line| letters(&line) > width) {
+        table.set_content_arrangement(ContentArrangement::Dynamic);
+        table.set_width(u16::try_from(width).unwrap_or(u16::MAX));
     }
     for (place, (column, &at)) in table.column_iter_mut().zip(columns).enumerate() {
         column.set_padding((0, u16::from(place + 1 < columns.len())));

@@ -30,6 +30,7 @@ impl ReplaySummary {
                 warmup: frames(true),
                 policies: [(policy, MachineRun::from(stats.clone()))].into_iter().collect(),
                 split: Named::default(),
+                reuse: None,
             };
             (name.to_owned(), summary)
         };

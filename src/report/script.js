@@ -54,13 +54,35 @@
     const policy = bar.querySelector("select");
     const numbers = rows.map((row) => Number(row.dataset.frame));
     const heads = all("thead th", rows[0].closest("table")).map((head) => head.textContent);
+    const draw = (svg, what, attributes) => {
+      const it = document.createElementNS("http://www.w3.org/2000/svg", what);
+      Object.entries(attributes).forEach(([name, value]) => it.setAttribute(name, value));
+      svg.append(it);
+      return it;
+    };
+    // Where a plot is clicked on, that frame is chosen.
+    const clicked = (svg, frameAt) => svg.addEventListener("click", (event) => {
+      const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
+      const frame = frameAt(at);
+      if (frame === undefined) return;
+      const far = numbers.map((number) => Math.abs(number - frame));
+      slider.value = far.indexOf(Math.min(...far));
+      choose();
+    });
     const plots = all("svg[data-frames]").map((svg) => {
-      const line = document.createElementNS("http://www.w3.org/2000/svg", "line");
-      line.setAttribute("class", "cursor");
-      line.setAttribute("y1", 0);
-      line.setAttribute("y2", svg.viewBox.baseVal.height);
-      svg.append(line);
-      return { line, axis: svg.dataset.frames.split(" ").map(Number) };
+      const axis = svg.dataset.frames.split(" ").map(Number);
+      const [first, last, from, to] = axis;
+      clicked(svg, ({ x }) => (x < from || x > to ? undefined : first + ((x - from) / (to - from)) * (last - first)));
+      const line = draw(svg, "line", { class: "cursor", y1: 0, y2: svg.viewBox.baseVal.height });
+      return { line, axis };
+    });
+    // In strips of time a frame has a stretch a policy.
+    const strips = all("svg[data-strips]").flatMap((svg) => {
+      const found = svg.dataset.strips.match(/\d+( \d+){4}/g).map((it) => it.split(" ").map(Number));
+      clicked(svg, ({ x, y }) => (found.find(([, left, top, right, bottom]) => (
+        x >= left && x <= right && y >= top && y <= bottom)) || [])[0]);
+      return found.map(([frame, x, y, right, bottom]) => (
+        { frame, box: draw(svg, "rect", { class: "cursor", x, y, width: right - x, height: bottom - y }) }));
     });
     const pictures = all(".compare");
     const choose = () => {
@@ -72,6 +94,7 @@
         line.setAttribute("x1", x);
         line.setAttribute("x2", x);
       }
+      strips.forEach((it) => it.box.toggleAttribute("data-hidden", it.frame !== frame));
       const row = rows.find((it) => Number(it.dataset.frame) === frame);
       list.replaceChildren(...[...row.cells].slice(1).map((cell, index) => {
         const [pair, name, value] = ["div", "dt", "dd"].map((what) => document.createElement(what));

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::error::ReportError;
 use super::format::{bytes, change, or_absent, percent, short};
+use super::results::{Row, Take, Walk};
 use crate::quantity::Bytes;
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
@@ -18,14 +20,18 @@ pub(crate) struct Split {
     /// they are of samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub half_widths: Option<[f64; 2]>,
+    /// Half the widths of the 95 % intervals of what follows from differences, if they are of samples.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub within: Option<Within>,
     /// DRAM bytes that culling saved, words not counted: first less second.
     pub saved: i64,
     /// DRAM bytes of the words' own classes.
     pub words: u64,
     /// DRAM bytes of other classes that the words drove out of caches.
     pub interference: i64,
-    /// Misses of other classes in all caches that are not there with free words.
-    pub extra_misses: i64,
+    /// Misses of other classes in all caches that are not there with free words; none of samples, which have no
+    /// interval of it.
+    pub extra_misses: Option<i64>,
     /// Hits over accesses of words and counters in the first cache that they meet; none without one.
     pub word_hit_rate: Option<f64>,
     /// Shadow rays asked for, and the share of them that was skipped or traced among dynamic objects only.
@@ -36,6 +42,35 @@ pub(crate) struct Split {
     pub bytes_per_ray: f64,
     /// The share of shadow rays that must be culled to save what the words cost, at that many bytes a ray.
     pub break_even: Option<f64>,
+}
+
+/// Half the widths of the 95 % intervals of parts of a split.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Within {
+    /// Of [`Split::saved`], in bytes.
+    pub saved: f64,
+    /// Of [`Split::interference`], in bytes.
+    pub interference: f64,
+    /// Of [`Split::break_even`].
+    pub break_even: Option<f64>,
+}
+
+impl Within {
+    /// Those of three samples, if they are of samples. Errors of a difference and of what it is scaled with add up, at
+    /// worst.
+    fn new([off, free, real]: [&MachineStats; 3], possible: f64) -> Option<Self> {
+        let all = |stats: &MachineStats| stats.moved("dram").0 as f64;
+        let less = |from: &MachineStats, other: &MachineStats| {
+            let ratio = all(other) / all(from).max(1.0);
+            let share = from.accuracy.shares()?[2];
+            Some(all(from) * (other.half_width_of_ratio(from, 2, ratio)? + (1.0 - ratio).abs() * share))
+        };
+        let words = WORDS.iter().filter_map(|class| real.half_widths.get(&format!("bytes.dram.{}", class.name())));
+        let paid = less(real, free)?;
+        let share = (all(real) - all(free)).abs() * off.accuracy.shares()?[2];
+        let break_even = (possible > 0.0).then(|| (paid + share) / possible);
+        Some(Self { saved: less(off, free)?, interference: paid + words.sum::<f64>(), break_even })
+    }
 }
 
 const WORDS: [TrafficClass; 3] = [TrafficClass::ModeWord, TrafficClass::PixelCounter, TrafficClass::OccluderId];
@@ -83,19 +118,50 @@ impl Split {
         let bytes_per_ray = all(off).0 as f64 / off.rays.max(1) as f64;
         let culled = totals.shadow_rays_skipped + totals.shadow_rays_dynamic_only;
         let possible = bytes_per_ray * totals.shadow_rays as f64;
+        let within = Within::new([off, free, real], possible);
+        let extra_misses = within.is_none().then(|| other_misses(real) - other_misses(free));
         Self {
             cycles: [off, free, real].map(|stats| stats.cycles.0),
             dram: [off, free, real].map(all),
             half_widths: half_widths(off, real),
+            within,
             saved,
             words,
             interference,
-            extra_misses: other_misses(real) - other_misses(free),
+            extra_misses,
             word_hit_rate,
             shadow_rays: totals.shadow_rays,
             culled: culled as f64 / totals.shadow_rays.max(1) as f64,
             bytes_per_ray,
             break_even: (possible > 0.0).then(|| (words as i64 + interference) as f64 / possible),
+        }
+    }
+
+    /// Hands over the numbers as rows of `results.csv`. What samples cannot tell is a row without a number.
+    ///
+    /// # Errors
+    /// A number has no form in JSON, or `take` fails.
+    pub(in crate::report) fn rows(
+        &self,
+        is_exact: bool,
+        walk: Walk<'_>,
+        take: &mut Take<'_>,
+    ) -> Result<(), ReportError> {
+        let within = |path: &str| match path {
+            "saved" => Some(self.within?.saved),
+            "interference" => Some(self.within?.interference),
+            "break_even" => self.within?.break_even,
+            _ => None,
+        };
+        let half_width = |path: &str| if is_exact { Some(0.0) } else { within(path) };
+        let walk = Walk { half_width: &half_width, ..walk };
+        walk.rows(self, take)?;
+        match walk.family.metric("extra_misses").filter(|_| self.extra_misses.is_none()) {
+            None => Ok(()),
+            Some(metric) => {
+                let (of, part) = (walk.of, walk.part);
+                take(&Row { of, part, class: None, metric, value: None, half_width: None })
+            }
         }
     }
 
@@ -105,17 +171,24 @@ impl Split {
             change_within(it.cycles[0] as f64, it.cycles[2] as f64, it.half_widths.map(|[cycles, _]| cycles))
         }),
         ("DRAM", |it| change_within(it.dram[0].0 as f64, it.dram[2].0 as f64, it.half_widths.map(|[_, dram]| dram))),
-        ("saved", |it| signed(it.saved)),
+        ("saved", |it| signed_within(it.saved, it.within.map(|within| within.saved))),
         ("words", |it| bytes(Bytes(it.words))),
-        ("interference", |it| signed(it.interference)),
-        ("extra misses", |it| short(it.extra_misses as f64).replace('-', "\u{2212}")),
+        ("interference", |it| signed_within(it.interference, it.within.map(|within| within.interference))),
+        ("extra misses", |it| match it.extra_misses {
+            Some(misses) => short(misses as f64).replace('-', "\u{2212}"),
+            None => "not known".into(),
+        }),
         ("word hits", |it| or_absent(it.word_hit_rate, percent)),
         ("culled", |it| percent(it.culled)),
-        ("break-even", |it| or_absent(it.break_even, percent)),
+        ("break-even", |it| {
+            let half = it.within.and_then(|within| within.break_even);
+            let half = half.map_or_else(String::new, |half| format!(" \u{b1} {}", percent(half)));
+            or_absent(it.break_even, |share| format!("{}{half}", percent(share)))
+        }),
     ];
 
     /// The columns of a CSV.
-    pub(crate) const FIELDS: [Column; 17] = [
+    pub(crate) const FIELDS: [Column; 20] = [
         ("cycles_off", |it| it.cycles[0].to_string()),
         ("cycles_free_words", |it| it.cycles[1].to_string()),
         ("cycles", |it| it.cycles[2].to_string()),
@@ -124,10 +197,13 @@ impl Split {
         ("dram_bytes", |it| it.dram[2].to_string()),
         ("cycles_change_half_width", |it| number(it.half_widths.map(|[cycles, _]| cycles))),
         ("dram_bytes_change_half_width", |it| number(it.half_widths.map(|[_, dram]| dram))),
+        ("saved_bytes_half_width", |it| number(it.within.map(|within| within.saved))),
+        ("interference_bytes_half_width", |it| number(it.within.map(|within| within.interference))),
+        ("break_even_share_half_width", |it| number(it.within.and_then(|within| within.break_even))),
         ("saved_bytes", |it| it.saved.to_string()),
         ("word_bytes", |it| it.words.to_string()),
         ("interference_bytes", |it| it.interference.to_string()),
-        ("extra_misses", |it| it.extra_misses.to_string()),
+        ("extra_misses", |it| it.extra_misses.map_or_else(String::new, |misses| misses.to_string())),
         ("word_hit_rate", |it| number(it.word_hit_rate)),
         ("shadow_rays", |it| it.shadow_rays.to_string()),
         ("culled_share", |it| it.culled.to_string()),
@@ -138,6 +214,14 @@ impl Split {
 
 fn number(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| value.to_string())
+}
+
+/// An amount of data that may be below zero, with its interval if it has one.
+fn signed_within(value: i64, half_width: Option<f64>) -> String {
+    match half_width {
+        Some(half) => format!("{} \u{b1} {}", signed(value), bytes(Bytes(half.ceil() as u64))),
+        None => signed(value),
+    }
 }
 
 /// An amount of data that may be below zero.

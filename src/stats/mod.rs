@@ -19,5 +19,5 @@ pub use frames::FrameStats;
 pub use machine::MachineStats;
 pub(crate) use machine::half_width_of_ratio;
 pub use residuals::{Change, Residual, Residuals};
-pub use reuse::{ReuseCurve, ReuseLevel};
+pub use reuse::{FrameReuse, ReuseCurve, ReuseLevel};
 pub use traffic::{Cause, TrafficClass};

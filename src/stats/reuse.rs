@@ -43,6 +43,17 @@ pub struct ReuseLevel {
     pub classes: BTreeMap<TrafficClass, ReuseCurve>,
 }
 
+/// Reuse in the caches of a machine, in one frame of a policy's stream that comes again and again.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FrameReuse {
+    /// The policy.
+    pub policy: String,
+    /// The frame.
+    pub frame: u32,
+    /// The caches.
+    pub levels: Vec<ReuseLevel>,
+}
+
 impl ReuseLevel {
     /// Misses over accesses of the caches as the machine has them, if lines fall into their sets at random; `None`
     /// without an access.

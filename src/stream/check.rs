@@ -1,7 +1,7 @@
 //! The rules of a ray stream. The writer and the reader hold every item against them, and so can whoever passes items
 //! on in memory.
 
-use rustc_hash::FxHashSet;
+use fixedbitset::FixedBitSet;
 
 use super::chunk::{Chunk, Decision, Outcome, Ray, RayKind};
 use super::header::{Header, NO_RECORD};
@@ -49,9 +49,12 @@ fn records(header: &Header) -> Result<(), Violation> {
     if records.len() != primitives as usize {
         return Err(Violation::Records { found: records.len(), primitives });
     }
-    let mut taken = FxHashSet::default();
-    for (primitive, &record) in records.iter().enumerate().filter(|(_, record)| **record != NO_RECORD) {
-        if record.0 >= header.static_slots || !taken.insert(record) {
+    // As large as what is named, not as what the header claims.
+    let named = || records.iter().enumerate().filter(|(_, record)| **record != NO_RECORD);
+    let end = named().map(|(_, record)| record.0 + 1).max().unwrap_or(0).min(header.static_slots);
+    let mut taken = FixedBitSet::with_capacity(end as usize);
+    for (primitive, record) in named() {
+        if record.0 >= end || taken.put(record.0 as usize) {
             return Err(Violation::Record { primitive, found: record.0 });
         }
     }

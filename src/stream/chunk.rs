@@ -240,7 +240,7 @@ impl Chunk {
     }
 
     /// All rays without their steps, in order.
-    pub(super) fn heads(&self) -> impl ExactSizeIterator<Item = RayHead> {
+    pub(crate) fn heads(&self) -> impl ExactSizeIterator<Item = RayHead> {
         self.entries.iter().map(|entry| entry.head)
     }
 

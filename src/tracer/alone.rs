@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 use rayon::prelude::*;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
@@ -39,6 +40,18 @@ pub struct Samples {
     pub a_pixel: u32,
     /// How far [`Alone::Occlusion`] rays go, in units of the scene.
     pub reach: f32,
+    /// Where the rays of a sample go.
+    pub directions: Directions,
+}
+
+/// Where [`Alone::Occlusion`] and [`Alone::Diffuse`] rays go.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Directions {
+    /// Each sample of each pixel has a direction of its own, by a hash.
+    #[default]
+    Hashed,
+    /// A sample has the same direction in all pixels, beside its surface's normal: rays of neighbours are parallel.
+    Shared,
 }
 
 impl Alone {
@@ -112,7 +125,11 @@ impl Tracer<'_> {
                     }
                     continue;
                 }
-                let mut ray = shader.diffuse_ray(&surface, numbers(pixel, sample, Use::Direction));
+                let place = match samples.directions {
+                    Directions::Hashed => pixel,
+                    Directions::Shared => PixelId(0),
+                };
+                let mut ray = shader.diffuse_ray(&surface, numbers(place, sample, Use::Direction));
                 trail.clear();
                 if kind == Alone::Occlusion {
                     ray.reach = samples.reach;

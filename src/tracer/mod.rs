@@ -14,7 +14,7 @@ mod shade;
 mod spec;
 mod whitted;
 
-pub use self::alone::{Alone, Samples};
+pub use self::alone::{Alone, Directions, Samples};
 pub use self::frame::Tracer;
 pub use self::lane::{LaneFrame, WrongDecisions};
 pub use self::spec::{PixelOrder, TracerSpec};

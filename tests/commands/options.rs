@@ -38,6 +38,8 @@ fn several_machines_are_named_in_a_list() {
     let told = desk.prints(&["replay", "s.rays", "--machine", "small,desktop"]);
     assert!(fits(&told, 80), "{told}");
     assert_eq!(told.matches("Model: Event (exact; no sampling)").count(), 2, "{told}");
+    assert_eq!(told.matches("Least that any such machine takes: ").count(), 2, "{told}");
+    assert!(!told.contains("Bounds: "), "{told}");
     let message = desk.refuses(&["replay", "s.rays", "--machine", "small,dekstop"]);
     assert!(message.contains("did you mean `desktop`?"), "{message}");
 }

@@ -2,6 +2,7 @@
 
     python3 docs/validation/scale/scale.py target/release/umbrasim
 
+With `--series triangles` that series alone is measured; the others stay as they are in scale.csv.
 Each run has one thread. The slope of a series is that of a straight line through the logarithms of its points: 1 says
 that twice as much takes twice as long. Writes scale.csv and the chart.
 """
@@ -29,7 +30,7 @@ EXPERIMENT = """(
 # What a run has where its series does not say otherwise.
 USUAL = {"triangles": 100_000, "lights": 2, "frames": 2, "width": 256, "machines": 1}
 SERIES = {
-    "triangles": [10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000],
+    "triangles": [10_000, 30_000, 100_000, 300_000, 1_000_000, 3_000_000, 10_000_000],
     "width": [64, 128, 256, 512],
     "frames": [2, 4, 8, 16],
     "lights": [1, 2, 4, 6],
@@ -82,9 +83,17 @@ def slope(points):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
+    parser.add_argument("--series", choices=SERIES, action="append", help="measure this one [default: all]")
     chosen = parser.parse_args()
     program = str(pathlib.Path(chosen.program).resolve())
-    table = [row for series, values in SERIES.items() for value in values for row in rows(program, series, value)]
+    with open(HERE / "scale.csv", newline="") as file:
+        known = list(csv.DictReader(file))
+    table = []
+    for series, values in SERIES.items():
+        if chosen.series and series not in chosen.series:
+            table += [row for row in known if row["series"] == series]
+        else:
+            table += [row for value in values for row in rows(program, series, value)]
     with open(HERE / "scale.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, table[0].keys(), lineterminator="\n")
         writer.writeheader()
@@ -93,7 +102,7 @@ def main():
     for series in SERIES:
         for command in ("trace", "replay"):
             of = [row for row in table if (row["series"], row["command"]) == (series, command)]
-            slopes = [slope([(row["value"], float(row[what])) for row in of]) for what in ("seconds", "megabytes")]
+            slopes = [slope([(float(row["value"]), float(row[what])) for row in of]) for what in ("seconds", "megabytes")]
             print(f"{series:10} {command:7} time {slopes[0]:5.2f}  memory {slopes[1]:5.2f}")
 
 

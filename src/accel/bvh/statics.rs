@@ -34,7 +34,7 @@ where
         let mut tree = if items.is_empty() {
             Tree::default()
         } else {
-            Tree::build(items, params(spec.statics), Base { node: u32::from(joined), ..Base::default() })
+            Tree::build(items, params(spec.statics, items.len()), Base { node: u32::from(joined), ..Base::default() })
         };
         if joined || items.is_empty() {
             tree.nodes.insert(0, Node::default());
@@ -45,7 +45,11 @@ where
 
     fn join<'a>(&'a self, items: &[Item<'_>], spec: &AccelSpec) -> Forest<'a, N> {
         let base = self.end();
-        let dynamic = if items.is_empty() { Tree::default() } else { Tree::build(items, params(spec.dynamic), base) };
+        let dynamic = if items.is_empty() {
+            Tree::default()
+        } else {
+            Tree::build(items, params(spec.dynamic, items.len()), base)
+        };
         let mut root = self.tree.nodes[0];
         if self.joined {
             let trees = [(self.tree.nodes.get(1), 1), (dynamic.nodes.first(), base.node)];

@@ -21,8 +21,9 @@ pub(crate) struct Causes {
     busy: u64,
     /// How many of them lie before `from`.
     busy_before: u64,
-    /// Those that may not have passed, in order, but for the last.
+    /// Those that may not have passed, in order, but for the last, and how many cycles these are.
     runs: Ring<Run>,
+    listed: u64,
     last: Run,
     /// A cycle to come in which the last of the operations begins that are known to, [`u64::MAX`] if none is, and the
     /// cause of those after it.
@@ -40,6 +41,7 @@ impl Default for Causes {
             busy: 0,
             busy_before: 0,
             runs: Ring::new(),
+            listed: 0,
             last: (0, 0),
             ahead_at: u64::MAX,
             ahead_idle: Cause::Starved,
@@ -56,6 +58,7 @@ impl Causes {
             self.last.1 += cycles;
         } else {
             self.runs.push_back(self.last);
+            self.listed += self.last.1 - self.last.0;
             self.last = (at, at + cycles);
         }
     }
@@ -78,10 +81,7 @@ impl Causes {
 
     /// As [`Causes::cycle`], where the cause may be another one than before.
     fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
-        let settled = self.ahead_at.min(now);
-        while self.runs.front().is_some_and(|run| run.1 <= settled) {
-            self.runs.drop_front();
-        }
+        self.drop_runs(self.ahead_at.min(now));
         if self.ahead_at <= now {
             self.change(self.ahead_at, self.ahead_idle);
             self.ahead_at = u64::MAX;
@@ -119,11 +119,22 @@ impl Causes {
         }
     }
 
+    /// Forgets runs that end before cycle `now`.
+    #[inline]
+    fn drop_runs(&mut self, now: u64) {
+        while let Some(&(from, until)) = self.runs.front().filter(|run| run.1 <= now) {
+            self.runs.drop_front();
+            self.listed -= until - from;
+        }
+    }
+
     /// Counts the idle cycles before `now`.
     fn settle(&mut self, now: u64) {
-        let runs = self.runs.iter().chain([&self.last]);
-        let to_come = runs.map(|&(from, until)| until.saturating_sub(from.max(now)));
-        let busy_before = self.busy - to_come.sum::<u64>();
+        self.drop_runs(now);
+        // Of the runs in the list, only the first may have begun.
+        let begun = self.runs.front().map_or(0, |run| now.saturating_sub(run.0));
+        let last = self.last.1.saturating_sub(self.last.0.max(now));
+        let busy_before = self.busy - (self.listed - begun + last);
         self.totals[self.idle as usize] += (now - self.from) - (busy_before - self.busy_before);
         (self.from, self.busy_before) = (now, busy_before);
     }

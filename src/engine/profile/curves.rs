@@ -51,11 +51,22 @@ struct Met {
     in_sets: f64,
 }
 
+/// A line that a cache was first asked for, and how.
+#[derive(Clone, Copy, Debug)]
+struct First {
+    cache: usize,
+    line: u32,
+    class: TrafficClass,
+    weight: f64,
+}
+
 /// Caches of a kind.
 #[derive(Clone, Debug)]
 struct Level {
     name: String,
     caches: Vec<Distances>,
+    /// First touches of the frame, in order.
+    firsts: Vec<First>,
     bytes: u64,
     ways: u64,
     /// By distance, the share of lines that a set of the cache as it is still holds.
@@ -69,6 +80,7 @@ impl Level {
         Self {
             name,
             caches: vec![distances.clone(); caches],
+            firsts: Vec::new(),
             bytes,
             ways,
             held: held((bytes / (line * ways)).max(1), ways),
@@ -77,14 +89,39 @@ impl Level {
     }
 
     fn touch(&mut self, cache: usize, line: LineAddr, class: TrafficClass) {
-        let met = &mut self.met[class as usize];
-        met.accesses += 1;
-        let Some(Sampled { distance, weight }) = self.caches[cache].touch(line.0 as u32) else { return };
+        self.met[class as usize].accesses += 1;
+        let line = line.0 as u32;
+        let Some(Sampled { distance, weight }) = self.caches[cache].touch(line) else { return };
         match distance {
-            None => met.first += weight,
-            Some(distance) => {
-                met.by_bits[(u64::BITS - distance.leading_zeros()) as usize] += weight;
-                met.in_sets += weight * self.held.get(distance as usize).copied().unwrap_or(0.0);
+            None => {
+                self.met[class as usize].first += weight;
+                self.firsts.push(First { cache, line, class, weight });
+            }
+            Some(distance) => self.reused(distance, class, weight),
+        }
+    }
+
+    fn reused(&mut self, distance: u64, class: TrafficClass, weight: f64) {
+        let met = &mut self.met[class as usize];
+        met.by_bits[(u64::BITS - distance.leading_zeros()) as usize] += weight;
+        met.in_sets += weight * self.held.get(distance as usize).copied().unwrap_or(0.0);
+    }
+
+    fn drop_from(&mut self, first: LineAddr) {
+        self.firsts.clear();
+        self.caches.iter_mut().for_each(|cache| cache.drop_from(first.0 as u32));
+    }
+
+    /// See [`Curves::repeat`]. Between the last touch of a line and its first one in the repetition lie the lines that
+    /// were touched after the one, and those that are first touched before the other.
+    fn repeat(&mut self, dropped: LineAddr) {
+        let firsts = std::mem::take(&mut self.firsts);
+        self.drop_from(dropped);
+        for First { cache, line, class, weight } in firsts {
+            let touched = self.caches[cache].touch(line);
+            if let Some(distance) = touched.and_then(|it| it.distance) {
+                self.met[class as usize].first -= weight;
+                self.reused(distance, class, weight);
             }
         }
     }
@@ -142,6 +179,8 @@ pub(crate) struct Curves {
     /// Of each unit of all, its kind and its number in that.
     units: Vec<(usize, usize)>,
     homes: [usize; TrafficClass::ALL.len()],
+    /// Lines from here on are new in every frame.
+    dropped: LineAddr,
 }
 
 impl Curves {
@@ -164,7 +203,13 @@ impl Curves {
             levels.push(Level::new(name, machine.cores.size(), bytes, ways, line, &distances));
         }
         let homes = TrafficClass::ALL.map(|class| Kind::ALL.len() + machine.l2.home(class));
-        Self { line, levels, units, homes }
+        Self { line, levels, units, homes, dropped: LineAddr(u64::from(u32::MAX)) }
+    }
+
+    /// Takes the frame as one of many equal ones: a line's first touch comes after its last in the frame before.
+    pub(crate) fn repeat(&mut self) {
+        let dropped = self.dropped;
+        self.levels.iter_mut().for_each(|level| level.repeat(dropped));
     }
 
     /// What was found.
@@ -184,8 +229,8 @@ impl Watch for Curves {
     }
 
     fn drop_from(&mut self, first: LineAddr) {
-        let caches = self.levels.iter_mut().flat_map(|level| &mut level.caches);
-        caches.for_each(|cache| cache.drop_from(first.0 as u32));
+        self.dropped = first;
+        self.levels.iter_mut().for_each(|level| level.drop_from(first));
     }
 }
 
@@ -247,5 +292,24 @@ mod tests {
         assert_eq!(held(1, 4), [1.0; 4]);
         assert_eq!(held(4, 1)[..3], [1.0, 0.75, 0.5625]);
         assert_eq!(held(2, 2)[..4], [1.0, 1.0, 0.75, 0.5]);
+    }
+
+    /// A frame that is repeated is as the second of two.
+    #[test]
+    fn a_repeated_frame_has_the_reuse_of_the_next_one() {
+        let class = TrafficClass::Node;
+        let level = || Level::new("l2".into(), 2, 1024, 4, 64, &Distances::Exact(Stack::default()));
+        let turn = |level: &mut Level| {
+            let touches = (0..500u64).map(|at| (at as usize % 2, LineAddr((at * at * 31 + at * 7919) % 97 % 90)));
+            touches.for_each(|(cache, line)| level.touch(cache, line, class));
+        };
+        let (mut repeated, mut once, mut twice) = (level(), level(), level());
+        [&mut repeated, &mut once, &mut twice].into_iter().for_each(turn);
+        turn(&mut twice);
+        repeated.repeat(LineAddr(1000));
+        let met = |level: &Level| level.met[class as usize];
+        let second = (0..BITS).map(|bits| met(&twice).by_bits[bits] - met(&once).by_bits[bits]);
+        assert_eq!(met(&repeated).by_bits.to_vec(), second.collect::<Vec<_>>());
+        assert_eq!((met(&repeated).first, met(&once).first), (0.0, met(&twice).first));
     }
 }

@@ -30,6 +30,8 @@ struct Pending {
 /// The first clocks in which a bank allows each command, as far as the bank alone decides.
 #[derive(Clone, Copy, Debug, Default)]
 struct BankState {
+    /// The number of its group.
+    group: usize,
     open: Option<u64>,
     activate_at: u64,
     column_at: u64,
@@ -82,7 +84,7 @@ pub(super) struct Channel {
 }
 
 /// Kinds of commands for a request, those that go first in front.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum What {
     Column,
     Activate,
@@ -93,13 +95,26 @@ impl What {
     const ALL: [Self; 3] = [Self::Column, Self::Activate, Self::Precharge];
 }
 
-/// The next command, if no request comes and no refresh is due before.
+/// The next command, if no refresh is due before.
 #[derive(Clone, Copy, Debug)]
 struct Planned {
     clock: u64,
     what: What,
     /// The place of its request in the queue.
     index: usize,
+    /// How many requests were looked at, the first of the queue, and which banks have a row open that one of them wants.
+    looked_at: usize,
+    wanted: u64,
+}
+
+/// What of the channel's state commands of all requests have to heed, from a clock on.
+#[derive(Clone, Copy, Debug)]
+struct Ahead {
+    clock: u64,
+    /// When the bus takes a column command that reads, and one that writes.
+    bus: [u64; 2],
+    /// When an activate is legal.
+    activate: u64,
 }
 
 impl Channel {
@@ -112,7 +127,9 @@ impl Channel {
             clocks,
             bursts: dram.bursts(line),
             queue: Queue::new(spec.queue.size()),
-            banks: vec![BankState::default(); dram.banks.size()],
+            banks: (0..dram.banks.size())
+                .map(|bank| BankState { group: dram.group(bank), ..BankState::default() })
+                .collect(),
             groups: vec![Earliest::default(); dram.bank_groups.size()],
             any: Earliest::default(),
             transfers: Ring::new(),
@@ -138,7 +155,7 @@ impl Channel {
         self.queue.put(Pending { request, place, prepared: Prepared::Nothing, done: 0 }, now + 1);
         let seen = self.clocks.first(now + 1);
         self.log.put(seen - 1, request.line, request.write);
-        (self.command_at, self.plan) = (self.command_at.min(seen), None);
+        self.command_at = self.command_at.min(seen);
         wake.wake(self.part, self.clocks.cycle(seen));
         true
     }
@@ -158,7 +175,7 @@ impl Channel {
         }
         // A request that was put in this cycle, before the channel acted, cannot be seen yet.
         if self.queue.last_at().is_some_and(|at| at > now) {
-            (self.command_at, self.plan) = (end, None);
+            self.command_at = end;
         }
         wake.wake(self.part, self.clocks.cycle(self.command_at));
         if let Some(transfer) = self.transfers.front() {
@@ -173,7 +190,8 @@ impl Channel {
             self.plan = None;
             return self.refresh(clock);
         }
-        let Some(plan) = self.plan.take().or_else(|| self.plan(clock, now)) else { return self.refresh_due };
+        let known = self.plan.take().and_then(|plan| self.plan_on(plan, clock, now));
+        let Some(plan) = known.or_else(|| self.plan(clock, now)) else { return self.refresh_due };
         if plan.clock > clock {
             self.plan = Some(plan);
             return plan.clock.min(self.refresh_due);
@@ -190,40 +208,74 @@ impl Channel {
         clock + 1
     }
 
-    /// The next command from clock `clock` on, if no request comes and no refresh is due: the first that is legal. Of
-    /// those that are legal first, a column command goes before an activate, an activate before a precharge, and then
-    /// the oldest.
+    /// The next command from clock `clock` on, if no refresh is due: the first that is legal. Of those that are legal
+    /// first, a column command goes before an activate, an activate before a precharge, and then the oldest.
     fn plan(&self, clock: u64, now: u64) -> Option<Planned> {
         let mut wanted = 0u64;
-        for (_, pending) in self.queue.visible(now) {
-            wanted |= u64::from(self.banks[pending.place.bank].open == Some(pending.place.row)) << pending.place.bank;
+        for (_, Pending { place, .. }) in self.queue.visible(now) {
+            wanted |= u64::from(self.banks[place.bank].open == Some(place.row)) << place.bank;
         }
-        let bus = [self.bus_at(false), self.bus_at(true)].map(|at| at.max(self.any.column).max(clock));
-        let window = self.activates[3].map_or(0, |fourth| fourth + self.dram.timing.faw.get());
-        let activate_at = self.any.activate.max(window).max(clock);
+        let ahead = self.ahead(clock);
         // When the first command of each kind is legal, and for which request.
         let mut first = [(u64::MAX, 0); 3];
+        let mut looked_at = 0;
         for (index, pending) in self.queue.visible(now) {
-            let number = pending.place.bank;
-            let (bank, group) = (&self.banks[number], &self.groups[self.dram.group(number)]);
-            let write = pending.request.write;
-            let (what, at) = match bank.open {
-                Some(row) if row == pending.place.row => {
-                    let column = bank.column_at.max(group.column).max(bus[usize::from(write)]);
-                    let at = if write { column } else { column.max(self.any.read).max(group.read) };
-                    (What::Column, at)
-                }
-                None => (What::Activate, bank.activate_at.max(activate_at).max(group.activate)),
-                Some(_) if wanted >> number & 1 == 0 => (What::Precharge, bank.precharge_at.max(clock)),
-                Some(_) => continue,
-            };
+            looked_at = index + 1;
+            let Some((what, at)) = self.next_for(pending, wanted, &ahead) else { continue };
             let first = &mut first[what as usize];
             if at < first.0 {
                 *first = (at, index);
             }
         }
         let (what, (clock, index)) = What::ALL.into_iter().zip(first).min_by_key(|&(_, (at, _))| at)?;
-        (clock < u64::MAX).then_some(Planned { clock, what, index })
+        (clock < u64::MAX).then_some(Planned { clock, what, index, looked_at, wanted })
+    }
+
+    /// The plan with requests that have come since, from clock `clock` on, before which it has no command. Nothing if
+    /// its command is a precharge of a row that one of them wants.
+    fn plan_on(&self, mut plan: Planned, clock: u64, now: u64) -> Option<Planned> {
+        if self.queue.is_visible(plan.looked_at, now) {
+            let ahead = self.ahead(clock);
+            for (index, pending) in self.queue.visible_from(plan.looked_at, now) {
+                let Place { bank, row, .. } = pending.place;
+                plan.looked_at = index + 1;
+                plan.wanted |= u64::from(self.banks[bank].open == Some(row)) << bank;
+                let next = self.next_for(pending, plan.wanted, &ahead);
+                if let Some((what, at)) = next.filter(|&(what, at)| (at, what) < (plan.clock, plan.what)) {
+                    (plan.clock, plan.what, plan.index) = (at, what, index);
+                }
+            }
+            if plan.what == What::Precharge {
+                let bank = self.queue.get(plan.index)?.place.bank;
+                return Some(plan).filter(|plan| plan.wanted >> bank & 1 == 0);
+            }
+        }
+        Some(plan)
+    }
+
+    fn ahead(&self, clock: u64) -> Ahead {
+        let bus = [self.bus_at(false), self.bus_at(true)].map(|at| at.max(self.any.column).max(clock));
+        let window = self.activates[3].map_or(0, |fourth| fourth + self.dram.timing.faw.get());
+        Ahead { clock, bus, activate: self.any.activate.max(window).max(clock) }
+    }
+
+    /// The next command for a request, and when it is legal; nothing if its bank has another row open that is `wanted`.
+    #[inline]
+    fn next_for(&self, pending: &Pending, wanted: u64, ahead: &Ahead) -> Option<(What, u64)> {
+        let Place { bank: number, row, .. } = pending.place;
+        let bank = &self.banks[number];
+        let group = &self.groups[bank.group];
+        match bank.open {
+            Some(open) if open == row => {
+                let write = pending.request.write;
+                let column = bank.column_at.max(group.column).max(ahead.bus[usize::from(write)]);
+                let at = if write { column } else { column.max(self.any.read).max(group.read) };
+                Some((What::Column, at))
+            }
+            None => Some((What::Activate, bank.activate_at.max(ahead.activate).max(group.activate))),
+            Some(_) if wanted >> number & 1 == 0 => Some((What::Precharge, bank.precharge_at.max(ahead.clock))),
+            Some(_) => None,
+        }
     }
 
     /// When the bus is free for data.
@@ -254,8 +306,10 @@ impl Channel {
         self.counts.activates += 1;
         let timing = &self.dram.timing;
         self.any.activate = clock + timing.rrd_s.get();
-        self.groups[self.dram.group(bank)].activate = clock + timing.rrd_l.get();
-        self.banks[bank] = BankState {
+        let state = &mut self.banks[bank];
+        self.groups[state.group].activate = clock + timing.rrd_l.get();
+        *state = BankState {
+            group: state.group,
             open: Some(row),
             activate_at: clock + timing.rc.get(),
             column_at: clock + timing.rcd.get(),
@@ -277,7 +331,8 @@ impl Channel {
         self.bus_reads = !request.write;
         let ends = self.bus_free;
         let timing = &self.dram.timing;
-        let (state, group) = (&mut self.banks[bank], &mut self.groups[self.dram.group(bank)]);
+        let state = &mut self.banks[bank];
+        let group = &mut self.groups[state.group];
         self.any.column = clock + timing.ccd_s.get();
         group.column = clock + timing.ccd_l.get();
         if request.write {

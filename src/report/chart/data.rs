@@ -48,32 +48,25 @@ pub(crate) struct Point {
 impl ChartSummary {
     /// The policies that cull, of all runs in which somebody looked for wrong decisions.
     pub(crate) fn new(runs: &[Summary]) -> Self {
-        let points: Vec<Point> = runs.iter().flat_map(points).collect();
+        let experiments = names(runs);
+        let points = runs.iter().zip(&experiments).flat_map(|(run, name)| points(run, name));
+        let points: Vec<Point> = points.collect();
         let mut policies: Vec<String> = Vec::new();
         for point in &points {
             if !policies.contains(&point.policy) {
                 policies.push(point.policy.clone());
             }
         }
-        let experiments = runs.iter().map(|run| run.experiment.clone()).collect();
         Self { schema: SCHEMA, experiments, policies, points }
     }
 
     /// The data as a table.
     pub(crate) fn grid(&self) -> Grid {
-        const HEAD: [&str; 8] = [
-            "scene",
-            "policy",
-            "frames",
-            "nodes saved",
-            "triangles saved",
-            "accesses saved",
-            "wrong",
-            "wrong a million",
-        ];
+        const HEAD: [&str; 8] =
+            ["run", "policy", "frames", "nodes saved", "triangles saved", "accesses saved", "wrong", "wrong a million"];
         let row = |point: &Point| {
             vec![
-                point.scene.clone(),
+                point.experiment.clone(),
                 point.policy.clone(),
                 point.frames.to_string(),
                 or_absent(point.traversal_saved, percent),
@@ -87,18 +80,27 @@ impl ChartSummary {
     }
 }
 
-fn points(run: &Summary) -> impl Iterator<Item = Point> {
+/// The runs' names; those that are there already have a number.
+fn names(runs: &[Summary]) -> Vec<String> {
+    let name = |(at, run): (usize, &Summary)| {
+        let before = runs[..at].iter().filter(|other| other.experiment == run.experiment).count();
+        if before == 0 { run.experiment.clone() } else { format!("{} ({})", run.experiment, before + 1) }
+    };
+    runs.iter().enumerate().map(name).collect()
+}
+
+fn points<'a>(run: &'a Summary, experiment: &'a str) -> impl Iterator<Item = Point> + use<'a> {
     let baseline = run.baseline.as_deref();
     let off = baseline.and_then(|name| run.policies.get(name));
     let culling = run.policies.iter().filter(move |&(name, _)| baseline != Some(name));
-    culling.filter_map(move |(name, policy)| point(run, name, policy, off?))
+    culling.filter_map(move |(name, policy)| point(run, experiment, name, policy, off?))
 }
 
-fn point(run: &Summary, name: &str, policy: &PolicySummary, off: &PolicySummary) -> Option<Point> {
+fn point(run: &Summary, experiment: &str, name: &str, policy: &PolicySummary, off: &PolicySummary) -> Option<Point> {
     let rays = policy.counts.shadow_rays;
     let wrong = policy.counts.wrong().filter(|_| rays > 0)?;
     Some(Point {
-        experiment: run.experiment.clone(),
+        experiment: experiment.to_owned(),
         scene: run.scene.name.clone(),
         frames: policy.frames.len(),
         policy: name.to_owned(),
@@ -121,6 +123,9 @@ mod tests {
         let chart = ChartSummary::new(&runs);
         assert_eq!(chart.policies, ["published", "last_occluder"]);
         assert_eq!(chart.points.len(), 4);
+        let first = &chart.experiments[0];
+        assert_eq!(chart.experiments[1], format!("{first} (2)"), "two runs of a name are told apart");
+        assert_eq!(chart.points[2].experiment, chart.experiments[1]);
         let (point, policy) = (&chart.points[0], &runs[0].policies.get("published").unwrap());
         assert_eq!(point.traversal_saved, policy.traversal_saved.mean);
         assert_eq!(point.wrong_per_million, point.wrong as f64 * 1e6 / policy.counts.shadow_rays as f64);

@@ -1,10 +1,11 @@
 //! Experiments as run, field by field.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
 
 use crate::report::error::ReportError;
+use crate::report::format::{ABSENT, counted};
 
 /// The experiment as run, in the report's folder.
 const CONFIG_FILE: &str = "config.ron";
@@ -66,14 +67,35 @@ fn path(open: &[(String, usize)], name: &str) -> String {
     outer.chain([name]).filter(|name| !name.is_empty()).collect::<Vec<_>>().join(".")
 }
 
-/// Fields whose values differ, with both; a field that is not there is told as absent.
+/// Fields whose values differ, with both; a field that is not there is told as absent. What one config has and the
+/// other has no part of, such as a machine, is one row.
 pub(super) fn differences(a: &Fields, b: &Fields) -> Vec<[String; 3]> {
-    let value = |fields: &Fields, path: &String| {
-        fields.get(path).cloned().unwrap_or_else(|| super::super::format::ABSENT.into())
-    };
-    let paths: std::collections::BTreeSet<_> = a.keys().chain(b.keys()).collect();
-    let rows = paths.into_iter().map(|path| [path.clone(), value(a, path), value(b, path)]);
+    let paths: BTreeSet<&str> = a.keys().chain(b.keys()).map(String::as_str).collect();
+    let whole: BTreeSet<&str> = paths.into_iter().map(|path| whole(a, b, path)).collect();
+    let rows = whole.into_iter().map(|path| [path.to_owned(), value(a, path), value(b, path)]);
     rows.filter(|[_, a, b]| a != b).collect()
+}
+
+/// The part that `path` belongs to of which one config has nothing, or `path` itself.
+fn whole<'a>(a: &Fields, b: &Fields, path: &'a str) -> &'a str {
+    let ends = path.match_indices('.').map(|(end, _)| &path[..end]);
+    let is_apart = |part: &&str| (count(a, part) == 0) != (count(b, part) == 0);
+    ends.into_iter().find(is_apart).unwrap_or(path)
+}
+
+/// How many fields `part` has.
+fn count(fields: &Fields, part: &str) -> usize {
+    let inside = fields.range(part.to_owned()..).take_while(|(path, _)| path.starts_with(part));
+    inside.filter(|(path, _)| path.len() == part.len() || path[part.len()..].starts_with('.')).count()
+}
+
+/// The value of a field, or how many fields a part has.
+fn value(fields: &Fields, path: &str) -> String {
+    match (fields.get(path), count(fields, path)) {
+        (Some(value), _) => value.clone(),
+        (None, 0) => ABSENT.into(),
+        (None, count) => counted(count, "field"),
+    }
 }
 
 #[cfg(test)]
@@ -103,5 +125,7 @@ mod tests {
         let rows = differences(&fields(text), &other);
         assert_eq!(rows.len(), 3);
         assert_eq!(rows[2], ["scene.lights", "4", "5"]);
+        let more = text.replace("\"P\": Pub", "\"Q\": Other(\n a: 1,\n b: 2,\n),\n\"P\": Pub");
+        assert_eq!(differences(&fields(text), &fields(&more)), [["experiment.policies.Q", ABSENT, "Other"]]);
     }
 }

@@ -85,14 +85,26 @@ impl BarChart {
         }
     }
 
+    /// A row a bar, a column a part.
     fn data(&self) -> Grid {
-        let head = ["group", "bar", "part", self.unit].map(Into::into).to_vec();
-        let of_bar = |group: &Group, bar: &Bar| -> Vec<Vec<String>> {
-            let row = |it: &Segment| vec![group.name.clone(), bar.name.clone(), it.part.clone(), number(it.value)];
-            bar.segments.iter().map(row).collect()
+        let bars = || self.groups.iter().flat_map(|group| group.bars.iter().map(move |bar| (group, bar)));
+        let mut parts: Vec<&str> = Vec::new();
+        for segment in bars().flat_map(|(_, bar)| &bar.segments) {
+            if !parts.contains(&segment.part.as_str()) {
+                parts.push(&segment.part);
+            }
+        }
+        let value = |bar: &Bar, part: &str| {
+            let segment = bar.segments.iter().find(|segment| segment.part == part);
+            segment.map_or_else(String::new, |segment| number(segment.value))
         };
-        let rows = self.groups.iter().flat_map(|group| group.bars.iter().flat_map(move |bar| of_bar(group, bar)));
-        Grid { head, names: 3, rows: rows.collect() }
+        let row = |(group, bar): (&Group, &Bar)| {
+            let names = [group.name.clone(), bar.name.clone()];
+            names.into_iter().chain(parts.iter().map(|part| value(bar, part))).collect()
+        };
+        let heads = parts.iter().map(|part| format!("{part}, {}", self.unit));
+        let head = ["group", "bar"].map(String::from).into_iter().chain(heads).collect();
+        Grid { head, names: 2, rows: bars().map(row).collect() }
     }
 
     fn ticks(&self, canvas: &Canvas<'_>, left: i32, right: i32, bottom: i32) -> Result<(), DrawError> {

@@ -167,7 +167,7 @@ impl<'a> Canvas<'a> {
 
     /// A dashed line from `from` to `to` at height `y`.
     pub(crate) fn dashes(&self, from: i32, to: i32, y: i32, color: Color) -> Result<(), DrawError> {
-        (from..to).step_by(24).try_for_each(|x| self.line(vec![(x, y), ((x + 14).min(to), y)], color, 1))
+        (from..to).step_by(40).try_for_each(|x| self.line(vec![(x, y), ((x + 24).min(to), y)], color, 1))
     }
 
     /// A dot.

@@ -65,7 +65,7 @@ pub(crate) struct Drawing<S = ()> {
 }
 
 /// What the style sheet of pages says of many elements, and what is left of it: a page has thousands of them.
-const IN_STYLE_SHEET: [(&str, &str); 8] = [
+const IN_STYLE_SHEET: [(&str, &str); 15] = [
     (" dy=\"0.5ex\" text-anchor=\"start\"", ""),
     (" dy=\"0.5ex\"", ""),
     (" fill=\"currentColor\">", ">"),
@@ -74,6 +74,13 @@ const IN_STYLE_SHEET: [(&str, &str); 8] = [
     (" opacity=\"0.16\" stroke=\"currentColor\"", " class=\"rule\""),
     (" text-anchor=\"middle\" opacity=\"0.78\"", " class=\"tick\""),
     (" text-anchor=\"end\" opacity=\"0.78\"", " class=\"end\""),
+    (" text-anchor=\"end\" font-size=\"13\"", " class=\"e\""),
+    (" font-size=\"13\" fill=\"currentColor\" font-weight=\"bold\"", " class=\"b\""),
+    (" font-size=\"13\"", " class=\"l\""),
+    (" opacity=\"0.78\" fill=\"none\" stroke=\"currentColor\"", " class=\"box\""),
+    (" opacity=\"0.78\" stroke=\"currentColor\"", " class=\"o\""),
+    (" fill=\"var(--card, #fff)\"", " class=\"p\""),
+    (" opacity=\"0.55\" fill=\"#9AA1A8\"", " class=\"s\""),
 ];
 
 impl<S> Drawing<S> {

@@ -224,6 +224,9 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "share",
         "half the widths of the 95 % intervals of how cycles and DRAM bytes change, first to last; of samples",
     ),
+    ("machines.*.split.*.within.saved", "B", "half the width of the 95 % interval of saved; of samples"),
+    ("machines.*.split.*.within.interference", "B", "half the width of the 95 % interval of interference; of samples"),
+    ("machines.*.split.*.within.break_even", "share", "half the width of the 95 % interval of break_even; of samples"),
     (
         "machines.*.split.*.saved",
         "B",
@@ -238,7 +241,8 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     (
         "machines.*.split.*.extra_misses",
         "accesses",
-        "misses of other classes, in all caches, that words that cost nothing do not cause",
+        "misses of other classes, in all caches, that words that cost nothing do not cause; null of samples, which \
+         have no interval of it",
     ),
     (
         "machines.*.split.*.word_hit_rate",
@@ -254,6 +258,41 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "shadow rays that must be culled to save what words cost, at bytes_per_ray: (words + interference) / \
          (bytes_per_ray x shadow_rays)",
     ),
+    ("machines.*.reuse.frame", "frame number", "the frame that miss curves are of, as if it came again and again"),
+    ("machines.*.reuse.levels.*.caches", "caches", "caches of a kind"),
+    ("machines.*.reuse.levels.*.bytes", "B", "size of each in the machine"),
+    ("machines.*.reuse.levels.*.ways", "lines", "lines of a set in the machine"),
+    ("machines.*.reuse.levels.*.classes.*.accesses", "accesses", "what the caches of a kind are asked for"),
+    ("machines.*.reuse.levels.*.classes.*.sampled", "accesses", "those that the sampled lines stand for"),
+    ("machines.*.reuse.levels.*.classes.*.first_touches", "accesses", "first touches of lines that are new a frame"),
+    (
+        "machines.*.reuse.levels.*.classes.*.misses.*",
+        "accesses",
+        "misses of LRU caches without sets of 1 KiB, 2 KiB, ... to 16 MiB, of sampled",
+    ),
+    (
+        "machines.*.reuse.levels.*.classes.*.misses_in_sets",
+        "accesses",
+        "misses of the caches as the machine has them, if lines fall into sets at random, of sampled",
+    ),
+    ("cases.*.policies.*.*.shadow_rays", "rays", "of a stress case: shadow rays that a policy decided on in a frame"),
+    ("cases.*.policies.*.*.false_dark", "rays", "those of them decided dark, though the light is seen"),
+    ("cases.*.policies.*.*.false_lit", "rays", "those of them decided lit, though it is not"),
+    (
+        "cases.*.models.*.differs",
+        "share",
+        "of a stress case: how far the cycles of a timing model are from those of the first model, at most",
+    ),
+    ("effect_scenes", "scenes", "random scenes that the effects are of"),
+    (
+        "effects.*.saving.mean",
+        "share",
+        "what another answer to an open question changes, against the default answers: share of shadow traversal \
+         saved, mean of the random scenes",
+    ),
+    ("effects.*.saving.error", "share", "half the width of its 95 % interval"),
+    ("effects.*.wrong_per_million.mean", "rays/million", "the same of wrong decisions in a million shadow rays"),
+    ("effects.*.wrong_per_million.error", "rays/million", "half the width of its 95 % interval"),
     ("points.*.bytes.*", "B", "of a sweep's point: DRAM bytes of a class of traffic, as it is"),
     ("points.*.effect.cycles_ratio", "ratio", "of a sweep's point: cycles over those of the machine as in its file"),
     (

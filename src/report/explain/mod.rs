@@ -165,6 +165,9 @@ mod tests {
         let space = serde_json::to_value(crate::report::run::tests::sample::space()).unwrap();
         assert_eq!(undeclared(&space), Vec::<String>::new());
         numbers(&space, &mut Vec::new(), &mut found);
+        let stress = serde_json::to_value(crate::report::stress::summary()).unwrap();
+        assert_eq!(undeclared(&stress), Vec::<String>::new());
+        numbers(&stress, &mut Vec::new(), &mut found);
         let csv = std::fs::read_to_string(format!("{sample}/frames.csv")).unwrap();
         let statistics = statistics();
         let columns: Vec<_> =
@@ -213,7 +216,8 @@ mod tests {
         let row_hits = ["machines.*.policies.*.dram.row_hits", "machines.*.policies.*.frames.*.dram.row_hits"];
         assert_eq!(names("row_hits"), row_hits);
         assert_eq!(names("bytes.dram.mode_word"), ["machines.*.policies.*.bytes.*.*"]);
-        assert_eq!(names("false_dark"), ["policies.*.false_dark", "policies.*.lights.*.false_dark"]);
+        let of_stress = "cases.*.policies.*.*.false_dark";
+        assert_eq!(names("false_dark"), ["policies.*.false_dark", "policies.*.lights.*.false_dark", of_stress]);
         let error = explain(Some("row_hit"), None).unwrap_err();
         assert!(error.contains("`row_hit`; there are machines.*.policies.*.dram.row_hits"), "{error}");
     }

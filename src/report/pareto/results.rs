@@ -45,7 +45,7 @@ fn rows(
     for (at, ((path, part), count)) in FIGURES.into_iter().zip(counts).enumerate() {
         let Some(metric) = family.metric(path) else { continue };
         let half_width = claimed.map(|shares| shares[at] * count as f64);
-        take(&Row { of, part, class: None, metric, value: Amount::Whole(count.into()), half_width })?;
+        take(&Row { of, part, class: None, metric, value: Some(Amount::Whole(count.into())), half_width })?;
     }
     Ok(())
 }

@@ -50,11 +50,11 @@ pub(super) const NAMES: [Column; 7] = [
 ];
 
 /// Columns behind the varied fields.
-pub(super) const VALUES: [Column; 6] = [
+pub(super) const VALUES: [Column; 7] = [
     Column {
         name: "part",
-        about: "level of memory, cache, unit, queue, kind of rays, part with energy, or light; \
-                empty of a whole machine",
+        about: "level of memory, cache, unit, queue, kind of rays, part with energy, light, or answer to \
+                an open question; empty of a whole machine",
         of: Of::Text(|row| row.part.unwrap_or_default()),
     },
     Column {
@@ -68,7 +68,7 @@ pub(super) const VALUES: [Column; 6] = [
         about: "what the number is: see the rows of this file whose entry is metric",
         of: Of::Text(|row| &row.metric.name),
     },
-    Column { name: "value", about: "the number", of: Of::Number(|row| Some(row.value)) },
+    Column { name: "value", about: "the number; empty where a sample cannot tell it", of: Of::Number(|row| row.value) },
     Column { name: "unit", about: "unit of value and half_width", of: Of::Text(|row| row.metric.unit) },
     Column {
         name: "half_width",
@@ -76,6 +76,7 @@ pub(super) const VALUES: [Column; 6] = [
                 empty where the interval is not known",
         of: Of::Number(|row| row.half_width.map(Amount::Real)),
     },
+    Column { name: "reason", about: "why half_width, or value with it, is empty", of: Of::Text(|row| row.reason()) },
 ];
 
 /// What a varied field holds.

@@ -60,7 +60,8 @@ impl Metric {
 }
 
 /// What has columns or rows of its own.
-const APART: [&str; 8] = ["frame", "frames", "light", "lights", "warmup", "half_widths", "residuals", "choice"];
+const APART: [&str; 9] =
+    ["frame", "frames", "light", "lights", "warmup", "half_widths", "within", "residuals", "choice"];
 
 /// The metrics whose paths begin alike, by the words that follow.
 #[derive(Debug, Default)]

@@ -96,10 +96,26 @@ pub(in crate::report) struct Row<'a> {
     pub class: Option<&'a str>,
     /// What the number is.
     pub metric: &'a Metric,
-    /// The number.
-    pub value: Amount,
+    /// The number; absent where a sample cannot tell it.
+    pub value: Option<Amount>,
     /// Half the width of its 95 % interval: 0 of an exact number, absent where nobody knows.
     pub half_width: Option<f64>,
+}
+
+impl Row<'_> {
+    /// Why the interval is absent, or the number with it.
+    pub(super) fn reason(&self) -> &'static str {
+        if self.half_width.is_some() {
+            return "";
+        }
+        match self.of.machine.map_or("", |(_, fidelity)| fidelity.split('(').next().unwrap_or_default()) {
+            "Bound" | "Profile" if self.value.is_some() => "the level gives bounds, and no interval",
+            "Sampled" | "Auto" => "the sample has no interval of this",
+            "predicted" => "the prediction has no interval of this",
+            _ if self.value.is_none() => "the replay failed: the report says why",
+            _ => "no interval was estimated",
+        }
+    }
 }
 
 /// Takes a row.

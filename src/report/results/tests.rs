@@ -32,7 +32,7 @@ fn shipped() -> (Summary, Value) {
 
 /// The numbers below a value, but for those that say which frame or light others are of and how they were estimated.
 fn numbers(value: &Value, found: &mut Vec<f64>) {
-    const APART: [&str; 6] = ["frame", "light", "warmup", "half_widths", "residuals", "choice"];
+    const APART: [&str; 7] = ["frame", "light", "warmup", "half_widths", "within", "residuals", "choice"];
     match value {
         Value::Number(number) => found.push(number.as_f64().unwrap()),
         Value::Array(values) => values.iter().for_each(|value| numbers(value, found)),
@@ -78,6 +78,12 @@ fn levels_cases_and_cache_sizes_are_rows() {
         wrong.filter(|row| row["policy"] == "Published").map(|row| row["value"].clone()).collect::<Vec<_>>()
     };
     assert_eq!((lit("total"), lit("frame")), (vec!["156".into()], vec!["0".into(), "78".into(), "78".into()]));
+    let of_models = cases.iter().filter(|row| row["metric"] == "model.differs");
+    let of_models: Vec<_> = of_models.map(|row| (row["fidelity"].as_str(), row["value"].as_str())).collect();
+    assert_eq!(of_models, [("Cycle", "0"), ("Bound", "0.5")]);
+    let effects = cases.iter().filter(|row| row["metric"].starts_with("effect."));
+    let effects: Vec<_> = effects.map(|row| (&row["part"], &row["value"], &row["half_width"])).collect();
+    assert!(effects.len() == 2 && effects.iter().all(|it| *it.0 == "partial: Sticky" && it.2 == "0.125"));
     let [sizes, _] = written(&profile());
     let misses = sizes.iter().filter(|row| row["cache.bytes"] == "16384" && row["metric"] == "caches.misses");
     assert_eq!(misses.map(|row| row["value"].as_str()).collect::<Vec<_>>(), ["500"]);
@@ -98,7 +104,8 @@ fn every_number_of_policies_and_machines_is_a_row() {
             ["policies", "split"].iter().filter_map(|part| machine.get(part)).for_each(|it| numbers(it, &mut declared));
         }
         let [results, _] = written(&summary);
-        let values = results.iter().map(|row| row["value"].parse::<f64>().unwrap());
+        let told = results.iter().filter(|row| !row["value"].is_empty());
+        let values = told.map(|row| row["value"].parse::<f64>().unwrap());
         let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
         declared.sort_by(f64::total_cmp);
         values.sort_by(f64::total_cmp);
@@ -182,6 +189,14 @@ fn what_is_absent_has_no_row_and_what_is_estimated_has_its_interval() {
     assert_eq!(wide.len(), 6, "a machine and policy each");
     assert!(metric("cycles").all(|row| row["half_width"].is_empty()), "its interval is not known");
     assert!(metric("shadow_rays").all(|row| row["half_width"] == "0"), "a count");
+    // What a sample cannot tell is empty, with the reason beside it; what needs none has none.
+    let of = |row: &BTreeMap<String, String>| ["value", "half_width", "reason"].map(|column| row[column].clone());
+    let untold: BTreeSet<_> = metric("split.extra_misses").map(of).collect();
+    assert_eq!(untold, BTreeSet::from([["", "", "the sample has no interval of this"].map(String::from)]));
+    assert!(
+        metric("split.saved").all(|row| row["half_width"].parse::<f64>().unwrap() > 0.0 && row["reason"].is_empty())
+    );
+    assert!(results.iter().all(|row| row["half_width"].is_empty() != row["reason"].is_empty()));
 }
 
 #[test]

@@ -59,14 +59,14 @@ impl Walk<'_> {
             Value::Object(fields) => fields.iter().try_for_each(|(word, value)| below(word, value)),
             Value::Array(values) => PLACES.into_iter().zip(values).try_for_each(|(word, value)| below(word, value)),
             Value::Number(number) => match &node.metric {
-                Some(metric) => take(&self.row(metric, way, Amount::of(number))),
+                Some(metric) => take(&self.row(metric, way, Some(Amount::of(number)))),
                 None => Ok(()),
             },
             Value::Null | Value::Bool(_) | Value::String(_) => Ok(()),
         }
     }
 
-    fn row<'r>(&'r self, metric: &'r Metric, way: &Way<'r>, value: Amount) -> Row<'r> {
+    fn row<'r>(&'r self, metric: &'r Metric, way: &Way<'r>, value: Option<Amount>) -> Row<'r> {
         let name = |place| {
             let at = metric.places.iter().position(|own| *own == place);
             at.and_then(|at| way.names.get(at)).copied()

@@ -6,4 +6,4 @@ mod results;
 mod write;
 
 pub(crate) use data::{ReuseSummary, grid};
-pub(crate) use plot::finding;
+pub(crate) use plot::{figure, finding};

@@ -39,7 +39,7 @@ impl Results for ReuseSummary {
                     ];
                     for (path, value) in counts {
                         let Some(metric) = family.metric(path) else { continue };
-                        take(&Row { of, part, class, metric, value, half_width: None })?;
+                        take(&Row { of, part, class, metric, value: Some(value), half_width: None })?;
                     }
                 }
             }

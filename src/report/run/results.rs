@@ -79,7 +79,7 @@ impl Families {
             Walk { of, ..walk }.rows(frame, take)?;
             if let (Some(Psnr::Identical), Some(metric)) = (frame.psnr, self.policy.metric("psnr.decibel")) {
                 let value = Amount::Real(f64::INFINITY);
-                take(&Row { of, part: None, class: None, metric, value, half_width: Some(0.0) })?;
+                take(&Row { of, part: None, class: None, metric, value: Some(value), half_width: Some(0.0) })?;
             }
         }
         Ok(())
@@ -100,8 +100,7 @@ impl Families {
                 Walk { family: &self.frame, of, part: None, half_width: &half_width }.rows(frame, take)?;
             }
             if let Some(split) = machine.split.get(policy) {
-                let half_width = |_: &str| (run.stats.accuracy == Accuracy::Exact).then_some(0.0);
-                Walk { family: &self.split, half_width: &half_width, ..walk }.rows(split, take)?;
+                split.rows(run.stats.accuracy == Accuracy::Exact, Walk { family: &self.split, ..walk }, take)?;
             }
         }
         Ok(())

@@ -13,7 +13,7 @@ use super::pictures::PictureInfo;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::report::split::Split;
-use crate::stats::{MachineStats, TrafficClass};
+use crate::stats::{FrameReuse, MachineStats, TrafficClass};
 use crate::stream::Totals;
 
 /// The version of the names and their meanings.
@@ -344,6 +344,9 @@ pub(crate) struct MachineSummary {
     /// What each policy that culls saved and paid, where the replays for it were made.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub split: Named<Split>,
+    /// Misses of caches of all sizes, where they were measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reuse: Option<FrameReuse>,
 }
 
 /// What a machine measured on the stream of one policy; warm-up frames are in `frames` alone.

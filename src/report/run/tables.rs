@@ -185,13 +185,16 @@ fn trust(model: &str, stats: &MachineStats) -> String {
     };
     let mut lines = vec![paragraph(&format!("Model: {model} ({error})"))];
     if let Some(Bounds { cycles, dram_bytes, .. }) = stats.bounds {
-        lines.push(format!(
-            "Bounds: {} to {} cycles, {} to {} of DRAM traffic",
-            exact(cycles.least.0),
-            short(cycles.most.0 as f64),
-            bytes(dram_bytes.least),
-            bytes(dram_bytes.most)
-        ));
+        let [least, traffic] = [exact(cycles.least.0), bytes(dram_bytes.least)];
+        // The most is far off, and of use only where nothing else is known.
+        let line = if stats.accuracy.shares().is_some() {
+            let share = or_absent((stats.cycles.0 > 0).then(|| cycles.least.0 as f64 / stats.cycles.0 as f64), percent);
+            format!("Least that any such machine takes: {least} cycles ({share} of these), {traffic} of DRAM traffic")
+        } else {
+            let [most, most_bytes] = [short(cycles.most.0 as f64), bytes(dram_bytes.most)];
+            format!("Bounds: {least} to {most} cycles, {traffic} to {most_bytes} of DRAM traffic")
+        };
+        lines.push(paragraph(&line));
     }
     if let Some(Limit { cycles, dram_bytes }) = stats.oracle {
         lines.push(format!(

@@ -6,7 +6,7 @@ use crate::quantity::Cycle;
 use crate::report::format::{counted, percent};
 
 /// The version of the names in `summary.json`.
-const SCHEMA: u32 = 2;
+const SCHEMA: u32 = 3;
 
 /// What all policies did in all cases; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -45,6 +45,7 @@ pub(crate) struct StressModel {
 
 /// What a timing model made of a case, all streams together.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub(crate) enum ModelVerdict {
     /// Every number is the first model's.
     Agrees,

@@ -1,32 +1,64 @@
-//! The rows of a stress report's `results.csv`: wrong decisions of each policy in each case, which is the scene.
+//! The rows of a stress report's `results.csv`. A case is a scene. What another answer to an open question changes
+//! stands with that answer as its part.
 
-use super::data::{FrameWrong, StressSummary};
+use super::data::{CaseSummary, Effect, FrameWrong, ModelVerdict, StressSummary};
 use crate::report::error::ReportError;
 use crate::report::results::{Amount, Family, Results, Row, Scope, Subject, Take};
 
+/// The machine that replays the cases.
+const MACHINE: &str = "default";
+
+/// Of all cases.
+const OF: Subject<'_> =
+    Subject { run: "stress", scene: "", scope: Scope::Total, frame: None, policy: "", machine: None, varied: &[] };
+
 impl Results for StressSummary {
     fn rows(&self, take: &mut Take<'_>) -> Result<(), ReportError> {
-        let family = Family::new("policies.*.", "");
+        let [family, models] = [Family::new("policies.*.", ""), Family::new("cases.*.models.*.", "model")];
         for case in &self.cases {
             for (policy, frames) in self.policies.iter().zip(&case.policies) {
-                let of = Subject {
-                    run: "stress",
-                    scene: &case.name,
-                    scope: Scope::Total,
-                    frame: None,
-                    policy: &policy.name,
-                    machine: None,
-                    varied: &[],
-                };
+                let of = Subject { scene: &case.name, policy: &policy.name, ..OF };
                 rows(&family, of, frames, take)?;
                 for (number, frame) in (0..).zip(frames) {
                     let of = Subject { scope: Scope::Frame, frame: Some(number), ..of };
                     rows(&family, of, std::slice::from_ref(frame), take)?;
                 }
             }
+            self.of_models(&models, case, take)?;
+        }
+        let effects = Family::new("effects.*.", "effect");
+        self.effects.iter().try_for_each(|effect| of_effect(&effects, effect, take))
+    }
+}
+
+impl StressSummary {
+    /// How far each timing model is off in a case. Of one that failed there is no number: the page says why.
+    fn of_models(&self, family: &Family, case: &CaseSummary, take: &mut Take<'_>) -> Result<(), ReportError> {
+        let Some(metric) = family.metric("differs") else { return Ok(()) };
+        for (model, verdict) in self.models.iter().zip(&case.models) {
+            let share = match verdict {
+                ModelVerdict::Agrees => Some(0.0),
+                ModelVerdict::Differs(share) => Some(*share),
+                ModelVerdict::Failed(_) => None,
+            };
+            let of = Subject { scene: &case.name, machine: Some((MACHINE, &model.name)), ..OF };
+            let (value, half_width) = (share.map(Amount::Real), share.map(|_| 0.0));
+            take(&Row { of, part: None, class: None, metric, value, half_width })?;
         }
         Ok(())
     }
+}
+
+/// What an answer changes.
+fn of_effect(family: &Family, effect: &Effect, take: &mut Take<'_>) -> Result<(), ReportError> {
+    let Effect { option, saving, wrong_per_million } = effect;
+    for (path, shift) in [("saving.mean", saving), ("wrong_per_million.mean", wrong_per_million)] {
+        let Some(metric) = family.metric(path) else { continue };
+        let of = Subject { policy: "Published", ..OF };
+        let (part, value) = (Some(option.as_str()), Some(Amount::Real(shift.mean)));
+        take(&Row { of, part, class: None, metric, value, half_width: Some(shift.error) })?;
+    }
+    Ok(())
 }
 
 /// The sums of some frames.
@@ -39,7 +71,7 @@ fn rows(family: &Family, of: Subject<'_>, frames: &[FrameWrong], take: &mut Take
     ];
     for (path, count) in counts {
         let Some(metric) = family.metric(path) else { continue };
-        let value = Amount::Whole(count.into());
+        let value = Some(Amount::Whole(count.into()));
         take(&Row { of, part: None, class: None, metric, value, half_width: Some(0.0) })?;
     }
     Ok(())

@@ -98,7 +98,7 @@ impl Effect {
     }
 
     /// The columns of a table for people.
-    const COLUMNS: [&str; 2] = ["cycles, as to file", "DRAM, as to file"];
+    const COLUMNS: [&str; 2] = ["cycles, to baseline", "DRAM, to baseline"];
     /// The columns of a CSV.
     pub(super) const FIELDS: [&str; 4] =
         ["cycles_ratio_to_file", "cycles_ratio_half_width", "dram_bytes_ratio_to_file", "dram_bytes_ratio_half_width"];
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn a_point_tells_what_its_fields_change() {
         let table = grid(&sweep());
-        assert_eq!(&table.head[3..7], ["cycles", "DRAM", "cycles, as to file", "DRAM, as to file"]);
+        assert_eq!(&table.head[3..7], ["cycles", "DRAM", "cycles, to baseline", "DRAM, to baseline"]);
         assert!(table.rows.iter().all(|row| row.len() == table.head.len()));
         assert_eq!(table.rows[0][5], "\u{2013}", "the machine as in its file: {:?}", table.rows);
         assert!(table.rows[1][5].starts_with('+') && table.rows[1][5].contains(" \u{b1} "), "{:?}", table.rows);

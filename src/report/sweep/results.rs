@@ -40,7 +40,7 @@ impl Results for SweepSummary {
                 varied: &varied,
             };
             let walk = Walk { family: &split, of, part: None, half_width: &half_width };
-            walk.rows(&point.split, take)?;
+            point.split.rows(exact, walk, take)?;
             Walk { family: &own, part: Some("dram"), ..walk }.rows(point, take)?;
         }
         Ok(())

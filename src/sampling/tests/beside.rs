@@ -35,6 +35,6 @@ fn a_baseline_sets_right_what_few_windows_are_off() {
         }
         println!("{name:?}: {held} and {changes} of 500 hold; {widths:.4?} beside, alone, of the change");
         assert!(held >= 460 && changes >= 460, "{name:?}: {held} {changes}");
-        assert!(widths[0] < 0.75 * widths[1], "{name:?}: {widths:?}");
+        assert!(widths[0] < 0.9 * widths[1], "{name:?}: {widths:?}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod compare;
 mod config;
+mod left_out;
 mod tables;
 mod verdict;
 
@@ -60,6 +61,7 @@ pub(super) fn page(
         schema => summary.schema,
         provenance => pairs(&summary.provenance),
         made => pairs(&summary.made),
+        left_out => grid(left_out::left_out(summary)),
         wall => grid(tables::wall(summary)),
     };
     template::render("page.html", include_str!("page.html"), context)
@@ -70,7 +72,8 @@ fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section
     let dram = machine.policies.iter().next().map(|(_, run)| run.stats.dram_organization.as_str());
     let choice = choice(machine.policies.iter().map(|(_, run)| &run.stats));
     let split = defined(super::tables::split(machine), MEANINGS);
-    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split }
+    let reuse = machine.reuse.is_some();
+    context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split, reuse }
 }
 
 /// The legend of mode words: a row a shadow mode, a colour an occlusion mode.

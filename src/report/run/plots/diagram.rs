@@ -29,11 +29,12 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let (policy, run) = machine.culling().next().or_else(|| machine.runs().next())?;
     let diagram = Diagram::new(run, machine.found.frames.len().max(1))?;
     let rows = diagram.units.len() as i32 + 1;
-    let [widest, dram] = [diagram.widest(), diagram.dram].map(shown);
+    let [widest, dram] = [diagram.widest(), diagram.dram + diagram.host].map(shown);
     Some(Figure {
         title: format!(
-            "{} with {policy}: a frame moves {widest} on its widest way, {dram} on that to DRAM",
-            machine.name
+            "{} with {policy}: a frame moves {widest} on its widest way, {dram} on {} to DRAM",
+            machine.name,
+            if diagram.host > 0.0 { "those" } else { "that" },
         ),
         about: "Boxes are filled by cause of cycles. Edges are as wide as the bytes that they carry a measured frame. \
                 Caches say how many of their accesses hit."
@@ -59,10 +60,11 @@ struct Unit {
 struct Diagram {
     dispatcher: Option<Unit>,
     units: Vec<Unit>,
-    /// Bytes a frame through the FIFOs, to the L2, and to the DRAM.
+    /// Bytes a frame through the FIFOs, to the L2, from there to the DRAM, and from the host's port to the DRAM.
     fifos: f64,
     l2: f64,
     dram: f64,
+    host: f64,
     l2_hits: Option<f64>,
     /// Share of the DRAM's peak bandwidth.
     dram_use: Option<f64>,
@@ -72,6 +74,8 @@ impl Diagram {
     fn new(run: &MachineRun, frames: usize) -> Option<Self> {
         let stats = &run.stats;
         let a_frame = |level: &str| stats.moved(level).0 as f64 / frames as f64;
+        let of_host = stats.bytes.get("dram").into_iter().flatten().filter(|(class, _)| class.is_of_host());
+        let host = of_host.map(|(_, moved)| moved.0).sum::<u64>() as f64 / frames as f64;
         // What an L1 asks of the L2: lines that it misses, and words that it passes or writes back.
         let asked = |cache: &str| -> u64 {
             let classes = stats.caches.get(cache).into_iter().flat_map(|classes| classes.values());
@@ -102,7 +106,8 @@ impl Diagram {
             units,
             fifos: a_frame("fifos"),
             l2: a_frame("l2"),
-            dram: a_frame("dram"),
+            dram: a_frame("dram") - host,
+            host,
             l2_hits: hits("l2"),
             dram_use: run.dram_utilization,
         };
@@ -111,7 +116,7 @@ impl Diagram {
 
     fn widest(&self) -> f64 {
         let edges = self.units.iter().filter_map(|unit| unit.l1).map(|(to_l1, ..)| to_l1);
-        edges.chain([self.fifos, self.l2, self.dram]).fold(0.0, f64::max)
+        edges.chain([self.fifos, self.l2, self.dram, self.host]).fold(0.0, f64::max)
     }
 
     fn data(&self) -> Grid {
@@ -123,12 +128,18 @@ impl Diagram {
             rows.push(row(&format!("L1 of {}", unit.name), "L2", to_l2));
         }
         rows.push(row("L2", "DRAM", self.dram));
+        if self.host > 0.0 {
+            rows.push(row("host's port", "DRAM", self.host));
+        }
         Grid { head: ["between", "and", "bytes a frame"].map(Into::into).to_vec(), names: 2, rows }
     }
 
     fn paint(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
         let at = |share: f64| (f64::from(canvas.width()) * share).round() as i32;
-        let (unit, l1, l2) = ((LEFT, at(0.42)), (at(0.57), at(0.72)), (at(0.85), canvas.width() - LEFT));
+        let right = canvas.width() - LEFT;
+        // The host's edge goes down beside the L2.
+        let beside = if self.host > 0.0 { self.stroke(self.host) as i32 + 14 } else { 0 };
+        let (unit, l1, l2) = ((LEFT, at(0.42)), (at(0.57), at(0.72)), (at(0.85), right - beside));
         let (first, last) = (ROW, ROW * (1 + self.units.len() as i32));
         if let Some(dispatcher) = &self.dispatcher {
             block(canvas, dispatcher, unit, 0)?;
@@ -161,11 +172,17 @@ impl Diagram {
         let top = last + DRAM - 40;
         canvas.line(vec![(middle, last - 8), (middle, top)], EDGE, self.stroke(self.dram))?;
         canvas.text(&shown(self.dram), (middle - 16, (last - 8 + top) / 2), Text::NOTE.right())?;
+        if self.host > 0.0 {
+            let (x, y) = (right - self.stroke(self.host) as i32 / 2 - 1, LINE + BOX / 2);
+            canvas.line(vec![(unit.1, y), (x, y), (x, top)], EDGE, self.stroke(self.host))?;
+            let text = format!("host's port {}", shown(self.host));
+            canvas.text(&text, ((unit.1 + x) / 2, y - 20), Text::NOTE.centered())?;
+        }
         let used = self.dram_use.unwrap_or(0.0).min(1.0);
-        let full = l2.0 + (f64::from(l2.1 - l2.0) * used).round() as i32;
-        canvas.rect((l2.0, top), (l2.1, top + BOX), GRID)?;
+        let full = l2.0 + (f64::from(right - l2.0) * used).round() as i32;
+        canvas.rect((l2.0, top), (right, top + BOX), GRID)?;
         canvas.rect((l2.0, top), (full, top + BOX), GREEN)?;
-        canvas.frame((l2.0, top), (l2.1, top + BOX), FAINT, 1)?;
+        canvas.frame((l2.0, top), (right, top + BOX), FAINT, 1)?;
         let text = self.dram_use.map_or("DRAM".into(), |used| format!("DRAM {} of peak", percent(used)));
         canvas.text(&text, (l2.0 - 8, top + BOX / 2), Text::LABEL.right())
     }

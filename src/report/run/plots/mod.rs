@@ -7,6 +7,7 @@ mod dram_rows;
 mod hit_rates;
 mod machine;
 mod over_time;
+mod reuse;
 mod saving;
 mod section;
 mod split;
@@ -30,8 +31,16 @@ const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, wrong::PLOT, tradeo
 const FRAME_PLOTS: &[MachinePlot] = &[times::PLOT];
 
 /// Plots drawn once a machine, in the page's order.
-const MACHINE_PLOTS: &[MachinePlot] =
-    &[diagram::PLOT, utilization::PLOT, over_time::PLOT, split::PLOT, bytes::PLOT, hit_rates::PLOT, dram_rows::PLOT];
+const MACHINE_PLOTS: &[MachinePlot] = &[
+    diagram::PLOT,
+    utilization::PLOT,
+    over_time::PLOT,
+    split::PLOT,
+    bytes::PLOT,
+    hit_rates::PLOT,
+    reuse::PLOT,
+    dram_rows::PLOT,
+];
 
 /// All plots of a run that there is data for.
 pub(super) fn draw(summary: &Summary, over_time: &OverTime) -> Result<Vec<Drawing<Section>>, DrawError> {

@@ -77,8 +77,7 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     if runs.is_empty() || units.is_empty() {
         return None;
     }
-    let strips = units.len() as i32 + i32::from(runs.iter().any(|run| run.peak.is_some()));
-    let height = runs.len() as i32 * (HEAD + strips * (STRIP + GAP)) + 3 * LINE;
+    let height = runs.iter().map(|run| HEAD + strips(run, &units) * (STRIP + GAP)).sum::<i32>() + 2 * LINE + 6;
     let data = data(&runs, &units);
     let seen = |cause: &Cause| {
         let mut shares =
@@ -90,7 +89,8 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     Some(Figure {
         title: title(machine, &runs),
         about: "A strip a kind of units: the share of its cycles that each cause takes, over the time of the measured \
-                frames, one after the other. All policies have the same scale of time."
+                frames, one after the other. All policies have the same scale of time. The frame that is chosen above \
+                is framed."
             .into(),
         key: causes.map(|cause| (cause_look(cause).0.to_owned(), look(cause))).chain(used).collect(),
         data,
@@ -156,7 +156,7 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
     let frames = runs.iter().map(|(_, frames)| frames.len() as i32).max().unwrap_or(1);
     let longest = runs.iter().map(|(run, _)| run.time(run.cycles())).fold(f64::MIN_POSITIVE, f64::max);
     let scale = f64::from(right - left - APART * (frames - 1)) / longest;
-    let mut y = 0;
+    let (mut y, mut places_of_frames) = (0, Vec::new());
     for (run, frames) in &runs {
         canvas.text(run.policy, (LEFT, y + HEAD / 2), Text::LABEL.bold())?;
         let columns = columns(run, frames, left, scale);
@@ -165,6 +165,9 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
         for (frame, places) in frames.iter().zip(&columns) {
             let (Some(span), Some(&from)) = (frame.first(), places.first()) else { continue };
             let name = format!("frame {}", span.frame);
+            let bottom = y + HEAD + strips(run, units) * (STRIP + GAP);
+            let to = places[places.len() - 1];
+            places_of_frames.push(format!("{} {from} {} {to} {bottom}", span.frame, y + HEAD));
             if from >= free {
                 canvas.text(&name, (from, y + HEAD / 2), Text::NOTE)?;
                 free = from + Text::NOTE.width(&name) + 8;
@@ -189,6 +192,8 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
             y += STRIP + GAP;
         }
     }
+    // The page's script marks the chosen frame, and finds the frame that is clicked on.
+    canvas.attribute("data-strips", &places_of_frames.join(" "));
     let step = tick_step(longest, if canvas.is_narrow() { 4 } else { 10 });
     for at in (0..).map(|tick| f64::from(tick) * step).take_while(|&at| at <= longest * 1.000_001) {
         // Gaps between frames take no time.
@@ -197,6 +202,11 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
         canvas.text(&tick(at), (x, y + 12), Text::NOTE.centered())?;
     }
     canvas.text("time of the measured frames, ms", ((left + right) / 2, y + 32), Text::NOTE.centered())
+}
+
+/// How many strips a run has.
+fn strips(run: &Run<'_>, units: &[&str]) -> i32 {
+    units.len() as i32 + i32::from(run.peak.is_some())
 }
 
 /// By frame, where each of its spans begins, and where the last one ends.

@@ -232,6 +232,8 @@ fn plots_are_well_formed_and_the_same_twice() {
             "bytes-desktop",
             "hit_rates-small",
             "hit_rates-desktop",
+            "reuse-small",
+            "reuse-desktop",
             "dram_rows-small",
             "dram_rows-desktop"
         ]
@@ -279,6 +281,7 @@ fn the_page_has_every_part_and_needs_no_other_file() {
     assert!(!page.contains("src=\"http") && !page.contains("@import") && !page.contains("url("));
     assert!(include_str!("../../script.js").len() < 12_000);
     assert!(page.contains("kitchen &lt;sample&gt;") && page.contains("&lt;a comment&gt;"));
+    assert!(page.contains(", most in frame 16"));
     assert!(page.contains("0123456789abcdef") && page.contains("wrong shadow decisions"));
 }
 

@@ -16,8 +16,8 @@ use crate::report::space::{self, SpaceSummary};
 use crate::report::split::Split;
 use crate::report::sweep::{Change, Own, SweepPoint, SweepSummary};
 use crate::stats::{
-    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, L1Counts, LatencyCounts, Limit,
-    MachineStats, QueueCounts, Residual, Residuals, TrafficClass, Why,
+    Accuracy, Bounds, CacheCounts, CacheStats, Cause, Choice, DramCounts, Energy, FrameReuse, L1Counts, LatencyCounts,
+    Limit, MachineStats, QueueCounts, Residual, Residuals, ReuseCurve, ReuseLevel, TrafficClass, Why,
 };
 use crate::stream::Totals;
 use crate::validate::PixelVerdict;
@@ -51,6 +51,27 @@ pub(crate) fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
         numeric_differences: Some(7),
         psnr: Some(if wrong == 0 { Psnr::Identical } else { Psnr::Decibel(48.0 - wrong as f64 / 100.0) }),
     }
+}
+
+/// Misses that fall with the size of a cache.
+fn reuse() -> FrameReuse {
+    let curve = |knee: f64| {
+        let misses = ReuseCurve::sizes().map(|size| 9_000.0 / (1.0 + size as f64 / knee)).collect();
+        ReuseCurve { accesses: 90_000, sampled: 9_000.0, first_touches: 12.0, misses, misses_in_sets: 700.0 }
+    };
+    let level = |name: &str, bytes, classes: &[(TrafficClass, f64)]| ReuseLevel {
+        name: name.into(),
+        caches: 2,
+        bytes,
+        ways: 4,
+        classes: classes.iter().map(|&(class, knee)| (class, curve(knee))).collect(),
+    };
+    let levels = vec![
+        level("l1_traversal", 8192, &[(TrafficClass::Node, 2000.0)]),
+        level("l1_intersection", 8192, &[(TrafficClass::Triangle, 4000.0)]),
+        level("l2", 65536, &[(TrafficClass::Node, 20_000.0), (TrafficClass::Triangle, 30_000.0)]),
+    ];
+    FrameReuse { policy: "published".into(), frame: 1, levels }
 }
 
 fn machine(share: f64, words: u64) -> MachineRun {
@@ -208,10 +229,11 @@ pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image
             Some((policy, Split::new([measured("off")?, &free, measured(policy)?], &published[0].totals)))
         });
         MachineSummary {
-            fidelity: "event".into(),
+            fidelity: "Sampled(engine: Event, rate: 0.05)".into(),
             frames: frames.iter().copied().filter(|&frame| frame > 0).collect(),
             warmup: vec![0],
             split: split.collect(),
+            reuse: Some(reuse()),
             policies: policies.clone(),
         }
     };
