@@ -1,9 +1,9 @@
 //! Several machines for which a stream is sampled on the same passes: each gives what it would by itself.
 
 use super::fidelity::Fidelity;
-use crate::engine::{RunError, Source};
+use crate::engine::Source;
 use crate::machine::MachineSpec;
-use crate::sampling::{self, Against, Cut, Verdict};
+use crate::sampling::{self, Against, Cut, Each, Verdict};
 use crate::stream::Header;
 
 /// A stream, how it is cut, and how machines are replayed on it. The machines were checked.
@@ -33,11 +33,7 @@ impl Together<'_> {
     ///
     /// # Errors
     /// The stream cannot be read, or so few windows tell nothing; of a machine, a run fails.
-    pub(crate) fn sample(
-        &self,
-        machines: &[&MachineSpec],
-        source: &dyn Source,
-    ) -> Result<Vec<Result<Verdict, RunError>>, RunError> {
+    pub(crate) fn sample(&self, machines: &[&MachineSpec], source: &dyn Source) -> Each<Verdict> {
         let Self { header, fidelity, cut, baseline } = *self;
         match fidelity {
             Fidelity::Auto { error } => sampling::auto(machines, baseline, cut, error, header, source),

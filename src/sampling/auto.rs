@@ -2,9 +2,10 @@
 //! asks for, and `Event` on as many windows as the target takes. Where that would not pay, `Event` on everything.
 
 use super::grow::{Against, Goal, sample_until};
+use super::pass::Each;
 use super::plan::{Cut, LEAST, Plan, TELLING};
 use super::verdict::Verdict;
-use crate::engine::{Level, RunError, Sampled, Source};
+use crate::engine::{Level, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::ranged::Share;
 use crate::stats::{Choice, MachineStats, Why};
@@ -38,7 +39,7 @@ pub(crate) fn auto(
     target: Share,
     header: &Header,
     source: &dyn Source,
-) -> Result<Vec<Result<Verdict, RunError>>, RunError> {
+) -> Each<Verdict> {
     let all = cut.windows(header);
     let choice = |windows: u64, cost, why| Choice { target: target.get(), windows, of: all as u64, cost, why };
     let event = |choice| Verdict::Whole { level: Level::Event, choice: Some(choice) };

@@ -4,7 +4,7 @@ use super::baseline::known;
 use super::findings::{Findings, Known};
 use super::job::Found;
 use super::kept::{Kept, KeptJob};
-use super::pass::{Member, Pass, Sampler};
+use super::pass::{Each, Member, Pass, Sampler};
 use super::plan::{LEAST, Plan};
 use crate::engine::{RunError, Sampled, Source};
 use crate::machine::MachineSpec;
@@ -36,7 +36,7 @@ pub(crate) fn sample_until(
     plan: &Plan,
     goal: Goal,
     source: &dyn Source,
-) -> Result<Vec<Result<(MachineStats, bool), RunError>>, RunError> {
+) -> Each<(MachineStats, bool)> {
     let sampler = Sampler::new(engine, header);
     let keep = (goal.most * plan.strata.length) as usize;
     let figures = baseline.map(|(machine, stats)| known(machine, stats)).unwrap_or_default();
@@ -92,7 +92,7 @@ enum Stage {
     /// Something was measured that was not looked at yet.
     Measured,
     /// Nothing more is measured.
-    Over(Result<(MachineStats, bool), RunError>),
+    Over(Result<Box<(MachineStats, bool)>, RunError>),
 }
 
 impl<'a> Sample<'a> {
@@ -150,7 +150,7 @@ impl<'a> Sample<'a> {
         match plan.next_draws(points, widest, target.get(), keep).filter(|_| !is_enough) {
             Some(end) => self.reach(end),
             None => {
-                self.stage = Stage::Over(Ok((stats, is_enough)));
+                self.stage = Stage::Over(Ok(Box::new((stats, is_enough))));
                 None
             }
         }
@@ -185,7 +185,7 @@ impl<'a> Sample<'a> {
 
     fn outcome(self) -> Result<(MachineStats, bool), RunError> {
         match self.stage {
-            Stage::Over(outcome) => outcome,
+            Stage::Over(outcome) => outcome.map(|told| *told),
             Stage::Due | Stage::Measured => unreachable!("samples grow until they are over"),
         }
     }

@@ -28,6 +28,7 @@ mod windows;
 
 pub(crate) use self::auto::{auto, pays};
 pub(crate) use self::grow::Against;
+pub(crate) use self::pass::Each;
 pub(crate) use self::plan::Cut;
 pub(crate) use self::sample::{sample, sample_together, sample_until_within};
 pub(crate) use self::verdict::Verdict;

@@ -65,6 +65,9 @@ pub(crate) struct Pass {
 type Numbered = (usize, usize, Result<Found, RunError>);
 type ToReplay = (usize, Job);
 
+/// Of each machine what was asked for, or its own error; an error of the stream is everybody's.
+pub(crate) type Each<T> = Result<Vec<Result<T, RunError>>, RunError>;
+
 impl<'a> Sampler<'a> {
     /// Samples with as many threads as rayon has, which `--threads` says.
     pub(crate) fn new(engine: Sampled, header: &'a Header) -> Self {
@@ -77,12 +80,7 @@ impl<'a> Sampler<'a> {
     ///
     /// # Errors
     /// The stream cannot be read; of a machine, a replay fails.
-    pub(crate) fn pass(
-        &self,
-        members: &[Member<'_>],
-        keep: usize,
-        items: &mut ItemStream<'_>,
-    ) -> Result<Vec<Result<Pass, RunError>>, RunError> {
+    pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> Each<Pass> {
         let Some(first) = members.first() else { return Ok(Vec::new()) };
         let ends = members.iter().map(|member| member.plan.draws.end);
         let mut cutter = Cutter::new(self.header, &first.plan, ends.fold(keep, usize::max));

@@ -3,7 +3,7 @@
 
 use super::findings::Findings;
 use super::grow::{Against, Goal, sample_until};
-use super::pass::{Member, Sampler};
+use super::pass::{Each, Member, Sampler};
 use super::plan::{Cut, LEAST, Plan};
 use super::verdict::Verdict;
 use crate::engine::whole::whole;
@@ -49,7 +49,7 @@ pub(crate) fn sample_together(
     machines: &[&MachineSpec],
     header: &Header,
     items: &mut ItemStream<'_>,
-) -> Result<Vec<Result<MachineStats, RunError>>, RunError> {
+) -> Each<MachineStats> {
     let refused = |windows: usize| {
         let least = LEAST as f64 / windows.max(1) as f64;
         let advice = if least <= MOST {
@@ -92,7 +92,7 @@ pub(crate) fn sample_until_within(
     (machines, baseline): (&[&MachineSpec], Option<Against<'_>>),
     header: &Header,
     source: &dyn Source,
-) -> Result<Vec<Result<Verdict, RunError>>, RunError> {
+) -> Each<Verdict> {
     let whole = Verdict::Whole { level: engine.into(), choice: None };
     let first = rate.get().max(LEAST as f64 / cut.windows(header));
     if first > MOST {
