@@ -87,7 +87,7 @@ fn the_studys_words_and_lights_are_those_of_their_files() {
     let page = page("validation/study.md");
     let words = rows("words");
     for row in words.iter().filter(|row| row["machine"] == "desktop") {
-        let small = find(&words, &[("machine", "small"), ("design", &row["design"])]);
+        let small = find(&words, &[("scene", &row["scene"]), ("machine", "small"), ("design", &row["design"])]);
         let figures = cells(&[
             &row["cycles_change"],
             &row["cold_change"],
@@ -99,7 +99,8 @@ fn the_studys_words_and_lights_are_those_of_their_files() {
     }
     let lights = rows("lights");
     for row in lights.iter().filter(|row| row["policy"] == "Published" && row["design"] == "as it is") {
-        let same = [("lights", row["lights"].as_str()), ("machine", &row["machine"]), ("policy", "Published")];
+        let scene = ("scene", row["scene"].as_str());
+        let same = [scene, ("lights", &row["lights"]), ("machine", &row["machine"]), ("policy", "Published")];
         let free = find(&lights, &[&same[..], &[("design", "free words")]].concat());
         let figures = cells(&[
             &row["cycles_change"],
@@ -108,7 +109,21 @@ fn the_studys_words_and_lights_are_those_of_their_files() {
             &row["dram_change"],
             &row["joules_change"],
         ]);
-        let line = format!("| {} | `{}` | {figures} |", row["lights"], row["machine"]);
+        let scene = row["scene"].replace('_', " ");
+        let line = format!("| {scene} | {} | `{}` | {figures} |", row["lights"], row["machine"]);
         assert!(has(&page, &line), "{line}");
+    }
+}
+
+#[test]
+fn the_balance_of_machines_is_that_of_its_file() {
+    let page = page("model/machines.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/validation/study/balance.csv");
+    let rows: Vec<Row> = csv::Reader::from_path(path).unwrap().deserialize().map(Result::unwrap).collect();
+    for row in rows {
+        let share = |unit: &str| format!("{:.1} %", 100.0 * row[unit].parse::<f64>().unwrap());
+        let shares = ["dispatcher", "traversal", "intersection", "division", "dram"].map(share).join(" | ");
+        let scene = row["scene"].replace('_', " ").replace("sponza", "Sponza");
+        assert!(has(&page, &format!("| {scene} | `{}` | {shares} |", row["machine"])), "{row:?}");
     }
 }

@@ -14,7 +14,7 @@ pub struct TracerSpec {
     pub render: RenderSpec,
     /// What rays are traced in.
     pub accel: AccelSpec,
-    /// The order of pixels in the stream.
+    /// The order of pixels in the stream. No decision depends on it; what caches hit does.
     pub order: PixelOrder,
 }
 

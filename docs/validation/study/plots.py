@@ -69,10 +69,10 @@ def words():
     labels = [f"{size} B" if size < 1024 else f"{size // 1024} KiB" for size in sizes]
 
     def values(scene, machine):
-        return [find(table, "cycles_change", words=scene, machine=machine, design=f"{size} bytes") for size in sizes]
+        return [find(table, "cycles_change", scene=scene, machine=machine, design=f"{size} bytes") for size in sizes]
 
     series = [(f"{scene.replace('_', ' ')}, {machine}", values(scene, machine))
-              for scene in ("kitchen",) for machine in ("desktop", "small")]
+              for scene in ("kitchen", "living_room") for machine in ("desktop", "small")]
     return charts.lines("A cache of a few KiB is enough for the words", "words' L1", CYCLES, labels, series)
 
 
@@ -80,13 +80,13 @@ def lights():
     table = rows("lights.csv")
     counts = ["1", "4", "15"]
 
-    def values(machine, policy):
-        return [find(table, "cycles_change", lights=count, machine=machine, policy=policy, design="as it is")
-                for count in counts]
+    def values(scene, machine):
+        return [find(table, "cycles_change", scene=scene, lights=count, machine=machine, policy="Published",
+                     design="as it is") for count in counts]
 
-    series = [(f"{machine}, {policy}", values(machine, policy))
-              for machine in ("desktop", "small") for policy in ("Published", "Hybrid")]
-    return charts.lines("Living room, 256x256: culling by the number of lights", "lights", CYCLES, counts, series)
+    series = [(f"{scene.replace('_', ' ')}, {machine}", values(scene, machine))
+              for scene in ("living_room", "staircase") for machine in ("desktop", "small")]
+    return charts.lines("Published words by the number of lights, 256x256", "lights", CYCLES, counts, series)
 
 
 def main():

@@ -76,7 +76,8 @@ answers! {
 /// A set of answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Preset {
-    /// What the text must have meant.
+    /// What the text must have meant. In the failure cases C7, C7b and C13 it is wrong more often than `Literal`, whose
+    /// live words no parallel machine can have (docs/model/algorithm.md).
     #[default]
     Sensible,
     /// The text read to the letter.
