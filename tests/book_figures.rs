@@ -127,3 +127,23 @@ fn the_balance_of_machines_is_that_of_its_file() {
         assert!(has(&page, &format!("| {scene} | `{}` | {shares} |", row["machine"])), "{row:?}");
     }
 }
+
+#[test]
+fn wrong_decisions_of_the_study_are_those_of_their_file() {
+    let page = page("validation/study.md");
+    for row in rows("wrong") {
+        let count = |name: &str| row[name].parse::<f64>().unwrap();
+        let wrong = count("false_dark") + count("false_lit");
+        if row["policy"] == "Hybrid" {
+            assert!(wrong == 0.0, "{row:?}");
+            continue;
+        }
+        let scene = row["scene"].replace('_', " ");
+        let start = format!("| {scene} | {0}x{0} | ", row["resolution"]);
+        let line = page.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("no line {start}"));
+        let cells: Vec<String> = line.split(" | ").map(|cell| cell.replace(',', "")).collect();
+        let a_million = format!("{:.0}", 1e6 * wrong / count("compared_rays"));
+        let file = ["compared_rays", "false_dark", "false_lit"].map(|name| row[name].clone());
+        assert_eq!((&cells[2..5], &cells[5]), (&file[..], &a_million), "{line}");
+    }
+}

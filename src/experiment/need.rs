@@ -40,8 +40,8 @@ impl Need {
         // The reference renderer's frame is one more; pictures are kept of two frames.
         let shown = 2 * (1 + policies * (3 + lights as u128));
         let pixel = TRACED_PIXEL * (policies + 2) + SHOWN_PIXEL * shown;
-        // Each stream is replayed on a machine as it is, and for the split.
-        let replays = 2 * policies * machines.iter().sum::<u128>();
+        // Each stream is replayed on a machine as it is, and for the split, and one for miss curves.
+        let replays = (2 * policies + 1) * machines.iter().sum::<u128>();
         let bytes = resolution.pixels() as u128 * pixel + replays + TRIANGLE * triangles as u128;
         Self { what, bytes }
     }
@@ -72,7 +72,7 @@ mod tests {
         };
         let small = need(64, 2, 1 << 20);
         assert_eq!(small.check(), Ok(()));
-        assert_eq!(small.to_string(), "4 frames of 64x64, 2 policies, 1 machine; about 6 MB of memory");
+        assert_eq!(small.to_string(), "4 frames of 64x64, 2 policies, 1 machine; about 7 MB of memory");
         for large in [need(8192, 10, 0), need(64, 100, 1 << 28)] {
             let told = large.check().unwrap_err();
             assert!(told.contains(&large.bytes.to_string()) && told.contains("up to 4294967296"), "{told}");

@@ -1,4 +1,4 @@
-"""Replays for the pages of the study: the words' cache and place, the number of lights, the size of the picture.
+"""Replays for the pages of the study: words' cache and place, lights, the size of the picture, all policies.
 
     python3 docs/validation/study/study.py words docs/validation/study/words.csv
 
@@ -31,6 +31,9 @@ FAIR = {"as it is": {}, "free words": FREE}
 NAIVE = {"silent": "Sent", "decide": "Unit", "width": "1", "gather": "0", "latched": "Free"}
 REGISTER = {"as it is": {}, "register: 16": {"register": "16"}, "naive": NAIVE,
             "naive, register: 16": NAIVE | {"register": "16"}, "free words": FREE}
+# Policies that keep something, and the limit of all.
+POLICIES = ["Off", "Published", "Symmetric", "LastOccluder", "OccluderGrid", "HashPredictor", "Certified", "Hybrid",
+            "Oracle"]
 # Places of lights, first those of the scenes' files.
 LIGHTS = {
     "living_room": [(2.6, 2.6, -1.7), (0.9, 2.2, -0.5), (3.2, 1.4, -0.5), (4.6, 2.3, -2.9)] + [
@@ -60,6 +63,8 @@ def experiments(part, scenes, folder):
         file = pathlib.Path(f"configs/studies/{scene}.ron")
         if part == "words":
             yield {"scene": scene}, file, 256
+        elif part == "policies":
+            yield {"scene": scene}, pathlib.Path(f"configs/experiments/policies_{scene}.ron"), 256
         elif part == "resolution":
             for size in (128, 256, 512):
                 yield {"scene": scene}, file, size
@@ -72,6 +77,8 @@ def designs(part, policy):
     """Designs of a part for a policy."""
     if policy == "Off":
         return {"no culling": {}}
+    if part == "policies":
+        return {"as it is": {}, "four units": FOUR}
     if policy == "Hybrid":
         return {"words": {}, "lights": {"as it is": {}}, "resolution": {"four units": FOUR}}[part]
     return {"words": WORDS, "lights": FAIR, "resolution": REGISTER}[part]
@@ -84,24 +91,28 @@ def accesses(stats):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("part", choices=["words", "lights", "resolution"])
+    parser.add_argument("part", choices=["words", "lights", "resolution", "policies"])
     parser.add_argument("csv")
     parser.add_argument("--scenes", help="files of configs/studies without .ron")
     parser.add_argument("--program", default="target/release/umbrasim")
     parser.add_argument("--threads", type=int, default=2)
     parser.add_argument("--fidelity", default="Event")
     chosen = parser.parse_args()
-    scenes = {"words": "kitchen,living_room", "lights": "living_room,staircase", "resolution": "kitchen"}
+    scenes = {"words": "kitchen,living_room", "lights": "living_room,staircase", "resolution": "kitchen",
+              "policies": "kitchen"}
     rows = []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(chosen.threads) as pool:
         folder = pathlib.Path(folder)
         for value, file, size in experiments(chosen.part, (chosen.scenes or scenes[chosen.part]).split(","), folder):
-            policies = [policy for policy in ("Off", "Published", "Hybrid") if designs(chosen.part, policy)]
+            policies = [policy for policy in (POLICIES if chosen.part == "policies" else ("Off", "Published", "Hybrid"))
+                        if designs(chosen.part, policy)]
+            # Files of policies trace whole animations: three frames of them, as the studies have.
+            frames = ["--frames", "320..323"] if chosen.part == "policies" else []
             streams = {policy: str(folder / f"{policy}.rays") for policy in policies}
             for policy, stream in streams.items():
                 subprocess.run([chosen.program, "trace", str(file), "--policy", policy, "--warmup", "1", "--threads",
-                                str(chosen.threads), "--resolution", f"{size}x{size}", "--quiet", "-o", stream],
-                               check=True, stdout=subprocess.DEVNULL)
+                                str(chosen.threads), "--resolution", f"{size}x{size}", "--quiet", "-o", stream,
+                                *frames], check=True, stdout=subprocess.DEVNULL)
             plan = [(machine, policy, design, changes) for machine in MACHINES for policy in policies
                     for design, changes in designs(chosen.part, policy).items()]
             stats = list(pool.map(

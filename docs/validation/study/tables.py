@@ -118,6 +118,21 @@ def resolution():
            "naive", "naive, register"], lines())
 
 
+def policies():
+    """All policies."""
+    found = rows("policies.csv")
+    def lines():
+        for policy in dict.fromkeys(it["policy"] for it in found if it["policy"] != "Off"):
+            def of(column, machine, design):
+                return signed(find(found, column, machine=machine, policy=policy, design=design))
+            columns = [("cycles_change", "as it is"), *[(column, "four units") for column in (
+                "cycles_change", "dram_change", "joules_change")]]
+            yield [f"`{policy}`", *[of(column, machine, design) for machine in ("desktop", "small")
+                                    for column, design in columns]]
+    table(["policy", "`desktop`, one unit", "four units", "DRAM", "energy", "`small`, one unit", "four units", "DRAM",
+           "energy"], lines())
+
+
 def wrong():
     """Wrong decisions."""
     found = rows("wrong.csv")
@@ -146,7 +161,7 @@ def balance():
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    tables = {it.__name__: it for it in (unit, scenes, sizes, words, lights, resolution, wrong, balance)}
+    tables = {it.__name__: it for it in (unit, scenes, sizes, words, lights, resolution, policies, wrong, balance)}
     parser.add_argument("table", choices=tables)
     parser.add_argument("scenes", nargs="*", help="of `unit`")
     chosen = parser.parse_args()

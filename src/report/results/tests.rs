@@ -10,6 +10,7 @@ use crate::report::replay::ReplaySummary;
 use crate::report::reuse::ReuseSummary;
 use crate::report::run::tests::sample::{sample, space, sweep};
 use crate::report::run::{Summary, read_summary};
+use crate::report::sweep::Change;
 use crate::stats::{MachineStats, ReuseCurve, ReuseLevel, TrafficClass};
 
 /// A CSV file's rows by header.
@@ -201,7 +202,12 @@ fn what_is_absent_has_no_row_and_what_is_estimated_has_its_interval() {
 
 #[test]
 fn a_sweep_has_a_column_a_varied_field() {
-    let [results, _] = written(&sweep());
+    let mut several = sweep();
+    several.points[1].changes.push(Change { field: "clock_mhz".into(), value: "800".into() });
+    let [results, _] = written(&several);
+    let fields = |row: &BTreeMap<String, String>| ["shadow_cache.place", "clock_mhz"].map(|field| row[field].clone());
+    let points: BTreeSet<_> = results.iter().map(fields).collect();
+    assert_eq!(points, BTreeSet::from([["", ""], ["L2", "800"]].map(|point| point.map(String::from))));
     let bytes = |place: &str| -> Vec<_> {
         let meant = results.iter().filter(|row| row["metric"] == "bytes" && row["shadow_cache.place"] == place);
         meant.map(|row| (row["part"].as_str(), row["class"].as_str(), row["fidelity"].as_str())).collect()

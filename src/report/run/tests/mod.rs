@@ -11,6 +11,7 @@ use self::sample::{frame, over_time, sample};
 use super::*;
 use crate::named::Named;
 use crate::output::{FolderError, ResultsFolder};
+use crate::quantity::Cycle;
 use crate::report::error::ReportError;
 use crate::report::writer::{self, SUMMARY_FILE};
 use crate::stats::{Accuracy, MachineStats, Residual, Residuals};
@@ -283,6 +284,14 @@ fn the_page_has_every_part_and_needs_no_other_file() {
     assert!(page.contains("kitchen &lt;sample&gt;") && page.contains("&lt;a comment&gt;"));
     assert!(page.contains(", most in frame 16"));
     assert!(page.contains("0123456789abcdef") && page.contains("wrong shadow decisions"));
+}
+
+#[test]
+fn rays_that_are_culled_are_answered() {
+    let stats = MachineStats { cycles: Cycle(1000), clock_mhz: 1.0, rays: 40, ..MachineStats::default() };
+    let run = MachineRun::new(stats, Some(Asked { frames: 1, rays: 100 }));
+    let rates = [run.rays_per_second, run.rays_answered_per_second].map(Option::unwrap);
+    assert_eq!(rates.map(f64::round), [40_000.0, 100_000.0]);
 }
 
 #[test]
