@@ -27,7 +27,7 @@ fn host_traffic(summary: &Summary) -> Vec<HostTraffic> {
         row("rays and hits: 32 and 16 B a ray", TrafficClass::Ray, "traffic.rays=Dram", 48.0 * rays / frames),
         row("frame buffer: 4 B a pixel", TrafficClass::FrameBuffer, "traffic.pixel_bytes=4", 4.0 * primary / frames),
         row(
-            "textures: 16 B a hit, all rays that see hit",
+            "textures: 16 B at most a ray that is no shadow ray",
             TrafficClass::Texture,
             "traffic.texture_bytes=16",
             16.0 * seen / frames,
