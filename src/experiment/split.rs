@@ -37,6 +37,14 @@ impl Role {
         }
     }
 
+    /// The role of what a machine in this role is measured beside, under the same policy.
+    pub(super) fn of_baseline(self) -> Self {
+        match self {
+            Self::AsItIs | Self::FreeWords => Self::AsItIs,
+            Self::WithoutUnit => Self::WithoutUnit,
+        }
+    }
+
     /// Whether a field of the machine is there in this role.
     pub(super) fn has_field(self, path: &str) -> bool {
         self != Self::WithoutUnit || !path.starts_with("shadow_cache.")

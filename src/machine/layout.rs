@@ -37,7 +37,7 @@ pub(crate) struct Element {
 }
 
 /// An array with a static and a dynamic part.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Array {
     element: u64,
     static_count: u64,
@@ -62,7 +62,7 @@ impl Array {
 }
 
 /// The layout of a stream's current frame.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Layout {
     nodes: Array,
     lists: Array,

@@ -40,7 +40,7 @@ pub enum StoreLayout {
 }
 
 /// Where a primitive's part of an array begins, and how far the next one's is.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rows {
     base: u64,
     /// Bytes a primitive.
@@ -80,7 +80,7 @@ impl Rows {
 }
 
 /// The stores of a stream, laid out.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Stores {
     layout: StoreLayout,
     owners: u64,

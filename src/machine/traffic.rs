@@ -114,7 +114,7 @@ pub(crate) struct Run {
 
 /// Elements that follow one another in a region of memory. A line is read or written once, with the first element that
 /// has a byte in it: those that follow find it in a register.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Region {
     class: TrafficClass,
     write: bool,
@@ -139,7 +139,7 @@ impl Region {
 }
 
 /// What a machine's host reads and writes.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct HostTraffic {
     spec: TrafficSpec,
     line: u64,

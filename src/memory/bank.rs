@@ -80,16 +80,12 @@ impl BankedSpec {
         }
     }
 
-    /// Tags and registers of a bank, empty.
-    pub fn bank_cache(&self, line: u64) -> Cache {
-        Cache::new(self.bank_tags(line), self.no_allocate, MshrFile::new(self.mshrs.size(), self.targets.size()))
-    }
-
     /// A bank, empty, with the number `part` in the machine.
     pub(super) fn bank(&self, part: PartId, line: u64) -> Bank {
+        let registers = MshrFile::new(self.mshrs.size(), self.targets.size());
         Bank {
             part,
-            cache: self.bank_cache(line),
+            cache: Cache::new(self.bank_tags(line), self.no_allocate, registers),
             requests: Queue::new(self.queue.size()),
             fills: Ring::new(),
             out: Ring::new(),
@@ -159,9 +155,9 @@ impl Bank {
         self.requests.load()
     }
 
-    /// Its tags hold from now on what `cache` does.
-    pub fn hold(&mut self, cache: &Cache) {
-        self.cache.hold(cache);
+    /// Its tags hold from now on what `tags` do.
+    pub fn hold(&mut self, tags: &TagArray) {
+        self.cache.hold(tags);
     }
 
     /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.

@@ -285,41 +285,10 @@ impl Cache {
         Fill::Done { victim }
     }
 
-    /// Accesses `line` without time, and fills it if it is not there and is to be kept: whether it was, and a dirty
-    /// line that went. Nothing is counted.
-    pub fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
-        let dirty = access == Access::Write;
-        if self.tags.access(line, dirty) {
-            return (true, None);
-        }
-        let victim = if self.no_allocate.keeps(class, access != Access::Read) {
-            self.tags.fill(line, class, dirty)
-        } else {
-            Some(Victim { line, class, dirty })
-        };
-        (false, victim.filter(|victim| victim.dirty))
-    }
-
-    /// Whether an access to `line` hits and changes nothing.
-    #[inline]
-    pub fn is_in_front(&self, line: LineAddr, access: Access) -> bool {
-        access == Access::Read && self.tags.is_in_front(line)
-    }
-
-    /// Its tags.
-    pub fn tags(&self) -> &TagArray {
-        &self.tags
-    }
-
-    /// Holds from now on what `other` does, but for lines that are on their way.
-    pub fn hold(&mut self, other: &Self) {
-        self.tags.clone_from(&other.tags);
+    /// Its tags hold from now on what `tags` do, but for lines that are on their way.
+    pub fn hold(&mut self, tags: &TagArray) {
+        self.tags.clone_from(tags);
         self.mshrs.lines().for_each(|line| self.tags.drop_line(line));
-    }
-
-    /// What its tags take in memory, about.
-    pub fn bytes(&self) -> usize {
-        self.tags.bytes()
     }
 
     /// Drops all lines from `first` on.

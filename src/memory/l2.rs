@@ -123,7 +123,7 @@ impl L2Spec {
 }
 
 /// The banks of a class's home.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Home {
     first: usize,
     /// The number of banks, less one.

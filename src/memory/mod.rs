@@ -12,6 +12,7 @@ pub mod replacement;
 pub(crate) mod reuse;
 pub(crate) mod ring;
 pub mod tags;
+pub(crate) mod timeless;
 
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;

@@ -23,7 +23,7 @@ pub enum Policy {
 }
 
 /// A policy's memory for one cache, besides the order of the lines in their sets.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) enum State {
     /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use,
     /// if `on_use`.

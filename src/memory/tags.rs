@@ -55,7 +55,7 @@ pub struct Place {
 }
 
 /// The tags of a cache.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct TagArray {
     /// Packed lines, set by set; none of an ideal cache.
     lines: Vec<u64>,

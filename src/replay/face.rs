@@ -1,6 +1,7 @@
 //! A machine, a stream, and how the one replays the other.
 
 use super::fidelity::{Fidelity, OnePass};
+use super::together::Together;
 use crate::engine::whole::whole;
 use crate::engine::{self, Demand, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
@@ -80,9 +81,9 @@ impl Replay<'_, Fidelity> {
     pub fn run(&self, source: &dyn Source) -> Result<MachineStats, RunError> {
         let Self { machine, header, fidelity, cut } = *self;
         match fidelity {
-            Fidelity::Auto { error } => sampling::auto(machine, cut, error, header, source),
-            Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
-                sampling::sample_until_within(target, engine, cut, (rate, seed), machine, header, source)
+            Fidelity::Auto { .. } | Fidelity::Sampled { target_error: Some(_), .. } => {
+                let mut verdicts = Together { header, fidelity, cut, baseline: None }.sample(&[machine], source)?;
+                verdicts.pop().expect("one machine, one verdict")?.stats(machine, header, source)
             }
             Fidelity::Sampled { engine, rate, seed, target_error: None } => {
                 self.fidelity(OnePass::Sampled { engine, rate, seed }).run(source.open(0)?)

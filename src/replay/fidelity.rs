@@ -86,6 +86,11 @@ impl Fidelity {
         matches!(self, Self::Sampled { .. } | Self::Auto { .. })
     }
 
+    /// Whether samples go on until their intervals are within a target.
+    pub fn has_target(self) -> bool {
+        matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
+    }
+
     /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from
     /// one to another is known to within the target too: errors of two samples add up as squares do, and those of
     /// samples of the same windows cancel in part.

@@ -1,10 +1,11 @@
 //! No more than a stream needs, in two phases: the tags of the caches over everything, which tell what every window
 //! asks for, and `Event` on as many windows as the target takes. Where that would not pay, `Event` on everything.
 
-use super::plan::{Cut, Plan, TELLING};
-use super::sample::{Goal, sample_until};
-use crate::engine::whole::whole;
-use crate::engine::{Level, RunError, Sampled, Source};
+use super::grow::{Against, Goal, sample_until};
+use super::pass::Each;
+use super::plan::{Cut, LEAST, Plan, TELLING};
+use super::verdict::Verdict;
+use crate::engine::{Level, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::ranged::Share;
 use crate::stats::{Choice, MachineStats, Why};
@@ -13,47 +14,71 @@ use crate::stream::Header;
 /// Processor time of the tags' pass, over that of `Event` (kitchen, `Published`: 17 % on `small`, 16 % on `desktop`,
 /// 12 % on `tni_engine`).
 const TAGS: f64 = 0.17;
-/// Points with which sampling begins: twice as many tell intervals of half the width or less, since regressions have
-/// more columns.
-const FIRST: usize = 12;
+/// Points with which sampling begins, at least, and a share of those that are expected: twice as many tell intervals of
+/// half the width or less, since regressions have more columns. What comes later was kept, up to eight times as many.
+const FIRST: f64 = 12.0;
+const FIRST_SHARE: f64 = 0.2;
 /// Points that intervals of 2 % take, as a rule (kitchen: 24 to 48), and some more. A sample is tried where so many
 /// would pay, and [`TELLING`] ones at least: a try that is given up costs more than it can win.
 const EXPECTED: f64 = 60.0;
 const EXPECTED_AT: f64 = 0.02;
+/// Points that what is otherwise than with a baseline takes.
+const EXPECTED_BESIDE: f64 = 24.0;
 /// The processor time that a sample is expected to take at most, over that of `Event`. The rest is for streams whose
 /// windows differ more than others'.
 const WORTH: f64 = 0.7;
 
-/// Replays a stream with an error of cycles and of L2 and DRAM bytes that is to be within `target`.
+/// Replays a stream on several machines with errors of cycles and of L2 and DRAM bytes that are to be within `target`.
 ///
 /// # Errors
-/// The stream cannot be read, or a run fails.
+/// The stream cannot be read; of a machine, a run fails.
 pub(crate) fn auto(
-    machine: &MachineSpec,
+    machines: &[&MachineSpec],
+    baseline: Option<Against<'_>>,
     cut: Cut,
     target: Share,
     header: &Header,
     source: &dyn Source,
-) -> Result<MachineStats, RunError> {
+) -> Each<Verdict> {
     let all = cut.windows(header);
-    let cost = |points: f64| TAGS + cut.effort() * points / all;
     let choice = |windows: u64, cost, why| Choice { target: target.get(), windows, of: all as u64, cost, why };
-    let event = |choice| {
-        let stats = whole(Level::Event, machine, header, &mut source.open(0)?, None)?;
-        Ok(MachineStats { choice: Some(choice), ..stats })
-    };
-    let expected = (EXPECTED * (EXPECTED_AT / target.get()).powi(2)).max(TELLING as f64);
-    if cost(expected) > WORTH {
-        return event(choice(0, 1.0, Why::Short));
+    let event = |choice| Verdict::Whole { level: Level::Event, choice: Some(choice) };
+    if !pays(cut, target, header, baseline.is_some()) {
+        return Ok(machines.iter().map(|_| Ok(event(choice(0, 1.0, Why::Short)))).collect());
     }
-    let plan = Plan::new(FIRST as f64 / all, cut, 0);
+    let plan = Plan::new(FIRST.max(FIRST_SHARE * expected(target, baseline.is_some())) / all, cut, 0);
     // What was spent is spent: more windows are measured as long as they take less than `Event` on everything.
     let goal = Goal { target, most: 1.0 / cut.effort() };
-    let (sampled, is_enough, passes) = sample_until(Sampled::Event, machine, header, plan, goal, source)?;
-    let windows = sampled.residuals.as_ref().map_or(0, |residuals| residuals.windows());
-    let spent = cost(windows as f64) + TAGS * f64::from(passes - 1);
-    if is_enough {
-        return Ok(MachineStats { choice: Some(choice(windows, spent, Why::Sampled)), ..sampled });
+    let verdict = |(stats, is_enough): (MachineStats, bool)| {
+        let windows = stats.residuals.as_ref().map_or(0, |residuals| residuals.windows());
+        let spent = cost(cut, windows as f64, all);
+        match is_enough {
+            true => {
+                let choice = Some(choice(windows, spent, Why::Sampled));
+                Verdict::Sampled(Box::new(MachineStats { choice, ..stats }))
+            }
+            false => event(choice(windows, 1.0 + spent, Why::Varied)),
+        }
+    };
+    let sampled = sample_until((Sampled::Event, header), machines, baseline, &plan, goal, source)?;
+    Ok(sampled.into_iter().map(|sampled| sampled.map(verdict)).collect())
+}
+
+/// Whether a sample of a stream is tried, beside a baseline or without.
+pub(crate) fn pays(cut: Cut, target: Share, header: &Header, has_baseline: bool) -> bool {
+    let windows = cut.windows(header);
+    windows >= 2.0 * LEAST as f64 && cost(cut, expected(target, has_baseline), windows) <= WORTH
+}
+
+/// Points that intervals of a target take.
+fn expected(target: Share, has_baseline: bool) -> f64 {
+    match has_baseline {
+        true => EXPECTED_BESIDE,
+        false => (EXPECTED * (EXPECTED_AT / target.get()).powi(2)).max(TELLING as f64),
     }
-    event(choice(windows, 1.0 + spent, Why::Varied))
+}
+
+/// The processor time of the tags and of so many of all windows, over that of `Event`.
+fn cost(cut: Cut, windows: f64, all: f64) -> f64 {
+    TAGS + cut.effort() * windows / all
 }

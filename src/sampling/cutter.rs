@@ -1,16 +1,14 @@
-//! Cuts a stream into windows, piece by piece, and takes the pieces through the L1s' tags.
+//! Cuts a stream into windows, piece by piece: for all machines at once that are cut alike.
 
+use std::collections::VecDeque;
 use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::known::Known;
-use super::l1_tags::{L1Tags, Passed};
-use super::l2_tags::Request;
-use super::plan::Cut;
-use crate::engine::warm::L1s;
-use crate::machine::MachineSpec;
-use crate::stream::{Chunk, FrameInfo, Header, Item, RayKind};
+use super::axis::Axis;
+use super::plan::{Cut, Plan};
+use super::strata::Point;
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Item, RayKind};
 
 /// What a stream is cut into.
 #[derive(Debug)]
@@ -18,83 +16,77 @@ pub(super) enum Portion {
     /// A frame begins.
     Frame(FrameInfo),
     /// A piece of it.
-    Piece(Box<CutPiece>),
-    /// It ends.
-    End(FrameEnd),
+    Piece(CutPiece),
+    /// It ends with these steps.
+    End(Arc<Vec<u32>>),
 }
 
-/// Rays of a chunk.
-#[derive(Clone, Debug)]
-pub(super) struct Piece {
+/// Rays of a chunk, and where they lie among windows.
+#[derive(Debug)]
+pub(super) struct CutPiece {
     /// The chunk.
     pub chunk: Arc<Chunk>,
     /// Which of its rays.
     pub rays: Range<usize>,
-    /// What is known of them.
-    pub known: Known,
-}
-
-/// A piece, and where it lies among windows.
-#[derive(Debug)]
-pub(super) struct CutPiece {
-    /// The piece; of which is not known yet what the L2 does.
-    pub piece: Piece,
-    /// What the L1s ask the L2 for.
-    pub requests: Vec<Request>,
-    /// Windows that begin to be put together with it, and what the L1s held before.
+    /// How many are not skipped.
+    pub traced: u64,
+    /// Windows with points that begin to be put together with it.
     pub begin: Vec<Lead>,
-    /// What the L1s held before it, if windows begin.
-    pub l1s: Option<Arc<L1s>>,
     /// Whether it is its window's last.
     pub is_last: bool,
 }
 
 /// How many pieces come before a window's first one.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Lead {
     /// The window's number in the stream.
     pub window: usize,
     /// Pieces.
     pub pieces: usize,
-}
-
-/// The steps of a frame's end.
-#[derive(Debug)]
-pub(super) struct FrameEnd {
-    /// The steps.
-    pub steps: Arc<Vec<u32>>,
-    /// What the L1s ask the L2 for.
-    pub requests: Vec<Request>,
-    /// What the L1s held before.
-    pub l1s: Arc<L1s>,
+    /// The points that lie in it.
+    pub hits: Vec<Point>,
 }
 
 /// Cuts a stream.
 #[derive(Debug)]
 pub(super) struct Cutter {
     cut: Cut,
-    tags: L1Tags,
     /// Chunks that are not cut yet, and their pixels.
     gathered: Vec<Arc<Chunk>>,
     pixels: usize,
     /// Windows of the stream up to now, and pieces of the frame.
     windows: usize,
     pieces: usize,
+    /// Frames that warm up alone, and whether this is one.
+    warmup: Vec<u32>,
+    warms_up: bool,
+    axis: Axis,
+    /// Points of the windows that come next, as far as they are known.
+    ahead: VecDeque<Vec<Point>>,
 }
 
 impl Cutter {
-    /// Nothing yet of a stream on a machine.
-    pub(super) fn new(machine: &MachineSpec, header: &Header, cut: Cut) -> Self {
-        let tags = L1Tags::new(header, machine);
-        Self { cut, tags, gathered: Vec::new(), pixels: 0, windows: 0, pieces: 0 }
+    /// Nothing yet of a stream that is cut as `plan` says. Points with draws below `most` are of interest.
+    pub(super) fn new(header: &Header, plan: &Plan, most: usize) -> Self {
+        Self {
+            cut: plan.cut,
+            gathered: Vec::new(),
+            pixels: 0,
+            windows: 0,
+            pieces: 0,
+            warmup: header.warmup.clone(),
+            warms_up: false,
+            axis: Axis::new(plan.strata, most),
+            ahead: VecDeque::new(),
+        }
     }
 
     /// The next item of the stream; what it completes.
     pub(super) fn add(&mut self, item: &Item) -> Vec<Portion> {
         match item {
             Item::Frame(info) => {
-                self.tags.begin_frame(info);
                 self.pieces = 0;
+                self.warms_up = self.warmup.contains(&info.number);
                 vec![Portion::Frame(*info)]
             }
             Item::Rays(chunk) => {
@@ -104,9 +96,7 @@ impl Cutter {
             }
             Item::End { policy, .. } => {
                 let mut portions = self.gathered();
-                let l1s = self.tags.snapshot();
-                let Passed { requests, .. } = self.tags.frame_end(policy);
-                portions.push(Portion::End(FrameEnd { steps: Arc::clone(policy), requests, l1s }));
+                portions.push(Portion::End(Arc::clone(policy)));
                 portions
             }
         }
@@ -138,26 +128,51 @@ impl Cutter {
         let piece = |(piece, &first): (usize, &u32)| {
             let rays = first as usize..firsts.get(piece + 1).map_or(chunk.len(), |&end| end as usize);
             let begin = self.begin_windows(piece);
-            let l1s = (!begin.is_empty()).then(|| self.tags.snapshot());
-            let Passed { known, requests } = self.tags.piece(chunk, rays.clone());
             let is_last = piece + 1 == pieces || (piece + 1) % cut.own == 0;
-            self.windows += usize::from(is_last);
+            if is_last {
+                self.end_window();
+            }
             self.pieces += 1;
-            let piece = Piece { chunk: Arc::clone(chunk), rays, known };
-            Portion::Piece(Box::new(CutPiece { piece, requests, begin, l1s, is_last }))
+            let traced = rays.clone().filter(|&ray| chunk.head(ray).decision != Decision::Skip).count() as u64;
+            Portion::Piece(CutPiece { chunk: Arc::clone(chunk), rays, traced, begin, is_last })
         };
         firsts.iter().enumerate().map(piece).collect()
     }
 
     /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number
     /// `piece` of its chunk.
-    fn begin_windows(&self, piece: usize) -> Vec<Lead> {
+    fn begin_windows(&mut self, piece: usize) -> Vec<Lead> {
         let cut = self.cut;
         let left = (cut.own - piece % cut.own) % cut.own;
         let to_first = |window: usize| left + window * cut.own;
         let first = self.windows + usize::from(left > 0);
         let begin = (0..).take_while(|&window| to_first(window) <= cut.before);
-        let begin = begin.filter(|&window| self.pieces == 0 || to_first(window) == cut.before);
-        begin.map(|window| Lead { window: first + window, pieces: to_first(window) }).collect()
+        let frame_begins = self.pieces == 0;
+        let begin = begin.filter(|&window| frame_begins || to_first(window) == cut.before);
+        let begin = begin.map(|window| Lead {
+            window: first + window,
+            pieces: to_first(window),
+            hits: self.points(first + window),
+        });
+        begin.filter(|lead| !lead.hits.is_empty()).collect()
+    }
+
+    /// The points of a window that is not over.
+    fn points(&mut self, window: usize) -> Vec<Point> {
+        if self.warms_up {
+            return Vec::new();
+        }
+        let place = window - self.windows;
+        while self.ahead.len() <= place {
+            self.ahead.push_back(self.axis.next());
+        }
+        self.ahead[place].clone()
+    }
+
+    fn end_window(&mut self) {
+        if !self.warms_up && self.ahead.pop_front().is_none() {
+            self.axis.next();
+        }
+        self.windows += 1;
     }
 }

@@ -73,50 +73,79 @@ impl Total {
 }
 
 /// What the windows leave over of a figure.
-struct Left {
-    total: f64,
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Left {
+    /// The estimate.
+    pub total: f64,
     /// By point, what is off there.
-    errors: Vec<f64>,
+    pub errors: Vec<f64>,
     /// Degrees of freedom at most.
-    freedom: f64,
+    pub freedom: f64,
 }
 
-/// Estimates the total of everything that was measured in some window, by the points with draws below `draws`, with
-/// lines of so many bytes. Intervals are of 95 %.
-pub(crate) fn estimate(
+/// A point of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drawn {
+    /// Where it lies.
+    pub place: f64,
+    /// Its stratum; those of joined ones are one.
+    pub stratum: usize,
+    /// Windows that it stands for.
+    pub weight: f64,
+}
+
+/// What the points of a sample tell.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Estimates {
+    /// The points.
+    pub points: Vec<Drawn>,
+    /// What they leave over of each figure.
+    pub left: BTreeMap<Figure, Left>,
+}
+
+impl Estimates {
+    /// The variance of the sum of values, one for each point.
+    pub(crate) fn variance(&self, values: impl IntoIterator<Item = f64>) -> Variance {
+        let values = self.points.iter().zip(values);
+        Variance::stratified(values.map(|(point, value)| (point.stratum, value * point.weight)))
+    }
+
+    /// The total of a figure. The interval is of 95 %.
+    pub(crate) fn total(&self, figure: &Figure) -> Total {
+        let Some(Left { total, errors, freedom }) = self.left.get(figure) else { return Total::default() };
+        let variance = self.variance(errors.iter().copied());
+        Total { total: *total, half_width: student(variance.freedom(*freedom)) * variance.value.sqrt() }
+    }
+
+    /// What the points are off of three figures, as shares of the estimates, and the degrees of freedom.
+    pub(crate) fn residuals(&self, figures: &[Figure; 3]) -> (Vec<Residual>, [f64; 3]) {
+        let left = figures.each_ref().map(|figure| self.left.get(figure));
+        let share = |at: usize, left: Option<&Left>| {
+            left.filter(|left| left.total > 0.0).map_or(0.0, |left| left.errors[at] / left.total)
+        };
+        let points = self.points.iter().enumerate().map(|(at, &Drawn { place, stratum, weight })| {
+            let errors = left.map(|left| share(at, left));
+            Residual { place, stratum, weight, errors }
+        });
+        (points.collect(), left.map(|left| left.map_or(1.0, |left| left.freedom)))
+    }
+}
+
+/// Estimates the totals of those `wanted` of the figures that were measured in some window, by the points with draws
+/// below `draws`, with lines of so many bytes.
+pub(crate) fn estimates(
     population: &Population,
     windows: &[Window],
     draws: usize,
     line: u64,
-) -> BTreeMap<Figure, Total> {
+    wanted: impl Fn(&Figure) -> bool,
+) -> Estimates {
     let mut sample = Sample::new(population, windows, draws, line as f64);
-    sample.figures().into_iter().map(|figure| (figure.clone(), sample.total(&figure))).collect()
-}
-
-/// The same of one figure.
-#[cfg(test)]
-pub(super) fn estimate_of(population: &Population, windows: &[Window], draws: usize, figure: &Figure) -> Total {
-    Sample::new(population, windows, draws, 64.0).total(figure)
-}
-
-/// What the points with draws below `draws` leave over of three figures, as shares of the estimates, and the degrees of
-/// freedom.
-pub(crate) fn residuals(
-    population: &Population,
-    windows: &[Window],
-    draws: usize,
-    line: u64,
-    figures: &[Figure; 3],
-) -> (Vec<Residual>, [f64; 3]) {
-    let mut sample = Sample::new(population, windows, draws, line as f64);
-    let left = figures.each_ref().map(|figure| sample.left(figure));
-    let share = |at: usize, left: &Left| if left.total > 0.0 { left.errors[at] / left.total } else { 0.0 };
-    let points = sample.places.iter().zip(sample.strata_of.iter().zip(&sample.weights)).enumerate();
-    let points = points.map(|(at, (&place, (&stratum, &weight)))| {
-        let errors = left.each_ref().map(|left| share(at, left));
-        Residual { place, stratum, weight, errors }
-    });
-    (points.collect(), left.each_ref().map(|left| left.freedom))
+    let figures = sample.figures().into_iter().filter(wanted);
+    let left = figures.map(|figure| (figure.clone(), sample.left(&figure))).collect();
+    let points = sample.places.iter().zip(sample.strata_of.iter().zip(&sample.weights));
+    let points = points.map(|(&place, (&stratum, &weight))| Drawn { place, stratum, weight });
+    Estimates { points: points.collect(), left }
 }
 
 /// Points of a sample, and the windows that they lie in.
@@ -137,7 +166,10 @@ struct Sample<'a> {
 impl<'a> Sample<'a> {
     fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
         let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
-        let (points, hits): (Vec<&Window>, Vec<Point>) = hits.filter(|(_, hit)| hit.draw < draws).unzip();
+        let mut hits: Vec<(&Window, &Point)> = hits.filter(|(_, hit)| hit.draw < draws).collect();
+        // Whatever was measured first: in the order of the stream.
+        hits.sort_by(|(_, one), (_, other)| one.place.total_cmp(&other.place));
+        let (points, hits): (Vec<&Window>, Vec<&Point>) = hits.into_iter().unzip();
         let ends = population.strata.ends(draws, population.windows as f64);
         let places: Vec<f64> = hits.iter().map(|hit| hit.place).collect();
         let of: Vec<usize> = places.iter().map(|place| ends.partition_point(|end| end <= place)).collect();
@@ -156,13 +188,6 @@ impl<'a> Sample<'a> {
     fn figures(&self) -> BTreeSet<Figure> {
         let parts = self.points.iter().flat_map(|window| &window.spans);
         parts.flat_map(|part| part.figures.keys().cloned()).collect()
-    }
-
-    fn total(&mut self, figure: &Figure) -> Total {
-        let Left { total, errors, freedom } = self.left(figure);
-        let points = self.strata_of.iter().zip(errors.iter().zip(&self.weights));
-        let variance = Variance::stratified(points.map(|(&stratum, (error, weight))| (stratum, error * weight)));
-        Total { total, half_width: student(variance.freedom(freedom)) * variance.value.sqrt() }
     }
 
     fn left(&mut self, figure: &Figure) -> Left {
@@ -251,7 +276,7 @@ mod tests {
             })
             .collect();
         let population = Population { strata: strata(40.0), windows: 160, known: known(20_000.0, 300.0) };
-        let Total { total, half_width } = estimate(&population, &windows, 1, 64)[&Figure::Cycles];
+        let Total { total, half_width } = estimates(&population, &windows, 1, 64, |_| true).total(&Figure::Cycles);
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width < 1e-6);
     }
@@ -265,7 +290,7 @@ mod tests {
         let found = [16_000.0, 32_000.0].map(|operations| {
             let known = known(operations, 0.0);
             let population = Population { strata: strata(40.0), windows: 160, known };
-            estimate(&population, &windows, 1, 64)[&Figure::Cycles]
+            estimates(&population, &windows, 1, 64, |_| true).total(&Figure::Cycles)
         });
         let [once, twice] = found.map(|found| found.half_width);
         assert!(once > 1.0 && (twice / once - 2.0).abs() < 1e-9, "{once} {twice}");
@@ -300,7 +325,8 @@ mod tests {
                 }
             }
             let population = Population { strata, windows: 300, known: known(0.0, 0.0) };
-            let Total { total, half_width } = estimate(&population, &windows, draws, 64)[&Figure::Cycles];
+            let Total { total, half_width } =
+                estimates(&population, &windows, draws, 64, |_| true).total(&Figure::Cycles);
             let error = half_width / student(1e9) / truth;
             let found = [total / truth, (total / truth - 1.0).powi(2), error * error];
             means.iter_mut().zip(found).for_each(|(mean, found)| *mean += found / f64::from(SEEDS));

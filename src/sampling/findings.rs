@@ -1,12 +1,15 @@
 //! What a sample found, and the statistics of the stream that it lets be estimated.
 
-use super::estimate::{self, Population, Total, Window};
+use std::collections::BTreeMap;
+
+use super::baseline::{Baseline, Told};
+use super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::figures::{Figure, Figures, Levels};
 use super::job::{Found, Latencies};
 use super::pass::{Pass, Sampler};
 use super::plan::Cut;
-use crate::machine::{MachineSpec, SpecError};
-use crate::stats::{Accuracy, LatencyCounts, MachineStats, Residuals};
+use crate::machine::MachineSpec;
+use crate::stats::{Accuracy, Change, LatencyCounts, MachineStats, Residual, Residuals};
 
 /// The figures of a sample whose errors are told first.
 const TOLD: [Figure; 3] = [Figure::Cycles, Figure::L2Bytes, Figure::DramBytes];
@@ -29,16 +32,13 @@ pub(crate) struct Findings {
 }
 
 impl Findings {
-    /// Nothing was measured yet of the stream that `pass` went over, but for what it found.
-    ///
-    /// # Errors
-    /// The sampler's engine refuses the machine.
-    pub(crate) fn of(sampler: &Sampler<'_>, cut: &Cut, pass: Pass) -> Result<Self, SpecError> {
+    /// Nothing was measured yet of the stream that `pass` went over for a machine, but for what it found.
+    pub(crate) fn of(sampler: &Sampler<'_>, machine: &MachineSpec, cut: &Cut, pass: Pass) -> Self {
         let Pass { population, rays, found, .. } = pass;
-        let window_pixels = cut.window() as u64;
-        let mut findings = Self { population, rays, window_pixels, nothing: sampler.nothing(), ..Self::default() };
+        let (window_pixels, nothing) = (cut.window() as u64, sampler.nothing(machine));
+        let mut findings = Self { population, rays, window_pixels, nothing, ..Self::default() };
         findings.add(found);
-        Ok(findings)
+        findings
     }
 
     /// Adds what was measured.
@@ -70,10 +70,39 @@ impl Findings {
 
     /// The stream's statistics, as the first `draws` points of each stratum let them be estimated.
     pub(crate) fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
-        let mut totals = estimate::estimate(&self.population, &self.measured, draws, machine.line_bytes.get());
+        let own = self.estimates(machine, draws);
+        let mut totals: BTreeMap<Figure, Total> =
+            own.left.keys().map(|figure| (figure.clone(), own.total(figure))).collect();
         for (figure, end) in &self.ends {
             totals.entry(figure.clone()).or_default().total += end;
         }
+        let (points, freedom) = own.residuals(&TOLD);
+        self.stats(machine, &totals, self.residuals(points, freedom, None))
+    }
+
+    /// The same beside a baseline that was measured in the same windows; also half the widths of the intervals of what
+    /// is otherwise than there, of the figures that are told first.
+    pub(crate) fn estimate_beside(&self, machine: &MachineSpec, draws: usize, baseline: &Known<'_>) -> MachineStats {
+        let Known { machine: base, findings, stats, figures } = baseline;
+        let residuals = stats.residuals.as_ref();
+        let points = residuals.map_or(&[][..], |residuals| &residuals.points);
+        let windows = findings.estimates(base, draws);
+        let baseline = Baseline { windows, ends: &findings.ends, known: figures, points };
+        let Told { totals, points, change } = baseline.told(&self.estimates(machine, draws), &self.ends, &TOLD);
+        let freedom = residuals.map_or([1.0; 3], |residuals| residuals.freedom);
+        self.stats(machine, &totals, self.residuals(points, freedom, Some(change)))
+    }
+
+    fn estimates(&self, machine: &MachineSpec, draws: usize) -> Estimates {
+        estimates(&self.population, &self.measured, draws, machine.line_bytes.get(), |_| true)
+    }
+
+    fn residuals(&self, points: Vec<Residual>, freedom: [f64; 3], change: Option<Change>) -> Residuals {
+        let Self { population, window_pixels, .. } = self;
+        Residuals { window_pixels: *window_pixels, seed: population.strata.seed, freedom, points, change }
+    }
+
+    fn stats(&self, machine: &MachineSpec, totals: &BTreeMap<Figure, Total>, residuals: Residuals) -> MachineStats {
         // Absent is absent.
         let is_there = |figure: &Figure, total: &Total| !matches!(figure, Figure::Bytes(..)) || total.total > 0.0;
         let found = || totals.iter().filter(|(figure, total)| is_there(figure, total));
@@ -86,13 +115,20 @@ impl Findings {
         stats.accuracy = Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate };
         let half_width = |(figure, total): (&Figure, &Total)| Some((levels.path(figure)?, total.half_width));
         stats.half_widths = found().filter_map(half_width).collect();
-        stats.residuals = Some(self.residuals(machine, draws));
+        stats.residuals = Some(residuals);
         stats
     }
+}
 
-    fn residuals(&self, machine: &MachineSpec, draws: usize) -> Residuals {
-        let Self { population, measured, window_pixels, .. } = self;
-        let (points, freedom) = estimate::residuals(population, measured, draws, machine.line_bytes.get(), &TOLD);
-        Residuals { window_pixels: *window_pixels, seed: population.strata.seed, freedom, points }
-    }
+/// A baseline: what was measured in the windows, and what is known of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Known<'a> {
+    /// The machine.
+    pub machine: &'a MachineSpec,
+    /// What was measured in the windows, others' draws among them.
+    pub findings: &'a Findings,
+    /// What is known.
+    pub stats: &'a MachineStats,
+    /// Its figures, each with half the width of its interval as a share.
+    pub figures: &'a BTreeMap<Figure, (f64, f64)>,
 }

@@ -7,9 +7,6 @@ use std::sync::Arc;
 use super::windows::Job;
 use crate::stream::{Chunk, PackedChunk};
 
-/// Bytes of jobs that are kept at most.
-const MOST_BYTES: usize = 1 << 30;
-
 /// A job whose rays are packed.
 #[derive(Clone, Debug)]
 pub(crate) struct KeptJob {
@@ -42,12 +39,14 @@ pub(crate) struct Kept {
     draws: Range<usize>,
     jobs: Vec<KeptJob>,
     bytes: usize,
+    /// Bytes at most.
+    most: usize,
 }
 
 impl Kept {
-    /// Nothing yet of these draws.
-    pub(crate) fn new(draws: Range<usize>) -> Self {
-        Self { draws, ..Self::default() }
+    /// Nothing yet of these draws, which may take so many bytes.
+    pub(crate) fn new(draws: Range<usize>, most: usize) -> Self {
+        Self { draws, most, ..Self::default() }
     }
 
     /// Keeps `job`. Where memory does not allow for all draws, the last ones go.
@@ -57,7 +56,7 @@ impl Kept {
             self.bytes += job.bytes();
             self.jobs.push(job);
         }
-        while self.bytes > MOST_BYTES && !self.draws.is_empty() {
+        while self.bytes > self.most && !self.draws.is_empty() {
             self.draws.end -= 1;
             drop(self.take_from(self.draws.end));
         }

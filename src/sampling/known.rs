@@ -103,6 +103,11 @@ impl Capacity {
         }
     }
 
+    /// What its units can do, whatever its DRAM is.
+    pub(crate) fn of_units(machine: &MachineSpec) -> Self {
+        Self { lines: None, ..Self::new(machine) }
+    }
+
     /// Rays that are in traversal units at once, if what is `known` takes as long as the busiest needs: as many as are
     /// needed for each to stay as long as its operations and the lines that its L1s miss take (Little 1961). `None` if
     /// nothing is done.

@@ -18,13 +18,15 @@ use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
 use crate::memory::tags::Victim;
+use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
 use crate::random::mix;
 use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
 
-/// The tags of all L1s, and what they count.
-#[derive(Debug)]
+/// The tags of all L1s, and what they count. Machines whose tags are equal before a stream have equal ones behind it,
+/// and what they ask their L2s for is the same.
+#[derive(Debug, PartialEq)]
 pub(super) struct L1Tags {
     layout: Layout,
     place: Place,
@@ -34,9 +36,11 @@ pub(super) struct L1Tags {
     cores: usize,
     /// Units of each kind that a core has.
     of_core: [u16; Kind::ALL.len()],
+    /// What tells how many rays are in flight; the DRAM does not.
     capacity: Capacity,
     /// The host's own lines, and which skipped rays it answers.
     host: Option<HostTraffic>,
+    /// What tells which rays are skipped for nothing; other fields are the defaults.
     words: ShadowCacheSpec,
     /// Slots of all traversal units, and rays that are in them.
     slots: usize,
@@ -96,21 +100,22 @@ impl L1Tags {
         let line = machine.line_bytes.get();
         let l1s = |kind: Kind| {
             let spec = kind.spec(machine);
-            vec![spec.cache.build(line); spec.count as usize]
+            vec![TimelessCache::new(spec.cache.tags(line), spec.cache.no_allocate); spec.count as usize]
         };
         let cores = machine.cores.size();
+        let ShadowCacheSpec { silent, decide, place, .. } = machine.shadow_cache;
         let slots = machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize;
         Self {
             layout: Layout::new(header, machine),
-            place: machine.shadow_cache.place,
+            place,
             l1s: Kind::ALL.map(l1s),
             writes: Kind::ALL.map(|kind| kind.spec(machine).writes),
             intervals: Kind::ALL.map(|kind| kind.spec(machine).interval),
             cores,
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
-            capacity: Capacity::new(machine),
+            capacity: Capacity::of_units(machine),
             host: HostTraffic::new(&machine.traffic, line),
-            words: machine.shadow_cache,
+            words: ShadowCacheSpec { silent, decide, place, ..ShadowCacheSpec::default() },
             slots,
             in_flight: slots,
             traced: 0,
@@ -163,7 +168,7 @@ impl L1Tags {
                 flight.path = rest;
                 self.units = flight.units;
                 let kind = flight.kind;
-                steps.iter().for_each(|&word| self.step(word, Holder::Traversal, kind));
+                self.path(steps, kind);
                 place += 1;
                 continue;
             }
@@ -221,7 +226,32 @@ impl L1Tags {
         Flight { path: ray.packed_path(), policy: ray.packed_policy(), kind: ray.head.kind, units }
     }
 
-    #[inline(always)]
+    /// Steps of a ray's path. Most visit nodes, and most nodes are in front of their set.
+    fn path(&mut self, steps: &[u32], ray: RayKind) {
+        let unit = usize::from(self.units[Kind::Traversal as usize]);
+        let mut visits = 0;
+        for &word in steps {
+            let Some(node) = Step::node(word) else {
+                self.step(word, Holder::Traversal, ray);
+                continue;
+            };
+            visits += 1;
+            let (first, lines) = self.layout.lines(&self.layout.node(node));
+            if lines > 1 || !self.l1s[Kind::Traversal as usize][unit].is_in_front(first) {
+                (first.0..first.0 + lines).for_each(|line| self.read_node(unit, LineAddr(line)));
+            }
+        }
+        self.known.operations[Kind::Traversal as usize] += visits * self.intervals[Kind::Traversal as usize];
+    }
+
+    fn read_node(&mut self, unit: usize, line: LineAddr) {
+        let (kind, class, access) = (Kind::Traversal, TrafficClass::Node, Access::Read);
+        let (hit, victim) = self.l1s[kind as usize][unit].pass(line, class, access);
+        if !hit {
+            self.go_on(Asked { kind, unit, line, class, access }, hit, victim);
+        }
+    }
+
     fn step(&mut self, word: u32, holder: Holder, ray: RayKind) {
         let step = Step::unpack(word).expect("packed steps are valid");
         let Work { kind, first, second, .. } = Work::of(step, holder, ray, &self.layout);
@@ -257,11 +287,14 @@ impl L1Tags {
     #[inline(always)]
     fn access(&mut self, kind: Kind, element: &Element) {
         let (first, lines) = self.layout.lines(element);
-        let access = self.writes[kind as usize].access(element.class, element.write);
+        let access = match element.write {
+            false => Access::Read,
+            true => self.writes[kind as usize].access(element.class, true),
+        };
         let unit = usize::from(self.units[kind as usize]);
         for line in (first.0..first.0 + lines).map(LineAddr) {
             let l1 = &mut self.l1s[kind as usize][unit];
-            if !l1.is_in_front(line, access) {
+            if access != Access::Read || !l1.is_in_front(line) {
                 let (hit, victim) = l1.pass(line, element.class, access);
                 if !hit || access == Access::WriteThrough {
                     self.go_on(Asked { kind, unit, line, class: element.class, access }, hit, victim);

@@ -2,17 +2,20 @@
 
 use std::sync::Arc;
 
+use super::known::Known;
 use crate::engine::tally::PerClass;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
-use crate::memory::cache::{Access, Cache};
+use crate::memory::bank::BankedSpec;
+use crate::memory::cache::Access;
 use crate::memory::l2::Home;
+use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::Header;
 
 /// What an L1 asks the L2 for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Request {
     /// The line.
     pub line: LineAddr,
@@ -24,11 +27,11 @@ pub(super) struct Request {
     pub write: bool,
 }
 
-/// The tags of all L2s.
-#[derive(Debug)]
+/// The tags of all L2s. Where they are equal before the same requests, they do the same.
+#[derive(Debug, PartialEq)]
 pub(super) struct L2Tags {
     /// Banks, core by core.
-    banks: Vec<Cache>,
+    banks: Vec<TimelessCache>,
     of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
     dynamic_part: LineAddr,
@@ -43,19 +46,29 @@ pub(super) struct Moved {
     pub bank: u64,
 }
 
+impl Moved {
+    /// What is known of those whose requests they were.
+    pub(super) fn added_to(self, mut known: Known) -> Known {
+        known.dram.iter_mut().zip(self.dram).for_each(|(known, lines)| *known += lines);
+        known.bank = self.bank;
+        known
+    }
+}
+
 impl L2Tags {
     /// Empty caches.
     pub(super) fn new(header: &Header, machine: &MachineSpec) -> Self {
         let line = machine.line_bytes.get();
         let caches = || machine.l2.caches().into_iter();
-        let of_core = || caches().flat_map(|(_, it)| vec![it.bank_cache(line); it.banks.size()]);
-        let banks: Vec<Cache> = (0..machine.cores.size()).flat_map(|_| of_core()).collect();
+        let bank = |it: &BankedSpec| TimelessCache::new(it.bank_tags(line), it.no_allocate);
+        let of_core = || caches().flat_map(|(_, it)| vec![bank(it); it.banks.size()]);
+        let banks: Vec<TimelessCache> = (0..machine.cores.size()).flat_map(|_| of_core()).collect();
         let (homes, dynamic_part) = (machine.l2.homes(), Layout::new(header, machine).dynamic_part());
         Self { of_core: banks.len() / machine.cores.size(), banks, homes, dynamic_part }
     }
 
     /// What the banks hold now.
-    pub(super) fn snapshot(&self) -> Arc<Vec<Cache>> {
+    pub(super) fn snapshot(&self) -> Arc<Vec<TimelessCache>> {
         Arc::new(self.banks.clone())
     }
 

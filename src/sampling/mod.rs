@@ -4,15 +4,18 @@
 
 mod auto;
 mod axis;
+mod baseline;
 mod cutter;
 mod estimate;
 mod figures;
 mod findings;
+mod grow;
 mod job;
 mod kept;
 mod known;
 mod l1_tags;
 mod l2_tags;
+mod lane;
 mod pass;
 mod plan;
 mod regression;
@@ -20,8 +23,12 @@ mod sample;
 mod strata;
 #[cfg(test)]
 mod tests;
+mod verdict;
 mod windows;
 
-pub(crate) use self::auto::auto;
+pub(crate) use self::auto::{auto, pays};
+pub(crate) use self::grow::Against;
+pub(crate) use self::pass::Each;
 pub(crate) use self::plan::Cut;
-pub(crate) use self::sample::{sample, sample_until_within};
+pub(crate) use self::sample::{sample, sample_together, sample_until_within};
+pub(crate) use self::verdict::Verdict;

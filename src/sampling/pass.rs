@@ -1,8 +1,8 @@
-//! A pass over a stream: one thread reads it, one cuts it and keeps the L1s' tags warm, one the L2's, and the others
-//! replay what is measured.
+//! A pass over a stream for all machines that are sampled: one thread reads and cuts it, and the others take the pieces
+//! through the machines' tags and replay what is measured.
 
 use std::borrow::Cow;
-use std::sync::mpsc::{Receiver, TrySendError, sync_channel};
+use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, ScopedJoinHandle};
 
@@ -10,37 +10,46 @@ use super::cutter::{Cutter, Portion};
 use super::estimate::Population;
 use super::job::{self, Found};
 use super::kept::{Kept, KeptJob};
+use super::lane::{self, Lane, OnLane};
 use super::plan::Plan;
 use super::windows::{Job, JobWork, Windows};
 use crate::engine::contract::Engine;
 use crate::engine::{self, ItemStream, RunError, Sampled};
 use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
-use crate::stream::{Header, Item};
+use crate::stream::Header;
 
-/// Items that may wait to be cut, those that may wait for the L2, and jobs that may wait to be replayed, which hold the
-/// tags of a machine each.
-const ITEMS: usize = 4;
+/// What was cut and waits for the tags, and jobs that may wait to be replayed, which hold the tags of a machine each.
 const CUT: usize = 4;
 const JOBS: usize = 2;
 
 /// Jobs of later draws are kept until so many times as many were measured: until twice as many were, three times.
 const KEPT: usize = 8;
+/// Bytes of jobs that are kept at most, of all machines.
+const MOST_BYTES: usize = 1 << 30;
 
 /// Who samples. What is found does not depend on how many threads there are.
 #[derive(Clone, Copy)]
 pub(crate) struct Sampler<'a> {
     /// What replays windows.
     pub engine: Sampled,
-    /// The machine.
-    pub machine: &'a MachineSpec,
     /// The stream's header.
     pub header: &'a Header,
     /// Threads.
     pub threads: usize,
 }
 
-/// What a pass gave.
+/// A machine, and which of its windows are measured. All that share a pass are cut alike, into the same strata.
+#[derive(Clone, Debug)]
+pub(crate) struct Member<'a> {
+    /// The machine.
+    pub machine: &'a MachineSpec,
+    /// The windows.
+    pub plan: Plan,
+}
+
+/// What a pass gave of a machine.
+#[derive(Debug)]
 pub(crate) struct Pass {
     /// All windows.
     pub population: Population,
@@ -52,57 +61,66 @@ pub(crate) struct Pass {
     pub kept: Kept,
 }
 
+/// What a job of a machine found: the machine's place, and the job's number.
+type Numbered = (usize, usize, Result<Found, RunError>);
+type ToReplay = (usize, Job);
+
+/// Of each machine what was asked for, or its own error; an error of the stream is everybody's.
+pub(crate) type Each<T> = Result<Vec<Result<T, RunError>>, RunError>;
+
 impl<'a> Sampler<'a> {
     /// Samples with as many threads as rayon has, which `--threads` says.
-    pub(crate) fn new(engine: Sampled, machine: &'a MachineSpec, header: &'a Header) -> Self {
-        Self { engine, machine, header, threads: rayon::current_num_threads() }
+    pub(crate) fn new(engine: Sampled, header: &'a Header) -> Self {
+        Self { engine, header, threads: rayon::current_num_threads() }
     }
 
-    /// Passes over a stream, measures what `plan` says and keeps jobs of later draws below `keep`, which is the same
+    /// Passes over a stream, measures what the plans say and keeps jobs of later draws below `keep`, which is the same
     /// for all passes whose findings are added: a window that is measured for its first point must know the later ones.
+    /// What each machine gives is the same whoever else is there.
     ///
     /// # Errors
-    /// The stream cannot be read, or a replay fails.
-    pub(crate) fn pass(&self, plan: &Plan, keep: usize, items: &mut ItemStream<'_>) -> Result<Pass, RunError> {
-        let mut cutter = Cutter::new(self.machine, self.header, plan.cut);
-        let later = plan.draws.end..keep.min(KEPT * plan.draws.end).max(plan.draws.end);
-        let mut windows = Windows::new(self.machine, self.header, plan.clone(), keep, later.end);
-        let mut kept = Kept::new(later);
-        thread::scope(|scope| {
+    /// The stream cannot be read; of a machine, a replay fails.
+    pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> Each<Pass> {
+        let Some(first) = members.first() else { return Ok(Vec::new()) };
+        let ends = members.iter().map(|member| member.plan.draws.end);
+        let mut cutter = Cutter::new(self.header, &first.plan, ends.fold(keep, usize::max));
+        let on_lanes = members.iter().enumerate().map(|(index, Member { machine, plan })| {
+            let later = plan.draws.end..keep.min(KEPT * plan.draws.end).max(plan.draws.end);
+            let windows = Windows::new(machine, self.header, plan.clone(), later.end);
+            (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES / members.len()) })
+        });
+        let mut dealt: Vec<Vec<Lane>> = Vec::new();
+        for (at, lane) in lane::lanes(self.header, on_lanes).into_iter().enumerate() {
+            match dealt.get_mut(at % self.threads) {
+                Some(lanes) => lanes.push(lane),
+                None => dealt.push(vec![lane]),
+            }
+        }
+        let mut read = Ok(());
+        let (lanes, found) = thread::scope(|scope| {
             let (jobs, received) = sync_channel(JOBS);
-            // Shared by the workers alone: should all of them panic, nothing can be sent.
+            // Shared by the threads alone: should all of them panic, nothing can be sent.
             let received = Arc::new(Mutex::new(received));
-            // Cutting takes a processor. Where more is to be replayed than the workers can, who takes pieces through
-            // the L2 replays too.
-            let workers: Vec<_> = (1..self.threads)
+            let workers = self.threads.saturating_sub(dealt.len());
+            let workers: Vec<_> = (0..workers)
                 .map(|_| Arc::clone(&received))
-                .map(|received| scope.spawn(move || self.work(&received)))
+                .map(|received| scope.spawn(move || self.work(members, &received)))
                 .collect();
-            drop(received);
-            let (items_read, to_cut) = sync_channel::<Item>(ITEMS);
-            let (portions_cut, portions) = sync_channel::<Vec<Portion>>(CUT);
-            let cutting = scope.spawn(move || {
-                let mut cut = to_cut.into_iter().map(|item| cutter.add(&item));
-                // Nobody receives any more if a thread has panicked, which comes out when it is joined.
-                let _ = cut.try_for_each(|portions| portions_cut.send(portions));
-            });
-            let joining = scope.spawn(move || {
-                let mut found = Vec::new();
-                for job in portions.into_iter().flatten().flat_map(|portion| windows.add(portion)) {
-                    if !plan.draws.contains(&job.draw) {
-                        kept.add(job);
-                    } else if let Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) = jobs.try_send(job) {
-                        found.push(self.replay_one(&job));
-                    }
-                }
-                (windows, kept, found)
-            });
-            let mut read = Ok(());
+            let mut pieces: Vec<SyncSender<Arc<Vec<Portion>>>> = Vec::new();
+            let mut passing = Vec::new();
+            for lanes in dealt {
+                let (cut, portions) = sync_channel(CUT);
+                pieces.push(cut);
+                let (jobs, received) = (jobs.clone(), Arc::clone(&received));
+                passing.push(scope.spawn(move || self.go_along(members, lanes, &portions, (jobs, &received))));
+            }
+            drop((jobs, received));
             for item in items {
                 match item {
                     Ok(item) => {
-                        if items_read.send(item).is_err() {
-                            // A thread has panicked.
+                        let portions = Arc::new(cutter.add(&item));
+                        if pieces.iter().any(|to| to.send(Arc::clone(&portions)).is_err()) {
+                            // A thread has panicked, which comes out when it is joined.
                             break;
                         }
                     }
@@ -112,52 +130,86 @@ impl<'a> Sampler<'a> {
                     }
                 }
             }
-            drop(items_read);
-            joined(cutting);
-            let (Windows { population, rays, .. }, kept, mut found) = joined(joining);
-            found.extend(workers.into_iter().flat_map(joined));
-            read?;
-            Ok(Pass { population, rays, found: in_order(found)?, kept })
-        })
+            drop(pieces);
+            let (lanes, found): (Vec<_>, Vec<_>) = passing.into_iter().map(joined).unzip();
+            let found = found.into_iter().chain(workers.into_iter().map(joined)).flatten().collect::<Vec<_>>();
+            (lanes, found)
+        });
+        read?;
+        let mut on_lanes: Vec<OnLane> = lanes.into_iter().flatten().flat_map(Lane::finish).collect();
+        on_lanes.sort_by_key(|machine| machine.index);
+        let passes = on_lanes.into_iter().zip(in_order(found, members.len()));
+        Ok(passes
+            .map(|(OnLane { windows: Windows { population, rays, .. }, kept, .. }, found)| {
+                Ok(Pass { population, rays, found: found?, kept })
+            })
+            .collect())
     }
 
-    /// Replays `jobs` that were kept.
-    ///
-    /// # Errors
-    /// A replay fails.
-    pub(crate) fn replay(&self, jobs: Vec<KeptJob>) -> Result<Vec<Found>, RunError> {
+    /// Takes what is cut through the tags of `lanes`, then replays what others still have to. Where more is to be
+    /// replayed than the others can, this thread replays too.
+    fn go_along(
+        &self,
+        members: &[Member<'_>],
+        mut lanes: Vec<Lane>,
+        portions: &Receiver<Arc<Vec<Portion>>>,
+        (jobs, received): (SyncSender<ToReplay>, &Mutex<Receiver<ToReplay>>),
+    ) -> (Vec<Lane>, Vec<Numbered>) {
+        let mut found = Vec::new();
+        for portions in portions {
+            for portion in portions.iter() {
+                for job in lanes.iter_mut().flat_map(|lane| lane.add(portion)) {
+                    if let Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) = jobs.try_send(job) {
+                        found.push(self.replay_one(members, &job));
+                    }
+                }
+            }
+        }
+        drop(jobs);
+        found.extend(self.work(members, received));
+        (lanes, found)
+    }
+
+    /// Replays jobs that were kept, each of the machine at its place; what each machine's found.
+    pub(crate) fn replay(
+        &self,
+        members: &[Member<'_>],
+        jobs: Vec<(usize, KeptJob)>,
+    ) -> Vec<Result<Vec<Found>, RunError>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            std::iter::from_fn(next).map(|job| self.replay_one(&job.unpack())).collect::<Vec<_>>()
+            let replay = |(index, job): (usize, KeptJob)| self.replay_one(members, &(index, job.unpack()));
+            std::iter::from_fn(next).map(replay).collect::<Vec<_>>()
         };
         let found = thread::scope(|scope| {
             let workers: Vec<_> = (0..self.threads).map(|_| scope.spawn(work)).collect();
             workers.into_iter().flat_map(joined).collect()
         });
-        in_order(found)
+        in_order(found, members.len())
     }
 
-    fn work(&self, jobs: &Mutex<Receiver<Job>>) -> Vec<Numbered> {
+    fn work(&self, members: &[Member<'_>], jobs: &Mutex<Receiver<ToReplay>>) -> Vec<Numbered> {
         let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).recv().ok();
-        std::iter::from_fn(next).map(|job| self.replay_one(&job)).collect()
+        std::iter::from_fn(next).map(|job| self.replay_one(members, &job)).collect()
     }
 
-    fn replay_one(&self, job: &Job) -> Numbered {
+    fn replay_one(&self, members: &[Member<'_>], (index, job): &ToReplay) -> Numbered {
+        let machine = members[*index].machine;
         let machine = match &job.work {
-            JobWork::End(_) => Cow::Borrowed(self.machine),
+            JobWork::End(_) => Cow::Borrowed(machine),
             // The frame's dynamic part is there: its building counts with the frame's end.
             JobWork::Window(_) => {
-                let traffic = self.machine.traffic.without_build();
-                Cow::Owned(MachineSpec { traffic, ..self.machine.clone() })
+                let traffic = machine.traffic.without_build();
+                Cow::Owned(MachineSpec { traffic, ..machine.clone() })
             }
         };
-        (job.number, job::replay(self.engine(&machine).as_mut(), &machine, job))
+        (*index, job.number, job::replay(self.engine(&machine).as_mut(), &machine, job))
     }
 
     /// The statistics of a run in which nothing happens.
-    pub(crate) fn nothing(&self) -> MachineStats {
-        self.engine(self.machine).tally(1).stats(self.machine)
+    pub(crate) fn nothing(&self, machine: &MachineSpec) -> MachineStats {
+        self.engine(machine).tally(1).stats(machine)
     }
 
     /// A new engine of a machine.
@@ -167,14 +219,21 @@ impl<'a> Sampler<'a> {
     }
 }
 
-/// What a job found, and its number.
-type Numbered = (usize, Result<Found, RunError>);
-
 fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-fn in_order(mut found: Vec<Numbered>) -> Result<Vec<Found>, RunError> {
-    found.sort_by_key(|(number, _)| *number);
-    found.into_iter().map(|(_, found)| found).collect()
+/// What each of so many machines found, in the order of its jobs.
+fn in_order(mut found: Vec<Numbered>, machines: usize) -> Vec<Result<Vec<Found>, RunError>> {
+    found.sort_by_key(|&(index, number, _)| (index, number));
+    let mut all: Vec<Result<Vec<Found>, RunError>> = (0..machines).map(|_| Ok(Vec::new())).collect();
+    for (index, _, one) in found {
+        let of = &mut all[index];
+        match (of.as_mut(), one) {
+            (Ok(found), Ok(one)) => found.push(one),
+            (Ok(_), Err(error)) => *of = Err(error),
+            (Err(_), _) => {}
+        }
+    }
+    all
 }

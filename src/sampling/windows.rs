@@ -1,18 +1,17 @@
-//! Puts windows together of pieces, which it takes through the L2's tags, and makes jobs of those that are measured.
+//! Puts windows together of pieces, and makes jobs of those that are measured on a machine.
 
 use std::mem::take;
+use std::ops::Range;
 use std::sync::Arc;
 
-use super::axis::Axis;
-use super::cutter::{CutPiece, FrameEnd, Lead, Piece, Portion};
+use super::cutter::{CutPiece, Lead};
 use super::estimate::Population;
 use super::known::{Capacity, Known};
-use super::l2_tags::{L2Tags, Moved};
 use super::plan::Plan;
 use super::strata::Point;
 use crate::engine::warm::WarmCaches;
 use crate::machine::MachineSpec;
-use crate::stream::{Chunk, Decision, FrameInfo, Header};
+use crate::stream::{Chunk, FrameInfo, Header};
 
 /// Rays that follow one another, and what is known of them.
 #[derive(Clone, Debug, Default)]
@@ -84,6 +83,14 @@ impl Job {
     }
 }
 
+/// Rays of a chunk, and what is known of them.
+#[derive(Clone, Debug)]
+struct Piece {
+    chunk: Arc<Chunk>,
+    rays: Range<usize>,
+    known: Known,
+}
+
 impl Part {
     /// Pieces, whose rays are marked if they are of the window itself.
     fn of(pieces: &[Piece], is_own: bool) -> Self {
@@ -102,7 +109,7 @@ impl Part {
 /// A window that is being put together.
 struct Open {
     window: usize,
-    /// Its points, once they are known.
+    /// Its points.
     hits: Vec<Point>,
     /// Pieces that come before the window's first one.
     lead: usize,
@@ -113,19 +120,20 @@ struct Open {
 }
 
 impl Open {
-    fn new(Lead { window, pieces: lead }: Lead, warm: WarmCaches) -> Self {
+    fn new(Lead { window, pieces: lead, hits }: Lead, warm: WarmCaches) -> Self {
         let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
-        Self { window, hits: Vec::new(), lead, warm, before, own, behind }
+        Self { window, hits, lead, warm, before, own, behind }
     }
 }
 
-/// Puts windows together.
+/// Puts a machine's windows together.
 pub(super) struct Windows {
     plan: Plan,
+    /// Windows whose first point is of this draw or a later one do not become jobs.
+    unwanted: usize,
     /// Whether a frame's dynamic part is built when it begins.
     builds: bool,
     capacity: Capacity,
-    tags: L2Tags,
     info: FrameInfo,
     /// Frames that warm the tags alone, and whether this is one.
     warmup: Vec<u32>,
@@ -134,11 +142,8 @@ pub(super) struct Windows {
     known: Known,
     /// Windows of the stream up to now.
     windows: usize,
-    axis: Axis,
     open: Vec<Open>,
     jobs: usize,
-    /// Windows whose first point is of this draw or a later one do not become jobs.
-    unwanted: usize,
     /// All windows, frames' ends left out.
     pub population: Population,
     /// Rays, skipped ones not counted.
@@ -146,59 +151,63 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine. Points below `keep` are known; windows with those of `plan`, and of later
-    /// draws below `unwanted`, become jobs.
-    pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, keep: usize, unwanted: usize) -> Self {
+    /// Nothing yet of a stream on a machine. Windows with points of `plan`, and of later draws below `unwanted`, become
+    /// jobs.
+    pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, unwanted: usize) -> Self {
         Self {
+            unwanted,
             builds: machine.traffic != machine.traffic.without_build(),
             capacity: Capacity::new(machine),
-            tags: L2Tags::new(header, machine),
             info: FrameInfo::default(),
             warmup: header.warmup.clone(),
             warms_up: false,
             known: Known::default(),
             windows: 0,
-            axis: Axis::new(plan.strata, plan.draws.end.max(keep)),
             open: Vec::new(),
             jobs: 0,
-            unwanted,
             population: Population { strata: plan.strata, ..Population::default() },
             rays: 0,
             plan,
         }
     }
 
-    /// The next portion of the stream; the jobs that are complete.
-    pub(super) fn add(&mut self, portion: Portion) -> Vec<Job> {
-        match portion {
-            Portion::Frame(info) => {
-                self.tags.begin_frame();
-                self.info = info;
-                self.warms_up = self.warmup.contains(&info.number);
-                Vec::new()
-            }
-            Portion::Piece(piece) => self.piece(*piece),
-            Portion::End(end) => self.end(end),
-        }
+    /// A frame begins.
+    pub(super) fn frame(&mut self, info: FrameInfo) {
+        self.info = info;
+        self.warms_up = self.warmup.contains(&info.number);
     }
 
-    fn piece(&mut self, CutPiece { mut piece, requests, begin, l1s, is_last }: CutPiece) -> Vec<Job> {
-        if let Some(l1s) = l1s {
-            let warm = WarmCaches::new(l1s, self.tags.snapshot());
+    /// Whether a window that begins is wanted: then it must be known what the caches hold.
+    pub(super) fn wants(&self, lead: &Lead) -> bool {
+        let wanted = self.plan.draws.start..self.unwanted;
+        lead.hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw))
+    }
+
+    /// Whether a job is to be replayed now.
+    pub(super) fn is_due(&self, job: &Job) -> bool {
+        self.plan.draws.contains(&job.draw)
+    }
+
+    /// Whether a frame's end with these steps is replayed: all are, by the first pass, and the building of all frames.
+    pub(super) fn wants_end(&self, steps: &[u32]) -> bool {
+        (!steps.is_empty() || self.builds) && self.plan.draws.start == 0 && !self.warms_up
+    }
+
+    /// The next piece, what is known of it, and what the caches held before it, if a window begins that is wanted; the
+    /// jobs that are complete.
+    pub(super) fn piece(&mut self, piece: &CutPiece, known: Known, warm: Option<&WarmCaches>) -> Vec<Job> {
+        let CutPiece { chunk, rays, traced, begin, is_last } = piece;
+        if let Some(warm) = warm {
+            let begin: Vec<Lead> = begin.iter().filter(|lead| self.wants(lead)).cloned().collect();
             self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
         }
-        let Moved { dram, bank } = self.tags.pass(&requests);
-        // Of the host's own lines it is known already.
-        piece.known.dram.iter_mut().zip(dram).for_each(|(known, lines)| *known += lines);
-        piece.known.bank = bank;
-        let traced = |&ray: &usize| piece.chunk.head(ray).decision != Decision::Skip;
-        if !self.warms_up {
-            self.rays += piece.rays.clone().filter(traced).count() as u64;
-        }
-        self.known += piece.known;
         let window = self.windows;
-        if is_last {
+        self.known += known;
+        if *is_last {
             self.end_window();
+        }
+        if !self.warms_up {
+            self.rays += traced;
         }
         let mut complete = Vec::new();
         for (at, open) in self.open.iter_mut().enumerate() {
@@ -210,59 +219,46 @@ impl Windows {
             } else {
                 &mut open.behind
             };
-            of.push(piece.clone());
+            of.push(Piece { chunk: Arc::clone(chunk), rays: rays.clone(), known });
             let behind = self.plan.cut.behind;
-            if open.behind.len() == behind || behind == 0 && open.window == window && is_last {
+            if open.behind.len() == behind || behind == 0 && open.window == window && *is_last {
                 complete.push(at);
             }
         }
         let complete: Vec<Open> = complete.into_iter().rev().map(|at| self.open.remove(at)).collect();
-        complete.into_iter().filter_map(|open| self.job(open)).collect()
+        complete.into_iter().map(|open| self.job(open)).collect()
     }
 
-    fn end(&mut self, FrameEnd { steps, requests, l1s }: FrameEnd) -> Vec<Job> {
-        self.population.windows = self.axis.windows();
-        let open = take(&mut self.open);
-        let mut jobs: Vec<Job> = open.into_iter().filter_map(|open| self.job(open)).collect();
-        // All ends, and the building of all frames, are replayed by the first pass.
-        if (!steps.is_empty() || self.builds) && self.plan.draws.start == 0 && !self.warms_up {
-            let warm = WarmCaches::new(l1s, self.tags.snapshot());
-            jobs.push(Job { number: self.jobs, draw: 0, info: self.info, warm, work: JobWork::End(steps) });
+    /// A frame ends with these steps; what the caches hold, if that is wanted. The jobs that are complete.
+    pub(super) fn end(&mut self, steps: &Arc<Vec<u32>>, warm: Option<WarmCaches>) -> Vec<Job> {
+        // A window that was to begin may lie beyond the frame.
+        let open = take(&mut self.open).into_iter().filter(|open| !open.own.is_empty());
+        let mut jobs: Vec<Job> = open.map(|open| self.job(open)).collect();
+        if let Some(warm) = warm.filter(|_| self.wants_end(steps)) {
+            let work = JobWork::End(Arc::clone(steps));
+            jobs.push(Job { number: self.jobs, draw: 0, info: self.info, warm, work });
             self.jobs += 1;
         }
-        self.tags.pass(&requests);
         jobs
     }
 
-    /// It is known which points lie in the window: without any, it need not be kept.
     fn end_window(&mut self) {
-        let known = take(&mut self.known).columns(&self.capacity);
-        if self.warms_up {
-            self.open.retain(|open| open.window != self.windows);
-            self.windows += 1;
-            return;
+        let known = take(&mut self.known);
+        if !self.warms_up {
+            self.population.add(&known.columns(&self.capacity));
+            self.population.windows += 1;
         }
-        let hits = self.axis.next();
-        let wanted = self.plan.draws.start..self.unwanted;
-        let is_wanted = hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw));
-        let window = self.windows;
-        if !is_wanted {
-            self.open.retain(|open| open.window != window);
-        } else if let Some(open) = self.open.iter_mut().find(|open| open.window == window) {
-            open.hits = hits;
-        }
-        self.population.add(&known);
         self.windows += 1;
     }
 
-    /// A job of a window that was put together, if it has points.
-    fn job(&mut self, open: Open) -> Option<Job> {
+    /// A job of a window that was put together.
+    fn job(&mut self, open: Open) -> Job {
         let Open { hits, warm, before, own, behind, .. } = open;
-        let draw = hits.iter().map(|hit| hit.draw).min()?;
+        let draw = hits.iter().map(|hit| hit.draw).min().unwrap_or_default();
         let [before, own, behind] =
             [(before, false), (own, true), (behind, false)].map(|(pieces, is_own)| Part::of(&pieces, is_own));
         let work = JobWork::Window(Box::new(WindowWork { hits, before, own, behind }));
         self.jobs += 1;
-        Some(Job { number: self.jobs - 1, draw, info: self.info, warm, work })
+        Job { number: self.jobs - 1, draw, info: self.info, warm, work }
     }
 }

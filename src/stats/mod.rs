@@ -18,6 +18,6 @@ pub use energy::Energy;
 pub use frames::FrameStats;
 pub use machine::MachineStats;
 pub(crate) use machine::half_width_of_ratio;
-pub use residuals::{Residual, Residuals};
+pub use residuals::{Change, Residual, Residuals};
 pub use reuse::{FrameReuse, ReuseCurve, ReuseLevel};
 pub use traffic::{Cause, TrafficClass};

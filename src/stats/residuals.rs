@@ -14,7 +14,22 @@ pub struct Residuals {
     pub seed: u64,
     /// Degrees of freedom of the intervals of cycles, L2 and DRAM bytes.
     pub freedom: [f64; 3],
-    /// The points of the sample, in the order of the stream.
+    /// The points of the sample, in the order of the stream. Where the machine was measured beside a baseline: those of
+    /// the baseline's sample, and what that is off in what is told of the machine.
+    pub points: Vec<Residual>,
+    /// What is otherwise than with the baseline.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change: Option<Change>,
+}
+
+/// What a sample's windows are off otherwise than those of its baseline.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Change {
+    /// Half the widths of the 95 % intervals of what is otherwise: of cycles, L2 and DRAM bytes, as shares.
+    pub half_widths: [f64; 3],
+    /// Degrees of freedom.
+    pub freedom: [f64; 3],
+    /// The points of the sample.
     pub points: Vec<Residual>,
 }
 
@@ -34,7 +49,8 @@ pub struct Residual {
 impl Residuals {
     /// Windows that were measured: several points may lie in one.
     pub fn windows(&self) -> u64 {
-        let mut windows: Vec<u64> = self.points.iter().map(|point| point.place as u64).collect();
+        let points = self.change.as_ref().map_or(&self.points, |change| &change.points);
+        let mut windows: Vec<u64> = points.iter().map(|point| point.place as u64).collect();
         windows.dedup();
         windows.len() as u64
     }
@@ -43,31 +59,48 @@ impl Residuals {
     /// `figure` is 0 for cycles, 1 for L2 and 2 for DRAM bytes. `None` if the samples are not of the same windows.
     ///
     /// Where one sample has points that the other has not, both vary alike as much as in the points that both have; the
-    /// variance that they share shrinks as that of the larger sample does.
-    pub fn of_ratio(&self, other: &Self, figure: usize) -> Option<f64> {
+    /// variance that they share shrinks as that of the larger sample does. What is otherwise than with a baseline has
+    /// nothing to do with what that is off.
+    pub fn of_ratio<'a>(&'a self, other: &'a Self, figure: usize) -> Option<f64> {
         if (self.window_pixels, self.seed) != (other.window_pixels, other.seed) {
             return None;
         }
-        let [few, many] = if self.points.len() > other.points.len() { [other, self] } else { [self, other] };
-        let mut rest = many.points.iter();
-        let both = few.points.iter().map(|point| Some((point, rest.find(|it| it.place == point.place)?)));
-        let both: Vec<_> = both.collect::<Option<_>>()?;
-        let of_both = |value: fn(f64, f64) -> f64| {
-            let value = |&(few, many): &(&Residual, &Residual)| {
-                (few.stratum, few.weight * value(few.errors[figure], many.errors[figure]))
-            };
-            Variance::stratified(both.iter().map(value))
-        };
-        let [difference, sum] = [of_both(|few, many| few - many), of_both(|few, many| few + many)];
-        let [own, others] = [of_both(|few, _| few), of_both(|_, many| many)];
-        let all = many.points.iter().map(|point| (point.stratum, point.weight * point.errors[figure]));
-        let all = Variance::stratified(all).value;
-        let shrunk = if others.value > 0.0 { (all / others.value).min(1.0) } else { 1.0 };
-        let alike = (sum.value - difference.value) / 2.0 * shrunk;
-        let variance = (own.value + all - alike).max(0.0);
-        let freedom = difference.freedom(self.freedom[figure].min(other.freedom[figure]));
-        Some(student(freedom) * variance.sqrt())
+        let points = apart([self, other].map(|it| (it.freedom[figure], it.points.as_slice())), figure)?;
+        let change = |it: &'a Self| it.change.as_ref().map_or((f64::INFINITY, &[][..]), |it| it.of(figure));
+        Some(points.hypot(apart([change(self), change(other)], figure)?))
     }
+}
+
+impl Change {
+    fn of(&self, figure: usize) -> (f64, &[Residual]) {
+        (self.freedom[figure], &self.points)
+    }
+}
+
+/// Half the width of the interval of what two samples are apart, each with degrees of freedom and its points. One
+/// without points is exact.
+fn apart(samples: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
+    let most = samples.iter().filter(|(_, points)| !points.is_empty()).map(|(freedom, _)| *freedom);
+    let most = most.fold(f64::INFINITY, f64::min);
+    let [one, other] = samples.map(|(_, points)| points);
+    let [few, many] = if one.len() > other.len() { [other, one] } else { [one, other] };
+    let mut rest = many.iter();
+    let both = few.iter().map(|point| Some((point, rest.find(|it| it.place == point.place)?)));
+    let both: Vec<_> = both.collect::<Option<_>>()?;
+    let of_both = |value: fn(f64, f64) -> f64| {
+        let value = |&(few, many): &(&Residual, &Residual)| {
+            (few.stratum, few.weight * value(few.errors[figure], many.errors[figure]))
+        };
+        Variance::stratified(both.iter().map(value))
+    };
+    let [difference, sum] = [of_both(|few, many| few - many), of_both(|few, many| few + many)];
+    let [alone, with] = [of_both(|few, _| few), of_both(|_, many| many)];
+    let all = many.iter().map(|point| (point.stratum, point.weight * point.errors[figure]));
+    let all = Variance::stratified(all).value;
+    let shrunk = if with.value > 0.0 { (all / with.value).min(1.0) } else { 1.0 };
+    let alike = (sum.value - difference.value) / 2.0 * shrunk;
+    let variance = (alone.value + all - alike).max(0.0);
+    Some(student(difference.freedom(most)) * variance.sqrt())
 }
 
 #[cfg(test)]
@@ -78,7 +111,7 @@ mod tests {
     fn sample(strata: usize, error: impl Fn(usize) -> f64) -> Residuals {
         let point = |at: usize| Residual { place: at as f64, stratum: at / 2, weight: 2.0, errors: [error(at); 3] };
         let points = (0..2 * strata).map(point).collect();
-        Residuals { window_pixels: 512, seed: 0, freedom: [strata as f64; 3], points }
+        Residuals { window_pixels: 512, seed: 0, freedom: [strata as f64; 3], points, change: None }
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! Reuse distances, counted in bins, and the misses of caches that are read from them.
 
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{Binomial, DiscreteCDF};
 
 /// Distances below this have a bin each; above, an octave has so many.
@@ -7,7 +8,7 @@ const FINE: u64 = 32;
 const AN_OCTAVE: u32 = 8;
 
 /// Accesses by the number of other lines touched since the same line was touched.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Distances {
     /// First touches.
     first: u64,

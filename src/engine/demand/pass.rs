@@ -1,5 +1,7 @@
 //! The pass, and what it found.
 
+use serde::{Deserialize, Serialize};
+
 use super::distances::Distances;
 use super::watch::Asked;
 use crate::engine::error::RunError;
@@ -12,7 +14,7 @@ use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::{Header, Structure};
 
 /// What a stream asks of machines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Demand {
     /// The machine of the pass.
     pub(super) reference: MachineSpec,

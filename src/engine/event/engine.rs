@@ -166,12 +166,12 @@ impl Event {
 
     /// All caches hold from now on what the warm ones do.
     fn hold(&mut self, warm: &WarmCaches) {
-        let l1 = |kind: Kind, index: usize| &warm.l1s(kind)[index];
+        let l1 = |kind: Kind, index: usize| warm.l1s(kind)[index].tags();
         self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
         self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));
         self.intersection.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Intersection, i)));
         self.shadow_cache.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::ShadowCache, i)));
-        self.links.l2.banks.iter_mut().zip(warm.banks()).for_each(|(bank, cache)| bank.hold(cache));
+        self.links.l2.banks.iter_mut().zip(warm.banks()).for_each(|(bank, cache)| bank.hold(cache.tags()));
     }
 
     fn is_idle(&self) -> bool {

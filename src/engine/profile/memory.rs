@@ -7,9 +7,10 @@ use super::watch::Watch;
 use crate::engine::tally::{BankTally, ChannelTally};
 use crate::machine::MachineSpec;
 use crate::memory::bank::{BankedSpec, Served};
-use crate::memory::cache::{Access, Cache};
+use crate::memory::cache::Access;
 use crate::memory::l2::Home;
 use crate::memory::tags::Victim;
+use crate::memory::timeless::TimelessCache;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
@@ -124,7 +125,7 @@ impl<W: Watch> Memory<W> {
     }
 
     /// The L2s hold from now on what `banks` do.
-    pub(super) fn hold(&mut self, banks: &[Cache]) {
+    pub(super) fn hold(&mut self, banks: &[TimelessCache]) {
         self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.level.hold(cache.tags()));
     }
 

@@ -10,7 +10,8 @@ use crate::machine::kinds::KindSpec;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Past;
-use crate::memory::cache::{Access, Cache, CacheSpec, Release};
+use crate::memory::cache::{Access, CacheSpec, Release};
+use crate::memory::tags::TagArray;
 use crate::memory::tags::Victim;
 use crate::quantity::{Bytes, LineAddr};
 
@@ -202,9 +203,9 @@ impl Unit {
         self.level.arrive(at, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
     }
 
-    /// The L1 holds from now on what `cache` does.
-    pub(super) fn hold(&mut self, cache: &Cache) {
-        self.level.hold(cache.tags());
+    /// The L1 holds from now on what `tags` do.
+    pub(super) fn hold(&mut self, tags: &TagArray) {
+        self.level.hold(tags);
     }
 
     /// When the last line under way comes.

@@ -1,5 +1,6 @@
 //! What is known of every design for nearly nothing: from few passes over each stream.
 
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
@@ -25,7 +26,7 @@ fn reference(machine: &MachineSpec, base: &MachineSpec) -> MachineSpec {
 }
 
 /// Estimates of all `points`, which are of one machine of the experiment under one policy, and how many passes over the
-/// stream these took.
+/// stream these took; passes that are kept in a folder are not made again.
 ///
 /// # Errors
 /// A pass fails, or `stop` was set.
@@ -33,7 +34,7 @@ pub(super) fn estimates(
     sweep: &Sweep,
     stream: &Recorded,
     points: &[Point],
-    stop: &AtomicBool,
+    (folder, stop): (&Path, &AtomicBool),
 ) -> Result<(Vec<Estimate>, usize), SweepError> {
     let machine = |point: &Point| Ok::<_, SweepError>(point.role.machine(&sweep.machine(point.machine)?.spec));
     let machines: Vec<MachineSpec> = points.iter().map(machine).collect::<Result<_, _>>()?;
@@ -56,7 +57,7 @@ pub(super) fn estimates(
         references = vec![base];
         of_machine.fill(0);
     }
-    let demands = references.par_iter().map(|machine| demand(machine, stream, stop));
+    let demands = references.par_iter().map(|machine| demand(machine, stream, folder, stop));
     let demands: Vec<Demand> = demands.collect::<Result<_, _>>()?;
     let estimates = machines.par_iter().zip(&of_machine).map(|(machine, &of)| demands[of].estimate(machine)).collect();
     Ok((estimates, demands.len()))

@@ -87,7 +87,8 @@ impl Bench<'_> {
             for (policy, &wrong) in wrong.iter().enumerate() {
                 let of = |point: &&Point| point.policy == policy && self.sweep.base(point.machine) == base;
                 let some: Vec<Point> = candidates.iter().filter(of).copied().collect();
-                let (found, more) = known::estimates(self.sweep, &self.recorded[policy], &some, self.stop)?;
+                let (found, more) =
+                    known::estimates(self.sweep, &self.recorded[policy], &some, (self.points, self.stop))?;
                 points.extend(some.into_iter().map(|point| (point, wrong)));
                 estimates.extend(found);
                 passes += more;

@@ -13,10 +13,13 @@ use super::points::{self, Measured, Refused};
 use super::replay::replay;
 use super::spec::Sweep;
 use super::streams::Recorded;
+use crate::machine::MachineSpec;
 use crate::output::Turn;
+use crate::replay::Fidelity;
+use crate::stats::MachineStats;
 
 /// How long a process waits for a point that another one makes before it looks again.
-const PAUSE: Duration = Duration::from_millis(50);
+pub(super) const PAUSE: Duration = Duration::from_millis(50);
 
 /// Those of `share` that are to be made. What is damaged, or of another build, is told and made again.
 pub(super) fn missing(share: &[Point], folder: &Path) -> Vec<Point> {
@@ -52,8 +55,10 @@ pub(super) fn make(
     stop: &AtomicBool,
 ) -> Result<(), SweepError> {
     let maker = Maker { sweep, streams, folder, log, stop };
-    let elsewhere = wanted.par_iter().map(|point| maker.make(point).map(|done| (!done).then_some(point)));
-    let mut elsewhere: Vec<&Point> = elsewhere.filter_map(Result::transpose).collect::<Result<_, _>>()?;
+    let (baselines, others): (Vec<&Point>, Vec<&Point>) = wanted.iter().partition(|point| point.baseline.is_none());
+    let mut elsewhere = maker.make_all(&baselines)?;
+    maker.make_baselines(&others)?;
+    elsewhere.extend(maker.make_all(&others)?);
     while !elsewhere.is_empty() {
         std::thread::sleep(PAUSE);
         let mut left = Vec::new();
@@ -67,33 +72,70 @@ pub(super) fn make(
     Ok(())
 }
 
-struct Maker<'a> {
-    sweep: &'a Sweep,
-    streams: &'a [Recorded],
-    folder: &'a Path,
-    log: &'a Log,
-    stop: &'a AtomicBool,
+pub(super) struct Maker<'a> {
+    pub(super) sweep: &'a Sweep,
+    pub(super) streams: &'a [Recorded],
+    pub(super) folder: &'a Path,
+    pub(super) log: &'a Log,
+    pub(super) stop: &'a AtomicBool,
 }
 
 impl Maker<'_> {
+    /// Makes points, together where they share something. Returns those that other processes make.
+    fn make_all<'p>(&self, points: &[&'p Point]) -> Result<Vec<&'p Point>, SweepError> {
+        let (batches, alone) = self.batches(points)?;
+        let mut elsewhere = Vec::new();
+        for batch in batches {
+            elsewhere.extend(self.make_together(&batch)?);
+        }
+        let alone = alone.par_iter().map(|&point| self.make(point).map(|done| (!done).then_some(point)));
+        elsewhere.extend(alone.filter_map(Result::transpose).collect::<Result<Vec<_>, _>>()?);
+        Ok(elsewhere)
+    }
+
     /// Makes a point that is not there. `false` while another process makes it.
     fn make(&self, point: &Point) -> Result<bool, SweepError> {
+        let is_made = self.have(point)?;
+        if is_made {
+            self.log.done(point.cost);
+        }
+        Ok(is_made)
+    }
+
+    /// The same without a word in the log.
+    pub(super) fn have(&self, point: &Point) -> Result<bool, SweepError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(SweepError::Stopped);
         }
         let file = point.key.file(self.folder);
         let Some(_turn) = Turn::take(&file) else { return Ok(false) };
-        // Another process may have made the point since.
-        if !matches!(points::read(self.folder, point.key), Ok(Some(_))) {
-            let stream = &self.streams[point.policy];
-            let machine = point.role.machine(&self.sweep.machine(point.machine)?.spec);
-            let fidelity = self.sweep.experiment.spec.fidelity.compared();
-            let stats = replay(&machine, (fidelity, self.sweep.cut), stream, self.stop)?;
-            let measured = Measured { stats, totals: stream.totals };
-            points::write(self.folder, point.key, measured)
-                .map_err(|source| SweepError::File { path: file, source })?;
+        if !self.is_there(point) {
+            let machine = self.machine(point)?;
+            let level = (self.fidelity(), self.sweep.cut(point.machine));
+            self.keep(point, replay(&machine, level, &self.streams[point.policy], self.stop)?)?;
         }
-        self.log.done(point.cost);
         Ok(true)
+    }
+
+    /// Whether a point is there: another process may have made it since it was looked for.
+    pub(super) fn is_there(&self, point: &Point) -> bool {
+        matches!(points::read(self.folder, point.key), Ok(Some(_)))
+    }
+
+    /// The machine that is replayed for a point.
+    pub(super) fn machine(&self, point: &Point) -> Result<MachineSpec, SweepError> {
+        Ok(point.role.machine(&self.sweep.machine(point.machine)?.spec))
+    }
+
+    /// The level of replays that are compared.
+    pub(super) fn fidelity(&self) -> Fidelity {
+        self.sweep.experiment.spec.fidelity.compared()
+    }
+
+    /// Keeps what a point's replay measured.
+    pub(super) fn keep(&self, point: &Point, stats: MachineStats) -> Result<(), SweepError> {
+        let measured = Measured { stats, totals: self.streams[point.policy].totals };
+        points::write(self.folder, point.key, measured)
+            .map_err(|source| SweepError::File { path: point.key.file(self.folder), source })
     }
 }

@@ -7,6 +7,7 @@
 mod collect;
 mod draw;
 mod error;
+mod kept;
 mod listing;
 mod log;
 mod make;
@@ -18,12 +19,14 @@ mod shard;
 mod spec;
 mod streams;
 mod summary;
+mod together;
 mod values;
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 pub use self::error::SweepError;
+pub(super) use self::kept::kept;
 pub(crate) use self::listing::{Listed, Listing};
 use self::log::Log;
 pub(super) use self::places::Places;
@@ -34,7 +37,7 @@ pub(crate) use self::shard::Shard;
 pub(crate) use self::spec::ChosenLevel;
 pub(super) use self::spec::Sweep;
 pub(crate) use self::spec::SweepSpec;
-pub(super) use self::streams::{BUILD, Recorded, Streams};
+pub(super) use self::streams::{Recorded, Streams};
 pub(super) use self::summary::read as read_point;
 use crate::output::{ResultsFolder, SharedFolder};
 use crate::report::sweep::SweepSummary;

@@ -21,6 +21,8 @@ pub(in super::super) struct Point {
     pub(in super::super) role: Role,
     /// Expected cost, in rays that a replay without culling takes as long for.
     pub(in super::super) cost: u64,
+    /// The point that it is measured beside, where samples go on to a target; the point there is its own.
+    pub(in super::super) baseline: Option<Key>,
 }
 
 /// All points of a sweep, in the order of its files; of a space its first set, from which the others are chosen. They
@@ -58,9 +60,9 @@ impl Plan {
         for machine in 0..sweep.len() {
             let spec = sweep.machine(machine)?.spec;
             for &(policy, role) in replays {
-                let key = self.key(sweep, &spec, policy, role);
+                let (key, baseline) = self.keys(sweep, (machine, &spec), policy, role);
                 if seen.insert(key) {
-                    points.push(Point { key, policy, machine, role, cost: rays * weight(role) / 10 });
+                    points.push(Point { key, policy, machine, role, cost: rays * weight(role) / 10, baseline });
                 }
             }
         }
@@ -84,9 +86,36 @@ impl Plan {
         (0..self.identities.len()).map(|policy| (policy, role(policy))).collect()
     }
 
-    /// The key of a machine's replay.
-    pub(in super::super) fn key(&self, sweep: &Sweep, machine: &MachineSpec, policy: usize, role: Role) -> Key {
-        Key::new(self.identities[policy], (sweep.experiment.spec.fidelity, sweep.cut), &role.machine(machine))
+    /// The key of the replay of a machine, whose number and spec are given.
+    pub(in super::super) fn key(
+        &self,
+        sweep: &Sweep,
+        (machine, spec): (usize, &MachineSpec),
+        policy: usize,
+        role: Role,
+    ) -> Key {
+        self.keys(sweep, (machine, spec), policy, role).0
+    }
+
+    /// The key of the replay of a machine, and that of its baseline.
+    fn keys(
+        &self,
+        sweep: &Sweep,
+        (machine, spec): (usize, &MachineSpec),
+        policy: usize,
+        role: Role,
+    ) -> (Key, Option<Key>) {
+        let level = (sweep.experiment.spec.fidelity, sweep.cut(machine));
+        let key =
+            |spec: &MachineSpec, beside: Option<&MachineSpec>| Key::new(self.identities[policy], level, spec, beside);
+        let own = role.machine(spec);
+        let Some(baseline) = sweep.baseline(machine) else { return (key(&own, None), None) };
+        let baseline = role.of_baseline().machine(baseline);
+        let of_baseline = key(&baseline, None);
+        match key(&own, None) {
+            itself if itself == of_baseline => (itself, None),
+            _ => (key(&own, Some(&baseline)), Some(of_baseline)),
+        }
     }
 
     /// The policy that the others are measured against.

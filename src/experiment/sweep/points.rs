@@ -30,10 +30,16 @@ impl Key {
         Self(xxh3_128(&keys.flat_map(|key| key.0.to_le_bytes()).collect::<Vec<u8>>()))
     }
 
-    /// The key of a replay of a stream, of which samples are cut alike. A machine's name changes no result.
-    pub(super) fn new(stream: Identity, (fidelity, cut): (Fidelity, Option<Cut>), machine: &MachineSpec) -> Self {
-        let machine = MachineSpec { name: String::new(), ..machine.clone() };
-        let all = serde_json::to_vec(&(stream.to_string(), fidelity, cut, machine));
+    /// The key of a replay of a stream, of which samples are cut alike, beside that of a baseline if there is one. A
+    /// machine's name changes no result.
+    pub(super) fn new(
+        stream: Identity,
+        (fidelity, cut): (Fidelity, Option<Cut>),
+        machine: &MachineSpec,
+        baseline: Option<&MachineSpec>,
+    ) -> Self {
+        let nameless = |machine: &MachineSpec| MachineSpec { name: String::new(), ..machine.clone() };
+        let all = serde_json::to_vec(&(stream.to_string(), fidelity, cut, nameless(machine), baseline.map(nameless)));
         Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
     }
 

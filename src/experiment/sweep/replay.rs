@@ -1,11 +1,13 @@
 //! A recorded stream replayed on a machine, unless it is stopped.
 
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::error::SweepError;
+use super::kept::kept;
 use super::streams::Recorded;
 use crate::machine::MachineSpec;
-use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile};
+use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
@@ -36,17 +38,67 @@ pub(crate) fn replay(
     told(replayed, machine, stream, stop)
 }
 
-/// What a recorded stream asks of machines like `machine`.
+/// What a recorded stream asks of machines like `machine`, unless that is kept in `folder`.
 ///
 /// # Errors
 /// The pass is stopped or fails.
 pub(in super::super) fn demand(
     machine: &MachineSpec,
     stream: &Recorded,
+    folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Demand, SweepError> {
-    let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
-    told(demand, machine, stream, stop)
+    let spec = serde_json::to_string(machine).expect("plain data, which JSON can hold");
+    // A stream's file is named by its inputs.
+    let inputs = format!("{} {spec}", stream.path.file_name().unwrap_or_default().display());
+    kept(folder, "demand", &inputs, || {
+        let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
+        told(demand, machine, stream, stop)
+    })
+}
+
+/// Samples a recorded stream for several machines on the same passes, where that is what the level does.
+pub(super) struct Shared<'a> {
+    together: Together<'a>,
+    stream: &'a Recorded,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Shared<'a> {
+    /// None where nothing is sampled.
+    pub(super) fn of(
+        (fidelity, cut): (Fidelity, Option<Cut>),
+        baseline: Option<(&'a MachineSpec, &'a MachineStats)>,
+        stream: &'a Recorded,
+        stop: &'a AtomicBool,
+    ) -> Option<Self> {
+        let together = Together { header: &stream.header, fidelity, cut: cut?, baseline };
+        together.samples().then_some(Self { together, stream, stop })
+    }
+
+    /// The sample of each machine, or what says that everything is to be replayed.
+    ///
+    /// # Errors
+    /// Sampling is stopped or fails.
+    pub(super) fn sample(&self, machines: &[MachineSpec]) -> Result<Vec<Verdict>, SweepError> {
+        for machine in machines {
+            told(replay_of(machine, self.stream), machine, self.stream, self.stop)?;
+        }
+        let Some(first) = machines.first() else { return Ok(Vec::new()) };
+        let specs: Vec<&MachineSpec> = machines.iter().collect();
+        let sampled = self.together.sample(&specs, &source(self.stream, self.stop));
+        let sampled = told(sampled, first, self.stream, self.stop)?.into_iter().zip(machines);
+        sampled.map(|(verdict, machine)| told(verdict, machine, self.stream, self.stop)).collect()
+    }
+
+    /// The statistics of a machine: of its sample, or of a replay of everything.
+    ///
+    /// # Errors
+    /// The replay is stopped or fails.
+    pub(super) fn stats(&self, verdict: Verdict, machine: &MachineSpec) -> Result<MachineStats, SweepError> {
+        let stats = verdict.stats(machine, &self.stream.header, &source(self.stream, self.stop));
+        told(stats, machine, self.stream, self.stop)
+    }
 }
 
 fn source<'a>(stream: &'a Recorded, stop: &'a AtomicBool) -> Stoppable<'a> {

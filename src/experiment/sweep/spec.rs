@@ -109,9 +109,12 @@ pub(in super::super) struct Sweep {
     pub(in super::super) space: Option<SpaceSpec>,
     /// Combinations, and those that are no machines.
     pub(in super::super) combined: Combined,
-    /// How samples cut streams: alike for all machines, so that what a field changes is told window by window. None
-    /// where nothing is sampled.
-    pub(in super::super) cut: Option<Cut>,
+    /// How samples cut streams, for each of the experiment's machines: alike for all that are made of it, so that what
+    /// a field changes is told window by window. Empty where nothing is sampled.
+    cuts: Vec<Cut>,
+    /// For each of the experiment's machines, the one that the others made of it are measured beside: the first. Empty
+    /// where no sample goes on to a target.
+    baselines: Vec<MachineSpec>,
 }
 
 /// Combinations of values in a space.
@@ -169,11 +172,26 @@ impl Sweep {
         }
         let combined = Combined::default();
         let path = path.to_owned();
-        let mut sweep = Self { path, experiment, fields, machines: Vec::new(), space: None, combined, cut: None };
+        let mut sweep = Self {
+            path,
+            experiment,
+            fields,
+            machines: Vec::new(),
+            space: None,
+            combined,
+            cuts: Vec::new(),
+            baselines: Vec::new(),
+        };
         sweep.combine(spec.points).map_err(wrong)?;
         if sweep.experiment.spec.fidelity.samples() {
-            let cut = |machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec));
-            sweep.cut = Cut::common((0..sweep.len()).map(cut).collect::<Result<Vec<_>, _>>()?);
+            for base in 0..sweep.experiment.machines.len() {
+                let of_base = (0..sweep.len()).filter(|&machine| sweep.base(machine) == base);
+                let cuts = of_base.map(|machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec)));
+                sweep.cuts.extend(Cut::common(cuts.collect::<Result<Vec<_>, _>>()?));
+                if sweep.experiment.spec.fidelity.has_target() {
+                    sweep.baselines.push(sweep.machine(sweep.first(base))?.spec);
+                }
+            }
         }
         Ok(sweep)
     }
@@ -206,6 +224,21 @@ impl Sweep {
     /// The number of a machine's base among the experiment's machines.
     pub(in super::super) fn base(&self, index: usize) -> usize {
         self.machines[index].base
+    }
+
+    /// How samples for a machine cut streams; none where nothing is sampled.
+    pub(in super::super) fn cut(&self, index: usize) -> Option<Cut> {
+        self.cuts.get(self.base(index)).copied()
+    }
+
+    /// What a machine is measured beside; none where no sample goes on to a target.
+    pub(in super::super) fn baseline(&self, index: usize) -> Option<&MachineSpec> {
+        self.baselines.get(self.base(index))
+    }
+
+    /// The first machine that is made of one of the experiment's.
+    pub(in super::super) fn first(&self, base: usize) -> usize {
+        self.machines.iter().position(|machine| machine.base == base).unwrap_or_default()
     }
 
     /// Whether a machine has no other values than its file.

@@ -25,13 +25,13 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
     let mut own: HashMap<(usize, usize), MachineStats, FxBuildHasher> = HashMap::default();
     for at in (0..sweep.len()).filter(|&at| sweep.is_as_in_its_file(at)) {
         for policy in plan.culling() {
-            let key = plan.key(sweep, &sweep.machine(at)?.spec, policy, Role::AsItIs);
+            let key = plan.key(sweep, (at, &sweep.machine(at)?.spec), policy, Role::AsItIs);
             own.insert((sweep.base(at), policy), read(folder, key)?.stats);
         }
     }
     for at in 0..sweep.len() {
         let machine = sweep.machine(at)?;
-        let measured = |policy, role| read(folder, plan.key(sweep, &machine.spec, policy, role));
+        let measured = |policy, role| read(folder, plan.key(sweep, (at, &machine.spec), policy, role));
         let baseline = measured(plan.off(), Role::WithoutUnit)?;
         for policy in plan.culling() {
             let real = measured(policy, Role::AsItIs)?;

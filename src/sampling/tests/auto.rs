@@ -4,9 +4,15 @@ use super::super::auto::auto;
 use super::*;
 use crate::stats::{Choice, Why};
 
+fn alone(machine: &MachineSpec, cut: Cut, target: &str) -> MachineStats {
+    let (header, stream) = quickstart();
+    let mut verdicts = auto(&[machine], None, cut, target.parse().unwrap(), &header, &stream).unwrap();
+    verdicts.remove(0).unwrap().stats(machine, &header, &stream).unwrap()
+}
+
 fn on_quickstart(machine: &MachineSpec, target: &str) -> (MachineStats, MachineStats) {
     let (header, stream) = quickstart();
-    let found = auto(machine, Cut::new(machine), target.parse().unwrap(), &header, &stream).unwrap();
+    let found = alone(machine, Cut::new(machine), target);
     (found, on(machine, &header, "Event", &stream))
 }
 
@@ -29,7 +35,7 @@ fn a_sample_is_as_close_as_was_asked_and_says_what_it_took() {
     let mut machine = shipped("small");
     machine.dispatcher.rays = num(16);
     let cut = Cut { pixels: 16, before: 2, own: 2, behind: 1 };
-    let found = auto(&machine, cut, "0.1".parse().unwrap(), &header, &stream).unwrap();
+    let found = alone(&machine, cut, "0.1");
     let event = on(&machine, &header, "Event", &stream);
     let choice = found.choice.unwrap();
     println!("{choice:?} {:?}", found.accuracy);

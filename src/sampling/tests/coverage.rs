@@ -3,7 +3,7 @@
 use std::sync::LazyLock;
 
 use super::super::axis::Axis;
-use super::super::estimate::{Population, Total, Window, estimate_of, residuals};
+use super::super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
 use super::super::known::{Columns, Span};
 use super::super::plan::LEAST;
@@ -14,12 +14,12 @@ use crate::stats::{CacheCounts, Residuals, TrafficClass};
 const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
 
 /// All windows of the recorded stream on a machine.
-struct Census(Vec<Window>);
+pub(super) struct Census(Vec<Window>);
 
 /// On `small`; the stream is short: a small pool makes for many windows.
-static SMALL: LazyLock<Census> = LazyLock::new(|| Census::of(&few_rays()));
+pub(super) static SMALL: LazyLock<Census> = LazyLock::new(|| Census::of(&few_rays()));
 /// The same with other L1s.
-static OTHER: LazyLock<Census> = LazyLock::new(|| {
+pub(super) static OTHER: LazyLock<Census> = LazyLock::new(|| {
     let mut machine = few_rays();
     machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap();
     Census::of(&machine)
@@ -35,9 +35,8 @@ impl Census {
     fn of(machine: &MachineSpec) -> Self {
         let (header, stream) = quickstart();
         let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..1000, cut: CUT };
-        let sampler = Sampler::new(Sampled::Event, machine, &header);
-        let pass = sampler.pass(&plan, 0, &mut items(stream)).unwrap();
-        let mut windows = Findings::of(&sampler, &CUT, pass).unwrap().measured;
+        let sampler = Sampler::new(Sampled::Event, &header);
+        let mut windows = Findings::of(&sampler, machine, &CUT, pass(&sampler, machine, &plan, 0, &stream)).measured;
         for window in &mut windows {
             // Groups overlap: here each counts as it is.
             window.operations = window.span(Span::Group).known[0];
@@ -57,26 +56,26 @@ impl Census {
         Stream { windows, known: sums.map(|sum| sum.known) }
     }
 
-    fn whole(&self) -> Stream<'_> {
+    pub(super) fn whole(&self) -> Stream<'_> {
         self.stream(0, self.0.len())
     }
 }
 
-struct Stream<'a> {
+pub(super) struct Stream<'a> {
     windows: &'a [Window],
     /// What is known of them, by span.
     known: [Columns; Span::ALL.len()],
 }
 
 /// A sample of a stream.
-struct Drawn {
+pub(super) struct Drawn {
     windows: Vec<Window>,
     strata: Strata,
     draws: usize,
 }
 
 impl Stream<'_> {
-    fn drawn(&self, strata: Strata, draws: usize) -> Drawn {
+    pub(super) fn drawn(&self, strata: Strata, draws: usize) -> Drawn {
         let mut axis = Axis::new(strata, draws);
         let hits = self.windows.iter().map(|window| Window { hits: axis.next(), ..window.clone() });
         Drawn { windows: hits.filter(|window| !window.hits.is_empty()).collect(), strata, draws }
@@ -86,23 +85,28 @@ impl Stream<'_> {
         Population { strata: drawn.strata, windows: self.windows.len(), known: self.known[span as usize] }
     }
 
-    fn truth(&self, (figure, span): &(Figure, Span)) -> f64 {
+    pub(super) fn truth(&self, (figure, span): &(Figure, Span)) -> f64 {
         self.windows.iter().map(|window| window.span(*span).figures[figure]).sum()
     }
 
-    fn estimate(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Total {
-        estimate_of(&self.population(drawn, *span), &drawn.windows, drawn.draws, figure)
+    pub(super) fn estimates(&self, drawn: &Drawn, (figure, span): (&Figure, Span)) -> Estimates {
+        let population = self.population(drawn, span);
+        estimates(&population, &drawn.windows, drawn.draws, 64, |it| it == figure)
+    }
+
+    pub(super) fn estimate(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Total {
+        self.estimates(drawn, (figure, *span)).total(figure)
     }
 
     /// What the sample leaves over; all three figures are those of one span here.
     fn residuals(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Residuals {
-        let figures = [(); 3].map(|()| figure.clone());
-        let (points, freedom) = residuals(&self.population(drawn, *span), &drawn.windows, drawn.draws, 64, &figures);
-        Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points }
+        let estimates = self.estimates(drawn, (figure, *span));
+        let (points, freedom) = estimates.residuals(&[(); 3].map(|()| figure.clone()));
+        Residuals { window_pixels: CUT.window() as u64, seed: drawn.strata.seed, freedom, points, change: None }
     }
 }
 
-const TOLD: [(Figure, Span); 3] =
+pub(super) const TOLD: [(Figure, Span); 3] =
     [(Figure::Cycles, Span::Inside), (Figure::DramBytes, Span::Own), (Figure::L2Bytes, Span::Own)];
 
 fn misses() -> Figure {
@@ -110,7 +114,7 @@ fn misses() -> Figure {
 }
 
 /// Strata of which so many points are drawn of a stream, two each.
-fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
+pub(super) fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
     Strata { length: 2.0 * stream.windows.len() as f64 / points as f64, seed }
 }
 

@@ -1,11 +1,13 @@
 //! Samples: what any machine and stream must give, how far windows by themselves are off, and how often intervals hold.
 
 mod auto;
+mod beside;
 mod coverage;
+mod together;
 mod traffic;
 
 use super::findings::Findings;
-use super::pass::Sampler;
+use super::pass::{Member, Pass, Sampler};
 use super::plan::{Cut, Plan};
 use super::strata::Strata;
 use crate::engine::tests::agreement::check_many;
@@ -19,7 +21,13 @@ use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
 use crate::replay::{Fidelity, Replay};
 use crate::stats::{Accuracy, MachineStats};
-use crate::stream::{FrameInfo, Header};
+use crate::stream::{FrameInfo, Header, Item};
+
+/// A pass for one machine.
+fn pass(sampler: &Sampler<'_>, machine: &MachineSpec, plan: &Plan, keep: usize, stream: &[Item]) -> Pass {
+    let member = [Member { machine, plan: plan.clone() }];
+    sampler.pass(&member, keep, &mut items(stream.to_vec())).unwrap().remove(0).unwrap()
+}
 
 #[test]
 fn a_sample_of_everything_is_everything() {
@@ -45,10 +53,11 @@ fn any_machine_can_be_sampled() {
             let cut = Cut { pixels: 1, before: 2, own: 2, behind: 1 };
             let plan = Plan { strata: Strata { length: 2.0, seed: 0 }, draws: 0..2, cut };
             let header = header();
-            let sampler = Sampler::new(Sampled::Event, &machine, &header);
-            let pass = sampler.pass(&plan, 0, &mut items(stream)).map_err(|error| error.to_string())?;
-            let sampled =
-                Findings::of(&sampler, &plan.cut, pass).map_err(|error| error.to_string())?.estimate(&machine, 2);
+            let sampler = Sampler::new(Sampled::Event, &header);
+            let member = [Member { machine: &machine, plan: plan.clone() }];
+            let pass = sampler.pass(&member, 0, &mut items(stream)).and_then(|mut passes| passes.remove(0));
+            let pass = pass.map_err(|error| error.to_string())?;
+            let sampled = Findings::of(&sampler, &machine, &plan.cut, pass).estimate(&machine, 2);
             if whole.rays == sampled.rays { Ok(()) } else { Err(format!("{} rays, {}", whole.rays, sampled.rays)) }
         },
     );
@@ -62,20 +71,18 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
     let by = |threads| {
         let cut = Cut { pixels: 32, before: 2, own: 2, behind: 1 };
         let mut plan = Plan::new(0.25, cut, 5);
-        let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &machine, &header) };
-        let mut pass = sampler.pass(&plan, 4, &mut items(stream.clone())).unwrap();
+        let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &header) };
+        let mut pass = pass(&sampler, &machine, &plan, 4, &stream);
         let mut kept = std::mem::take(&mut pass.kept);
-        let mut findings = Findings::of(&sampler, &plan.cut, pass).unwrap();
+        let mut findings = Findings::of(&sampler, &machine, &cut, pass);
         plan.draws = 2..3;
-        findings.add(sampler.replay(kept.take(&plan.draws).unwrap()).unwrap());
+        let jobs = kept.take(&plan.draws).unwrap().into_iter().map(|job| (0, job));
+        let member = [Member { machine: &machine, plan: plan.clone() }];
+        findings.add(sampler.replay(&member, jobs.collect()).remove(0).unwrap());
         // What was kept is what another pass would measure.
-        let again = sampler.pass(&plan, 4, &mut items(stream.clone())).unwrap();
-        let mut passed = Findings::of(
-            &sampler,
-            &cut,
-            sampler.pass(&Plan { draws: 0..2, ..plan }, 4, &mut items(stream.clone())).unwrap(),
-        )
-        .unwrap();
+        let again = self::pass(&sampler, &machine, &plan, 4, &stream);
+        let first = self::pass(&sampler, &machine, &Plan { draws: 0..2, ..plan }, 4, &stream);
+        let mut passed = Findings::of(&sampler, &machine, &cut, first);
         passed.add(again.found);
         assert!(passed == findings);
         findings
@@ -157,9 +164,8 @@ fn windows_by_themselves_add_up() {
             let whole = on(&machine, &header, &Level::from(engine).to_string(), &stream);
             // So many points that all but the smallest windows have some.
             let plan = Plan { draws: 0..200, ..Plan::new(1.0, Cut::new(&machine), 0) };
-            let sampler = Sampler::new(engine, &machine, &header);
-            let found =
-                Findings::of(&sampler, &plan.cut, sampler.pass(&plan, 0, &mut items(stream.clone())).unwrap()).unwrap();
+            let sampler = Sampler::new(engine, &header);
+            let found = Findings::of(&sampler, &machine, &plan.cut, pass(&sampler, &machine, &plan, 0, &stream));
             let sampled = found.estimate(&machine, 200);
             let off = |sampled: u64, whole: u64| sampled as f64 / whole as f64 - 1.0;
             let moved = |stats: &MachineStats, level| stats.moved(level).0;

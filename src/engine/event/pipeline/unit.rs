@@ -6,6 +6,7 @@ use super::super::ray::RayId;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::{BanksInUse, Cache, CacheSpec, Past, Release};
 use crate::memory::ring::Ring;
+use crate::memory::tags::TagArray;
 use crate::memory::{PartId, Request};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{L1Counts, TrafficClass};
@@ -151,10 +152,10 @@ impl Pipeline {
         self.cache.drop_from(first);
     }
 
-    /// The L1 holds from now on what `cache` does.
-    pub(crate) fn hold(&mut self, cache: &Cache) {
+    /// The L1 holds from now on what `tags` do.
+    pub(crate) fn hold(&mut self, tags: &TagArray) {
         self.stuck = false;
-        self.cache.hold(cache);
+        self.cache.hold(tags);
     }
 
     /// Whether nothing is on its way to the L2.

@@ -76,7 +76,7 @@ fn a_change_between_samples_of_other_windows_is_as_sure_as_both() {
     // Of the same windows, which are off alike, the change is known better than either.
     let point = |at: usize| Residual { place: at as f64, stratum: at / 2, weight: 1.0, errors: [0.001 * at as f64; 3] };
     let points = (0..16).map(point).collect();
-    let residuals = Residuals { window_pixels: 512, seed: 0, freedom: [8.0; 3], points };
+    let residuals = Residuals { window_pixels: 512, seed: 0, freedom: [8.0; 3], points, change: None };
     for machine in summary.machines.values_mut() {
         machine.policies.values_mut().for_each(|run| run.stats.residuals = Some(residuals.clone()));
     }

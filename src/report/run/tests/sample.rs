@@ -165,6 +165,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             seed: (joules * 1e6) as u64,
             freedom: [8.0; 3],
             points: vec![Residual { place: 0.5, stratum: 0, weight: 2.0, errors: [0.01; 3] }],
+            change: None,
         }),
         choice: Some(Choice { target: 0.02, windows: 24, of: 480, cost: 0.25, why: Why::Sampled }),
         bounds: Some(Bounds::default()),

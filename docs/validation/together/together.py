@@ -1,0 +1,94 @@
+"""Makes one sweep by Event and by a sampled level: processor time of both, and how far every figure is off.
+
+    python3 docs/validation/together/together.py target/release/umbrasim configs/studies/machines_kitchen.ron
+
+Streams are recorded before. Writes together.csv, a row a point, and the chart.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import tempfile
+
+import chart
+
+HERE = pathlib.Path(__file__).parent
+FIGURES = ["cycles", "l2_bytes", "dram_bytes"]
+
+
+def seconds(command):
+    """Processor seconds that a command takes."""
+    with open(os.devnull, "w") as nowhere:
+        child = subprocess.Popen(command, stdout=nowhere)
+        _, status, used = os.wait4(child.pid, 0)
+    if status != 0:
+        raise SystemExit(f"{' '.join(map(str, command))} ended with {status}")
+    return used.ru_utime + used.ru_stime
+
+
+def figures(file):
+    """Cycles, and bytes of L2 and DRAM, of a point."""
+    stats = json.loads(file.read_text())["measured"]["stats"]
+    moved = [sum(sum(classes.values()) for level, classes in stats["bytes"].items() if level.startswith(name))
+             for name in ("l2", "dram")]
+    return dict(zip(FIGURES, [stats["cycles"], *moved]))
+
+
+def points(program, sweep, folder, level):
+    """The points of a sweep in its order, each with its fields and what was measured."""
+    plan = [program, "sweep", sweep, "--out", folder, "--fidelity", level, "--plan", "-"]
+    told = subprocess.run(plan, capture_output=True, text=True, check=True).stdout
+    for row in csv.DictReader(told.splitlines()):
+        found = figures(folder / "points" / f"{row.pop('identity')}.json")
+        yield {key: value for key, value in row.items() if key not in ("index", "cost")}, found
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program")
+    parser.add_argument("sweep")
+    parser.add_argument("--level", default="Auto(error: 0.02)", help="the sampled level")
+    parser.add_argument("--table", default=HERE / "together.csv", help="where the rows go")
+    chosen = parser.parse_args()
+    program = str(pathlib.Path(chosen.program).resolve())
+    with tempfile.TemporaryDirectory() as work:
+        found, times = {}, {}
+        subprocess.run([program, "sweep", chosen.sweep, "--out", f"{work}/Event", "--record"], check=True)
+        shutil.copytree(f"{work}/Event/streams", f"{work}/sampled/streams")
+        for name, level in (("Event", "Event"), ("sampled", chosen.level)):
+            folder = pathlib.Path(work, name)
+            command = [program, "sweep", chosen.sweep, "--out", folder, "--fidelity", level, "--threads", "1"]
+            times[name] = seconds(command)
+            found[name] = list(points(program, chosen.sweep, folder, level))
+    pairs = [(what, truth, told) for (what, truth), (_, told) in zip(found["Event"], found["sampled"], strict=True)]
+    baselines = {}
+    for what, truth, told in pairs:
+        if what["role"] != "free words":
+            baselines.setdefault((what["machine"], what["policy"]), (truth, told))
+    table = []
+    for what, truth, told in pairs:
+        base, row = baselines[what["machine"], what["policy"]], dict(what)
+        for figure in FIGURES:
+            row[figure] = truth[figure]
+            row[f"{figure}_off_percent"] = f"{100 * (told[figure] / truth[figure] - 1):.3f}"
+            changes = [one[figure] / of[figure] for one, of in ((told, base[1]), (truth, base[0]))]
+            row[f"{figure}_change_off_points"] = f"{100 * (changes[0] - changes[1]):.3f}"
+        table.append(row)
+    with open(chosen.table, "w", newline="") as file:
+        writer = csv.DictWriter(file, table[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(table)
+    chart.draw(table, times)
+    print(f"{len(table)} points: {times['Event']:.0f} s by Event, {times['sampled']:.0f} s by {chosen.level}")
+    for kind in ("off_percent", "change_off_points"):
+        for figure in FIGURES:
+            off = sorted(abs(float(row[f"{figure}_{kind}"])) for row in table)
+            print(f"{figure:10} {kind:18} mean {sum(off) / len(off):.2f}  most {off[-1]:.2f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+//! What is kept beside the points because it takes long to find, such as what a stream asks of machines: each in a file
+//! named by a hash of what it is of, with a checksum.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::xxh3_128;
+
+use super::error::SweepError;
+use super::streams::BUILD;
+use crate::input;
+use crate::output::write_whole;
+
+/// The largest of these files, in bytes.
+const MAX_BYTES: u64 = 1 << 24;
+
+/// What a file holds.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Kept<T> {
+    /// What it is of: its inputs, and the build of the program.
+    of: String,
+    /// XXH3 (128 bits) of what was found as compact JSON.
+    checksum: String,
+    found: T,
+}
+
+/// Takes what is kept in `folder` of these inputs, or finds and keeps it. `what` names it.
+///
+/// # Errors
+/// It cannot be found or kept.
+pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
+    folder: &Path,
+    what: &str,
+    inputs: &str,
+    find: impl FnOnce() -> Result<T, SweepError>,
+) -> Result<T, SweepError> {
+    let of = format!("{:032x} {BUILD}", xxh3_128(inputs.as_bytes()));
+    let path = folder.join(format!("{:032x}.{what}.json", xxh3_128(of.as_bytes())));
+    if let Ok(text) = input::read_text(&path, MAX_BYTES) {
+        let kept: Option<Kept<T>> = serde_json::from_str(&text).ok();
+        match kept.filter(|kept| kept.of == of && kept.checksum == checksum(&kept.found)) {
+            Some(kept) => return Ok(kept.found),
+            None => eprintln!("{}: it is damaged, and is made again", path.display()),
+        }
+    }
+    let found = find()?;
+    let kept = Kept { of, checksum: checksum(&found), found };
+    let text = serde_json::to_vec_pretty(&kept).expect("plain data, which JSON can hold");
+    write_whole(&path, &text).map_err(|source| SweepError::File { path, source })?;
+    Ok(kept.found)
+}
+
+fn checksum(found: &impl Serialize) -> String {
+    let text = serde_json::to_vec(found).expect("plain data, which JSON can hold");
+    format!("{:032x}", xxh3_128(&text))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_is_not_found_again_unless_it_is_damaged() {
+        let folder = tempfile::tempdir().unwrap();
+        let found = |inputs: &str, value: u32| kept(folder.path(), "numbers", inputs, || Ok(vec![value])).unwrap();
+        assert_eq!([found("a", 1), found("a", 2), found("b", 3)], [[1], [1], [3]]);
+        let file = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
+        let file = file.filter(|file| std::fs::read_to_string(file).unwrap().contains("    1\n")).last().unwrap();
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replace("    1\n", "    7\n")).unwrap();
+        assert_eq!([found("a", 4), found("a", 5)], [[4], [4]]);
+    }
+}

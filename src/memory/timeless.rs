@@ -1,0 +1,56 @@
+//! A cache without time: accesses go through its tags one after another, and nothing is counted.
+
+use super::allocation::NoAllocate;
+use super::cache::Access;
+use super::tags::{TagArray, Victim};
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+
+/// Tags, and which accesses give a line a place in them. Two that are equal do alike whatever they are asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct TimelessCache {
+    tags: TagArray,
+    no_allocate: NoAllocate,
+}
+
+impl TimelessCache {
+    /// A cache with these tags.
+    pub(crate) fn new(tags: TagArray, no_allocate: NoAllocate) -> Self {
+        Self { tags, no_allocate }
+    }
+
+    /// Accesses `line`, and fills it if it is not there and is to be kept: whether it was, and a dirty line that went.
+    pub(crate) fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
+        let dirty = access == Access::Write;
+        if self.tags.access(line, dirty) {
+            return (true, None);
+        }
+        let victim = if self.no_allocate.keeps(class, access != Access::Read) {
+            self.tags.fill(line, class, dirty)
+        } else {
+            Some(Victim { line, class, dirty })
+        };
+        (false, victim.filter(|victim| victim.dirty))
+    }
+
+    /// Whether a read of `line` hits and changes nothing.
+    #[inline]
+    pub(crate) fn is_in_front(&self, line: LineAddr) -> bool {
+        self.tags.is_in_front(line)
+    }
+
+    /// Its tags.
+    pub(crate) fn tags(&self) -> &TagArray {
+        &self.tags
+    }
+
+    /// What its tags take in memory, about.
+    pub(crate) fn bytes(&self) -> usize {
+        self.tags.bytes()
+    }
+
+    /// Drops all lines from `first` on.
+    pub(crate) fn drop_from(&mut self, first: LineAddr) {
+        self.tags.drop_from(first);
+    }
+}

@@ -1,0 +1,61 @@
+//! Machines on the same pass: each gives what it gives alone, whatever they share.
+
+use super::super::grow::{Goal, sample_until};
+use super::super::lane::machines_of_lanes;
+use super::*;
+use crate::memory::l2::L2Spec;
+
+/// `small` with few rays, and others that share its L1s' and its L2's tags, only those of its L1s, or nothing.
+fn some() -> Vec<MachineSpec> {
+    let mut base = shipped("small");
+    base.dispatcher.rays = num(16);
+    let with = |change: fn(&mut MachineSpec)| {
+        let mut machine = base.clone();
+        change(&mut machine);
+        machine
+    };
+    vec![
+        base.clone(),
+        with(|machine| machine.traversal.cache.mshrs = num(2)),
+        with(|machine| machine.shadow_cache.register = num(4)),
+        with(|machine| {
+            if let L2Spec::Unified(l2) = &mut machine.l2 {
+                l2.bytes = crate::ranged::Size::new(65536).unwrap();
+            }
+        }),
+        with(|machine| machine.shadow_cache.count = num(2)),
+        with(|machine| machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap()),
+    ]
+}
+
+#[test]
+fn machines_share_the_tags_that_are_equal() {
+    let machines = some();
+    let (header, _) = quickstart();
+    let found = machines_of_lanes(&header, &machines);
+    assert_eq!(found, [vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![5]]]);
+}
+
+/// With a baseline or without; the first machine is the baseline.
+#[test]
+fn each_gives_what_it_gives_alone() {
+    let (header, stream) = quickstart();
+    let machines = some();
+    let cut = Cut { pixels: 16, before: 2, own: 2, behind: 1 };
+    let plan = Plan::new(0.03, cut, 0);
+    let sampled = |machines: &[&MachineSpec], baseline, target: &str| {
+        let goal = Goal { target: target.parse().unwrap(), most: 0.5 };
+        let found = sample_until((Sampled::Event, &header), machines, baseline, &plan, goal, &stream).unwrap();
+        found.into_iter().map(Result::unwrap).collect::<Vec<_>>()
+    };
+    let (known, _) = sampled(&[&machines[0]], None, "0.1").remove(0);
+    for (baseline, target) in [(None, "0.2"), (Some((&machines[0], &known)), "0.05")] {
+        let others: Vec<&MachineSpec> = machines.iter().skip(1).collect();
+        let together = sampled(&others, baseline, target);
+        for (machine, together) in others.into_iter().zip(together) {
+            assert!(together == sampled(&[machine], baseline, target)[0]);
+            let change = together.0.residuals.unwrap().change;
+            assert_eq!(change.is_some(), baseline.is_some());
+        }
+    }
+}
