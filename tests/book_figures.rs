@@ -138,7 +138,7 @@ fn wrong_decisions_of_the_study_are_those_of_their_file() {
             assert!(wrong == 0.0, "{row:?}");
             continue;
         }
-        let scene = row["scene"].replace('_', " ");
+        let scene = row["scene"].replace('_', " ").replace("sponza", "Sponza");
         let start = format!("| {scene} | {0}x{0} | ", row["resolution"]);
         let line = page.lines().find(|line| line.starts_with(&start)).unwrap_or_else(|| panic!("no line {start}"));
         let cells: Vec<String> = line.split(" | ").map(|cell| cell.replace(',', "")).collect();

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::ReportError;
-use super::format::{bytes, change, or_absent, percent, short};
+use super::format::{bytes, change, joules, or_absent, percent, short};
 use super::results::{Row, Take, Walk};
 use crate::quantity::Bytes;
 use crate::stats::{MachineStats, TrafficClass};
@@ -16,6 +16,9 @@ pub(crate) struct Split {
     pub cycles: [u64; 3],
     /// DRAM bytes of the same three.
     pub dram: [Bytes; 3],
+    /// Energy of the same three in J, typical; none where a replay has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joules: Option<[f64; 3]>,
     /// Half the widths of the 95 % intervals of the changes of cycles and of DRAM bytes, from the first to the last, if
     /// they are of samples.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -80,6 +83,12 @@ fn dram(stats: &MachineStats, of: impl Fn(TrafficClass) -> bool) -> u64 {
     classes.filter(|(class, _)| of(**class)).map(|(_, bytes)| bytes.0).sum()
 }
 
+/// Energy of three replays, if all have it.
+fn energies([off, free, real]: [&MachineStats; 3]) -> Option<[f64; 3]> {
+    let of = |stats: &MachineStats| stats.energy.as_ref().map(|energy| energy.joules);
+    Some([of(off)?, of(free)?, of(real)?])
+}
+
 /// Half the widths of the intervals of how cycles and DRAM bytes change, if samples tell them.
 pub(crate) fn half_widths(before: &MachineStats, after: &MachineStats) -> Option<[f64; 2]> {
     let cycles = after.cycles.0 as f64 / before.cycles.0.max(1) as f64;
@@ -123,6 +132,7 @@ impl Split {
         Self {
             cycles: [off, free, real].map(|stats| stats.cycles.0),
             dram: [off, free, real].map(all),
+            joules: energies([off, free, real]),
             half_widths: half_widths(off, real),
             within,
             saved,
@@ -187,6 +197,13 @@ impl Split {
         }),
     ];
 
+    /// Columns of energy for people: how it changes, what culling saves of it if words cost nothing, what words cost.
+    pub(crate) const ENERGY: [Column; 3] = [
+        ("energy", |it| or_absent(it.joules, |[off, _, real]| change_within(off, real, None))),
+        ("energy saved", |it| or_absent(it.joules, |[off, free, _]| signed_joules(off - free))),
+        ("energy paid", |it| or_absent(it.joules, |[_, free, real]| signed_joules(real - free))),
+    ];
+
     /// The columns of a CSV.
     pub(crate) const FIELDS: [Column; 20] = [
         ("cycles_off", |it| it.cycles[0].to_string()),
@@ -210,6 +227,12 @@ impl Split {
         ("dram_bytes_per_ray_off", |it| it.bytes_per_ray.to_string()),
         ("break_even_share", |it| number(it.break_even)),
     ];
+}
+
+/// An energy that may be below zero.
+fn signed_joules(value: f64) -> String {
+    let sign = if value < 0.0 { "\u{2212}" } else { "" };
+    format!("{sign}{}", joules(value.abs()))
 }
 
 fn number(value: Option<f64>) -> String {

@@ -13,7 +13,7 @@ use crate::engine::work::{Holder, Work};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
-use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
@@ -40,7 +40,7 @@ pub(super) struct L1Tags {
     capacity: Capacity,
     /// The host's own lines, and which skipped rays it answers.
     host: Option<HostTraffic>,
-    /// What tells which rays are skipped for nothing; other fields are the defaults.
+    /// What tells which rays are skipped for nothing, and what a frame's end does; other fields are the defaults.
     words: ShadowCacheSpec,
     /// Slots of all traversal units, and rays that are in them.
     slots: usize,
@@ -103,7 +103,7 @@ impl L1Tags {
             vec![TimelessCache::new(spec.cache.tags(line), spec.cache.no_allocate); spec.count as usize]
         };
         let cores = machine.cores.size();
-        let ShadowCacheSpec { silent, decide, place, .. } = machine.shadow_cache;
+        let ShadowCacheSpec { silent, decide, place, frame_end, .. } = machine.shadow_cache;
         let slots = machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize;
         Self {
             layout: Layout::new(header, machine),
@@ -115,7 +115,7 @@ impl L1Tags {
             of_core: Kind::ALL.map(|kind| (kind.spec(machine).count / cores as u64) as u16),
             capacity: Capacity::of_units(machine),
             host: HostTraffic::new(&machine.traffic, line),
-            words: ShadowCacheSpec { silent, decide, place, ..ShadowCacheSpec::default() },
+            words: ShadowCacheSpec { silent, decide, place, frame_end, ..ShadowCacheSpec::default() },
             slots,
             in_flight: slots,
             traced: 0,
@@ -188,8 +188,9 @@ impl L1Tags {
         passed
     }
 
-    /// Steps of a frame's end.
+    /// Steps of a frame's end. Where words know their frame, they are left to first touches.
     pub(super) fn frame_end(&mut self, steps: &[u32]) -> Passed {
+        let steps = if self.words.frame_end == FrameEnd::Epoch { &[] } else { steps };
         steps.iter().for_each(|&word| self.step(word, Holder::ShadowCache, RayKind::Primary));
         self.passed()
     }

@@ -23,10 +23,16 @@ fn numbers(desk: &Desk, folder: &str) -> [Vec<u8>; 3] {
 }
 
 fn points(desk: &Desk, folder: &str) -> Vec<PathBuf> {
-    let entries = fs::read_dir(desk.path(folder).join("points")).unwrap().map(|entry| entry.unwrap().path());
-    let mut points: Vec<PathBuf> = entries.filter(|path| !path.to_string_lossy().contains("pixels")).collect();
-    points.sort();
-    points
+    let is_point = |path: &PathBuf| ["pixels", "demand"].iter().all(|what| !path.to_string_lossy().contains(what));
+    kept(desk, folder).into_iter().filter(is_point).collect()
+}
+
+/// What a space keeps: points, wrong pixels, and what its passes told.
+fn kept(desk: &Desk, folder: &str) -> Vec<PathBuf> {
+    let entries = fs::read_dir(desk.path(folder).join("points")).unwrap();
+    let mut kept: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    kept.sort();
+    kept
 }
 
 #[test]
@@ -37,11 +43,17 @@ fn a_space_is_the_same_whatever_stops_it() {
     assert_eq!(points(&desk, "whole").len(), 20);
 
     // What lacks points goes on, and damaged ones are made again.
+    let passes: Vec<PathBuf> =
+        self::kept(&desk, "whole").into_iter().filter(|path| path.to_string_lossy().contains("demand")).collect();
+    let written = |path: &PathBuf| fs::metadata(path).unwrap().modified().unwrap();
+    let before: Vec<_> = passes.iter().map(written).collect();
     let kept = points(&desk, "whole");
     kept.iter().step_by(3).for_each(|point| fs::remove_file(point).unwrap());
     fs::write(&kept[1], "{").unwrap();
     let resumed = desk.succeed(&["sweep", "space.ron", "--out", "whole", "--threads", "2"]);
     assert!(numbers(&desk, "whole") == whole);
+    // Passes are not made again.
+    assert!(!passes.is_empty() && passes.iter().map(written).eq(before));
     // All but the last two lines, which tell the time and the place.
     let table = |text: &str| text.split("\nreport: ").next().unwrap().to_owned();
     assert_eq!(table(&told), table(&resumed));

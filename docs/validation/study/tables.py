@@ -19,6 +19,10 @@ def table(head, lines):
     print()
 
 
+def named(scene):
+    return scene.replace("_", " ").replace("sponza", "Sponza")
+
+
 def signed(share):
     shown = f"{100 * float(share):+.1f} %"
     return "+0.0 %" if shown == "-0.0 %" else shown
@@ -47,7 +51,7 @@ def scenes():
                 for policy, design in (("Published", FAIR), ("Hybrid", FOUR)):
                     def of(column, of_design):
                         return signed(find(of_scene(scene), column, machine=machine, policy=policy, design=of_design))
-                    yield [scene.replace("_", " ").replace("sponza", "Sponza"), f"`{machine}`", f"`{policy}`",
+                    yield [named(scene), f"`{machine}`", f"`{policy}`",
                            of("cycles_change", design), of("cold_change", design), of("cycles_change", "free words"),
                            of("dram_change", design), of("joules_change", design), of("joules_change", "free words")]
     table(["scene", "machine", "policy", "cycles, warm", "cycles, cold", "free words", "DRAM", "energy",
@@ -62,7 +66,7 @@ def sizes():
                 def of(found, policy, design):
                     return signed(find(found, "cycles_change", machine=machine, policy=policy, design=design))
                 pictures = [rows(f"designs_{scene}_256.csv"), rows(f"designs_{scene}.csv")]
-                yield [scene.replace("_", " ").replace("sponza", "Sponza"), f"`{machine}`",
+                yield [named(scene), f"`{machine}`",
                        *[of(found, policy, design) for policy, design in
                          (("Published", FAIR), ("Published", "free words"), ("Hybrid", FOUR)) for found in pictures]]
     table(["scene", "machine", "`Published`, 256x256", "512x512", "free words, 256x256", "512x512",
@@ -94,7 +98,7 @@ def lights():
             if it["policy"] == "Published" and it["design"] == "as it is":
                 free = find(found, "cycles_change", scene=it["scene"], lights=it["lights"], machine=it["machine"],
                             policy="Published", design="free words")
-                yield [it["scene"].replace("_", " "), it["lights"], f"`{it['machine']}`", signed(it["cycles_change"]),
+                yield [named(it["scene"]), it["lights"], f"`{it['machine']}`", signed(it["cycles_change"]),
                        signed(it["cold_change"]), signed(free), signed(it["dram_change"]), signed(it["joules_change"])]
     table(["scene", "lights", "machine", "cycles, warm", "cold", "free words", "DRAM", "energy"], lines())
 
@@ -143,7 +147,7 @@ def wrong():
                           and all(other[name] == it[name] for name in ("scene", "resolution"))][0]
                 dark, lit, rays = (int(it[name]) for name in ("false_dark", "false_lit", "compared_rays"))
                 quiet = int(it["silent_updates"]) / int(it["policy_writes"])
-                yield [it["scene"].replace("_", " "), f"{it['resolution']}x{it['resolution']}", f"{rays:,}",
+                yield [named(it["scene"]), f"{it['resolution']}x{it['resolution']}", f"{rays:,}",
                        f"{dark:,}", f"{lit:,}", f"{1e6 * (dark + lit) / rays:,.0f}",
                        f"{float(it['psnr']):.1f} dB" if it["psnr"] else "same picture",
                        str(int(hybrid["false_dark"]) + int(hybrid["false_lit"])), f"{100 * quiet:.0f} %"]
@@ -155,7 +159,7 @@ def balance():
     """How busy units are."""
     columns = ["dispatcher", "traversal", "intersection", "division", "dram"]
     table(["scene", "machine", *columns[:-1], "DRAM"],
-          [[it["scene"].replace("_", " ").replace("sponza", "Sponza"), f"`{it['machine']}`",
+          [[named(it["scene"]), f"`{it['machine']}`",
             *[f"{100 * float(it[column]):.1f} %" for column in columns]] for it in rows("balance.csv")])
 
 

@@ -10,7 +10,6 @@ import csv
 import json
 import os
 import pathlib
-import shutil
 import subprocess
 import tempfile
 
@@ -57,10 +56,9 @@ def main():
     program = str(pathlib.Path(chosen.program).resolve())
     with tempfile.TemporaryDirectory() as work:
         found, times = {}, {}
-        subprocess.run([program, "sweep", chosen.sweep, "--out", f"{work}/Event", "--record"], check=True)
-        shutil.copytree(f"{work}/Event/streams", f"{work}/sampled/streams")
         for name, level in (("Event", "Event"), ("sampled", chosen.level)):
             folder = pathlib.Path(work, name)
+            subprocess.run([program, "sweep", chosen.sweep, "--out", folder, "--record"], check=True)
             command = [program, "sweep", chosen.sweep, "--out", folder, "--fidelity", level, "--threads", "1"]
             times[name] = seconds(command)
             found[name] = list(points(program, chosen.sweep, folder, level))

@@ -219,6 +219,7 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
         "without culling (0), with the policy and words that cost nothing (1), as it is (2)",
     ),
     ("machines.*.split.*.dram.*", "B", "DRAM bytes of the same three replays"),
+    ("machines.*.split.*.joules.*", "J", "energy of the same three replays"),
     (
         "machines.*.split.*.half_widths.*",
         "share",

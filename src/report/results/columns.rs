@@ -59,7 +59,7 @@ pub(super) const VALUES: [Column; 7] = [
     },
     Column {
         name: "class",
-        about: "class of memory traffic, or cause of a unit's cycles; of split.cycles and split.dram \
+        about: "class of memory traffic, or cause of a unit's cycles; of split.cycles, split.dram and split.joules \
                 which of three replays",
         of: Of::Text(|row| row.class.unwrap_or_default()),
     },

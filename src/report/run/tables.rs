@@ -92,10 +92,12 @@ pub(super) fn dram_per_frame(run: &MachineRun) -> Option<f64> {
 /// What each policy saved and paid on a machine.
 pub(super) fn split(machine: &MachineSummary) -> Grid {
     let row = |(policy, split): (&str, &Split)| {
-        std::iter::once(policy.to_owned()).chain(Split::COLUMNS.map(|(_, text)| text(split))).collect()
+        let columns = Split::COLUMNS.into_iter().chain(Split::ENERGY);
+        std::iter::once(policy.to_owned()).chain(columns.map(|(_, text)| text(split))).collect()
     };
+    let columns = Split::COLUMNS.into_iter().chain(Split::ENERGY);
     Grid {
-        head: std::iter::once("policy").chain(Split::COLUMNS.map(|(name, _)| name)).map(Into::into).collect(),
+        head: std::iter::once("policy").chain(columns.map(|(name, _)| name)).map(Into::into).collect(),
         names: 1,
         rows: machine.split.iter().map(row).collect(),
     }

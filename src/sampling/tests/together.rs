@@ -48,9 +48,10 @@ fn each_gives_what_it_gives_alone() {
         let found = sample_until((Sampled::Event, &header), machines, baseline, &plan, goal, &stream).unwrap();
         found.into_iter().map(Result::unwrap).collect::<Vec<_>>()
     };
-    let (known, _) = sampled(&[&machines[0]], None, "0.1").remove(0);
-    for (baseline, target) in [(None, "0.2"), (Some((&machines[0], &known)), "0.05")] {
-        let others: Vec<&MachineSpec> = machines.iter().skip(1).collect();
+    let (known, _) = sampled(&[&machines[0]], None, "0.3").remove(0);
+    for (baseline, target) in [(None, "0.3"), (Some((&machines[0], &known)), "0.2")] {
+        // One shares all tags with the baseline, one those of the L1s, one none.
+        let others: Vec<&MachineSpec> = [1, 3, 5].map(|at| &machines[at]).into();
         let together = sampled(&others, baseline, target);
         for (machine, together) in others.into_iter().zip(together) {
             assert!(together == sampled(&[machine], baseline, target)[0]);

@@ -32,6 +32,9 @@ pub(super) const MEANINGS: &[(&str, &str)] = &[
     ("culled", "share of shadow rays skipped or traced among dynamic objects only"),
     ("break-even", "share of shadow rays that must be culled to save what the words cost"),
     ("interference", "DRAM bytes of other classes that words drove out of caches"),
+    ("energy", "change of the measured frames' energy against the run without culling"),
+    ("energy saved", "energy that culling saves if words cost nothing"),
+    ("energy paid", "energy that words cost: with them, less with words that cost nothing"),
 ];
 
 fn culling(summary: &Summary) -> impl Iterator<Item = (&str, &PolicySummary)> {

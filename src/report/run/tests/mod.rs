@@ -113,6 +113,18 @@ fn a_summary_survives_its_file_in_the_experiments_order() {
 }
 
 #[test]
+fn energy_saved_and_paid_is_that_of_the_replays() {
+    let summary = sample(&[0, 16]).summary;
+    let (_, machine) = summary.machines.iter().next().unwrap();
+    let joules = |policy: &str| machine.policies.get(policy).unwrap().stats.energy.as_ref().unwrap().joules;
+    let split = machine.split.get("published").unwrap().joules.unwrap();
+    assert_eq!([split[0], split[2]], [joules("off"), joules("published")]);
+    let table = super::tables::split(machine);
+    let names = ["energy", "energy saved", "energy paid"];
+    assert_eq!(table.head[table.head.len() - 3..], names);
+}
+
+#[test]
 fn saved_shares_follow_their_definition() {
     let with = |frame: u32, nodes: u64, tests: u64| FrameResult {
         frame,
