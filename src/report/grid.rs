@@ -1,6 +1,6 @@
 //! Tables of texts, and how a terminal shows them.
 
-use comfy_table::{CellAlignment, ContentArrangement, Table};
+use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
 
 use super::terminal;
 
@@ -98,10 +98,19 @@ fn table(head: &[String], grid: &Grid, columns: &[usize], width: usize) -> Strin
     for cells in &grid.rows {
         table.add_row(row(cells));
     }
-    // Names alone may be too wide: these go on in the next line.
+    // Names alone may be too wide: these go on in the next line, between words as long as words have room.
     if table.lines().any(|line| letters(&line) > width) {
         table.set_content_arrangement(ContentArrangement::Dynamic);
         table.set_width(u16::try_from(width).unwrap_or(u16::MAX));
+        let word = |&at: &usize| grid.rows.iter().flat_map(|row| row[at].split_whitespace()).map(letters).max();
+        let words: Vec<usize> = columns.iter().map(|at| word(at).unwrap_or_default()).collect();
+        if total(&words) <= width {
+            let cells = |at: usize| grid.rows.iter().map(|row| letters(&row[at])).max().unwrap_or_default();
+            let places = table.column_iter_mut().zip(columns.iter().zip(words));
+            for (column, _) in places.filter(|(_, (at, word))| cells(**at) == *word) {
+                column.set_constraint(ColumnConstraint::ContentWidth);
+            }
+        }
     }
     for (place, (column, &at)) in table.column_iter_mut().zip(columns).enumerate() {
         column.set_padding((0, u16::from(place + 1 < columns.len())));
@@ -148,6 +157,15 @@ mod tests {
             names: 1,
             rows: vec![row("Off"), row("Published")],
         }
+    }
+
+    #[test]
+    fn a_name_stays_whole_where_a_text_beside_it_can_be_broken() {
+        let name = "machines.*.policies.*.frames.*.dram.row_hits";
+        let row = [name, "commands", "column commands that found their row open"].map(Into::into).to_vec();
+        let head = ["statistic", "unit", "what it is"].map(Into::into).to_vec();
+        let told = fitted(&Grid { head, names: 3, rows: vec![row] }, 80);
+        assert!(told.contains(name) && told.lines().all(|line| letters(line) <= 80), "{told}");
     }
 
     #[test]

@@ -28,63 +28,63 @@ fn on_dram(from: &str, to: &str) -> String {
 #[test]
 fn a_dram_part() {
     insta::assert_snapshot!(on_dram("rrd_s", "rrds"), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:15:29: unknown field `rrds`; did you mean `rrd_s`? Allowed: `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, `rfc`
+    error: small.ron:49:16: lpddr4_3200.ron:15:29: unknown field `rrds`; did you mean `rrd_s`? Allowed: `cl`, `cwl`, `rcd`, `rp`, `ras`, `rc`, `ccd_s`, `ccd_l`, `rrd_s`, `rrd_l`, `faw`, `rtp`, `wr`, `wtr_s`, `wtr_l`, `turn`, `refi`, `rfc`
         |
      15 |         ccd_s: 8, ccd_l: 8, rrds: 16, rrd_l: 16, faw: 64,
         |                             ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("banks: 8", "banks: 7"), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:9:12: 7 is not allowed here: a power of two from 1 to 64 is
+    error: small.ron:49:16: lpddr4_3200.ron:9:12: 7 is not allowed here: a power of two from 1 to 64 is
        |
      9 |     banks: 7,
        |            ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("rfc: 288,", ""), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:19:5: Unexpected missing field named `rfc` in `Timing`
+    error: small.ron:49:16: lpddr4_3200.ron:19:5: Unexpected missing field named `rfc` in `Timing`
         |
      19 |     ),
         |     ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_machine("\"lpddr4_3200.ron\"", "\"lpddr4.ron\""), @r#"
-    error: small.ron:48:16: cannot read lpddr4.ron: No such file or directory (os error 2)
+    error: small.ron:49:16: cannot read lpddr4.ron: No such file or directory (os error 2)
         |
-     48 |         part: "lpddr4.ron",
+     49 |         part: "lpddr4.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("ras: 68, rc: 102", "ras: 68, rc: 100"), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:14:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
+    error: small.ron:49:16: lpddr4_3200.ron:14:52: `timing.rc` is 100: at least ras + rp = 102 is allowed
         |
      14 |         cl: 28, cwl: 14, rcd: 29, rp: 34, ras: 68, rc: 100,
         |                                                    ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("wtr_s: 16", "wtr_s: 8"), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:16:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
+    error: small.ron:49:16: lpddr4_3200.ron:16:26: `timing.wtr_s` is 8: without groups, wtr_l = 16 alone is allowed
         |
      16 |         rtp: 12, wr: 29, wtr_s: 8, wtr_l: 16,
         |                          ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
     insta::assert_snapshot!(on_dram("refi: 6248", "refi: 900"), @r#"
-    error: small.ron:48:16: lpddr4_3200.ron:18:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
+    error: small.ron:49:16: lpddr4_3200.ron:18:9: `timing.refi` is 900: more than 1174 is allowed, twice what a refresh and the first access after it can take
         |
      18 |         refi: 900, rfc: 288,
         |         ^
         |
-     48 |         part: "lpddr4_3200.ron",
+     49 |         part: "lpddr4_3200.ron",
         |                ^
     "#);
 }
