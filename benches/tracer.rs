@@ -1,8 +1,8 @@
 //! How fast the tracer answers rays, recording and not, beside Embree's single-ray queries on the same rays.
 //!
 //! `cargo bench --bench tracer` prints a table, a line a scene, tree and question: millions of rays a second of one
-//! thread, best of three. Where Debian's `libembree-dev` and a C++ compiler are not there, it says that it skips Embree.
-//! The trees differ: ours has two children a node, or eight; Embree's has four or eight, and its best quality.
+//! thread, best of three. Where Debian's `libembree-dev` and a C++ compiler are not there, it says that it skips
+//! Embree. The trees differ: ours has two children a node, or eight; Embree's has four or eight, and its best quality.
 
 use std::error::Error;
 use std::fs;

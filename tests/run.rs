@@ -61,6 +61,15 @@ fn every_number_is_declared_and_can_be_explained() {
     assert!(told.contains("machines.small.policies.Off.dram.row_hits") && told.contains(&hits.to_string()), "{told}");
 }
 
+/// The page knows no machine's fields: the sizes that it tells must be those that a machine has with its switch on.
+#[test]
+fn the_page_tells_the_sizes_that_machines_have() {
+    let page = fs::read_to_string(quickstart("2").path("report/index.html")).unwrap();
+    let traffic = umbrasim::machine::MachineSpec::default().traffic;
+    let told = format!("rays and hits: {} and {} B a ray", traffic.ray_bytes.get(), traffic.hit_bytes.get());
+    assert!(page.contains(&told), "the page does not say: {told}");
+}
+
 #[test]
 fn every_config_loads() {
     let machines = configs("machines");

@@ -423,6 +423,7 @@ mod tests {
         assert_eq!((near.rays, far.rays), (far.rays, all.shadow_rays as f64));
         assert!(near.operations.traversal < far.operations.traversal, "{near:?} {far:?}");
     }
+
     /// The distinct nodes that eight neighbours visit are fewer if their rays are parallel.
     #[test]
     fn neighbours_share_nodes_if_they_share_directions() {

@@ -25,7 +25,8 @@ pub(crate) struct Goal {
 pub(crate) type Against<'a> = (&'a MachineSpec, &'a MachineStats);
 
 /// Samples with more and more windows, as long as the goal may be reached; also whether it was. Beside a baseline the
-/// goal is for what is otherwise than there. Machines whose jobs could not be kept pass over the stream again, together.
+/// goal is for what is otherwise than there. Machines whose jobs could not be kept pass over the stream again,
+/// together.
 ///
 /// # Errors
 /// The stream cannot be read, or the baseline's run fails; of a machine, a run fails.

@@ -20,8 +20,8 @@ use crate::accel::structure::{Base, Item};
 use crate::accel::triangle::Record;
 
 /// Up to so many triangles all nodes of the best tree are tried at other places (Meister and Bittner 2017). Of a larger
-/// tree the uppermost are, as many as that: all of three million triangles take four minutes instead of ten seconds, and
-/// save rays a tenth of their steps or less (docs/validation/speed.md).
+/// tree as many are, the uppermost. All nodes of three million triangles take four minutes instead of ten seconds, and
+/// all of a million saved rays a tenth of their steps or less (docs/decisions).
 const ALL_REINSERTED: usize = 400_000;
 
 /// The parameters of obvhs for a tree of a quality over so many triangles.

@@ -68,8 +68,8 @@ impl HostWork {
         let Model::Banks = self.machine.dram.model else { return 1 };
         let timing = &self.machine.dram.part.timing;
         let latency = timing.cl.get().max(timing.cwl.get());
-        // Bursts follow one another: as many as begin within the latency, the one under way, and one that a cycle of the
-        // machine ends in.
+        // Bursts follow one another: as many as begin within the latency, the one under way, and one that a cycle of
+        // the machine ends in.
         latency.div_ceil(self.machine.dram.part.burst_clocks.get()) + 2
     }
 

@@ -102,8 +102,9 @@ struct Planned {
     what: What,
     /// The place of its request in the queue.
     index: usize,
-    /// How many requests were looked at, the first of the queue, and which banks have a row open that one of them wants.
+    /// How many requests were looked at, the first of the queue.
     looked_at: usize,
+    /// The banks that have a row open which one of these wants, a bit each.
     wanted: u64,
 }
 
