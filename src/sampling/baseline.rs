@@ -114,7 +114,9 @@ impl Baseline<'_> {
         };
         let errors = share(&left.errors, total);
         let alone = |errors| Slope { slope: 0.0, errors, freedom: left.freedom };
-        let Some(base) = self.windows.left.get(figure) else { return alone(errors) };
+        // Of a figure that nobody knows of the baseline, nothing can be set right.
+        let base = self.windows.left.get(figure).filter(|_| self.known.contains_key(figure));
+        let Some(base) = base else { return alone(errors) };
         let base_total = base.total + self.ends.get(figure).copied().unwrap_or_default();
         let all = share(&base.errors, base_total);
         let at = |place: f64| self.windows.points.iter().position(|point| point.place == place);
