@@ -7,6 +7,7 @@
 
 mod axes;
 mod choose;
+mod figure;
 mod front;
 mod known;
 mod outcome;
@@ -18,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 
 use rustc_hash::FxHashSet;
 
-use self::axes::Axis;
+use self::axes::{Axis, Known};
 use self::choose::Prospects;
 use self::pool::Pool;
 use super::sweep::{
@@ -103,8 +104,8 @@ impl Bench<'_> {
             [Some(self.sweep.base(point.machine)), Some(point.policy)].into_iter().chain(fields).collect()
         };
         let places: Vec<Vec<Option<usize>>> = points.iter().map(places).collect();
-        let inputs = axes::inputs(&axes, &places, &estimates);
-        Ok((Pool::new(points, estimates, inputs), passes))
+        let known = Known { axes: &axes, places: &places, estimates: &estimates };
+        Ok((Pool::new(points, &known), passes))
     }
 
     /// Replays the first set, and then what its results ask for, until the budget is spent. Returns how many replays
