@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
+use super::super::progress::Progress;
 use super::super::sweep::{Point, Recorded, Sweep, SweepError, estimates as passes};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::ShadowCacheSpec;
@@ -76,6 +77,7 @@ pub(super) fn estimates(
     stream: &Recorded,
     points: &[Point],
     kept: (&Path, &AtomicBool),
+    bar: &Progress,
 ) -> Result<(Vec<Estimate>, usize), SweepError> {
     let machine = |point: &Point| Ok::<_, SweepError>(point.role.machine(&sweep.machine(point.machine)?.spec));
     let machines: Vec<MachineSpec> = points.iter().map(machine).collect::<Result<_, _>>()?;
@@ -88,7 +90,9 @@ pub(super) fn estimates(
     let found = references.par_iter().enumerate().map(|(place, reference)| {
         let of_pass = machines.iter().zip(&of_machine).filter(|(_, of)| **of == place);
         let of_pass: Vec<MachineSpec> = of_pass.map(|(machine, _)| machine.clone()).collect();
-        Ok(passes(reference, &of_pass, stream, kept)?.into_iter())
+        let found = passes(reference, &of_pass, stream, kept)?;
+        bar.inc(found.len() as u64);
+        Ok(found.into_iter())
     });
     let mut found = found.collect::<Result<Vec<_>, SweepError>>()?;
     let estimates = of_machine.iter().filter_map(|&of| found[of].next()).collect();
