@@ -51,7 +51,7 @@ def panel(parts, table, top, kind, title, aim):
 
 def draw(table, seconds):
     """Writes the chart of the rows of together.csv."""
-    height = 140 + len(PANELS) * (ROW * len(NAMES) + 70)
+    height = 150 + len(PANELS) * (ROW * len(NAMES) + 70)
     title = "One sweep by Event and together: processor time, and every figure's difference"
     parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH} {height}" width="{WIDTH}" '
              f'height="{height}" font-family="Helvetica, Arial, sans-serif" font-size="13" role="img">',
