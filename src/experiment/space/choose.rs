@@ -115,7 +115,7 @@ mod tests {
         let of = |figures: [f64; 2], wrong: u64| Compared { figures: figures.into(), wrong };
         let others = [of([1.0, 4.0], 0), of([3.0, 1.0], 0), of([0.0, 0.0], 9)];
         assert_eq!(of([2.0, 2.0], 0).ahead_of(&others), 1.0, "the second is behind by one");
-        assert_eq!(of([4.0, 4.5], 3).ahead_of(&others), -0.5, "the first is nowhere behind");
+        assert_eq!(of([4.0, 4.5], 3).ahead_of(&others), -1.0, "the second is ahead by that everywhere");
         assert_eq!(of([2.0, 2.0], 0).ahead_of(&others[2..]), f64::INFINITY);
     }
 }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::error::SweepError;
 use super::kept::kept;
 use super::streams::Recorded;
+use crate::json;
 use crate::machine::MachineSpec;
 use crate::replay::{Cut, Estimate, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
 use crate::stats::MachineStats;
@@ -49,7 +50,7 @@ pub(in super::super) fn estimates(
     stream: &Recorded,
     (folder, stop): (&Path, &AtomicBool),
 ) -> Result<Vec<Estimate>, SweepError> {
-    let specs = serde_json::to_string(&(reference, machines)).expect("plain data, which JSON can hold");
+    let specs = json::line(&(reference, machines)).expect("plain data, which JSON can hold");
     // A stream's file is named by its inputs.
     let inputs = format!("{} {specs}", stream.path.file_name().unwrap_or_default().display());
     kept(folder, "estimates", &inputs, || {
