@@ -131,6 +131,6 @@ mod tests {
         assert_eq!(references(&machines(1..=4), &base).0.len(), 8, "a pass for each number of both");
         let (found, places) = references(&machines(1..=5), &base);
         assert_eq!((found.len(), places), (5, vec![0, 0, 1, 1, 2, 2, 3, 3, 4, 4]), "of traversal units");
-        assert_eq!(references(&machines(1..=9), &base).0, [base.clone()]);
+        assert_eq!(references(&machines(1..=9), &base).0, std::slice::from_ref(&base));
     }
 }
