@@ -5,8 +5,8 @@
 //! one, C. What it meets in B is known with what it meets in A, since nothing is hit in between. C has a node of its
 //! own.
 //!
-//! Each outcome of the test has code of its own. The processor predicts which it is, and goes on with the next node long
-//! before the test is done; a next node that is read from a table is waited for.
+//! Each outcome of the test has code of its own. The processor predicts which it is, and goes on with the next node
+//! long before the test is done; a next node that is read from a table is waited for.
 
 use super::packed::{Goal, NO_BOXES, Packed, Packing, Wide, set_box};
 use super::stack::Stack;
