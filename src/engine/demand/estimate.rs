@@ -3,7 +3,6 @@
 use serde::{Deserialize, Serialize};
 
 use super::caches::{End, Misses};
-use super::pass::Demand;
 use crate::energy;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
@@ -11,6 +10,7 @@ use crate::memory::dram::spec::Model;
 use crate::memory::l2::L2Spec;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheStats, MachineStats, TrafficClass};
+use crate::stream::Structure;
 
 /// How sharply the busiest resource counts more than others: they overlap, but not wholly. Assumed: 1 adds all up, and
 /// a large one leaves the busiest alone. A surrogate learns what it misses.
@@ -27,6 +27,18 @@ pub struct Estimate {
     pub joules: Option<f64>,
     /// Cycles that each resource is busy for at least; in the same order for all machines.
     pub resources: Vec<f64>,
+}
+
+/// What a pass found of its own machine.
+#[derive(Clone, Debug)]
+pub(super) struct Demand<'a> {
+    /// The machine of the pass.
+    pub(super) reference: &'a MachineSpec,
+    pub(super) structure: Structure,
+    /// What the pass measured.
+    pub(super) stats: MachineStats,
+    /// What the tags of the machine missed.
+    pub(super) misses: Misses,
 }
 
 fn total(of: &[f64]) -> f64 {

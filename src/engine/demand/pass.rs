@@ -1,29 +1,16 @@
-//! The passes, and what they found.
+//! The passes.
 
-use super::caches::{Caches, Misses, bytes};
-use super::estimate::Estimate;
+use super::caches::{Caches, bytes};
+use super::estimate::{Demand, Estimate};
 use crate::engine::error::RunError;
 use crate::engine::items::Source;
 use crate::engine::profile::Profile;
 use crate::engine::whole::within_bounds;
 use crate::machine::MachineSpec;
-use crate::stats::MachineStats;
-use crate::stream::{Header, Structure};
+use crate::stream::Header;
 
 /// What the tags of a pass take in memory at most, if they are more than one machine's.
 const MOST_BYTES: u64 = 1 << 28;
-
-/// What a pass found of its own machine.
-#[derive(Clone, Debug)]
-pub(super) struct Demand<'a> {
-    /// The machine of the pass.
-    pub(super) reference: &'a MachineSpec,
-    pub(super) structure: Structure,
-    /// What the pass measured.
-    pub(super) stats: MachineStats,
-    /// What the tags of the machine missed.
-    pub(super) misses: Misses,
-}
 
 /// What each of `machines` takes for a stream, roughly, by passes on `reference`. They may differ from it in sizes,
 /// numbers and times.
