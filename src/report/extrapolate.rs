@@ -1,0 +1,143 @@
+//! Machines of many cores as their scale models predict them.
+
+use serde::{Deserialize, Serialize};
+
+use super::format::{ABSENT, bytes, exact, or_absent, signed};
+use super::grid::Grid;
+use crate::quantity::Bytes;
+
+/// What a large machine takes for a stream.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Extrapolation {
+    /// The stream's scene and policy.
+    pub scene: String,
+    /// See above.
+    pub policy: String,
+    /// The machine's name.
+    pub machine: String,
+    /// Cores of the large machine.
+    pub cores: u64,
+    /// Its DRAM, in words.
+    pub dram: String,
+    /// What its scale models were replayed by.
+    pub fidelity: String,
+    /// Rays that it traces.
+    pub rays: u64,
+    /// Its rays a second, as predicted.
+    pub rays_per_second: f64,
+    /// Its scale models, the smallest first.
+    pub models: Vec<ScaleModel>,
+    /// What follows from them.
+    pub predicted: Figures<Prediction>,
+    /// What the large machine took by `Event`; none if that was not asked for.
+    pub checked: Option<Figures<u64>>,
+}
+
+/// What a scale model measured, times as many as the rays that one of its rays stands for.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct ScaleModel {
+    /// Its cores.
+    pub cores: u64,
+    /// Rays that it traced itself.
+    pub rays: u64,
+    /// What it stands for.
+    pub figures: Figures<f64>,
+}
+
+/// The figures of a machine that are predicted.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Figures<T> {
+    /// Cycles.
+    pub cycles: T,
+    /// Bytes between the L1s and the L2s.
+    pub l2_bytes: T,
+    /// Bytes of the DRAM.
+    pub dram_bytes: T,
+}
+
+impl<T: Copy> Figures<T> {
+    /// The figures in the order of tables.
+    pub(crate) fn all(&self) -> [T; 3] {
+        [self.cycles, self.l2_bytes, self.dram_bytes]
+    }
+}
+
+/// A predicted figure.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Prediction {
+    /// By the law.
+    pub value: f64,
+    /// The least and the most by other laws.
+    pub low: f64,
+    /// See above.
+    pub high: f64,
+    /// The least that any such machine can take: predictions are not below it.
+    pub least: u64,
+}
+
+impl Extrapolation {
+    /// The large machine in words.
+    fn name(&self) -> String {
+        format!("{}, {} cores", self.machine, self.cores)
+    }
+
+    /// What the prediction of each figure is off, where it was checked.
+    fn errors(&self) -> Option<[f64; 3]> {
+        let checked = self.checked?.all();
+        let predicted = self.predicted.all();
+        Some(std::array::from_fn(|at| predicted[at].value / checked[at] as f64 - 1.0))
+    }
+}
+
+/// What was measured and predicted: a row a model, then the large machine.
+pub(crate) fn grid(found: &Extrapolation) -> Grid {
+    let head =
+        [format!("{} of {}", found.machine, found.policy), "cycles".into(), "L2 bytes".into(), "DRAM bytes".into()];
+    let shown = |[cycles, l2, dram]: [f64; 3]| [exact(cycles.round() as u64), amount(l2), amount(dram)];
+    let row = |name: String, cells: [String; 3]| [name].into_iter().chain(cells).collect::<Vec<String>>();
+    let mut rows: Vec<_> = found
+        .models
+        .iter()
+        .map(|model| row(format!("model of {}", cores(model.cores)), shown(model.figures.all())))
+        .collect();
+    let predicted = found.predicted.all();
+    rows.push(row(format!("{} cores, predicted", found.cores), shown(predicted.map(|it| it.value))));
+    rows.push(row("  the least by other laws".into(), shown(predicted.map(|it| it.low))));
+    rows.push(row("  the most by other laws".into(), shown(predicted.map(|it| it.high))));
+    if let Some(checked) = found.checked {
+        rows.push(row(format!("{} cores, Event", found.cores), shown(checked.all().map(|it| it as f64))));
+        let errors = found.errors();
+        let error = |at: usize| or_absent(errors, |errors| signed(errors[at]));
+        rows.push(row("  the prediction is off".into(), std::array::from_fn(error)));
+    }
+    Grid { head: head.to_vec(), names: 1, rows }
+}
+
+fn amount(value: f64) -> String {
+    bytes(Bytes(value.round() as u64))
+}
+
+fn cores(count: u64) -> String {
+    if count == 1 { "1 core".into() } else { format!("{count} cores") }
+}
+
+/// What the table comes to, in a sentence.
+pub(crate) fn verdict(found: &Extrapolation) -> String {
+    let Prediction { value, low, high, .. } = found.predicted.cycles;
+    let range = if value > 0.0 {
+        format!("{} to {}", signed(low / value - 1.0), signed(high / value - 1.0))
+    } else {
+        ABSENT.into()
+    };
+    let predicted = format!(
+        "{} would take {} cycles ({range} by other laws) and move {} of DRAM traffic.",
+        found.name(),
+        exact(value.round() as u64),
+        amount(found.predicted.dram_bytes.value),
+    );
+    let checked = found.errors().map(|[cycles, l2, dram]| {
+        let [cycles, l2, dram] = [cycles, l2, dram].map(signed);
+        format!(" By Event, the prediction is off by {cycles} of cycles, {l2} of L2 and {dram} of DRAM bytes.")
+    });
+    format!("{predicted}{}\nThe large machine: {}.", checked.unwrap_or_default(), found.dram)
+}
