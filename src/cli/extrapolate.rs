@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use anyhow::{Context, Result};
+use anyhow::{Result, anyhow, ensure};
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
@@ -20,8 +20,8 @@ use crate::report::{self, extrapolate as tables};
 ///
 /// A model of 2 of 16 cores has two of the cores and an eighth of what all cores share, and replays an eighth of the
 /// pixels: it takes about as long as the large machine. What is left of the difference shrinks with the model's cores,
-/// so that models of 1, 2 and 4 cores tell the large machine for less than half of its replay at 16 cores, and for a
-/// ninth at 64.
+/// so that the line through two models tells the large machine. Models of 2 and 4 of 16 cores replay 6 of 16 rays, those
+/// of 4 and 8 of 64 cores 12 of 64.
 #[derive(Args)]
 pub(super) struct Extrapolate {
     #[command(flatten)]
@@ -32,7 +32,7 @@ pub(super) struct Extrapolate {
     /// DRAM channels of the large machine [default: as many for each core as the machine's file has]
     #[arg(long, value_name = "CHANNELS")]
     channels: Option<u64>,
-    /// Cores of the scale models, two or more [default: 1,2,4]
+    /// Cores of the scale models, two or more [default: 2,4; of 64 cores 4,8]
     #[arg(long, value_name = "CORES", value_delimiter = ',')]
     models: Vec<u64>,
     /// The fidelity level that replays the models: Profile, Event or Cycle
@@ -76,10 +76,15 @@ impl Extrapolate {
     /// The large machines that are made of `machine`.
     fn large(&self, machine: &MachineSpec) -> Result<Vec<MachineSpec>> {
         let own = [machine.cores.get()];
+        ensure!(
+            own != [1] || !self.cores.is_empty(),
+            "{} has 1 core: --cores says how many the large machine has",
+            machine.name
+        );
         let cores = if self.cores.is_empty() { &own[..] } else { &self.cores };
         let large = |&cores: &u64| {
             let large = machine.with_cores(cores, self.channels);
-            large.context("--cores and --channels say what the large machine has")
+            large.map_err(|error| anyhow!("{error} (--channels says how many)"))
         };
         cores.iter().map(large).collect()
     }

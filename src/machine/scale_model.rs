@@ -4,9 +4,10 @@
 //! an address chooses among, keeps its number and serves at the model's share of the speed: channels of the DRAM, and
 //! shadow-cache units, each the owner of some words. So the same lines meet in each of them as in the large machine,
 //! and the one that is asked for most is as busy. With fewer of them at full speed, hot lines would be spread better.
+//! What waits in front of a channel is as much for each core as in the large machine.
 //!
-//! Kept as they are, since they are latencies first: rows of the DRAM, its activates and refreshes; queues and miss
-//! registers.
+//! Kept as they are, since they are latencies first: rows of the DRAM, its activates and refreshes; contexts and miss
+//! registers of shadow-cache units.
 
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::spec::{MachineSpec, SpecError};
@@ -108,7 +109,7 @@ impl ShadowCacheSpec {
 }
 
 impl DramSpec {
-    /// The same channels, each with a bus that takes `share` times as long for a burst.
+    /// The same channels, each with a bus that takes `share` times as long for a burst, and a `share`-th of the queue.
     fn slowed(&self, share: u64) -> Result<Self, String> {
         let model = match self.model {
             Model::Flat { latency, bytes_per_cycle: Some(bytes) } => {
@@ -120,6 +121,10 @@ impl DramSpec {
             }
             model @ (Model::Flat { .. } | Model::Banks) => model,
         };
+        let queue = self.queue.get() / share;
+        if queue * share != self.queue.get() {
+            return Err(format!("`dram.queue` is {}, which {share} does not divide", self.queue));
+        }
         let DramPart { burst_clocks, timing, .. } = &self.part;
         let longer = burst_clocks.get() * (share - 1);
         let part = || {
@@ -131,7 +136,7 @@ impl DramSpec {
             Ok(DramPart { burst_clocks: Within::new(burst_clocks.get() + longer)?, timing, ..self.part.clone() })
         };
         let part = part().map_err(|why: String| format!("`dram.part.burst_clocks`: {why}"))?;
-        Ok(Self { model, part, ..self.clone() })
+        Ok(Self { model, part, queue: Within::new(queue)?, ..self.clone() })
     }
 }
 
@@ -190,6 +195,7 @@ mod tests {
         // Two ports let through two of the three operations a cycle: an eighth of that is one in four cycles.
         assert_eq!((unit.width.get(), unit.interval.get(), unit.latency.get()), (1, 4, 4));
         assert_eq!((model.dram.channels, &model.dram.mapping), (large.dram.channels, &large.dram.mapping));
+        assert_eq!((model.dram.queue.get(), large.dram.queue.get()), (4, 32));
         let peak = |machine: &MachineSpec| machine.dram.peak_bytes_per_cycle(500).unwrap();
         assert!((peak(&model) * 8.0 - peak(&large)).abs() < 1e-9);
         assert_eq!((model.traversal.count, &model.l2), (large.traversal.count, &large.l2), "what a core owns is kept");
@@ -204,7 +210,8 @@ mod tests {
             ("(cores: 4, traffic: (pixel_bytes: 4))", 2, "`traffic` is on"),
             ("(cores: 4, shadow_cache: (frame_end: Sweep))", 2, "`shadow_cache.frame_end` is Sweep"),
             ("(cores: 64, shadow_cache: (count: 4))", 2, "`shadow_cache.count`: 128 is not allowed"),
-            ("(cores: 64, dram: (model: Flat(latency: 9, bytes_per_cycle: 16)))", 2, "which 32 does not divide"),
+            ("(cores: 64, dram: (model: Flat(latency: 9, bytes_per_cycle: 16)))", 2, "16 bytes a cycle, which 32 does"),
+            ("(cores: 64, dram: (queue: 48))", 2, "`dram.queue` is 48, which 32 does not divide"),
         ];
         for (text, cores, expected) in cases {
             let error = refused(text, cores);

@@ -1,8 +1,8 @@
 //! A machine of many cores, from scale models of it with few.
 //!
-//! A model has `n` of the `N` cores and a share n/N of what is shared ([`MachineSpec::scale_model`]), and replays one of
-//! every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it, and
-//! the model takes about as long; its bytes count N/n times.
+//! A model has `n` of the `N` cores and a share n/N of what is shared ([`MachineSpec::scale_model`]), and replays one
+//! of every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it,
+//! and the model takes about as long; its bytes count N/n times.
 
 mod law;
 
@@ -17,8 +17,6 @@ use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
 use crate::stats::MachineStats;
 use crate::stream::{Header, StreamReader};
 
-/// Cores of models, if nothing else is said.
-const USUAL: [u64; 3] = [1, 2, 4];
 /// Units whose operations say how much of the stream a model replayed.
 const WORK: [&str; 3] = ["traversal", "list", "intersection"];
 
@@ -26,7 +24,7 @@ const WORK: [&str; 3] = ["traversal", "list", "intersection"];
 pub(crate) struct Task<'a> {
     /// The large machine.
     pub machine: &'a MachineSpec,
-    /// Cores of its models; those of 1, 2 and 4 that there can be, if none are given.
+    /// Cores of its models; see [`usual`] if none are given.
     pub models: &'a [u64],
     /// What the models are replayed by.
     pub fidelity: Fidelity,
@@ -75,21 +73,22 @@ fn check_level(fidelity: Fidelity) -> Result<(), SpecError> {
 fn models(task: &Task<'_>) -> Result<Vec<MachineSpec>, SpecError> {
     let Task { machine, models, .. } = *task;
     let all = machine.cores.get();
-    let mut cores = if models.is_empty() {
-        USUAL.into_iter().filter(|cores| *cores < all && all.is_multiple_of(*cores)).collect()
-    } else {
-        models.to_vec()
-    };
+    let mut cores = if models.is_empty() { usual(all) } else { models.to_vec() };
     cores.sort_unstable();
     cores.dedup();
-    if cores.len() < 2 {
+    if cores.len() < 2 || all < 3 {
         return Err(SpecError::new(format!(
-            "{} of {}: two models or more make a law, each with a number of cores below {all} that divides it",
-            machine.name,
-            if all == 1 { "1 core".into() } else { format!("{all} cores") },
+            "{} of {all} cores: two models or more make a law, each with a number of cores below {all} that divides it",
+            machine.name
         )));
     }
     cores.into_iter().map(|cores| machine.scale_model(cores)).collect()
+}
+
+/// Cores of the usual models of a machine with `all`: 2 and 4, twice as many of 64, and 1 and 2 of four or fewer.
+fn usual(all: u64) -> Vec<u64> {
+    let few = if all <= 4 { 1 } else { (all / 16).max(2) };
+    vec![few, 2 * few]
 }
 
 /// A replay.
@@ -132,6 +131,7 @@ fn summary(
     let machine = task.machine;
     let cores = machine.cores.get();
     let least = whole.bounds.unwrap_or_default();
+    let frames = header.frames.len().saturating_sub(header.warmup.len()).max(1) as f64;
     let predict = |figure: fn(&Figures<f64>) -> f64, least: u64| {
         let points: Vec<(u64, f64)> = models.iter().map(|model| (model.cores, figure(&model.figures))).collect();
         law::predict(&points, cores, least)
@@ -154,6 +154,7 @@ fn summary(
         dram: machine.dram.to_string(),
         fidelity: task.fidelity.to_string(),
         rays: whole.rays,
+        rays_an_entry: whole.rays as f64 / frames / machine.pool() as f64,
         rays_per_second: whole.rays as f64 / predicted.cycles.value * machine.clock_mhz.get() as f64 * 1e6,
         models,
         predicted,
