@@ -77,8 +77,8 @@ pub(crate) struct Prediction {
     pub least: u64,
 }
 
-/// Rays of a frame for each entry of the pool, below which a frame is mostly its beginning and its end, so that it is chance which
-/// rays a model has there: of the validation's streams, those with fewer were off by 10 % and more.
+/// Rays of a frame for each entry of the pool, below which a frame is mostly its beginning and its end, so that it is
+/// chance which rays a model has there: docs/validation/extrapolate.md.
 const FEW: f64 = 32.0;
 
 impl Extrapolation {
@@ -150,8 +150,8 @@ pub(crate) fn verdict(found: &Extrapolation) -> String {
     });
     let few = (found.rays_an_entry < FEW).then(|| {
         format!(
-            "\nFew rays: {:.0} a frame for each entry of the pool. It is chance which of them a model has where the frame begins \
-             and ends: a larger picture tells more.",
+            "\nFew rays: {:.0} a frame for each entry of the pool. It is chance which of them a model has where the \
+             frame begins and ends: a larger picture tells more.",
             found.rays_an_entry
         )
     });

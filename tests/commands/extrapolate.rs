@@ -60,5 +60,5 @@ fn what_cannot_be_extrapolated_is_refused_by_its_name() {
     insta::assert_snapshot!(refused(&["small", "--cores", "8", "--models", "2,3"]), @"error: small of 8 cores has no model of 3: a number below 8 is allowed that divides it");
     insta::assert_snapshot!(refused(&["small", "--cores", "8", "--fidelity", "Bound"]), @"error: `Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and Cycle do");
     insta::assert_snapshot!(refused(&["desktop", "--cores", "16"]), @"error: desktop with 16 cores: `dram.channels`: 128 is not allowed here: a power of two from 1 to 64 is (--channels says how many)");
-    insta::assert_snapshot!(refused(&["desktop_traffic", "--cores", "8"]), @"error: desktop_traffic of 8 cores has no model of 1: `traffic` is on, whose port is one, whatever the number of cores: `traffic: ()` is allowed");
+    insta::assert_snapshot!(refused(&["desktop_traffic", "--cores", "8"]), @"error: desktop_traffic of 8 cores has no model of 2: `traffic` is on, whose port is one, whatever the number of cores: `traffic: ()` is allowed");
 }

@@ -108,6 +108,7 @@ def main():
     arguments.add_argument("program")
     arguments.add_argument("--streams", type=pathlib.Path)
     arguments.add_argument("--only", choices=["replays", "predictions"])
+    arguments.add_argument("--cores", type=int, nargs="+", default=[*LARGE, *FEW])
     asked = arguments.parse_args()
     with tempfile.TemporaryDirectory() as place:
         folder = pathlib.Path(place)
@@ -116,12 +117,15 @@ def main():
         def run(of):
             return lambda stream, *case: of(asked.program, trace(asked.program, stream, streams), *case, folder)
 
+        def wanted(of):
+            return [case for case in of if case[2] in asked.cores]
+
         cases = [(stream, machine, cores) for cores in LARGE for machine in MACHINES for stream in STREAMS]
         few = [(stream, machine, cores) for machine in MACHINES for stream in STREAMS for cores in FEW]
         if asked.only != "replays":
-            fill(HERE / "predictions.csv", cases, run(predict))
+            fill(HERE / "predictions.csv", wanted(cases), run(predict))
         if asked.only != "predictions":
-            fill(HERE / "replays.csv", cases[:24] + few + cases[24:], run(replay))
+            fill(HERE / "replays.csv", wanted(cases + few), run(replay))
 
 
 if __name__ == "__main__":
