@@ -75,6 +75,7 @@ pub(crate) mod engine;
 pub mod experiment;
 pub(crate) mod fields;
 pub(crate) mod input;
+pub(crate) mod json;
 pub mod machine;
 pub mod memory;
 pub mod named;

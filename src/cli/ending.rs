@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use super::print::print;
 use crate::console;
+use crate::json;
 use crate::report::paragraph;
 
 /// How a command tells what it found.
@@ -31,7 +32,7 @@ impl Ending {
         page: Option<&Path>,
     ) -> Result<()> {
         if self.json {
-            return print(serde_json::to_string_pretty(summary)?);
+            return print(json::pretty(summary)?);
         }
         if console::is_quiet() {
             return page.map_or(Ok(()), |page| print(page.display()));

@@ -7,6 +7,7 @@ use clap::Args;
 
 use super::outcome::Outcome;
 use super::print::print;
+use crate::json;
 use crate::stream::StreamReader;
 use crate::stream::inspect::{inspect, render};
 
@@ -23,7 +24,7 @@ pub(super) struct Inspect {
 impl Inspect {
     pub(super) fn run(self) -> Result<Outcome> {
         let inspection = inspect(&mut StreamReader::open(&self.stream)?)?;
-        let text = if self.json { serde_json::to_string_pretty(&inspection)? } else { render(&inspection) };
+        let text = if self.json { json::pretty(&inspection)? } else { render(&inspection) };
         print(text)?;
         Ok(Outcome::Done)
     }

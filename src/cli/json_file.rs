@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, Result};
 use serde::Serialize;
 
+use crate::json;
 use crate::output::OutputFile;
 
 /// A file for measurements, if the user wants one. Begun before the work, which would be lost if the file could not be
@@ -28,7 +29,7 @@ impl JsonFile {
 
     pub(super) fn finish(self, measured: &impl Serialize) -> Result<()> {
         let Some((path, mut file)) = self.0 else { return Ok(()) };
-        let text = serde_json::to_string_pretty(measured)?;
+        let text = json::pretty(measured)?;
         file.write_all(text.as_bytes())
             .and_then(|()| file.finish())
             .with_context(|| format!("cannot write {}", path.display()))

@@ -165,6 +165,12 @@ impl Host {
         (hit, self.active(place).traced_shadows[hit as usize])
     }
 
+    /// What the policy decided of a ray that is not done.
+    #[inline]
+    pub(super) fn decision(&self, place: Place) -> Decision {
+        self.active(place).chunk.head(place.index as usize).decision
+    }
+
     /// Whether all steps of the ray's chunk are known to exist.
     pub(super) fn is_sound(&self, place: Place) -> bool {
         self.active(place).sound
@@ -208,7 +214,7 @@ impl Host {
         &mut self,
         now: u64,
         at: u64,
-        mut answered: impl FnMut(&Ray<'_>) -> Result<bool, E>,
+        mut answered: impl FnMut(&Chunk, usize) -> Result<bool, E>,
     ) -> Result<usize, E> {
         let mut all = 0;
         while let Some((_, parent)) = self.shading.front().copied().filter(|&(over, _)| over <= now) {
@@ -218,7 +224,7 @@ impl Host {
             let mut done = 0;
             for index in active.children(parent.index) {
                 let child = Place { index, ..parent };
-                if !answered(&active.chunk.ray(index as usize))? {
+                if !answered(&active.chunk, index as usize)? {
                     ready.push_back(child);
                     continue;
                 }

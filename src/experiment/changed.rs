@@ -4,6 +4,7 @@ use serde::Serialize;
 use serde_json::Value;
 
 use super::load::Experiment;
+use crate::json;
 use crate::machine::MachineSpec;
 use crate::tracer::TracerSpec;
 
@@ -19,7 +20,7 @@ pub(super) fn changed(experiment: &Experiment) -> Vec<String> {
 }
 
 fn value(spec: &impl Serialize) -> Value {
-    serde_json::to_value(spec).expect("specs are plain data, which JSON can hold")
+    json::value(spec).expect("specs are plain data, which JSON can hold")
 }
 
 /// Adds the paths of all leaves that differ.

@@ -203,9 +203,11 @@ impl Experiment {
 
     /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
     pub fn as_run(&self) -> String {
-        let as_run = AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
+        // Erased, as in `json`: one serializer for all types.
+        let as_run: &dyn erased_serde::Serialize =
+            &AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
         let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
-        ron::ser::to_string_pretty(&as_run, style).expect("specs are plain data, which RON can hold")
+        ron::ser::to_string_pretty(as_run, style).expect("specs are plain data, which RON can hold")
     }
 
     /// All that the streams of the experiment depend on, beside their own headers: as text, of which a hash is taken.

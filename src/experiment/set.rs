@@ -7,6 +7,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::alike;
+use crate::json;
 
 /// A field's path and the value that it gets, written `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -84,7 +85,7 @@ pub(super) fn value(spec: &impl Serialize, path: &str) -> Option<Value> {
 }
 
 fn data(spec: &impl Serialize) -> Value {
-    serde_json::to_value(spec).expect("a spec is plain data, which JSON can hold")
+    json::value(spec).expect("a spec is plain data, which JSON can hold")
 }
 
 /// `place`, or what is in the brackets of the choice that it is.

@@ -65,16 +65,18 @@ impl<T: Copy> Queue<T> {
     }
 
     /// Takes the first entry in cycle `now`, and wakes who waits for a place.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
-        let &(at, entry) = self.entries.front()?;
-        if at > now {
-            return None;
-        }
+        // Most queues are empty when they are asked.
+        let &(at, entry) = self.entries.front().filter(|(at, _)| *at <= now)?;
+        self.take_first(at, now, wake);
+        Some(entry)
+    }
+
+    fn take_first(&mut self, at: u64, now: u64, wake: &mut impl Wake) {
         self.count_to(now);
         self.entries.drop_front();
         self.taken(at, now, wake);
-        Some(entry)
     }
 
     /// Takes entry `index` in cycle `now`, whatever stands before it.

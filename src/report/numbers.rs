@@ -7,6 +7,7 @@ use super::error::ReportError;
 use super::replay::ReplaySummary;
 use super::run::read_summary;
 use super::sweep::SweepSummary;
+use crate::json;
 
 /// Reads what the summary of a run, of a sweep or of a replay holds.
 ///
@@ -15,11 +16,11 @@ use super::sweep::SweepSummary;
 pub(crate) fn read_numbers(path: &Path) -> Result<serde_json::Value, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
     let text = fs::read(path).map_err(|source| ReportError::Read { path: path.into(), source })?;
-    if let Ok(sweep) = serde_json::from_slice::<SweepSummary>(&text) {
-        return serde_json::to_value(sweep).map_err(broken);
+    if let Ok(sweep) = json::read::<SweepSummary>(&text) {
+        return json::value(&sweep).map_err(broken);
     }
-    match serde_json::from_slice::<ReplaySummary>(&text) {
-        Ok(replay) => serde_json::to_value(replay).map_err(broken),
-        Err(_) => serde_json::to_value(read_summary(path)?).map_err(broken),
+    match json::read::<ReplaySummary>(&text) {
+        Ok(replay) => json::value(&replay).map_err(broken),
+        Err(_) => json::value(&read_summary(path)?).map_err(broken),
     }
 }

@@ -90,9 +90,8 @@ fn files(report: &impl Report) -> Result<Files, ReportError> {
 /// # Errors
 /// A value has no form in JSON.
 pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
-    let mut text = serde_json::to_vec_pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
-    text.push(b'\n');
-    Ok(text)
+    let text = crate::json::pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
+    Ok((text + "\n").into_bytes())
 }
 
 /// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that

@@ -245,11 +245,13 @@ impl Chunk {
     }
 
     /// Ray `index` without its steps.
+    #[inline]
     pub fn head(&self, index: usize) -> RayHead {
         self.entries[index].head
     }
 
     /// Ray `index`.
+    #[inline]
     pub fn ray(&self, index: usize) -> Ray<'_> {
         let start = self.begin(index);
         let Entry { head, path_end, end } = self.entries[index];

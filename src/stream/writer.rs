@@ -14,6 +14,7 @@ use super::header::Header;
 use super::item::{FrameInfo, Item};
 use super::version::Version;
 use super::violation::Violation;
+use crate::json;
 use crate::output::OutputFile;
 use crate::quantity::Bytes;
 use lz4_flex::block::{compress_into, get_maximum_output_size};
@@ -72,7 +73,7 @@ impl<W: Write> StreamWriter<W> {
         let invalid = |violation| StreamError::Invalid { path: path.to_owned(), place: Place::Header, violation };
         let checker = Checker::new(header).map_err(invalid)?;
         // Serialising plain data to memory cannot fail, but the error has a natural place to go.
-        let text = serde_json::to_string(header).map_err(|error| StreamError::Io {
+        let text = json::line(header).map_err(|error| StreamError::Io {
             path: path.to_owned(),
             doing: "write the header of",
             source: error.into(),

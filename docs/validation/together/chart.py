@@ -1,13 +1,14 @@
 """Draws how far each figure of a sampled sweep is off, and the processor time of both ways, as SVG, with the Python
 standard library alone."""
 
+import math
 import pathlib
 
 IMAGE = pathlib.Path(__file__).parent.parent.parent / "images" / "together.svg"
 WIDTH, LEFT, RIGHT, ROW = 720, 190, 700, 34
 PANELS = [
-    ("off_percent", "figures, off by percent", 2.0, 1.0),
-    ("change_off_points", "changes from the baseline, off by points", 1.0, 0.5),
+    ("off_percent", "figures, off by percent (grey: the aim)", 1.0),
+    ("change_off_points", "changes from the baseline, off by points (grey: the aim)", 0.5),
 ]
 NAMES = {"cycles": "cycles", "l2_bytes": "L2 bytes", "dram_bytes": "DRAM bytes"}
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7"]
@@ -23,9 +24,11 @@ def times(parts, seconds):
                      f'<text x="{LEFT + width + 8:.1f}" y="{y + 13}" fill="#222">{value:,.0f} s</text>')
 
 
-def panel(parts, table, top, kind, title, reach, aim):
+def panel(parts, table, top, kind, title, aim):
     """A dot a point, in rows by figure; coloured by machine."""
     machines = sorted({row["machine"] for row in table})
+    largest = max(abs(float(row[f"{figure}_{kind}"])) for row in table for figure in NAMES)
+    reach = aim * max(2, math.ceil(largest / aim))
     middle, scale = (LEFT + RIGHT) / 2, (RIGHT - LEFT) / 2 / reach
     bottom = top + ROW * len(NAMES)
     parts.append(f'<text x="16" y="{top - 10}" font-weight="bold" fill="#222">{title}</text>'
@@ -34,12 +37,12 @@ def panel(parts, table, top, kind, title, reach, aim):
     for mark in (-reach, -aim, 0, aim, reach):
         x = middle + mark * scale
         parts.append(f'<line x1="{x:.1f}" y1="{top}" x2="{x:.1f}" y2="{bottom}" stroke="#bbb"/>'
-                     f'<text x="{x:.1f}" y="{bottom + 15}" text-anchor="middle" fill="#555">{mark:+g}</text>')
+                     f'<text x="{x:.1f}" y="{bottom + 15}" text-anchor="middle" fill="#555">{f"{mark:+g}" if mark else 0}</text>')
     for at, (figure, name) in enumerate(NAMES.items()):
         y = top + ROW * (at + 0.5)
         parts.append(f'<text x="{LEFT - 10}" y="{y + 4:.1f}" text-anchor="end" fill="#222">{name}</text>')
         for row in table:
-            off = max(-reach, min(reach, float(row[f"{figure}_{kind}"])))
+            off = float(row[f"{figure}_{kind}"])
             place = machines.index(row["machine"])
             parts.append(f'<circle cx="{middle + off * scale:.1f}" cy="{y + 8 * place - 4 * (len(machines) - 1):.1f}" '
                          f'r="2.6" fill="{COLOURS[place % len(COLOURS)]}" fill-opacity="0.6"/>')

@@ -7,6 +7,7 @@ use anyhow::{Context, Result};
 use serde_json::Value;
 
 use crate::experiment::sweep::{Listed, Listing};
+use crate::json;
 use crate::output::OutputFile;
 
 /// Writes the points, one a line.
@@ -24,8 +25,7 @@ pub(super) fn write(path: &Path, listing: &Listing) -> Result<()> {
 fn json_lines(listing: &Listing) -> Result<Vec<u8>> {
     let mut lines = Vec::new();
     for point in &listing.points {
-        serde_json::to_writer(&mut lines, point)?;
-        lines.push(b'\n');
+        lines.extend((json::line(point)? + "\n").bytes());
     }
     Ok(lines)
 }

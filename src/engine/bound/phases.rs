@@ -74,7 +74,8 @@ impl Bound {
         let (latency, shading) = (self.machine.dispatcher.latency.get(), self.machine.dispatcher.shading_cycles.get());
         // From the first hand-over of a ray's group to the ray being done, at least.
         let mut done = vec![0; chunk.len()];
-        for (index, ray) in chunk.rays().enumerate() {
+        for index in 0..chunk.len() {
+            let ray = chunk.ray(index);
             self.steps.sums.answered += 1;
             let known = self.oracle && ray.head.kind == RayKind::Shadow;
             let skipped = known || ray.head.decision == Decision::Skip;

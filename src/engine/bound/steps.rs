@@ -27,6 +27,15 @@ pub(super) enum Steps {
 impl Steps {
     const ALL: [Self; 3] = [Self::Path, Self::ShadowPath, Self::Policy];
 
+    /// Whose elements are touched together.
+    #[inline]
+    fn group(self) -> usize {
+        match self {
+            Self::Path | Self::ShadowPath => 0,
+            Self::Policy => 1,
+        }
+    }
+
     /// What a step asks for.
     fn work(self, step: Step, layout: &Layout) -> Work {
         let (holder, ray) = match self {
@@ -38,31 +47,24 @@ impl Steps {
     }
 }
 
-/// Elements of one kind that were named.
-#[derive(Clone, Copy, Debug)]
-enum Named {
-    Nodes,
-    Lists,
-    Planes,
-    Edges,
-    PolicyNodes,
-    PolicyLists,
-    ModeWords,
-    PixelCounters,
-    OccluderIds,
-}
-
-const NAMED: usize = Named::OccluderIds as usize + 1;
+/// The group of entries, after those of [`Steps::group`].
+const ENTRIES: usize = 2;
 
 /// The largest line, and so the most elements after which their places in lines repeat.
 const PERIOD: usize = 128;
 
-/// What each step with a tag asks for.
+/// What each step with a tag asks for, as far as all steps need it.
 #[derive(Clone, Copy, Debug)]
 struct Tag {
     /// Cycles that the ray stays at least.
     stay: u64,
-    named: Named,
+    /// Whether how many lines it accesses hangs on its place.
+    by_place: bool,
+}
+
+/// The rest of what each step with a tag asks for.
+#[derive(Clone, Copy, Debug)]
+struct Detail {
     /// The first element of the dynamic part.
     dynamic: u32,
     lines: LinesOf,
@@ -80,7 +82,16 @@ enum LinesOf {
 }
 
 /// A tag that is of no step, or of steps that are left out: nothing is known without looking at the step.
-const NOTHING: Tag = Tag { stay: 0, named: Named::Nodes, dynamic: u32::MAX, lines: LinesOf::Unknown };
+const NOTHING: (Tag, Detail) =
+    (Tag { stay: 0, by_place: false }, Detail { dynamic: u32::MAX, lines: LinesOf::Unknown });
+
+impl Detail {
+    /// How many lines element `index` lies in, where that hangs on its place.
+    fn lines_at(&self, index: u32) -> u64 {
+        let place = index - if index < self.dynamic { 0 } else { self.dynamic };
+        if let LinesOf::ByPlace(lines) = &self.lines { lines[place as usize % PERIOD].into() } else { 0 }
+    }
+}
 
 /// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at
 /// least.
@@ -106,8 +117,11 @@ pub(super) struct StepWork {
     pub layout: Layout,
     pub lines: Lines,
     tags: [[Tag; Step::TAGS]; Steps::ALL.len()],
+    details: [[Detail; Step::TAGS]; Steps::ALL.len()],
     counts: [[Count; Step::TAGS]; Steps::ALL.len()],
-    named: [FixedBitSet; NAMED],
+    /// Elements whose lines were touched, by the tag of the step that named them: those of paths, those of policies,
+    /// and entries, of which each step is looked at.
+    touched: [[FixedBitSet; Step::TAGS]; ENTRIES + 1],
     pub work: [KindWork; Kind::ALL.len()],
     /// Divisions of the phase.
     pub divisions: u64,
@@ -124,9 +138,10 @@ impl StepWork {
         let mut work = Self {
             layout: Layout::new(header, machine),
             lines: Lines::new(machine, &kinds),
-            tags: [[NOTHING; Step::TAGS]; Steps::ALL.len()],
+            tags: [[NOTHING.0; Step::TAGS]; Steps::ALL.len()],
+            details: [[NOTHING.1; Step::TAGS]; Steps::ALL.len()],
             counts: Default::default(),
-            named: Default::default(),
+            touched: Default::default(),
             work: Default::default(),
             divisions: 0,
             stores_count: stores_as_recorded(machine),
@@ -134,30 +149,22 @@ impl StepWork {
             kinds,
             machine: machine.clone(),
         };
-        work.tags = Steps::ALL.map(|steps| std::array::from_fn(|tag| work.tag(steps, tag, header)));
+        let tags = Steps::ALL.map(|steps| std::array::from_fn(|tag| work.tag(steps, tag, header)));
+        work.tags = tags.map(|tags| tags.map(|(tag, _)| tag));
+        work.details = tags.map(|tags| tags.map(|(_, detail)| detail));
         work
     }
 
-    fn tag(&self, steps: Steps, tag: usize, header: &Header) -> Tag {
+    fn tag(&self, steps: Steps, tag: usize, header: &Header) -> (Tag, Detail) {
         let is_there = |(store, _)| self.stores_count && header.stores.of(store) > 0;
         let first = Step::of_tag(tag).filter(|step| step.entry().is_none_or(is_there));
         let Some(first) = first else { return NOTHING };
-        let by_policy = matches!(steps, Steps::Policy);
-        let (named, dynamic) = match first {
-            Step::Node(_) if by_policy => (Named::PolicyNodes, header.static_nodes),
-            Step::Node(_) => (Named::Nodes, header.static_nodes),
-            Step::List(_) if by_policy => (Named::PolicyLists, header.static_list_entries),
-            Step::List(_) => (Named::Lists, header.static_list_entries),
-            Step::Triangle { .. } if steps.work(first, &self.layout).second.is_none() => {
-                (Named::Planes, header.static_slots)
-            }
-            Step::Triangle { .. } => (Named::Edges, header.static_slots),
+        let dynamic = match first {
+            Step::Node(_) => header.static_nodes,
+            Step::List(_) => header.static_list_entries,
+            Step::Triangle { .. } => header.static_slots,
             // Entries may lie in records of the dynamic part.
-            Step::Read { store, .. } | Step::Write { store, .. } | Step::Update { store, .. } => match store {
-                Store::ModeWord => (Named::ModeWords, 0),
-                Store::PixelCounter => (Named::PixelCounters, 0),
-                Store::OccluderId => (Named::OccluderIds, 0),
-            },
+            Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => 0,
         };
         let work = steps.work(first, &self.layout);
         // Arrays begin at multiples of a page: where their elements lie in lines repeats after as many as a line has
@@ -174,7 +181,8 @@ impl StepWork {
         };
         // There and back; of a list entry the way on is that of its triangle.
         let way = if work.kind == Kind::Intersection { 2 } else { 0 };
-        Tag { stay: self.held(&work) + way, named, dynamic, lines }
+        let by_place = matches!(lines, LinesOf::ByPlace(_));
+        (Tag { stay: self.held(&work) + way, by_place }, Detail { dynamic, lines })
     }
 
     /// Cycles that a step holds who performs it at least.
@@ -193,8 +201,12 @@ impl StepWork {
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         self.lines.forget_from(self.layout.dynamic_part());
-        for tag in self.tags.as_flattened() {
-            lines::forget_from(&mut self.named[tag.named as usize], tag.dynamic as usize);
+        for (steps, group) in
+            [(Steps::Path, Steps::Path.group()), (Steps::Policy, Steps::Policy.group()), (Steps::Policy, ENTRIES)]
+        {
+            for (set, detail) in self.touched[group].iter_mut().zip(&self.details[steps as usize]) {
+                lines::forget_from(set, detail.dynamic as usize);
+            }
         }
     }
 
@@ -203,21 +215,13 @@ impl StepWork {
         let mut stay = 0;
         for &word in words {
             let (at, index) = (Step::tag(word) as usize, word & Step::MAX_INDEX);
-            let (tag, count) = (&self.tags[steps as usize][at], &mut self.counts[steps as usize][at]);
+            let tag = &self.tags[steps as usize][at];
             stay += tag.stay;
-            count.steps += 1;
-            match &tag.lines {
-                LinesOf::All(_) => {}
-                LinesOf::ByPlace(lines) => {
-                    let place = index - if index < tag.dynamic { 0 } else { tag.dynamic };
-                    count.lines += u64::from(lines[place as usize % PERIOD]);
-                }
-                LinesOf::Unknown => {
-                    self.look_at(word, steps);
-                    continue;
-                }
+            self.counts[steps as usize][at].steps += 1;
+            if tag.by_place {
+                self.counts[steps as usize][at].lines += self.details[steps as usize][at].lines_at(index);
             }
-            if !self.named[tag.named as usize].contains(index as usize) {
+            if !self.touched[steps.group()][at].contains(index as usize) {
                 self.look_at(word, steps);
             }
         }
@@ -233,7 +237,7 @@ impl StepWork {
             self.sums.left_out += 3;
             return;
         }
-        let Tag { named, lines, .. } = self.tags[steps as usize][Step::tag(word) as usize];
+        let Detail { lines, .. } = self.details[steps as usize][Step::tag(word) as usize];
         let work = steps.work(step, &self.layout);
         if let LinesOf::Unknown = lines {
             let lines = work.elements().map(|element| self.layout.lines(&element).1).sum::<u64>();
@@ -242,7 +246,8 @@ impl StepWork {
             let requested = &mut self.sums.requested[work.kind as usize];
             work.elements().for_each(|element| requested[element.class as usize] += Bytes(element.bytes));
         }
-        let (set, index) = (&mut self.named[named as usize], (word & Step::MAX_INDEX) as usize);
+        let group = if let LinesOf::Unknown = lines { ENTRIES } else { steps.group() };
+        let (set, index) = (&mut self.touched[group][Step::tag(word) as usize], (word & Step::MAX_INDEX) as usize);
         if index >= set.len() {
             // Twice as much: growing copies.
             set.grow((index + 1).next_power_of_two());
@@ -273,7 +278,7 @@ impl StepWork {
                 }
                 let work = steps.work(step, &self.layout);
                 let kind = work.kind as usize;
-                let each = &self.tags[steps as usize][tag].lines;
+                let each = &self.details[steps as usize][tag].lines;
                 let lines = if let LinesOf::All(each) = each { times * u64::from(*each) } else { lines };
                 let (operations, held) = (times * work.operations(), times * self.held(&work));
                 let counted = &mut self.work[kind];

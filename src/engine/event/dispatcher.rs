@@ -120,7 +120,7 @@ impl Dispatcher {
         }
         events.frame_began = self.pull(next, links)?;
         let ready_at = now + self.spec.shading_cycles.get();
-        events.rays_over += self.host.shade(now, ready_at, |ray| links.answer(ray))?;
+        events.rays_over += self.host.shade(now, ready_at, |chunk, index| links.answer(chunk, index))?;
         self.handed_over.fill(0);
         let mut busy = false;
         for _ in 0..width {
@@ -199,13 +199,13 @@ impl Dispatcher {
             return Ok(false);
         }
         let Some(&id) = self.free.front() else { return Ok(false) };
-        let source = self.host.ray(which);
-        let skipped = source.head.decision == Decision::Skip;
+        let skipped = self.host.decision(which) == Decision::Skip;
         let has_room = |core: usize| self.handed_over[core] < self.spec.per_cycle.get();
         let turn = if skipped { None } else { self.turns.next(has_room) };
         if !skipped && turn.is_none() {
             return Ok(false);
         }
+        let source = self.host.ray(which);
         let kind = source.head.kind;
         if !self.host.is_sound(which) {
             check_ray(source, which.index, &links.layout)?;

@@ -18,7 +18,7 @@ use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
 use crate::quantity::LineAddr;
-use crate::stream::{self, FrameInfo, Header, Step, Totals};
+use crate::stream::{Chunk, FrameInfo, Header, Step, Totals};
 
 /// A queue with a place for everything that can come.
 pub(super) type Inbox<T> = Ring<(u64, T)>;
@@ -181,11 +181,12 @@ impl Links {
     }
 
     /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
-    pub(crate) fn answer(&mut self, ray: &stream::Ray<'_>) -> Result<bool, StreamFault> {
+    pub(crate) fn answer(&mut self, chunk: &Chunk, index: usize) -> Result<bool, StreamFault> {
         let spec = &self.shadow_cache;
-        if !spec.decide.answers(ray.head.decision, 0) {
+        if !spec.decide.answers(chunk.head(index).decision, 0) {
             return Ok(false);
         }
+        let ray = chunk.ray(index);
         let left = ray.packed_policy().iter().filter(|&&word| spec.performs(word)).count();
         if !spec.decide.answers(ray.head.decision, left) {
             return Ok(false);

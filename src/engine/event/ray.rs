@@ -27,8 +27,6 @@ pub(crate) enum Owner {
 /// A fetch under way.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Fetch {
-    /// The first line of the element.
-    pub first: LineAddr,
     /// The next line to access.
     pub line: LineAddr,
     /// Lines to access from there on.
@@ -45,8 +43,9 @@ pub(crate) struct Fetch {
     pub bytes: u32,
 }
 
-/// A ray of the pool.
+/// A ray of the pool. It fills two lines of the host's cache, which processors fetch together.
 #[derive(Clone, Debug)]
+#[repr(align(128))]
 pub(crate) struct Ray {
     /// The packed steps of the path, then those of the policy.
     pub steps: Vec<u32>,
@@ -112,7 +111,6 @@ impl Default for Ray {
             undecided: false,
             at_edges: false,
             fetch: Fetch {
-                first: LineAddr(0),
                 line: LineAddr(0),
                 left: 0,
                 missing: 0,
@@ -164,7 +162,6 @@ impl Fetch {
     pub(crate) fn of(element: &Element, layout: &Layout) -> Self {
         let (line, lines) = layout.lines(element);
         Self {
-            first: line,
             line,
             left: lines as u8,
             missing: 0,
@@ -173,5 +170,10 @@ impl Fetch {
             class: element.class,
             bytes: element.bytes as u32,
         }
+    }
+
+    /// The line of an element that lies in one, whether it was accessed or not.
+    pub(crate) fn only_line(&self) -> LineAddr {
+        LineAddr(self.line.0 - u64::from(self.left == 0))
     }
 }

@@ -17,7 +17,7 @@ use crate::machine::MachineSpec;
 use crate::machine::dispatcher::DispatcherSpec;
 use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::stream::{Decision, FrameInfo, Header, Ray, Step, Totals};
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Step, Totals};
 
 /// What comes next.
 #[derive(Clone, Copy, Debug)]
@@ -189,12 +189,12 @@ impl Dispatch {
     fn hand_out(&mut self, at: u64, layout: &Layout) -> Result<Option<Given>, StreamFault> {
         let Some(&place) = self.waiting.front() else { return Ok(None) };
         let Some(&id) = self.free.front() else { return Ok(None) };
-        let source = self.host.ray(place);
-        let skipped = source.head.decision == Decision::Skip;
+        let skipped = self.host.decision(place) == Decision::Skip;
         let turn = if skipped { None } else { self.turns.next(|_| true) };
         if !skipped && turn.is_none() {
             return Ok(None);
         }
+        let source = self.host.ray(place);
         if !self.host.is_sound(place) {
             check_ray(source, place.index, layout)?;
         }
@@ -299,7 +299,8 @@ impl Dispatch {
     /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
         let Self { spec, host, words, entries: Entries { steps, work, .. }, replayed, .. } = self;
-        let answered = |ray: &Ray<'_>| {
+        let answered = |chunk: &Chunk, index: usize| {
+            let ray = chunk.ray(index);
             let left = ray.packed_policy().iter().filter(|&&word| words.performs(word)).count();
             let answered = words.decide.answers(ray.head.decision, left);
             if answered {

@@ -10,6 +10,7 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::error::SweepError;
 use super::streams::BUILD;
 use crate::input;
+use crate::json;
 use crate::output::write_whole;
 
 /// The largest of these files, in bytes.
@@ -39,7 +40,7 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     let of = format!("{:032x} {BUILD}", xxh3_128(inputs.as_bytes()));
     let path = folder.join(format!("{:032x}.{what}.json", xxh3_128(of.as_bytes())));
     if let Ok(text) = input::read_text(&path, MAX_BYTES) {
-        let kept: Option<Kept<T>> = serde_json::from_str(&text).ok();
+        let kept: Option<Kept<T>> = json::read(text.as_bytes()).ok();
         match kept.filter(|kept| kept.of == of && kept.checksum == checksum(&kept.found)) {
             Some(kept) => return Ok(kept.found),
             None => eprintln!("{}: it is damaged, and is made again", path.display()),
@@ -47,14 +48,14 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     }
     let found = find()?;
     let kept = Kept { of, checksum: checksum(&found), found };
-    let text = serde_json::to_vec_pretty(&kept).expect("plain data, which JSON can hold");
-    write_whole(&path, &text).map_err(|source| SweepError::File { path, source })?;
+    let text = json::pretty(&kept).expect("plain data, which JSON can hold");
+    write_whole(&path, text.as_bytes()).map_err(|source| SweepError::File { path, source })?;
     Ok(kept.found)
 }
 
 fn checksum(found: &impl Serialize) -> String {
-    let text = serde_json::to_vec(found).expect("plain data, which JSON can hold");
-    format!("{:032x}", xxh3_128(&text))
+    let text = json::line(found).expect("plain data, which JSON can hold");
+    format!("{:032x}", xxh3_128(text.as_bytes()))
 }
 
 #[cfg(test)]

@@ -10,6 +10,7 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use super::streams::{BUILD, Identity};
 use crate::input;
+use crate::json;
 use crate::machine::MachineSpec;
 use crate::output::write_whole;
 use crate::replay::{Cut, Fidelity};
@@ -39,8 +40,8 @@ impl Key {
         baseline: Option<&MachineSpec>,
     ) -> Self {
         let nameless = |machine: &MachineSpec| MachineSpec { name: String::new(), ..machine.clone() };
-        let all = serde_json::to_vec(&(stream.to_string(), fidelity, cut, nameless(machine), baseline.map(nameless)));
-        Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
+        let all = json::line(&(stream.to_string(), fidelity, cut, nameless(machine), baseline.map(nameless)));
+        Self(xxh3_128(all.expect("plain data, which JSON can hold").as_bytes()))
     }
 
     /// The file of the point in a folder.
@@ -101,8 +102,8 @@ pub(super) enum Refused {
 }
 
 fn checksum(measured: &Measured) -> String {
-    let text = serde_json::to_vec(measured).expect("plain data, which JSON can hold");
-    format!("{:032x}", xxh3_128(&text))
+    let text = json::line(measured).expect("plain data, which JSON can hold");
+    format!("{:032x}", xxh3_128(text.as_bytes()))
 }
 
 /// Reads a kept point; none if there is none. One that is refused is to be made again.
@@ -113,7 +114,7 @@ pub(super) fn read(folder: &Path, key: Key) -> Result<Option<Measured>, Refused>
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(damaged(&error)),
     };
-    let point: Point = serde_json::from_str(&text).map_err(|error| damaged(&error))?;
+    let point: Point = json::read(text.as_bytes()).map_err(|error| damaged(&error))?;
     if point.key != key {
         return Err(damaged(&"it is the point of another replay"));
     }
@@ -129,9 +130,8 @@ pub(super) fn read(folder: &Path, key: Key) -> Result<Option<Measured>, Refused>
 /// Keeps a point.
 pub(super) fn write(folder: &Path, key: Key, measured: Measured) -> io::Result<()> {
     let point = Point { key, build: BUILD.into(), checksum: checksum(&measured), measured };
-    let mut text = serde_json::to_vec_pretty(&point).expect("plain data, which JSON can hold");
-    text.push(b'\n');
-    write_whole(&key.file(folder), &text)
+    let text = json::pretty(&point).expect("plain data, which JSON can hold") + "\n";
+    write_whole(&key.file(folder), text.as_bytes())
 }
 
 #[cfg(test)]

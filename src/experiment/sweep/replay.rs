@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use super::error::SweepError;
 use super::kept::kept;
 use super::streams::Recorded;
+use crate::json;
 use crate::machine::MachineSpec;
 use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
 use crate::stats::MachineStats;
@@ -48,7 +49,7 @@ pub(in super::super) fn demand(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Demand, SweepError> {
-    let spec = serde_json::to_string(machine).expect("plain data, which JSON can hold");
+    let spec = json::line(machine).expect("plain data, which JSON can hold");
     // A stream's file is named by its inputs.
     let inputs = format!("{} {spec}", stream.path.file_name().unwrap_or_default().display());
     kept(folder, "demand", &inputs, || {

@@ -15,6 +15,7 @@ use super::super::set;
 use super::draw::{Draw, MAX_FIELDS};
 use super::error::SweepError;
 use super::values::{Tried, Values};
+use crate::json;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
@@ -288,8 +289,8 @@ impl Sweep {
             for number in 0..each as usize {
                 let combination = Combination { base, values: self.values(points, number) };
                 let machine = self.make(&combination)?;
-                let spec = serde_json::to_vec(&machine.spec).expect("a spec is plain data, which JSON can hold");
-                if seen.insert((base, xxh3_128(&spec))) {
+                let spec = json::line(&machine.spec).expect("a spec is plain data, which JSON can hold");
+                if seen.insert((base, xxh3_128(spec.as_bytes()))) {
                     self.machines.push(combination);
                 }
             }
@@ -346,9 +347,8 @@ impl Sweep {
                 let combination = Combination { base, values: places.into_iter().enumerate().collect() };
                 match self.make(&combination) {
                     Ok(machine) => {
-                        let spec =
-                            serde_json::to_vec(&machine.spec).expect("a spec is plain data, which JSON can hold");
-                        if seen.insert(xxh3_128(&spec)) {
+                        let spec = json::line(&machine.spec).expect("a spec is plain data, which JSON can hold");
+                        if seen.insert(xxh3_128(spec.as_bytes())) {
                             self.machines.push(combination);
                         }
                     }

@@ -11,6 +11,7 @@ use super::super::load::Experiment;
 use super::super::progress;
 use super::error::SweepError;
 use crate::culling::Policy;
+use crate::json;
 use crate::output::Turn;
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};
 use crate::tracer::Tracer;
@@ -35,8 +36,8 @@ impl Identity {
         let mut needs: Vec<&String> = needs.iter().collect();
         needs.sort();
         needs.dedup();
-        let all = serde_json::to_vec(&(needs, header));
-        Self(xxh3_128(&all.expect("plain data, which JSON can hold")))
+        let all = json::line(&(needs, header));
+        Self(xxh3_128(all.expect("plain data, which JSON can hold").as_bytes()))
     }
 
     /// The name of the stream's file: another build may make another stream of the same inputs.

@@ -6,6 +6,7 @@ use serde_json::Value;
 use super::columns::RESULTS_FILE;
 use super::names::{Family, Metric, Node, Place};
 use super::row::{Amount, Row, Subject, Take};
+use crate::json;
 use crate::report::error::ReportError;
 
 /// Half the width of the interval of the number at a path.
@@ -31,7 +32,7 @@ impl Walk<'_> {
     /// `measured` has no form in JSON, or `take` fails.
     pub(in crate::report) fn rows(&self, measured: &impl Serialize, take: &mut Take<'_>) -> Result<(), ReportError> {
         let failed = |source| ReportError::Numbers { file: RESULTS_FILE, source };
-        let value = serde_json::to_value(measured).map_err(failed)?;
+        let value = json::value(measured).map_err(failed)?;
         self.descend(&value, self.family.root(), &mut Way::default(), take)
     }
 

@@ -7,6 +7,7 @@ use super::over_time::{self, OverTime};
 use super::pictures::{Image, PictureInfo, png};
 use super::summary::{SCHEMA, Summary};
 use crate::input;
+use crate::json;
 use crate::report::error::ReportError;
 use crate::report::writer::SUMMARY_FILE;
 
@@ -82,11 +83,11 @@ pub(crate) fn read_summary(path: &Path) -> Result<Summary, ReportError> {
     let broken = |source| ReportError::Broken { path: path.into(), source };
     let read = input::read(path, MAX_SUMMARY_BYTES);
     let text = read.map_err(|source| ReportError::Read { path: path.into(), source })?;
-    let value: serde_json::Value = serde_json::from_slice(&text).map_err(broken)?;
+    let value: serde_json::Value = json::read(&text).map_err(broken)?;
     match value.get("schema") {
         Some(found) if *found != SCHEMA => {
             Err(ReportError::Schema { path: path.into(), found: found.to_string(), schema: SCHEMA })
         }
-        _ => serde_json::from_slice(&text).map_err(broken),
+        _ => json::read(&text).map_err(broken),
     }
 }

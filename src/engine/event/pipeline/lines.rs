@@ -11,8 +11,15 @@ use crate::stats::TrafficClass;
 
 impl Pipeline {
     /// Steps 1 and 2 of a cycle: a fill, and hits that get their line.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn arrive(&mut self, now: u64, links: &mut Links) {
+        self.filled = false;
+        if self.line_at(links) <= now || self.hits.front().is_some_and(|&(at, _)| at <= now) {
+            self.arrive_some(now, links);
+        }
+    }
+
+    fn arrive_some(&mut self, now: u64, links: &mut Links) {
         self.filled = self.line_at(links) <= now && self.fill(now, links);
         self.stuck &= !self.filled;
         while let Some(ray) = take(&mut self.hits, now) {

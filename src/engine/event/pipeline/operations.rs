@@ -114,7 +114,7 @@ impl Pipeline {
         }
         // An entry of a store lies in one line.
         let bytes = Bytes(fetch.bytes.into());
-        self.push_out(fetch.first, fetch.class, true, bytes, now);
+        self.push_out(fetch.only_line(), fetch.class, true, bytes, now);
         self.written_through[fetch.class as usize].add(bytes);
         true
     }
@@ -122,7 +122,7 @@ impl Pipeline {
     /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit. Returns
     /// the next cycle in which something happens that is known, but for operations that end; [`u64::MAX`] if nothing
     /// is.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn end(&mut self, now: u64, links: &mut Links, leaving: bool) -> u64 {
         let lines = self.line_at(links);
         if self.queued() | self.out.len() == 0 && lines > now {
