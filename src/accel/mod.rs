@@ -3,14 +3,18 @@
 //! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own. A kind of tree implements
 //! the traits of `structure` in a folder of its own and has a variant in `kind`.
 
+mod block;
 mod bvh;
 mod kdtree;
 mod kind;
+mod lanes;
 mod query;
 mod ray;
 mod shaft;
+mod slabs;
 mod spec;
 mod statics;
+mod steps;
 mod structure;
 #[cfg(test)]
 mod tests;
@@ -23,6 +27,7 @@ pub use self::ray::{Boxes, Ray};
 pub use self::shaft::{Relation, Shaft, Sight};
 pub use self::spec::{AccelSpec, KdLayout, Quality};
 pub use self::statics::Accel;
+pub use self::steps::Steps;
 pub use self::trail::{Fresh, Mark, Observer, Path, Silent, Trail};
 pub use self::triangle::Record;
 pub use self::world::World;

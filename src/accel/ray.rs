@@ -93,6 +93,25 @@ impl Ray {
         self.direction[axis].abs() <= SMALLEST_COMPONENT
     }
 
+    /// One over the direction, infinite along an axis that the ray runs across.
+    #[inline(always)]
+    pub(super) fn inverse_or_infinity(&self) -> Vec3 {
+        if !self.is_parallel {
+            return self.inverse;
+        }
+        let inverse = |axis: usize| match self.is_parallel(axis) {
+            true => f32::INFINITY.copysign(self.inverse[axis]),
+            false => self.inverse[axis],
+        };
+        Vec3::new(inverse(0), inverse(1), inverse(2))
+    }
+
+    /// Which plane of a box across an axis is crossed first: 1, the upper one, where the ray goes down.
+    #[inline(always)]
+    pub(super) fn first_plane(&self, axis: usize) -> usize {
+        usize::from(self.first[axis])
+    }
+
     /// The open segment from `origin` to `target`.
     pub fn segment(origin: Vec3, target: Vec3) -> Self {
         Self::new(origin, target - origin, 1.0)

@@ -1,5 +1,6 @@
 //! What watches a traversal: a recorder, or nothing.
 
+use super::steps::Steps;
 use crate::quantity::{ListId, NodeId, TriangleSlot};
 use crate::stream::{Effect, Step, Stop, Store};
 
@@ -11,12 +12,34 @@ pub trait Observer {
     fn list(&mut self, entry: ListId);
     /// A triangle was tested.
     fn triangle(&mut self, slot: TriangleSlot, stop: Stop);
+
+    /// Something is about to be visited in a tree of boxes: two nodes at most, or four triangles.
+    #[inline(always)]
+    fn make_room(&mut self) {}
+
+    /// The first `count` of two nodes were visited.
+    #[inline(always)]
+    fn nodes(&mut self, nodes: [NodeId; 2], count: usize) {
+        nodes.into_iter().take(count).for_each(|node| self.node(node));
+    }
+
+    /// The first `count` of the triangles from `slot` on were tested, at most four, and none was hit: the plane's part
+    /// ended those whose bits in `in_plane` are not set.
+    #[inline(always)]
+    fn missed(&mut self, slot: TriangleSlot, count: u32, in_plane: u32) {
+        for at in 0..count {
+            let stop = if in_plane >> at & 1 == 0 { Stop::Plane } else { Stop::Edges };
+            self.triangle(TriangleSlot(slot.0 + at), stop);
+        }
+    }
 }
 
 /// Watches nothing.
 pub struct Silent;
 
 impl Observer for Silent {
+    fn nodes(&mut self, _: [NodeId; 2], _: usize) {}
+    fn missed(&mut self, _: TriangleSlot, _: u32, _: u32) {}
     fn node(&mut self, _: NodeId) {}
     fn list(&mut self, _: ListId) {}
     fn triangle(&mut self, _: TriangleSlot, _: Stop) {}
@@ -26,7 +49,7 @@ impl Observer for Silent {
 #[derive(Clone, Debug, Default)]
 pub struct Trail {
     /// Packed steps.
-    pub steps: Vec<u32>,
+    pub steps: Steps,
     /// Nodes visited.
     pub nodes: u64,
     /// Entries of primitive lists read.
@@ -151,5 +174,28 @@ impl Observer for Trail {
     fn triangle(&mut self, slot: TriangleSlot, stop: Stop) {
         self.triangles += 1;
         self.steps.push(Step::Triangle { slot, stop }.pack());
+    }
+
+    #[inline(always)]
+    fn make_room(&mut self) {
+        self.steps.make_room();
+    }
+
+    /// Both are written, and the length says how many count: there is nothing to predict.
+    #[inline(always)]
+    fn nodes(&mut self, nodes: [NodeId; 2], count: usize) {
+        self.nodes += count as u64;
+        self.steps.write(nodes.map(|node| Step::Node(node).pack()), count);
+    }
+
+    #[inline(always)]
+    fn missed(&mut self, slot: TriangleSlot, count: u32, in_plane: u32) {
+        self.triangles += u64::from(count);
+        let steps: [u32; 4] = std::array::from_fn(|at| {
+            let (slot, in_plane) = (TriangleSlot(slot.0 + at as u32), in_plane >> at & 1 == 1);
+            let [plane, edges] = [Stop::Plane, Stop::Edges].map(|stop| Step::Triangle { slot, stop }.pack());
+            if in_plane { edges } else { plane }
+        });
+        self.steps.write(steps, count as usize);
     }
 }

@@ -32,9 +32,31 @@ pub struct TriangleHit {
     pub barycentric: Vec2,
 }
 
+impl TriangleHit {
+    /// The hit on a triangle that faces the ray by `facing`, at `distance` from its plane in the same units, with
+    /// barycentric coordinates likewise.
+    #[inline(always)]
+    pub(super) fn new(distance: f32, facing: f32, [u, v]: [f32; 2]) -> Self {
+        let scale = 1.0 / facing;
+        Self { t: distance / facing, barycentric: Vec2::new(u * scale, v * scale) }
+    }
+
+    /// Keeps the hit if it is the nearest so far, at equal distance the one on the lowest primitive: the ray's reach is
+    /// then the hit's distance.
+    #[inline(always)]
+    pub(super) fn keep_nearest(self, primitive: PrimitiveId, ray: &mut Ray, nearest: &mut Option<Hit>) {
+        let Self { t, barycentric } = self;
+        let nearer = nearest.is_none_or(|old| (t, primitive) < (old.t, old.primitive));
+        if nearer && t <= ray.reach {
+            ray.reach = t;
+            *nearest = Some(Hit { primitive, t, barycentric });
+        }
+    }
+}
+
 /// Lets a hit at the very distance of the nearest one so far pass the plane test, whose product form rounds
 /// differently from the quotient: the tie is settled later, on the quotient.
-const TIE: f32 = 1.0 + 4.0 * f32::EPSILON;
+pub(super) const TIE: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 impl Record {
     /// The record of `triangle`.
@@ -70,8 +92,7 @@ impl Record {
         if !(u >= 0.0 && v >= 0.0 && u + v <= facing) {
             return (Stop::Edges, None);
         }
-        let scale = 1.0 / facing;
-        (Stop::Hit, Some(TriangleHit { t: distance / facing, barycentric: Vec2::new(u * scale, v * scale) }))
+        (Stop::Hit, Some(TriangleHit::new(distance, facing, [u, v])))
     }
 
     /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach` by a ray that also meets the triangle's box.
@@ -81,13 +102,20 @@ impl Record {
     /// too, which lies in all boxes above it, the answer of a traversal is that of all triangles tested one by one.
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
-            (Stop::Hit, Some(hit)) if hit.t < ray.reach => {
-                let [entry] = ray.entries(&self.bounds);
-                if entry < f32::INFINITY { (Stop::Hit, true) } else { (Stop::Edges, false) }
-            }
+            (_, Some(hit)) => self.confirm(ray, hit.t),
+            (stop, None) => (stop, false),
+        }
+    }
+
+    /// Whether a hit of the edge test at the distance `t` blocks the ray.
+    #[inline]
+    pub(super) fn confirm(&self, ray: &Ray, t: f32) -> (Stop, bool) {
+        if t < ray.reach {
+            let [entry] = ray.entries(&self.bounds);
+            if entry < f32::INFINITY { (Stop::Hit, true) } else { (Stop::Edges, false) }
+        } else {
             // Only just out of reach: the plane's part of the hardware, which compares without a tie rule, ends it.
-            (Stop::Hit, _) => (Stop::Plane, false),
-            (stop, _) => (stop, false),
+            (Stop::Plane, false)
         }
     }
 
@@ -95,11 +123,8 @@ impl Record {
     /// primitive: the ray's reach is then the hit's distance.
     pub(super) fn test_nearest(&self, ray: &mut Ray, nearest: &mut Option<Hit>) -> Stop {
         let (stop, hit) = self.test(ray);
-        let Some(TriangleHit { t, barycentric }) = hit else { return stop };
-        let nearer = nearest.is_none_or(|old| (t, self.primitive) < (old.t, old.primitive));
-        if nearer && t <= ray.reach {
-            ray.reach = t;
-            *nearest = Some(Hit { primitive: self.primitive, t, barycentric });
+        if let Some(hit) = hit {
+            hit.keep_nearest(self.primitive, ray, nearest);
         }
         stop
     }

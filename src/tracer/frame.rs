@@ -126,7 +126,7 @@ impl<'a> Tracer<'a> {
             let mut trail = Trail::default();
             policy.end_frame(&changes[lane], &mut trail);
             let totals = lanes[lane].end(&trail);
-            sink(lane, Item::End { policy: Arc::new(trail.steps), totals })?;
+            sink(lane, Item::End { policy: Arc::new(trail.steps.into_vec()), totals })?;
         }
         Ok(lanes)
     }

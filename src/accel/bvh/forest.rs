@@ -1,27 +1,28 @@
 //! A static tree of boxes and a dynamic one under one root.
 
 use super::ancestry::Ancestry;
-use super::tree::{Node, Tree};
+use super::packed::{Packed, Wide};
+use super::tree::Tree;
+use crate::accel::ray::Boxes;
 
 /// The static tree and the dynamic one under one root.
-pub(crate) struct Forest<'a, const N: usize> {
-    /// Node 0. With dynamic triangles it joins the two trees (child 0 and child 1); without, it is the static tree's
-    /// own.
-    pub root: Node<N>,
+pub(crate) struct Forest<'a, const N: usize>
+where
+    Tree<N>: Wide<N>,
+{
+    /// Boxes of the static tree and the dynamic one, where node 0 joins the two; without dynamic triangles node 0 is the
+    /// static tree's own.
+    pub boxes: Boxes<8>,
     /// Whether the root joins two trees.
     pub joined: bool,
-    /// Nodes and records with ids from 0 on; node 0 itself is `root`.
+    /// Nodes and records with ids from 0 on.
     pub statics: &'a Tree<N>,
+    /// The static tree as rays walk it.
+    pub packed: &'a Packed<<Tree<N> as Wide<N>>::Node>,
     /// Parents of the static nodes.
     pub ancestry: &'a Ancestry,
     /// Nodes and records with ids after the static ones.
     pub dynamic: Tree<N>,
-}
-
-impl<const N: usize> Forest<'_, N> {
-    /// The node `id`, which is not 0.
-    pub(crate) fn node(&self, id: u32) -> &Node<N> {
-        let id = id as usize;
-        self.statics.nodes.get(id).unwrap_or_else(|| &self.dynamic.nodes[id - self.statics.nodes.len()])
-    }
+    /// The dynamic tree as rays walk it.
+    pub packed_dynamic: Packed<<Tree<N> as Wide<N>>::Node>,
 }

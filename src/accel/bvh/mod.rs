@@ -3,8 +3,13 @@
 mod ancestry;
 mod build;
 mod copies;
+mod eight;
 mod forest;
+mod packed;
+mod pair;
+mod question;
 mod sight;
+mod stack;
 mod statics;
 mod tree;
 mod walk;

@@ -1,13 +1,17 @@
 //! How a shaft walks the static tree of boxes.
 
 use super::forest::Forest;
-use super::tree::{Child, Node};
+use super::packed::Wide;
+use super::tree::{Child, Node, Tree};
 use crate::accel::shaft::{Shaft, Sight};
 use crate::accel::structure::JoinedTree;
 use crate::accel::trail::Observer;
 use crate::quantity::{NodeId, TriangleSlot};
 
-impl<const N: usize> Forest<'_, N> {
+impl<const N: usize> Forest<'_, N>
+where
+    Tree<N>: Wide<N>,
+{
     /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
     pub(crate) fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         if self.statics.records.is_empty() {
@@ -34,8 +38,8 @@ impl<const N: usize> Node<N> {
     /// Pushes the children that a ray of the shaft may visit.
     fn meet(&self, shaft: &Shaft, stack: &mut Vec<Child>) {
         for (at, &child) in self.children.iter().enumerate() {
-            let [low, high] = self.corners(at).map(|corner| corner.as_dvec3());
-            if !child.is_none() && !shaft.misses_box(low, high) {
+            let (low, high) = self.corners(at);
+            if !child.is_none() && !shaft.misses_box(low.as_dvec3(), high.as_dvec3()) {
                 stack.push(child);
             }
         }

@@ -5,8 +5,8 @@ use glam::Vec3;
 use super::ancestry::Ancestry;
 use super::build::{Build, params};
 use super::forest::Forest;
-use super::tree::{Child, Node, Tree};
-use super::walk::nearest;
+use super::packed::{NO_BOXES, Packed, Wide, set_box};
+use super::tree::{Node, Tree};
 use crate::accel::query::{Hit, Order, Scope};
 use crate::accel::ray::Ray;
 use crate::accel::shaft::{Shaft, Sight};
@@ -17,8 +17,12 @@ use crate::accel::triangle::Record;
 use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 
 /// The static tree of boxes.
-pub(crate) struct Bvh<const N: usize> {
+pub(crate) struct Bvh<const N: usize>
+where
+    Tree<N>: Wide<N>,
+{
     tree: Tree<N>,
+    packed: Packed<<Tree<N> as Wide<N>>::Node>,
     ancestry: Ancestry,
     /// Whether node 0 joins the tree with dynamic ones.
     joined: bool,
@@ -26,7 +30,7 @@ pub(crate) struct Bvh<const N: usize> {
 
 impl<const N: usize> StaticTree for Bvh<N>
 where
-    Tree<N>: Build,
+    Tree<N>: Build + Wide<N>,
 {
     type Joined<'a> = Forest<'a, N>;
 
@@ -40,7 +44,8 @@ where
             tree.nodes.insert(0, Node::default());
         }
         let ancestry = Ancestry::of(&tree);
-        Self { tree, ancestry, joined }
+        let packed = Packed::new(&tree, Base::default());
+        Self { tree, packed, ancestry, joined }
     }
 
     fn join<'a>(&'a self, items: &[Item<'_>], spec: &AccelSpec) -> Forest<'a, N> {
@@ -50,17 +55,22 @@ where
         } else {
             Tree::build(items, params(spec.dynamic, items.len()), base)
         };
-        let mut root = self.tree.nodes[0];
-        if self.joined {
-            let trees = [(self.tree.nodes.get(1), 1), (dynamic.nodes.first(), base.node)];
-            for (at, (tree, index)) in trees.into_iter().enumerate() {
-                if let Some(tree) = tree {
-                    let (low, high) = tree.bounds();
-                    root.set(at, Child { index, count: 0 }, low, high);
-                }
+        let mut boxes = NO_BOXES;
+        for (tree, root) in [self.tree.nodes.get(1), dynamic.nodes.first()].into_iter().enumerate() {
+            if let Some(root) = root {
+                set_box(&mut boxes, tree, root.bounds());
             }
         }
-        Forest { root, joined: self.joined, statics: &self.tree, ancestry: &self.ancestry, dynamic }
+        let packed_dynamic = Packed::new(&dynamic, base);
+        Forest {
+            boxes,
+            joined: self.joined,
+            statics: &self.tree,
+            packed: &self.packed,
+            ancestry: &self.ancestry,
+            dynamic,
+            packed_dynamic,
+        }
     }
 
     fn sizes(&self) -> Sizes {
@@ -72,7 +82,10 @@ where
     }
 }
 
-impl<const N: usize> JoinedTree for Forest<'_, N> {
+impl<const N: usize> JoinedTree for Forest<'_, N>
+where
+    Tree<N>: Wide<N>,
+{
     fn dynamic_sizes(&self) -> Sizes {
         Sizes { nodes: self.dynamic.nodes.len() as u32, list_entries: 0 }
     }
@@ -92,7 +105,7 @@ impl<const N: usize> JoinedTree for Forest<'_, N> {
     }
 
     fn closest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit> {
-        nearest(self, *ray, watch)
+        self.nearest(ray, watch)
     }
 
     fn occluded(&self, ray: &Ray, scope: Scope, order: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {

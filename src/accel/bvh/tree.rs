@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::accel::ray::{Boxes, Ray};
+use crate::accel::ray::Boxes;
 use crate::accel::triangle::Record;
 
 /// A reference to a child: a run of triangle slots, another node, or nothing.
@@ -53,27 +53,22 @@ impl<const N: usize> Node<N> {
     pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
         for child in (0..N).filter(|&child| !self.children[child].is_none()) {
-            let [child_low, child_high] = self.corners(child);
+            let (child_low, child_high) = self.corners(child);
             (low, high) = (low.min(child_low), high.max(child_high));
         }
         (low, high)
     }
 
     /// The lower and the upper corner of a child's box.
-    pub(crate) fn corners(&self, child: usize) -> [Vec3; 2] {
+    pub(crate) fn corners(&self, child: usize) -> (Vec3, Vec3) {
         let [x, y, z] = &self.bounds;
-        [0, 1].map(|side| Vec3::new(x[side][child], y[side][child], z[side][child]))
-    }
-
-    /// Where the ray enters each child's box, and infinity where it misses it.
-    #[inline(always)]
-    pub(crate) fn entries(&self, ray: &Ray) -> [f32; N] {
-        ray.entries(&self.bounds)
+        let corner = |side: usize| Vec3::new(x[side][child], y[side][child], z[side][child]);
+        (corner(0), corner(1))
     }
 
     /// Half the area of a child's box.
     pub(crate) fn half_area(&self, child: usize) -> f32 {
-        let [low, high] = self.corners(child);
+        let (low, high) = self.corners(child);
         let [x, y, z] = (high - low).to_array();
         x * y + y * z + z * x
     }

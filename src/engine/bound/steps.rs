@@ -11,7 +11,7 @@ use crate::machine::kinds::{Kind, KindSpec};
 use crate::machine::layout::{Element, Layout};
 use crate::memory::tags::Contents;
 use crate::quantity::Bytes;
-use crate::stream::{FrameInfo, Header, RayKind, Step, Store};
+use crate::stream::{FrameInfo, Header, RayKind, Step};
 
 /// Whose steps.
 #[derive(Clone, Copy, Debug)]

@@ -188,7 +188,7 @@ impl Pipeline {
         }
         let (marked, fetch) = (ray.marked, &mut ray.fetch);
         let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
-        (fetch.left, fetch.missing) = (0, 1);
+        (fetch.line.0, fetch.left, fetch.missing) = (line.0 + 1, 0, 1);
         self.out.push_back((now, Request { line, class, write: false, bytes, from: self.part, marked }));
         self.straight.push_back((line, id));
         self.read_straight[class as usize].add(bytes);
