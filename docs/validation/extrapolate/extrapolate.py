@@ -1,4 +1,4 @@
-"""Predicts machines of 8, 16 and 64 cores from scale models, and replays the large machines by Event.
+"""Predicts machines of 16 and 64 cores from scale models, and replays the large machines by Event.
 
     python3 docs/validation/extrapolate/extrapolate.py umbrasim
 
@@ -28,7 +28,7 @@ STREAMS = {
     "Sibenik": ("policies_living_room", "sibenik", "0..1", "256x256", "Off"),
 }
 MACHINES = ["small", "desktop", "mobile"]
-LARGE = [16, 64, 8]
+LARGE = [16, 64]
 # Machines that other laws scale: they replay the whole stream.
 FEW = [2, 4]
 # In front of which bits of an address those of the channel stand.

@@ -9,21 +9,13 @@ import statistics
 
 HERE = pathlib.Path(__file__).parent
 FIGURES = {"cycles": "cycles", "l2_bytes": "L2 bytes", "dram_bytes": "DRAM bytes"}
-LAWS = ["parabola", "line", "largest model as it is", "power law", "proportional"]
+LAWS = ["scale models", "largest model as it is", "power law", "proportional"]
 
 
 def rows(name):
     """The rows of a table by stream, machine and cores."""
     table = csv.DictReader((HERE / f"{name}.csv").open())
     return {(row["stream"], row["machine"], int(row["cores"])): row for row in table}
-
-
-def line(row, figure):
-    """The line through the two largest models, at the large machine."""
-    few, many = map(int, row["models"].split()[-2:])
-    low, high = map(float, row[f"{figure}_models"].split()[-2:])
-    at, before = 1 / many - 1 / int(row["cores"]), 1 / few - 1 / int(row["cores"])
-    return high + (high - low) * at / (before - at)
 
 
 def others(replays, case, figure):
@@ -45,7 +37,8 @@ def off(value, truth):
 def main():
     replays, predictions = rows("replays"), rows("predictions")
     cases = [case for case in predictions if case in replays]
-    errors, holds, least = {}, {}, {}
+    # Cores, figure and law to errors; figure to whether ranges hold; cores to shares of processor time.
+    errors, holds, shares = {}, {}, {}
     print("| stream | machine | cores | cycles | off | L2 bytes | off | DRAM bytes | off | time |")
     print("|---|---|---|---|---|---|---|---|---|---|")
     for case in sorted(cases, key=lambda case: (case[2], case[1], case[0])):
@@ -55,7 +48,7 @@ def main():
             real = int(truth[figure])
             power, proportional = others(replays, case, figure)
             largest = float(row[f"{figure}_models"].split()[-1])
-            values = [float(row[figure]), line(row, figure), largest, power, proportional]
+            values = [float(row[figure]), largest, power, proportional]
             for law, value in zip(LAWS, values):
                 if value is not None:
                     errors.setdefault((case[2], figure, law), []).append(abs(off(value, real)))
@@ -64,7 +57,7 @@ def main():
             cells.append(f"{real:,}" if figure == "cycles" else f"{real / 1e6:,.1f} MB")
             cells.append(f"{off(float(row[figure]), real):+.1f} %")
         share = float(row["seconds"]) / float(truth["seconds"])
-        least.setdefault(case[2], []).append(share)
+        shares.setdefault(case[2], []).append(share)
         print(f"| {case[0]} | {case[1]} | {case[2]} | {' | '.join(cells)} | {share:.2f} |")
     print("\n| cores | law | " + " | ".join(f"{name}: mean | worst" for name in FIGURES.values()) + " |")
     print("|---|---|" + "---|---|" * len(FIGURES))
@@ -76,8 +69,8 @@ def main():
                 print(f"| {cores} | {law} | {' | '.join(cells)} |")
     for figure, inside in holds.items():
         print(f"\nrange of {FIGURES[figure]} holds: {sum(inside)} of {len(inside)}")
-    for cores, shares in sorted(least.items()):
-        print(f"\nprocessor time at {cores} cores: {statistics.mean(shares):.2f} of Event's on average")
+    for cores, of in sorted(shares.items()):
+        print(f"\nprocessor time at {cores} cores: {statistics.mean(of):.2f} of Event's on average")
 
 
 if __name__ == "__main__":
