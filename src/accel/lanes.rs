@@ -1,7 +1,7 @@
 //! Several numbers at once: what traversal needs of a processor's vector instructions.
 //!
-//! All operations are those of IEEE 754, one rounding each, so that every implementation gives the same bits. Processors
-//! without AVX2 get arrays, which compilers make instructions of as they can.
+//! All operations are those of IEEE 754, one rounding each, so that every implementation gives the same bits. A
+//! processor without AVX2 gets arrays, of which the compiler makes what it can.
 
 use std::array;
 

@@ -10,8 +10,8 @@ pub(crate) struct Forest<'a, const N: usize>
 where
     Tree<N>: Wide<N>,
 {
-    /// Boxes of the static tree and the dynamic one, where node 0 joins the two; without dynamic triangles node 0 is the
-    /// static tree's own.
+    /// Boxes of the static tree and the dynamic one, where node 0 joins the two; without dynamic triangles node 0 is
+    /// the static tree's own.
     pub boxes: Boxes<8>,
     /// Whether the root joins two trees.
     pub joined: bool,

@@ -2,9 +2,11 @@
 //! or three visits.
 //!
 //! A ray that visits node A visits next the child that it enters first, say B, and after all that is below B the other
-//! one, C. What it meets in B is known with what it meets in A, since nothing is hit in between; C has a node of its own.
-//! Each outcome of the test has code of its own, which the processor's branch prediction takes on long before the test
-//! is done: read from a table, the next node is known half as fast.
+//! one, C. What it meets in B is known with what it meets in A, since nothing is hit in between. C has a node of its
+//! own.
+//!
+//! Each outcome of the test has code of its own. The processor predicts which it is, and goes on with the next node
+//! long before the test is done; a next node that is read from a table is waited for.
 
 use super::packed::{Goal, NO_BOXES, Packed, Packing, Wide, set_box};
 use super::stack::Stack;
@@ -35,8 +37,8 @@ pub(crate) struct Pair {
     larger: u32,
 }
 
-/// What a visit comes to, as [`decide`] says, by the lanes that the ray meets (bits 0 to 6) and the second siblings that
-/// come first: C, and the second children of B and C (bits 7 to 9).
+/// What a visit comes to, as [`decide`] says, by the lanes that the ray meets (bits 0 to 6) and the second siblings
+/// that come first: C, and the second children of B and C (bits 7 to 9).
 static DECISIONS: [u8; 1024] = decisions();
 
 const fn decisions() -> [u8; 1024] {

@@ -14,8 +14,8 @@ pub(super) trait Question<'a> {
     fn ray(&self) -> &Ray;
     /// Whether hits shorten the ray.
     const SHORTENS: bool;
-    /// Takes in a hit on the triangle of `primitive`, whose record `record` gives: tells where the hardware's test ends,
-    /// and whether the question is answered.
+    /// Takes in a hit on the triangle of `primitive`, whose record `record` gives: tells where the hardware's test
+    /// ends, and whether the question is answered.
     fn hit(&mut self, hit: TriangleHit, primitive: PrimitiveId, record: impl FnOnce() -> &'a Record) -> (Stop, bool);
 }
 
