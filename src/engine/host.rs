@@ -146,6 +146,7 @@ impl Host {
         self.next_primary.is_none()
     }
 
+    #[inline]
     fn active(&self, place: Place) -> &Active {
         self.chunks[place.chunk as usize].as_ref().expect("a chunk stays while it has rays that are not done")
     }
@@ -155,6 +156,7 @@ impl Host {
     }
 
     /// A ray that is not done.
+    #[inline]
     pub(super) fn ray(&self, place: Place) -> Ray<'_> {
         self.active(place).chunk.ray(place.index as usize)
     }

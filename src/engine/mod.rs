@@ -38,8 +38,8 @@ mod watchdog;
 pub(crate) mod whole;
 pub(crate) mod work;
 
-pub(crate) use self::demand::demand;
-pub use self::demand::{Demand, Estimate};
+pub use self::demand::Estimate;
+pub(crate) use self::demand::estimates;
 pub use self::error::RunError;
 pub(crate) use self::items::ItemStream;
 pub use self::items::{Items, Source};

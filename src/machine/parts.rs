@@ -102,6 +102,7 @@ impl Parts {
     }
 
     /// The place in turn of a list, intersection or division unit in cycle `now`: which of them act before it.
+    #[inline]
     pub(crate) fn turn(&self, part: PartId, now: u64) -> u32 {
         let kinds =
             [(self.list(0), self.list), (self.intersection(0), self.intersection), (self.division(0), self.division)];
@@ -117,6 +118,7 @@ impl Parts {
     }
 
     /// Of `units` of a kind, the one of a core that `number` chooses.
+    #[inline]
     pub(crate) fn choose(&self, units: u32, core: u32, number: u64) -> u32 {
         let a_core = units / self.cores;
         core * a_core + (number % u64::from(a_core)) as u32

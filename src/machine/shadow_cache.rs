@@ -82,6 +82,7 @@ pub struct ShadowCacheSpec {
 impl ShadowCacheSpec {
     /// Whether a step that the policy recorded on a ray's account, packed, is performed: it is not an update that
     /// is dropped, and no entry that costs nothing.
+    #[inline]
     pub fn performs(&self, word: u32) -> bool {
         let free = || self.place == Place::Free && Step::unpack(word).and_then(Step::entry).is_some();
         !self.silent.drops(word) && !free()

@@ -150,6 +150,7 @@ pub struct L2 {
 impl L2 {
     /// Puts a request of a core into its bank's queue in cycle `now`; without a place, the asker is woken when there is
     /// one.
+    #[inline]
     pub fn put(&mut self, core: u32, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         self.banks[core as usize * self.of_core + self.homes[request.class as usize].bank(request.line)]
             .put(request, now, wake)

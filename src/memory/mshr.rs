@@ -49,6 +49,7 @@ impl MshrFile {
     }
 
     /// The register that holds `line`.
+    #[inline]
     pub(crate) fn find(&self, line: LineAddr) -> Option<RegisterId> {
         self.registers[..self.used].iter().position(|register| register.line == line).map(RegisterId)
     }
@@ -69,6 +70,7 @@ impl MshrFile {
     }
 
     /// Adds an access to a line on its way; false if the register has no target left.
+    #[inline]
     pub(crate) fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
         let register = &mut self.registers[id.0];
         if register.merged == self.targets {
@@ -82,6 +84,7 @@ impl MshrFile {
     }
 
     /// Takes a free register for `line`; the caller has asked [`MshrFile::is_full`].
+    #[inline]
     pub(crate) fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
         let register = &mut self.registers[self.used];
         (register.line, register.class, register.fate, register.merged) = (line, class, fate, 1);
@@ -91,12 +94,14 @@ impl MshrFile {
     }
 
     /// What the line of a register is for, and what becomes of it.
+    #[inline]
     pub(crate) fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
         let register = &self.registers[id.0];
         (register.class, register.fate)
     }
 
     /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
+    #[inline]
     pub(crate) fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
         // Few wait: one by one takes fewer instructions than a copy.
         self.registers[id.0].waiting.iter().for_each(|&who| waiting.push(who));

@@ -88,6 +88,7 @@ impl TagArray {
         self.lines.is_empty()
     }
 
+    #[inline]
     fn set(&self, line: LineAddr) -> usize {
         (line.0 >> self.set_shift & self.set_mask) as usize
     }
@@ -138,6 +139,7 @@ impl TagArray {
     }
 
     /// Where `line`, which is not there, is put: an empty way is taken first, the lowest.
+    #[inline]
     pub fn place_for(&self, line: LineAddr) -> Place {
         debug_assert!(!self.contains(line));
         let set = self.set(line);
@@ -146,11 +148,13 @@ impl TagArray {
     }
 
     /// What is at a place.
+    #[inline]
     pub fn at(&self, place: Place) -> Option<Victim> {
         unpack(self.ways(place.set)[place.way])
     }
 
     /// Puts `line` into the place that is for it.
+    #[inline]
     pub fn put(&mut self, Place { set, way }: Place, line: LineAddr, class: TrafficClass, dirty: bool) {
         let lines = &mut self.lines[set * self.ways..][..self.ways];
         lines[way] = pack(line, class, dirty);

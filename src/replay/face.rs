@@ -3,7 +3,7 @@
 use super::fidelity::{Fidelity, OnePass};
 use super::together::Together;
 use crate::engine::whole::whole;
-use crate::engine::{self, Demand, Exact, Level, Observer, ReuseOf, RunError, Source};
+use crate::engine::{self, Estimate, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
 use crate::sampling::{self, Cut};
@@ -44,12 +44,13 @@ impl<'a, F> Replay<'a, F> {
         Replay { machine: self.machine, header: self.header, fidelity, cut: self.cut }
     }
 
-    /// Replays the stream by [`Level::Profile`] and learns what it asks of machines like this one.
+    /// Replays the stream by [`Level::Profile`] and learns what each of `machines` takes, roughly. They may differ from
+    /// this one in sizes, numbers and times.
     ///
     /// # Errors
     /// The run fails.
-    pub fn demand(&self, source: &dyn Source) -> Result<Demand, RunError> {
-        engine::demand(self.machine, self.header, source)
+    pub fn estimates(&self, source: &dyn Source, machines: &[MachineSpec]) -> Result<Vec<Estimate>, RunError> {
+        engine::estimates(self.machine, self.header, source, machines)
     }
 
     /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and

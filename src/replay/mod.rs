@@ -16,8 +16,7 @@ pub use self::stream_file::StreamFile;
 pub(crate) use self::thinned::Thinned;
 pub(crate) use self::together::Together;
 pub use crate::engine::{
-    Demand, Estimate, Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen,
-    Source,
+    Estimate, Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen, Source,
 };
 pub use crate::ranged::Share;
 pub(crate) use crate::sampling::{Cut, Verdict};

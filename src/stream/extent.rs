@@ -59,6 +59,7 @@ impl Extent {
     }
 
     /// Adds the steps of `words` that no traversal has; returns how many there are.
+    #[inline]
     fn add_stores(&mut self, words: &[u32]) -> usize {
         let others = words.iter().filter(|&&word| Step::tag(word) as i32 > Step::LAST_TRAVERSAL);
         others

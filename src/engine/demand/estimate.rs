@@ -1,21 +1,23 @@
 //! What a machine takes for a stream, roughly: what each of its resources is asked for, over what it can do.
 
-use super::pass::Demand;
+use serde::{Deserialize, Serialize};
+
+use super::caches::{End, Misses};
 use crate::energy;
 use crate::machine::MachineSpec;
-use crate::machine::kinds::{Kind, KindSpec};
+use crate::machine::kinds::Kind;
 use crate::memory::dram::spec::Model;
 use crate::memory::l2::L2Spec;
-use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheStats, MachineStats, TrafficClass};
+use crate::stream::Structure;
 
 /// How sharply the busiest resource counts more than others: they overlap, but not wholly. Assumed: 1 adds all up, and
 /// a large one leaves the busiest alone. A surrogate learns what it misses.
 const SHARPNESS: f64 = 3.0;
 
 /// What a machine takes for a stream, roughly.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Cycles.
     pub cycles: f64,
@@ -27,35 +29,42 @@ pub struct Estimate {
     pub resources: Vec<f64>,
 }
 
-/// Misses of a machine's caches, by class.
-struct Misses {
-    l1: [[f64; TrafficClass::ALL.len()]; Kind::ALL.len()],
-    l2: [f64; TrafficClass::ALL.len()],
+/// What a pass found of its own machine.
+#[derive(Clone, Debug)]
+pub(super) struct Demand<'a> {
+    /// The machine of the pass.
+    pub(super) reference: &'a MachineSpec,
+    pub(super) structure: Structure,
+    /// What the pass measured.
+    pub(super) stats: MachineStats,
+    /// What the tags of the machine missed.
+    pub(super) misses: Misses,
 }
 
 fn total(of: &[f64]) -> f64 {
     of.iter().sum()
 }
 
-impl Demand {
-    /// What `machine` takes, roughly. It may differ from the machine of the pass in sizes, numbers and times.
-    pub fn estimate(&self, machine: &MachineSpec) -> Estimate {
-        let misses = self.misses(machine);
-        let resources = self.resources(machine, &misses);
-        let cycles = resources.iter().map(|busy| busy.powf(SHARPNESS)).sum::<f64>().powf(SHARPNESS.recip());
+impl Demand<'_> {
+    /// What `machine` takes, roughly, whose tags missed so much.
+    pub(super) fn estimate(&self, machine: &MachineSpec, tags: Misses) -> Estimate {
+        let misses = self.misses(tags);
+        let (mut resources, end) = (self.resources(machine, &misses), self.end(machine, &misses));
+        let rays = resources.iter().map(|busy| busy.powf(SHARPNESS)).sum::<f64>().powf(SHARPNESS.recip());
+        let cycles = rays + end;
+        resources.push(end);
         let stats = self.stats_of(machine, &misses, cycles);
         let dram_bytes = stats.moved("dram").0 as f64;
         let joules = energy::of(machine, self.structure, &stats).map(|energy| energy.joules);
         Estimate { cycles, dram_bytes, joules, resources }
     }
 
-    /// Misses of `machine`. What is read from distances is scaled by what the machine of the pass is known to have
-    /// missed.
-    fn misses(&self, machine: &MachineSpec) -> Misses {
-        let (mut found, reference) = (self.read(machine), self.read(&self.reference));
+    /// Misses of a machine whose tags missed so much: scaled by what the machine of the pass is known to have missed.
+    fn misses(&self, tags: Misses) -> Misses {
+        let mut found = tags;
         for kind in Kind::ALL {
             let known = self.counted(kind.names().1);
-            let (found, reference) = (&mut found.l1[kind as usize], &reference.l1[kind as usize]);
+            let (found, reference) = (&mut found.l1[kind as usize], &self.misses.l1[kind as usize]);
             for (class, (accesses, misses)) in known.into_iter().enumerate() {
                 found[class] = scale(found[class], reference[class], misses).min(accesses);
             }
@@ -64,29 +73,10 @@ impl Demand {
             let class = class as usize;
             let known: f64 = self.reference.l2.caches().iter().map(|(name, _)| self.counted(name)[class].1).sum();
             let asked: f64 = found.l1.iter().map(|kind| kind[class]).sum();
-            let missed = scale(found.l2[class], reference.l2[class], known);
+            let missed = scale(found.l2[class], self.misses.l2[class], known);
             found.l2[class] = if asked > 0.0 { missed.min(asked) } else { missed };
         }
         found
-    }
-
-    /// Misses read from distances.
-    fn read(&self, machine: &MachineSpec) -> Misses {
-        let line = machine.line_bytes.get();
-        let l1 = Kind::ALL.map(|kind| {
-            let KindSpec { cache, .. } = kind.spec(machine);
-            let sets = (cache.bytes.get() / (line * cache.ways.get())).max(1);
-            let of = |at: usize| self.l1[kind as usize][at].misses(sets, cache.ways.get());
-            std::array::from_fn(|at| if cache.contents == Contents::Ideal { 0.0 } else { of(at) })
-        });
-        let caches = machine.l2.caches();
-        let l2 = TrafficClass::ALL.map(|class| {
-            let (_, cache) = &caches[machine.l2.home(class)];
-            let sets = (cache.bytes.get() / (line * cache.ways.get())).max(1);
-            let of = || self.core[class as usize].misses(sets, cache.ways.get());
-            if cache.contents == Contents::Ideal { 0.0 } else { of() }
-        });
-        Misses { l1, l2 }
     }
 
     /// Bytes that the host moved in the pass.
@@ -105,26 +95,40 @@ impl Demand {
     }
 
     /// Cycles that each resource is busy for.
-    fn resources(&self, machine: &MachineSpec, misses: &Misses) -> Vec<f64> {
+    fn resources(&self, machine: &MachineSpec, found: &Misses) -> Vec<f64> {
         let cores = machine.cores.get() as f64;
         let l2 = L2::of(&machine.l2);
         let dram = dram_latency(machine);
-        let (asked, fetched): (f64, f64) = (misses.l1.iter().map(|kind| total(kind)).sum(), total(&misses.l2));
-        let below = l2.latency + 2.0 + if asked > 0.0 { fetched / asked * dram } else { 0.0 };
+        let (asked, fetched): (f64, f64) = (found.l1.iter().map(|kind| total(kind)).sum(), total(&found.l2));
+        // What an L1 waits for the lines that it misses: some of each class come from the DRAM.
+        let from_dram = TrafficClass::ALL.map(|class| {
+            let asked: f64 = found.l1.iter().map(|kind| kind[class as usize]).sum();
+            if asked > 0.0 { found.l2[class as usize] / asked } else { 0.0 }
+        });
+        let wait = |misses: &[f64]| -> f64 {
+            misses.iter().zip(from_dram).map(|(misses, share)| misses * (l2.latency + 2.0 + share * dram)).sum()
+        };
         let (mut busy, mut held) = (Vec::new(), 0.0);
-        for (kind, misses) in Kind::ALL.into_iter().zip(&misses.l1) {
+        for (kind, misses) in Kind::ALL.into_iter().zip(&found.l1) {
             let spec = kind.spec(machine);
-            let (count, misses) = (spec.count as f64, total(misses));
-            let operations = self.stats.operations.get(kind.names().0).copied().unwrap_or(0) as f64;
-            let accesses: f64 = self.counted(kind.names().1).iter().map(|(accesses, _)| accesses).sum();
-            let stay = operations * spec.latency as f64 + accesses * spec.cache.latency.get() as f64 + misses * below;
+            let (count, mut waits) = (spec.count as f64, wait(misses));
+            let mut operations = self.stats.operations.get(kind.names().0).copied().unwrap_or(0) as f64;
+            let mut accesses: f64 = self.counted(kind.names().1).iter().map(|(accesses, _)| accesses).sum();
+            if kind == Kind::ShadowCache {
+                // Those of frames' ends come when the others are done.
+                let without = |all: f64, end: f64| (all - end).max(0.0);
+                operations = without(operations, found.end.accesses);
+                accesses = without(accesses, found.end.accesses);
+                waits = scale(waits, total(misses), without(total(misses), found.end.l1));
+            }
+            let stay = operations * spec.latency as f64 + accesses * spec.cache.latency.get() as f64 + waits;
             if kind != Kind::ShadowCache {
                 held += stay;
             }
-            busy.push(operations * spec.interval as f64 / (count * spec.width as f64));
-            busy.push(accesses / (count * spec.cache.accesses_per_cycle() as f64));
+            let begun = operations * spec.interval as f64 / (count * spec.width as f64);
+            busy.push(begun.max(accesses / (count * spec.cache.accesses_per_cycle() as f64)));
             busy.push(stay / (count * spec.contexts.unwrap_or(u64::MAX) as f64));
-            busy.push(misses * below / (count * spec.cache.mshrs.get() as f64));
+            busy.push(waits / (count * spec.cache.mshrs.get() as f64));
         }
         let rays = self.stats.rays as f64;
         let dispatcher = &machine.dispatcher;
@@ -137,9 +141,43 @@ impl Demand {
         busy.push(asked / (cores * l2.banks));
         busy.push(fetched * dram / (cores * l2.registers));
         let line = machine.line_bytes.get() as f64;
-        let bytes = fetched * line + self.host_bytes() as f64;
+        let bytes = (fetched + self.written(found)) * line + self.host_bytes() as f64;
         busy.push(machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get()).map_or(0.0, |peak| bytes / peak));
         busy
+    }
+
+    /// Cycles that frames' ends take, when nothing else is done.
+    fn end(&self, machine: &MachineSpec, found: &Misses) -> f64 {
+        let spec = Kind::ShadowCache.spec(machine);
+        let (End { accesses, l1, l2 }, count) = (found.end, spec.count as f64);
+        let at_hand = accesses * (spec.latency + spec.cache.latency.get()) as f64;
+        let stay = at_hand + l1 * (L2::of(&machine.l2).latency + 2.0) + l2 * dram_latency(machine);
+        let begun = accesses * spec.interval as f64 / (count * spec.width as f64);
+        let asked = accesses / (count * spec.cache.accesses_per_cycle() as f64);
+        begun.max(asked).max(stay / (count * spec.contexts.unwrap_or(u64::MAX) as f64))
+    }
+
+    /// Lines that the host reads and writes, which do not follow what caches miss.
+    fn host_lines(&self) -> (u64, u64) {
+        let all = self.host_bytes() / self.reference.line_bytes.get();
+        let caches = self.reference.l2.caches();
+        let missed: f64 = caches.iter().flat_map(|(name, _)| self.counted(name)).map(|(_, misses)| misses).sum();
+        let reads = self.stats.dram.reads - missed as u64;
+        (reads, all - reads)
+    }
+
+    /// Lines that caches write to the DRAM: as many for a missed line of each class as the pass counted.
+    fn written(&self, misses: &Misses) -> f64 {
+        let known = (self.stats.dram.writes - self.host_lines().1) as f64;
+        let (mut reference, mut found) = (0.0, 0.0);
+        for (name, _) in self.reference.l2.caches() {
+            for (&class, cache) in self.stats.caches.get(&name).into_iter().flatten() {
+                let (written, missed) = (cache.counts.write_backs as f64, cache.counts.misses as f64);
+                reference += written;
+                found += scale(written, missed, misses.l2[class as usize]);
+            }
+        }
+        if reference > 0.0 { known * found / reference } else { known }
     }
 
     /// What the pass measured, with the misses and the cycles of `machine`.
@@ -157,14 +195,9 @@ impl Demand {
                 set(cache, Some(asked), misses.l2[class as usize]);
             }
         }
-        // The host's own lines do not follow what caches miss.
-        let host = self.host_bytes() / self.reference.line_bytes.get();
-        let caches = self.reference.l2.caches();
-        let missed: f64 = caches.iter().flat_map(|(name, _)| self.counted(name)).map(|(_, misses)| misses).sum();
-        let host_reads = stats.dram.reads - missed as u64;
-        let host_writes = host - host_reads;
+        let (host_reads, host_writes) = self.host_lines();
         let fetched = total(&misses.l2);
-        let written = scale((stats.dram.writes - host_writes) as f64, missed, fetched) as u64;
+        let written = self.written(misses) as u64;
         let (known, found) = (stats.dram.reads as f64, fetched + host_reads as f64);
         let dram = &mut stats.dram;
         for count in [&mut dram.row_hits, &mut dram.row_misses, &mut dram.row_conflicts, &mut dram.activates] {

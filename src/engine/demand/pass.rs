@@ -1,40 +1,44 @@
-//! The pass, and what it found.
+//! The passes.
 
-use serde::{Deserialize, Serialize};
-
-use super::distances::Distances;
-use super::watch::Asked;
+use super::caches::{Caches, bytes};
+use super::estimate::{Demand, Estimate};
 use crate::engine::error::RunError;
 use crate::engine::items::Source;
 use crate::engine::profile::Profile;
 use crate::engine::whole::within_bounds;
 use crate::machine::MachineSpec;
-use crate::machine::kinds::Kind;
-use crate::stats::{MachineStats, TrafficClass};
-use crate::stream::{Header, Structure};
+use crate::stream::Header;
 
-/// What a stream asks of machines.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Demand {
-    /// The machine of the pass.
-    pub(super) reference: MachineSpec,
-    pub(super) structure: Structure,
-    /// What the pass measured.
-    pub(super) stats: MachineStats,
-    /// Reuse in the L1s of each kind, all units together, by class.
-    pub(super) l1: [[Distances; TrafficClass::ALL.len()]; Kind::ALL.len()],
-    /// Reuse of what a core asks for, whatever its L1s hold, by class.
-    pub(super) core: [Distances; TrafficClass::ALL.len()],
-}
+/// What the tags of a pass take in memory at most, if they are more than one machine's.
+const MOST_BYTES: u64 = 1 << 28;
 
-/// What a stream asks of machines like `machine`.
+/// What each of `machines` takes for a stream, roughly, by passes on `reference`. They may differ from it in sizes,
+/// numbers and times.
 ///
 /// # Errors
 /// The stream cannot be read, or a law that every run keeps is violated.
-pub(crate) fn demand(machine: &MachineSpec, header: &Header, source: &dyn Source) -> Result<Demand, RunError> {
-    let mut engine = Profile::watched(machine, header, Asked::new(machine, header));
-    let mut items = source.open(0)?;
-    let stats = within_bounds(&mut engine, machine, header, &mut items, None)?;
-    let Asked { l1, core, .. } = engine.into_watch();
-    Ok(Demand { reference: machine.clone(), structure: header.structure, stats, l1, core })
+pub(crate) fn estimates(
+    reference: &MachineSpec,
+    header: &Header,
+    source: &dyn Source,
+    machines: &[MachineSpec],
+) -> Result<Vec<Estimate>, RunError> {
+    let mut found = Vec::with_capacity(machines.len());
+    let mut rest = machines;
+    while !rest.is_empty() {
+        let taken = rest.iter().scan(0, |all, machine| {
+            *all += bytes(machine);
+            Some(*all)
+        });
+        let (some, others) = rest.split_at(taken.take_while(|all| *all <= MOST_BYTES).count().max(1));
+        let with_reference: Vec<&MachineSpec> = std::iter::once(reference).chain(some).collect();
+        let mut engine = Profile::watched(reference, header, Caches::new(reference, header, &with_reference));
+        let stats = within_bounds(&mut engine, reference, header, &mut source.open(0)?, None)?;
+        let mut misses = engine.into_watch().finish().into_iter();
+        let own = misses.next().unwrap_or_default();
+        let demand = Demand { reference, structure: header.structure, stats, misses: own };
+        found.extend(some.iter().zip(misses).map(|(machine, misses)| demand.estimate(machine, misses)));
+        rest = others;
+    }
+    Ok(found)
 }

@@ -300,6 +300,7 @@ impl Links {
     }
 
     /// Cycle `now` of bank `index` of the L2.
+    #[inline]
     pub(crate) fn tick_bank(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, lines, .. } = self;
         l2.banks[index].tick(now, dram, clock, |to, line, at| {
@@ -318,6 +319,7 @@ impl Links {
     }
 
     /// Cycle `now` of channel `index` of the DRAM.
+    #[inline]
     pub(crate) fn tick_channel(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;

@@ -191,6 +191,8 @@ impl<W: Watch> Profile<W> {
             performer.stalled.push_back(id);
             return None;
         }
+        let ends = (id as usize).checked_sub(dispatch.pool());
+        memory.watch.entry(ends.unwrap_or(id as usize), ends.is_some());
         let marked = dispatch.flights[id as usize].marked;
         let performed = match way {
             Way::Cached => performer.perform(element, marked, at, layout, memory),

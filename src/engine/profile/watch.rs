@@ -5,6 +5,11 @@ use crate::stats::TrafficClass;
 
 /// Is told of accesses. Nobody is `()`.
 pub(crate) trait Watch {
+    /// Entry `home` of the pool makes the accesses to L1s that follow: for a ray, or for a step of a frame's end.
+    fn entry(&mut self, home: usize, frame_ends: bool) {
+        let _ = (home, frame_ends);
+    }
+
     /// Unit `unit` of all accesses its L1.
     fn l1(&mut self, unit: usize, line: LineAddr, class: TrafficClass);
 

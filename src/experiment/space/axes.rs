@@ -1,11 +1,12 @@
 //! What a surrogate knows of a machine: its fields as numbers, and what its resources are asked for.
 
+use super::figure::Figure;
 use crate::replay::Estimate;
 use crate::size;
 use crate::surrogate::Group;
 
-/// Shares of a resource below this count as this: a resource that is hardly used changes nothing.
-const LEAST_SHARE: f64 = 0.05;
+/// How far a resource that is used all the time is from one that is not used, where a field's values lie within 2.
+const SHARES: f64 = 3.0;
 /// An input that moves less is none.
 const MOVES: f64 = 0.01;
 
@@ -43,36 +44,54 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// The inputs of all designs, and their groups: one an axis, one of all resources, one a figure's estimate. Each design
-/// has a place on each axis, or none where it does not have the field.
-pub(super) fn inputs(
-    axes: &[Axis],
-    places: &[Vec<Option<usize>>],
-    estimates: &[Estimate],
-) -> (Vec<Vec<f64>>, Vec<Group>) {
-    let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
-    for (field, axis) in axes.iter().enumerate() {
-        blocks.push(places.iter().map(|places| axis.inputs(places[field])).collect());
+/// What is known of all designs.
+pub(super) struct Known<'a> {
+    /// The fields.
+    pub(super) axes: &'a [Axis],
+    /// Of each design a place on each axis, or none where it does not have the field.
+    pub(super) places: &'a [Vec<Option<usize>>],
+    /// Of each design.
+    pub(super) estimates: &'a [Estimate],
+}
+
+/// Inputs of all designs, and their groups, which have a length each.
+pub(super) type Inputs = (Vec<Vec<f64>>, Vec<Group>);
+
+impl Known<'_> {
+    /// The inputs that explain by what a figure differs from its estimate. Cycles and energy: how busy each resource
+    /// is, as the busiest waits for the others. Bytes: the fields.
+    pub(super) fn inputs(&self, figure: Figure) -> Inputs {
+        let Self { axes, places, estimates } = *self;
+        let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
+        match figure {
+            Figure::Cycles | Figure::Joules => {
+                let resources = estimates.first().map_or(0, |it| it.resources.len());
+                let share =
+                    |at: usize| estimates.iter().map(|it| vec![SHARES * it.resources[at] / it.cycles]).collect();
+                blocks.extend((0..resources).map(share));
+            }
+            Figure::DramBytes => {
+                for (field, axis) in axes.iter().enumerate() {
+                    blocks.push(places.iter().map(|places| axis.inputs(places[field])).collect());
+                }
+            }
+        }
+        grouped(&blocks, places.len())
     }
-    let share = |busy: &f64, estimate: &Estimate| (busy / estimate.cycles).max(LEAST_SHARE).ln();
-    blocks.push(estimates.iter().map(|it| it.resources.iter().map(|busy| share(busy, it)).collect()).collect());
-    for figure in [|it: &Estimate| it.cycles, |it: &Estimate| it.dram_bytes, |it: &Estimate| it.joules.unwrap_or(1.0)] {
-        blocks.push(estimates.iter().map(|it| vec![figure(it).max(1e-30).ln()]).collect());
-    }
-    let mut rows: Vec<Vec<f64>> = vec![Vec::new(); places.len()];
+}
+
+/// Blocks as groups of inputs, without those that do not move.
+fn grouped(blocks: &[Vec<Vec<f64>>], designs: usize) -> Inputs {
+    let mut rows: Vec<Vec<f64>> = vec![Vec::new(); designs];
     let mut groups = Vec::new();
     for block in blocks {
         let first = rows.first().map_or(0, Vec::len);
         for column in 0..block.first().map_or(0, Vec::len) {
             let of = |row: &Vec<f64>| row[column];
             let (low, high) = range(block.iter().map(of));
-            let same = |at: usize| {
-                rows.iter().zip(&block).all(|(row, cells)| (row[at] - centred(cells[column], low, high)).abs() < 1e-9)
-            };
-            if high - low < MOVES || (first..rows[0].len()).any(same) {
-                continue;
+            if high - low >= MOVES {
+                rows.iter_mut().zip(block).for_each(|(row, cells)| row.push(centred(cells[column], low, high)));
             }
-            rows.iter_mut().zip(&block).for_each(|(row, cells)| row.push(centred(cells[column], low, high)));
         }
         let end = rows.first().map_or(0, Vec::len);
         if end > first {
@@ -105,20 +124,18 @@ mod tests {
 
     #[test]
     fn what_does_not_move_is_no_input() {
-        let estimate = |cycles: f64, busy: f64| Estimate {
-            cycles,
-            dram_bytes: 64.0,
-            joules: None,
-            resources: vec![busy, 1.0, busy],
+        let estimate =
+            |busy: f64| Estimate { cycles: 100.0, dram_bytes: 64.0, joules: None, resources: vec![busy, 1.0] };
+        let known = Known {
+            axes: &[axis(&["1", "2"]), axis(&["7"])],
+            places: &[vec![Some(0), Some(0)], vec![Some(1), Some(0)]],
+            estimates: &[estimate(80.0), estimate(40.0)],
         };
-        let (field, fixed) = (axis(&["1", "2"]), axis(&["7"]));
-        let (rows, groups) = inputs(
-            &[field, fixed],
-            &[vec![Some(0), Some(0)], vec![Some(1), Some(0)]],
-            &[estimate(100.0, 80.0), estimate(100.0, 40.0)],
-        );
-        assert_eq!(groups, [0..1, 1..2].map(|inputs| Group { inputs }));
-        assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [-1.0, 1.0]);
-        assert!((rows[0][1] - rows[1][1] - 2f64.ln()).abs() < 1e-12);
+        let (rows, groups) = known.inputs(Figure::Cycles);
+        assert_eq!(groups, [Group { inputs: 0..1 }]);
+        assert!((rows[0][0] - rows[1][0] - SHARES * 0.4).abs() < 1e-12);
+        let (rows, groups) = known.inputs(Figure::DramBytes);
+        assert_eq!(groups, [Group { inputs: 0..1 }]);
+        assert_eq!(rows, [[-1.0], [1.0]]);
     }
 }

@@ -5,24 +5,66 @@ use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
 
-use super::super::sweep::{Point, Recorded, Sweep, SweepError, demand};
+use super::super::progress::Progress;
+use super::super::sweep::{Point, Recorded, Sweep, SweepError, estimates as passes};
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::ShadowCacheSpec;
-use crate::replay::{Demand, Estimate};
+use crate::replay::Estimate;
 
 /// The most passes over a stream for a machine of the experiment. With more, one must do for all.
 const MOST: usize = 8;
 
+/// Which fields of a machine the machine of its pass has too, beside those that a pass must know.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Shared {
+    /// Those that say in which order accesses come: numbers of units, and of rays in them.
+    Order,
+    /// The number of traversal units, which says the most of the order.
+    Traversal,
+    /// None.
+    Nothing,
+}
+
 /// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of
-/// lines, the places of words and what the host moves; and as the experiment's machine `base` in what an estimate works
-/// out, such as sizes, numbers and times.
-fn reference(machine: &MachineSpec, base: &MachineSpec) -> MachineSpec {
+/// lines, the places of words and what the host moves, and where fields are `shared`; and as the experiment's machine
+/// `base` in what an estimate works out, such as sizes and times.
+fn reference(machine: &MachineSpec, base: &MachineSpec, shared: Shared) -> MachineSpec {
     let ShadowCacheSpec { count, latency, interval, contexts, width, cache, .. } = base.shadow_cache;
     let unit = ShadowCacheSpec { count, latency, interval, contexts, width, cache, ..machine.shadow_cache };
     let MachineSpec { line_bytes, cores, traffic, .. } = *machine;
-    let reference = MachineSpec { line_bytes, cores, traffic, shadow_cache: unit, ..base.clone() };
+    let mut reference = MachineSpec { line_bytes, cores, traffic, shadow_cache: unit, ..base.clone() };
+    if shared != Shared::Nothing {
+        reference.traversal.count = machine.traversal.count;
+    }
+    if shared == Shared::Order {
+        reference.traversal.rays = machine.traversal.rays;
+        reference.dispatcher.rays = machine.dispatcher.rays;
+        reference.list.count = machine.list.count;
+        reference.intersection.count = machine.intersection.count;
+        reference.shadow_cache.count = machine.shadow_cache.count;
+    }
     // Sizes of the one may not fit lines of the other.
     if reference.check().is_ok() { reference } else { MachineSpec { name: base.name.clone(), ..machine.clone() } }
+}
+
+/// The machines of the passes that tell of `machines`, and of each machine the place of its own among them: as few as
+/// [`MOST`], so that their fields are shared as far as that allows.
+fn references(machines: &[MachineSpec], base: &MachineSpec) -> (Vec<MachineSpec>, Vec<usize>) {
+    for shared in [Shared::Order, Shared::Traversal, Shared::Nothing] {
+        let mut references: Vec<MachineSpec> = Vec::new();
+        let place = |machine| {
+            let reference = reference(machine, base, shared);
+            references.iter().position(|other| *other == reference).unwrap_or_else(|| {
+                references.push(reference);
+                references.len() - 1
+            })
+        };
+        let places = machines.iter().map(place).collect();
+        if references.len() <= MOST {
+            return (references, places);
+        }
+    }
+    (vec![base.clone()], vec![0; machines.len()])
 }
 
 /// Estimates of all `points`, which are of one machine of the experiment under one policy, and how many passes over the
@@ -34,7 +76,8 @@ pub(super) fn estimates(
     sweep: &Sweep,
     stream: &Recorded,
     points: &[Point],
-    (folder, stop): (&Path, &AtomicBool),
+    kept: (&Path, &AtomicBool),
+    bar: &Progress,
 ) -> Result<(Vec<Estimate>, usize), SweepError> {
     let machine = |point: &Point| Ok::<_, SweepError>(point.role.machine(&sweep.machine(point.machine)?.spec));
     let machines: Vec<MachineSpec> = points.iter().map(machine).collect::<Result<_, _>>()?;
@@ -43,24 +86,17 @@ pub(super) fn estimates(
         Some(point.role.machine(base))
     });
     let Some(base) = base else { return Ok((Vec::new(), 0)) };
-    let mut references: Vec<MachineSpec> = Vec::new();
-    let mut of_machine = Vec::new();
-    for machine in &machines {
-        let reference = reference(machine, &base);
-        let place = references.iter().position(|other| *other == reference).unwrap_or_else(|| {
-            references.push(reference);
-            references.len() - 1
-        });
-        of_machine.push(place);
-    }
-    if references.len() > MOST {
-        references = vec![base];
-        of_machine.fill(0);
-    }
-    let demands = references.par_iter().map(|machine| demand(machine, stream, folder, stop));
-    let demands: Vec<Demand> = demands.collect::<Result<_, _>>()?;
-    let estimates = machines.par_iter().zip(&of_machine).map(|(machine, &of)| demands[of].estimate(machine)).collect();
-    Ok((estimates, demands.len()))
+    let (references, of_machine) = references(&machines, &base);
+    let found = references.par_iter().enumerate().map(|(place, reference)| {
+        let of_pass = machines.iter().zip(&of_machine).filter(|(_, of)| **of == place);
+        let of_pass: Vec<MachineSpec> = of_pass.map(|(machine, _)| machine.clone()).collect();
+        let found = passes(reference, &of_pass, stream, kept)?;
+        bar.inc(found.len() as u64);
+        Ok(found.into_iter())
+    });
+    let mut found = found.collect::<Result<Vec<_>, SweepError>>()?;
+    let estimates = of_machine.iter().filter_map(|&of| found[of].next()).collect();
+    Ok((estimates, references.len()))
 }
 
 #[cfg(test)]
@@ -68,15 +104,33 @@ mod tests {
     use super::*;
     use crate::experiment::set;
 
+    fn with(base: &MachineSpec, path: &str, value: &str) -> MachineSpec {
+        set::field(base, path, value).unwrap()
+    }
+
     #[test]
-    fn machines_that_differ_in_sizes_and_numbers_share_a_pass() {
+    fn machines_that_differ_in_sizes_and_times_share_a_pass() {
         let base = MachineSpec::default();
-        let with = |path: &str, value: &str| set::field(&base, path, value).unwrap();
-        for (path, value) in [("l2.bytes", "65536"), ("traversal.count", "3"), ("shadow_cache.cache.ways", "4")] {
-            assert_eq!(reference(&with(path, value), &base), base, "{path}");
+        for (path, value) in [("l2.bytes", "65536"), ("traversal.latency", "3"), ("shadow_cache.cache.ways", "4")] {
+            assert_eq!(reference(&with(&base, path, value), &base, Shared::Order), base, "{path}");
         }
         for (path, value) in [("shadow_cache.place", "L2"), ("line_bytes", "128"), ("traffic.rays", "Dram")] {
-            assert_eq!(reference(&with(path, value), &base), with(path, value), "{path}");
+            let own = with(&base, path, value);
+            assert_eq!(reference(&own, &base, Shared::Nothing), own, "{path}");
         }
+    }
+
+    #[test]
+    fn fields_are_shared_as_far_as_there_are_few_passes() {
+        let base = MachineSpec::default();
+        let machines = |counts: std::ops::RangeInclusive<u64>| -> Vec<MachineSpec> {
+            let of = |count: u64| with(&base, "traversal.count", &count.to_string());
+            let all = counts.flat_map(|count| [1, 2].map(|tests| (of(count), tests)));
+            all.map(|(machine, tests)| with(&machine, "intersection.count", &tests.to_string())).collect()
+        };
+        assert_eq!(references(&machines(1..=4), &base).0.len(), 8, "a pass for each number of both");
+        let (found, places) = references(&machines(1..=5), &base);
+        assert_eq!((found.len(), places), (5, vec![0, 0, 1, 1, 2, 2, 3, 3, 4, 4]), "of traversal units");
+        assert_eq!(references(&machines(1..=9), &base).0, std::slice::from_ref(&base));
     }
 }

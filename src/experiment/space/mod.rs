@@ -7,6 +7,7 @@
 
 mod axes;
 mod choose;
+mod figure;
 mod front;
 mod known;
 mod outcome;
@@ -18,9 +19,10 @@ use std::sync::atomic::AtomicBool;
 
 use rustc_hash::FxHashSet;
 
-use self::axes::Axis;
+use self::axes::{Axis, Known};
 use self::choose::Prospects;
 use self::pool::Pool;
+use super::progress;
 use super::sweep::{
     ChosenLevel, Key, Places, Plan, Point, Recorded, Streams, Sweep, SweepError, make_points, read_point,
 };
@@ -83,12 +85,13 @@ impl Bench<'_> {
     /// All candidates, with what is known of each; and how many passes that took.
     fn pool(&self, candidates: &[Point], wrong: &[u64]) -> Result<(Pool, usize), SweepError> {
         let (mut points, mut estimates, mut passes) = (Vec::new(), Vec::new(), 0);
+        let bar = progress::bar("finding what caches miss", candidates.len(), "designs");
         for base in 0..self.sweep.experiment.machines.len() {
             for (policy, &wrong) in wrong.iter().enumerate() {
                 let of = |point: &&Point| point.policy == policy && self.sweep.base(point.machine) == base;
                 let some: Vec<Point> = candidates.iter().filter(of).copied().collect();
-                let (found, more) =
-                    known::estimates(self.sweep, &self.recorded[policy], &some, (self.points, self.stop))?;
+                let kept = (self.points, self.stop);
+                let (found, more) = known::estimates(self.sweep, &self.recorded[policy], &some, kept, &bar)?;
                 points.extend(some.into_iter().map(|point| (point, wrong)));
                 estimates.extend(found);
                 passes += more;
@@ -103,8 +106,8 @@ impl Bench<'_> {
             [Some(self.sweep.base(point.machine)), Some(point.policy)].into_iter().chain(fields).collect()
         };
         let places: Vec<Vec<Option<usize>>> = points.iter().map(places).collect();
-        let inputs = axes::inputs(&axes, &places, &estimates);
-        Ok((Pool::new(points, estimates, inputs), passes))
+        let known = Known { axes: &axes, places: &places, estimates: &estimates };
+        Ok((Pool::new(points, &known), passes))
     }
 
     /// Replays the first set, and then what its results ask for, until the budget is spent. Returns how many replays

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 
 use super::super::sweep::{Sweep, SweepError};
+use super::figure::{Figure, LEAST};
 use super::front::unbeaten;
-use super::pool::{Figure, LEAST, Pool};
+use super::pool::Pool;
 use crate::report::space::{Accuracy, Design, Errors, PolicyPixels, Sensitivity, Size, SpaceSummary};
 
 /// Puts a value for each figure under its name.

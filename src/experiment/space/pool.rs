@@ -3,51 +3,11 @@
 use rayon::prelude::*;
 
 use super::super::sweep::Point;
+use super::axes::{Inputs, Known};
+use super::figure::{Figure, LEAST};
 use crate::replay::Estimate;
 use crate::stats::MachineStats;
-use crate::surrogate::{Group, Kernel, Prediction, Process, fit};
-
-/// What a figure is at least where its logarithm is taken.
-pub(super) const LEAST: f64 = 1e-30;
-
-/// A figure that designs are compared by.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Figure {
-    Cycles,
-    DramBytes,
-    Joules,
-}
-
-impl Figure {
-    pub(super) const ALL: [Self; 3] = [Self::Cycles, Self::DramBytes, Self::Joules];
-
-    /// Its name in files.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Cycles => "cycles",
-            Self::DramBytes => "dram_bytes",
-            Self::Joules => "joules",
-        }
-    }
-
-    /// What was measured; none of an energy that is not known.
-    pub(super) fn measured(self, stats: &MachineStats) -> Option<f64> {
-        match self {
-            Self::Cycles => Some(stats.cycles.0 as f64),
-            Self::DramBytes => Some(stats.moved("dram").0 as f64),
-            Self::Joules => stats.energy.as_ref().map(|energy| energy.joules),
-        }
-    }
-
-    /// What is estimated; 1 of an energy that is not known.
-    fn estimated(self, estimate: &Estimate) -> f64 {
-        match self {
-            Self::Cycles => estimate.cycles,
-            Self::DramBytes => estimate.dram_bytes,
-            Self::Joules => estimate.joules.unwrap_or(1.0),
-        }
-    }
-}
+use crate::surrogate::{Kernel, Prediction, Process, fit};
 
 /// A machine of the space under a policy.
 pub(super) struct Design {
@@ -55,8 +15,6 @@ pub(super) struct Design {
     /// Wrong pixels of the policy.
     pub(super) wrong: u64,
     pub(super) estimate: Estimate,
-    /// What a surrogate knows of it.
-    inputs: Vec<f64>,
     /// Each figure, once it was replayed.
     pub(super) measured: Option<Vec<f64>>,
     /// What was predicted of each figure before it was replayed.
@@ -75,8 +33,9 @@ pub(super) struct Foreseen {
 /// All designs, and a surrogate for each figure.
 pub(super) struct Pool {
     pub(super) designs: Vec<Design>,
-    groups: Vec<Group>,
     figures: Vec<Figure>,
+    /// What the surrogate of each of [`Figure::ALL`] knows of all designs.
+    inputs: Vec<Inputs>,
     /// The surrogate of each figure, as the last fit left it.
     processes: Vec<Process>,
     /// Of each design, what the surrogates say of it.
@@ -84,22 +43,18 @@ pub(super) struct Pool {
 }
 
 impl Pool {
-    /// Designs with what is known of each: its replay, its policy's wrong pixels, an estimate, and inputs in groups.
-    pub(super) fn new(
-        points: Vec<(Point, u64)>,
-        estimates: Vec<Estimate>,
-        (inputs, groups): (Vec<Vec<f64>>, Vec<Group>),
-    ) -> Self {
-        let design = |(((point, wrong), estimate), inputs)| Design {
+    /// Designs with what is known of each; a point comes with its policy's wrong pixels.
+    pub(super) fn new(points: Vec<(Point, u64)>, known: &Known<'_>) -> Self {
+        let design = |((point, wrong), estimate): ((Point, u64), &Estimate)| Design {
             point,
             wrong,
-            estimate,
-            inputs,
+            estimate: estimate.clone(),
             measured: None,
             foreseen: None,
         };
-        let designs = points.into_iter().zip(estimates).zip(inputs).map(design).collect();
-        Self { designs, groups, figures: Figure::ALL.to_vec(), processes: Vec::new(), predictions: Vec::new() }
+        let designs = points.into_iter().zip(known.estimates).map(design).collect();
+        let inputs = Figure::ALL.map(|figure| known.inputs(figure)).into();
+        Self { designs, figures: Figure::ALL.to_vec(), inputs, processes: Vec::new(), predictions: Vec::new() }
     }
 
     /// A design was replayed.
@@ -118,16 +73,18 @@ impl Pool {
 
     /// Fits the surrogates to all that was measured.
     pub(super) fn learn(&mut self) {
-        let known: Vec<(&Design, &Vec<f64>)> =
-            self.designs.iter().filter_map(|design| Some((design, design.measured.as_ref()?))).collect();
-        let points: Vec<Vec<f64>> = known.iter().map(|(design, _)| design.inputs.clone()).collect();
+        let known = self.designs.iter().enumerate();
+        let known: Vec<(usize, &Vec<f64>)> =
+            known.filter_map(|(at, design)| Some((at, design.measured.as_ref()?))).collect();
         let of_figure = |(at, figure): (usize, &Figure)| {
-            let value = |(design, measured): &(&Design, &Vec<f64>)| {
-                measured[at].max(LEAST).ln() - figure.estimated(&design.estimate).max(LEAST).ln()
+            let value = |(design, measured): &(usize, &Vec<f64>)| {
+                measured[at].max(LEAST).ln() - figure.estimated(&self.designs[*design].estimate).max(LEAST).ln()
             };
             let values: Vec<f64> = known.iter().map(value).collect();
+            let (rows, groups) = &self.inputs[*figure as usize];
+            let points: Vec<Vec<f64>> = known.iter().map(|(design, _)| rows[*design].clone()).collect();
             let last = self.processes.get(at).map(|it| it.kernel().clone());
-            fit(last.unwrap_or_else(|| Kernel::new(self.groups.clone())), &points, &values)
+            fit(last.unwrap_or_else(|| Kernel::new(groups.clone())), &points, &values)
         };
         self.processes = self.figures.par_iter().enumerate().map(of_figure).collect();
         self.predict();
@@ -135,8 +92,12 @@ impl Pool {
 
     /// Has the surrogates say of every design what they know by what was measured.
     pub(super) fn predict(&mut self) {
-        let predict = |design: &Design| self.processes.iter().map(|process| process.predict(&design.inputs)).collect();
-        self.predictions = self.designs.par_iter().map(predict).collect();
+        let Self { processes, figures, inputs, .. } = self;
+        let of = |design: usize, (process, figure): (&Process, &Figure)| {
+            process.predict(&inputs[*figure as usize].0[design])
+        };
+        let predict = |design| processes.iter().zip(figures.iter()).map(|figure| of(design, figure)).collect();
+        self.predictions = (0..self.designs.len()).into_par_iter().map(predict).collect();
     }
 
     /// What is said of each figure of a design: the logarithms' means and standard deviations.
@@ -166,11 +127,12 @@ impl Pool {
 
     /// A design will be known: what is said of others becomes surer.
     pub(super) fn count_in(&mut self, chosen: usize) {
-        let Self { processes, designs, predictions, .. } = self;
-        let (inputs, own) = (&designs[chosen].inputs, predictions[chosen].clone());
-        predictions.par_iter_mut().zip(designs.par_iter()).for_each(|(predictions, design)| {
-            for ((process, own), found) in processes.iter().zip(&own).zip(predictions) {
-                process.count_in((inputs, own), (&design.inputs, found));
+        let Self { processes, figures, inputs, predictions, .. } = self;
+        let own = predictions[chosen].clone();
+        let processes = || processes.iter().zip(figures.iter().map(|figure| &inputs[*figure as usize].0));
+        predictions.par_iter_mut().enumerate().for_each(|(design, predictions)| {
+            for (((process, rows), own), found) in processes().zip(&own).zip(predictions) {
+                process.count_in((&rows[chosen], own), (&rows[design], found));
             }
         });
     }

@@ -32,7 +32,7 @@ use self::log::Log;
 pub(super) use self::places::Places;
 pub(super) use self::plan::{Plan, Point};
 pub(super) use self::points::Key;
-pub(super) use self::replay::{demand, replay};
+pub(super) use self::replay::{estimates, replay};
 pub(crate) use self::shard::Shard;
 pub(crate) use self::spec::ChosenLevel;
 pub(super) use self::spec::Sweep;

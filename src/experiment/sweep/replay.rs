@@ -8,7 +8,7 @@ use super::kept::kept;
 use super::streams::Recorded;
 use crate::json;
 use crate::machine::MachineSpec;
-use crate::replay::{Cut, Demand, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
+use crate::replay::{Cut, Estimate, Fidelity, Items, Replay, RunError, Source, StreamFile, Together, Verdict};
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
@@ -39,22 +39,24 @@ pub(crate) fn replay(
     told(replayed, machine, stream, stop)
 }
 
-/// What a recorded stream asks of machines like `machine`, unless that is kept in `folder`.
+/// What each of `machines` takes for a recorded stream, roughly, by a pass on `reference`, unless that is kept in
+/// `folder`.
 ///
 /// # Errors
 /// The pass is stopped or fails.
-pub(in super::super) fn demand(
-    machine: &MachineSpec,
+pub(in super::super) fn estimates(
+    reference: &MachineSpec,
+    machines: &[MachineSpec],
     stream: &Recorded,
-    folder: &Path,
-    stop: &AtomicBool,
-) -> Result<Demand, SweepError> {
-    let spec = json::line(machine).expect("plain data, which JSON can hold");
+    (folder, stop): (&Path, &AtomicBool),
+) -> Result<Vec<Estimate>, SweepError> {
+    let specs = json::line(&(reference, machines)).expect("plain data, which JSON can hold");
     // A stream's file is named by its inputs.
-    let inputs = format!("{} {spec}", stream.path.file_name().unwrap_or_default().display());
-    kept(folder, "demand", &inputs, || {
-        let demand = replay_of(machine, stream).and_then(|replay| replay.demand(&source(stream, stop)));
-        told(demand, machine, stream, stop)
+    let inputs = format!("{} {specs}", stream.path.file_name().unwrap_or_default().display());
+    kept(folder, "estimates", &inputs, || {
+        let replay = replay_of(reference, stream);
+        let found = replay.and_then(|replay| replay.estimates(&source(stream, stop), machines));
+        told(found, reference, stream, stop)
     })
 }
 

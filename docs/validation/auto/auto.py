@@ -1,0 +1,97 @@
+"""`Auto(error: 0.02)` beside `Event`: six scenes, nine machines, streams of about as many rays as asked for.
+
+    python3 docs/validation/auto/auto.py target/release/umbrasim 2
+
+Records each scene until it has so many million rays (`Published`), replays it by both levels in one thread, and adds a
+row a replay to auto.csv: errors, whether the 95 % intervals hold, and processor time.
+"""
+
+import argparse
+import csv
+import json
+import os
+import pathlib
+import subprocess
+import tempfile
+
+HERE = pathlib.Path(__file__).parent
+# The scenes, each with its first frame.
+SCENES = {"kitchen": 320, "robot": 320, "staircase": 20, "living_room": 20, "sponza": 20, "gas_station": 20}
+MACHINES = {
+    "small": ["small"], "desktop": ["desktop"],
+    "2 miss registers": ["small", "traversal.cache.mshrs=2", "intersection.cache.mshrs=2"],
+    "64 miss registers": ["small", "traversal.cache.mshrs=64", "intersection.cache.mshrs=64"],
+    "L2 of 16 kB": ["small", "l2.bytes=16KiB"], "L2 of 64 kB": ["small", "l2.bytes=64KiB"],
+    "four shadow-cache units": ["small", "shadow_cache.count=4"],
+    "words at the L2": ["small", "shadow_cache.place=L2"],
+    "a register": ["small", "shadow_cache.register=8"],
+}
+FIGURES = {"cycles": lambda stats: stats["cycles"], "l2_bytes": lambda stats: moved(stats, "l2"),
+           "dram_bytes": lambda stats: moved(stats, "dram")}
+
+
+def moved(stats, level):
+    """Bytes that moved at a level."""
+    return sum(sum(classes.values()) for name, classes in stats["bytes"].items() if name.startswith(level))
+
+
+def replay(program, stream, machine, level):
+    """The statistics of a replay, and its processor seconds."""
+    name, *settings = MACHINES[machine]
+    command = [program, "replay", stream, "--machine", name, "--fidelity", level, "--threads", "1", "--quiet"]
+    command += [part for setting in settings for part in ("--set", setting)]
+    with tempfile.NamedTemporaryFile(suffix=".json") as file:
+        child = subprocess.Popen([*command, "--json", "-"], stdout=file)
+        _, status, used = os.wait4(child.pid, 0)
+        if status != 0:
+            raise SystemExit(f"{' '.join(map(str, command))} ended with {status}")
+        found = json.loads(pathlib.Path(file.name).read_text())
+    return found, used.ru_utime + used.ru_stime
+
+
+def record(program, scene, millions, folder):
+    """Records frames of a scene until its stream has so many rays."""
+    stream, frames, first = folder / f"{scene}.rays", 2, SCENES[scene]
+    while True:
+        subprocess.run([program, "trace", f"configs/studies/{scene}.ron", "--resolution", "256x256",
+                        "--policy", "Published", "--frames", f"{first}..{first + frames}", "--warmup", "0",
+                        "--quiet", "-o", stream], check=True)
+        found = subprocess.run([program, "inspect", stream, "--json"], capture_output=True, check=True)
+        told = json.loads(found.stdout)
+        rays = sum(frame["rays"] for frame in told["frames"])
+        if rays >= 0.9e6 * millions:
+            return stream, rays
+        stream.unlink()
+        frames = max(frames + 1, round(frames * 1e6 * millions / rays))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("program")
+    parser.add_argument("millions", type=float)
+    parser.add_argument("--scenes", nargs="+", default=list(SCENES))
+    chosen = parser.parse_args()
+    program, table = str(pathlib.Path(chosen.program).resolve()), HERE / "auto.csv"
+    for scene in chosen.scenes:
+        with tempfile.TemporaryDirectory() as work:
+            stream, rays = record(program, scene, chosen.millions, pathlib.Path(work))
+            for machine in MACHINES:
+                truth, slow = replay(program, stream, machine, "Event")
+                told, fast = replay(program, stream, machine, "Auto(error: 0.02)")
+                row = {"millions": chosen.millions, "scene": scene, "rays": rays, "machine": machine,
+                       "windows": told["choice"]["windows"], "of": told["choice"]["of"]}
+                widths = told["accuracy"]["estimated"] if "estimated" in told["accuracy"] else {}
+                for name, figure in FIGURES.items():
+                    row[f"{name}_off_percent"] = f"{100 * (figure(told) / figure(truth) - 1):.3f}"
+                    row[f"{name}_half_width_percent"] = f"{100 * widths.get(name, 0):.3f}"
+                row |= {"event_seconds": f"{slow:.2f}", "auto_seconds": f"{fast:.2f}"}
+                is_new = not table.exists()
+                with open(table, "a", newline="") as file:
+                    writer = csv.DictWriter(file, row.keys(), lineterminator="\n")
+                    if is_new:
+                        writer.writeheader()
+                    writer.writerow(row)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,313 @@
+//! The caches of many machines, which are asked for what one pass asks its own for, in the same order.
+
+use fixedbitset::FixedBitSet;
+use rayon::prelude::*;
+
+use super::lru::{Filling, Lru};
+use crate::engine::profile::Watch;
+use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
+use crate::machine::shadow_cache::Place;
+use crate::memory::tags::Contents;
+use crate::quantity::LineAddr;
+use crate::stats::TrafficClass;
+use crate::stream::Header;
+
+const CLASSES: usize = TrafficClass::ALL.len();
+/// Accesses that are taken through all caches at once: few enough to lie in a processor's L2.
+const BLOCK: usize = 1 << 16;
+
+/// Misses of a machine's caches, by class.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Misses {
+    pub(super) l1: [[f64; CLASSES]; Kind::ALL.len()],
+    pub(super) l2: [f64; CLASSES],
+    pub(super) end: End,
+}
+
+/// Of [`Misses`], those at frames' ends, when no ray is in flight.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct End {
+    /// Steps that access caches.
+    pub(super) accesses: f64,
+    /// Accesses that the L1s miss, or that go past them.
+    pub(super) l1: f64,
+    pub(super) l2: f64,
+}
+
+/// An access of the pass.
+#[derive(Clone, Copy, Debug)]
+struct Access {
+    line: u32,
+    class: TrafficClass,
+    core: u16,
+    /// The unit among those of its kind in its core.
+    unit: u16,
+    /// The ray's entry of the pool.
+    home: u32,
+    /// Whether it is a step of a frame's end.
+    ends: bool,
+}
+
+impl Access {
+    /// Whether it is to an entry of the policy's stores, which has an owner unit.
+    fn is_entry(&self) -> bool {
+        matches!(self.class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId)
+    }
+}
+
+/// What the L1s of a kind are in a machine. Machines with the same share them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Shape {
+    kind: usize,
+    of_core: u64,
+    lines: u64,
+    ways: u64,
+    mshrs: usize,
+    delay: u64,
+}
+
+/// The L1s of a kind of units.
+#[derive(Debug)]
+struct L1s {
+    shape: Shape,
+    /// Whether they are dealt as those of the pass are.
+    as_in_pass: bool,
+    units: Vec<Filling>,
+    /// Accesses of the block that missed.
+    missed: FixedBitSet,
+    misses: [u64; CLASSES],
+    end: u64,
+}
+
+impl L1s {
+    /// The unit that makes an access. Homes say it (rules R2 and S2 of `docs/model`), but for traversal units, which
+    /// get rays in turn: the homes that they free are taken by the next.
+    fn unit(&self, access: &Access, owners: bool) -> usize {
+        let of_core = self.shape.of_core;
+        if owners && access.is_entry() {
+            return (u64::from(access.line) % self.units.len() as u64) as usize;
+        }
+        let unit = if self.as_in_pass { access.unit.into() } else { u64::from(access.home) % of_core };
+        (u64::from(access.core) * of_core + unit) as usize
+    }
+
+    fn take(&mut self, block: &Block, owners: bool) {
+        self.missed.clear();
+        for &at in &block.of_kind[self.shape.kind] {
+            let access = &block.accesses[at as usize];
+            let unit = self.unit(access, owners);
+            if self.units[unit].misses(access.line) {
+                self.missed.insert(at as usize);
+                self.misses[access.class as usize] += u64::from(block.measures);
+                self.end += u64::from(block.measures && access.ends);
+            }
+        }
+    }
+}
+
+/// What is below a machine's L1s.
+#[derive(Debug)]
+struct Below {
+    /// The places of its L1s; none of ideal ones, which ask for nothing.
+    l1s: [Option<usize>; Kind::ALL.len()],
+    /// Caches of a core after those of another; none where they are ideal.
+    caches: Vec<Option<Lru>>,
+    of_core: usize,
+    homes: [usize; CLASSES],
+    asked: FixedBitSet,
+    misses: [u64; CLASSES],
+    end: u64,
+}
+
+impl Below {
+    fn take(&mut self, block: &Block, l1s: &[L1s]) {
+        self.asked.clone_from(&block.past);
+        self.l1s.iter().flatten().for_each(|&at| self.asked.union_with(&l1s[at].missed));
+        for at in self.asked.ones() {
+            let Access { line, class, core, ends, .. } = block.accesses[at];
+            let cache = self.homes[class as usize] + usize::from(core) * self.of_core;
+            let Some(cache) = &mut self.caches[cache] else { continue };
+            if !cache.uses(line) {
+                cache.fill(line);
+                self.misses[class as usize] += u64::from(block.measures);
+                self.end += u64::from(block.measures && ends);
+            }
+        }
+    }
+}
+
+/// Accesses that follow one another.
+#[derive(Debug)]
+struct Block {
+    accesses: Vec<Access>,
+    /// Places of those of each kind of units.
+    of_kind: [Vec<u32>; Kind::ALL.len()],
+    /// Those that go past all L1s.
+    past: FixedBitSet,
+    measures: bool,
+}
+
+/// The caches of many machines.
+#[derive(Debug)]
+pub(super) struct Caches {
+    block: Block,
+    l1s: Vec<L1s>,
+    machines: Vec<Below>,
+    /// Of each unit of the pass its kind, its core, and its place among those of its kind in its core.
+    units: Vec<(usize, u16, u16)>,
+    home: u32,
+    /// Whether entries have owner units.
+    owners: bool,
+    /// Whether accesses to entries go past all L1s.
+    past: bool,
+    /// Of each frame to come, the last one first, whether it is measured.
+    frames: Vec<bool>,
+    frame_ends: bool,
+    /// Accesses at frames' ends, and those of them that go past all L1s.
+    end: u64,
+    end_past: u64,
+}
+
+/// What the tags of a machine's L2s take in memory.
+pub(super) fn bytes(machine: &MachineSpec) -> u64 {
+    let lines = machine.l2.caches().iter().map(|(_, cache)| cache.bytes.get() / machine.line_bytes.get()).sum::<u64>();
+    machine.cores.get() * lines * size_of::<u32>() as u64
+}
+
+impl Caches {
+    /// The empty caches of `machines`, which are asked for what a pass of a stream on `reference` asks for.
+    pub(super) fn new(reference: &MachineSpec, header: &Header, machines: &[&MachineSpec]) -> Self {
+        let cores = reference.cores.get();
+        let units_of = |kind: Kind| {
+            let of_core = kind.spec(reference).count / cores;
+            (0..cores * of_core).map(move |unit| (kind as usize, (unit / of_core) as u16, (unit % of_core) as u16))
+        };
+        let mut caches = Self {
+            block: Block {
+                accesses: Vec::with_capacity(BLOCK),
+                of_kind: Default::default(),
+                past: FixedBitSet::with_capacity(BLOCK),
+                measures: false,
+            },
+            l1s: Vec::new(),
+            machines: Vec::new(),
+            units: Kind::ALL.into_iter().flat_map(units_of).collect(),
+            home: 0,
+            owners: matches!(reference.shadow_cache.place, Place::Own | Place::Triangle),
+            past: reference.shadow_cache.place == Place::L2,
+            frames: header.frames.iter().rev().map(|frame| !header.warmup.contains(frame)).collect(),
+            frame_ends: false,
+            end: 0,
+            end_past: 0,
+        };
+        machines.iter().for_each(|machine| caches.add(reference, machine));
+        caches
+    }
+
+    fn add(&mut self, reference: &MachineSpec, machine: &MachineSpec) {
+        let (line, cores) = (machine.line_bytes.get(), machine.cores.get());
+        let l2 = machine.l2.caches();
+        // A unit that is busy makes an access a cycle.
+        let delay = l2.iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or_default() + 2;
+        let l1s = Kind::ALL.map(|kind| {
+            let (spec, pass) = (kind.spec(machine), kind.spec(reference));
+            let cache = &spec.cache;
+            if cache.contents == Contents::Ideal {
+                return None;
+            }
+            let (lines, ways, mshrs) = (cache.bytes.get() / line, cache.ways.get(), cache.mshrs.size());
+            let shape = Shape { kind: kind as usize, of_core: spec.count / cores, lines, ways, mshrs, delay };
+            Some(self.l1s.iter().position(|l1s| l1s.shape == shape).unwrap_or_else(|| {
+                let unit = Filling::new(Lru::new(lines, ways), delay, mshrs);
+                let units = vec![unit; spec.count as usize];
+                let as_in_pass = spec.count == pass.count;
+                let missed = FixedBitSet::with_capacity(BLOCK);
+                self.l1s.push(L1s { shape, as_in_pass, units, missed, misses: [0; CLASSES], end: 0 });
+                self.l1s.len() - 1
+            }))
+        });
+        let cache = |contents: Contents, bytes: u64, ways: u64| {
+            (contents != Contents::Ideal).then(|| Lru::new(bytes / line, ways))
+        };
+        let of_core = || l2.iter().map(|(_, it)| cache(it.contents, it.bytes.get(), it.ways.get()));
+        self.machines.push(Below {
+            l1s,
+            caches: (0..cores).flat_map(|_| of_core()).collect(),
+            of_core: l2.len(),
+            homes: TrafficClass::ALL.map(|class| machine.l2.home(class)),
+            asked: FixedBitSet::with_capacity(BLOCK),
+            misses: [0; CLASSES],
+            end: 0,
+        });
+    }
+
+    /// A unit of a kind makes an access, or nobody where it goes past all L1s.
+    fn access(&mut self, kind: Option<usize>, (core, unit): (u16, u16), line: LineAddr, class: TrafficClass) {
+        let at = self.block.accesses.len();
+        match kind {
+            Some(kind) => self.block.of_kind[kind].push(at as u32),
+            None => self.block.past.insert(at),
+        }
+        let ends = self.frame_ends;
+        self.end += u64::from(self.block.measures && ends);
+        self.end_past += u64::from(self.block.measures && ends && kind.is_none());
+        self.block.accesses.push(Access { line: line.0 as u32, class, core, unit, home: self.home, ends });
+        if at + 1 == BLOCK {
+            self.take();
+        }
+    }
+
+    /// Takes the block through all caches.
+    fn take(&mut self) {
+        let Self { block, l1s, machines, owners, .. } = self;
+        l1s.par_iter_mut().for_each(|l1s| l1s.take(block, *owners));
+        machines.par_iter_mut().for_each(|machine| machine.take(block, l1s));
+        block.accesses.clear();
+        block.of_kind.iter_mut().for_each(Vec::clear);
+        block.past.clear();
+    }
+
+    /// What the caches of each machine missed.
+    pub(super) fn finish(mut self) -> Vec<Misses> {
+        self.take();
+        let counted = |misses: &[u64; CLASSES]| misses.map(|count| count as f64);
+        let of = |machine: &Below| Misses {
+            l1: machine.l1s.map(|at| at.map_or([0.0; CLASSES], |at| counted(&self.l1s[at].misses))),
+            l2: counted(&machine.misses),
+            end: End {
+                accesses: self.end as f64,
+                l1: (self.end_past + machine.l1s.iter().flatten().map(|&at| self.l1s[at].end).sum::<u64>()) as f64,
+                l2: machine.end as f64,
+            },
+        };
+        self.machines.iter().map(of).collect()
+    }
+}
+
+impl Watch for Caches {
+    fn entry(&mut self, home: usize, frame_ends: bool) {
+        (self.home, self.frame_ends) = (home as u32, frame_ends);
+    }
+
+    fn l1(&mut self, unit: usize, line: LineAddr, class: TrafficClass) {
+        let (kind, core, unit) = self.units[unit];
+        self.access(Some(kind), (core, unit), line, class);
+    }
+
+    fn l2(&mut self, core: usize, line: LineAddr, class: TrafficClass) {
+        let is_entry = matches!(class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId);
+        if self.past && is_entry {
+            self.access(None, (core as u16, 0), line, class);
+        }
+    }
+
+    fn drop_from(&mut self, first: LineAddr) {
+        self.take();
+        self.block.measures = self.frames.pop().unwrap_or(true);
+        let first = first.0 as u32;
+        self.l1s.par_iter_mut().for_each(|l1s| l1s.units.iter_mut().for_each(|unit| unit.drop_from(first)));
+        let caches = self.machines.par_iter_mut().flat_map_iter(|machine| machine.caches.iter_mut().flatten());
+        caches.for_each(|cache| cache.drop_from(first));
+    }
+}
