@@ -4,6 +4,8 @@
 mod common;
 #[path = "commands/configs.rs"]
 mod configs;
+#[path = "commands/extrapolate.rs"]
+mod extrapolate;
 #[path = "commands/options.rs"]
 mod options;
 #[path = "commands/reports.rs"]

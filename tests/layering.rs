@@ -47,7 +47,10 @@ const ROOMS: &[(&str, &[&str])] = &[
         "sampling",
         &["quantity", "random", "ranged", "stats", "stream", "memory", "machine", "energy", "engine", "student"],
     ),
-    ("replay", &["alike", "ranged", "stats", "stream", "memory", "machine", "engine", "sampling"]),
+    (
+        "replay",
+        &["alike", "quantity", "random", "ranged", "stats", "stream", "memory", "machine", "engine", "sampling"],
+    ),
     // Above both.
     ("validate", &["quantity", "scene"]),
     (

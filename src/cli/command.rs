@@ -9,6 +9,7 @@ use super::completions::Completions;
 use super::describe::Describe;
 use super::diff::Diff;
 use super::explain::Explain;
+use super::extrapolate::Extrapolate;
 use super::identities::Identities;
 use super::inspect::Inspect;
 use super::ladder_map::LadderMap;
@@ -59,7 +60,7 @@ macro_rules! groups {
 
 groups! {
     "Simulate" Simulate { Run, Trace, Replay, Profile, Validate }
-    "Study" Study { Sweep, Pareto, Stress, LadderMap, Chart }
+    "Study" Study { Sweep, Pareto, Stress, LadderMap, Extrapolate, Chart }
     "Paper" Paper { PaperTable, Identities }
     "Look" Look { Inspect, Explain, Plot, Diff }
     "Configs" Configs { New, Check, Describe, Schema }

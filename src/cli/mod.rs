@@ -14,6 +14,7 @@ mod destinations;
 mod diff;
 mod ending;
 mod explain;
+mod extrapolate;
 mod help;
 mod identities;
 mod inspect;

@@ -6,6 +6,7 @@ mod changed;
 pub(crate) mod dram_export;
 mod export_file;
 pub(crate) mod exports;
+pub(crate) mod extrapolate;
 mod files;
 mod frame_reuse;
 pub(crate) mod frames;

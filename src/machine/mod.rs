@@ -10,6 +10,7 @@ pub(crate) mod kinds;
 pub(crate) mod layout;
 pub mod list;
 pub(crate) mod parts;
+mod scale_model;
 pub mod shadow_cache;
 pub mod spec;
 pub mod stores;

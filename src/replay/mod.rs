@@ -7,11 +7,13 @@
 mod face;
 mod fidelity;
 mod stream_file;
+mod thinned;
 mod together;
 
 pub use self::face::{Observed, Replay};
 pub use self::fidelity::{Fidelity, OnePass};
 pub use self::stream_file::StreamFile;
+pub(crate) use self::thinned::Thinned;
 pub(crate) use self::together::Together;
 pub use crate::engine::{
     Estimate, Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen, Source,

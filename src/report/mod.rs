@@ -12,6 +12,7 @@ pub(crate) mod diff;
 mod draw;
 mod error;
 pub mod explain;
+pub(crate) mod extrapolate;
 pub(crate) mod file_names;
 pub(crate) mod format;
 mod grid;

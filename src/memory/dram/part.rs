@@ -29,7 +29,7 @@ pub struct DramPart {
     pub burst_bytes: PowerOfTwoSize<8, 256>,
     /// Clocks that a burst occupies the data bus.
     #[schemars(extend("unit" = "clocks of the DRAM"))]
-    pub burst_clocks: Within<1, 64>,
+    pub burst_clocks: Within<1, 1000>,
     /// Timing.
     pub timing: Timing,
     /// What its commands and its time cost in energy; without it, nothing is told of the energy of a machine.

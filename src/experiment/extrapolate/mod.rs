@@ -1,0 +1,163 @@
+//! A machine of many cores, from scale models of it with few.
+//!
+//! A model has `n` of the `N` cores and a share n/N of what is shared ([`MachineSpec::scale_model`]), and replays one
+//! of every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it,
+//! and the model takes about as long; its bytes count N/n times.
+
+mod law;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use super::progress;
+use crate::machine::{MachineSpec, SpecError};
+use crate::replay::{Fidelity, Replay, RunError, StreamFile, Thinned};
+use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
+use crate::stats::MachineStats;
+use crate::stream::{Header, StreamReader};
+
+/// Units whose operations say how much of the stream a model replayed.
+const WORK: [&str; 3] = ["traversal", "list", "intersection"];
+
+/// What is extrapolated.
+pub(crate) struct Task<'a> {
+    /// The large machine.
+    pub machine: &'a MachineSpec,
+    /// Cores of its models; see [`usual`] if none are given.
+    pub models: &'a [u64],
+    /// What the models are replayed by.
+    pub fidelity: Fidelity,
+    /// Whether the large machine is replayed by `Event` too.
+    pub checks: bool,
+}
+
+/// Predicts what a large machine takes for the stream at `path`.
+///
+/// # Errors
+/// The machine has no such models, the level cannot replay them, or a replay fails.
+pub(crate) fn extrapolate(task: &Task<'_>, path: &Path) -> Result<Extrapolation, RunError> {
+    let Task { machine, fidelity, checks, .. } = *task;
+    check_level(fidelity)?;
+    let models = models(task)?;
+    let header = StreamReader::open(path)?.header().clone();
+    let all = machine.cores.get();
+    let bound = Job { machine, share: 1, fidelity: Fidelity::Bound };
+    let truth = checks.then_some(Job { machine, share: 1, fidelity: Fidelity::Event });
+    let scaled = models.iter().rev().map(|model| Job { machine: model, share: all / model.cores.get(), fidelity });
+    // The longest first.
+    let jobs: Vec<Job<'_>> = truth.into_iter().chain([bound]).chain(scaled).collect();
+    let bar = progress::bar("replaying", jobs.len(), "machines");
+    let run = |job: &Job<'_>| job.run(&header, path).inspect(|_| bar.inc(1));
+    let mut found = jobs.par_iter().map(run).collect::<Result<Vec<MachineStats>, RunError>>()?.into_iter();
+    drop(bar);
+    let truth = if checks { found.next() } else { None };
+    let whole = found.next().expect("the bound is one of the jobs");
+    let scaled: Vec<ScaleModel> =
+        models.iter().zip(found.rev()).map(|(model, stats)| stands_for(model, all, &stats, &whole)).collect();
+    Ok(summary(task, &header, scaled, &whole, truth.as_ref()))
+}
+
+/// Refuses levels that measure no whole stream.
+fn check_level(fidelity: Fidelity) -> Result<(), SpecError> {
+    match fidelity {
+        Fidelity::Profile | Fidelity::Event | Fidelity::Cycle => Ok(()),
+        Fidelity::Bound | Fidelity::Sampled { .. } | Fidelity::Auto { .. } => Err(SpecError::new(format!(
+            "`{fidelity}` does not replay scale models, each of which has a share of the pixels: Profile, Event and \
+             Cycle do"
+        ))),
+    }
+}
+
+/// The models of the large machine, the smallest first.
+fn models(task: &Task<'_>) -> Result<Vec<MachineSpec>, SpecError> {
+    let Task { machine, models, .. } = *task;
+    let all = machine.cores.get();
+    let mut cores = if models.is_empty() { usual(all) } else { models.to_vec() };
+    cores.sort_unstable();
+    cores.dedup();
+    if cores.len() < 2 || all < 3 {
+        return Err(SpecError::new(format!(
+            "{} of {all} cores: two models or more make a law, each with a number of cores below {all} that divides it",
+            machine.name
+        )));
+    }
+    cores.into_iter().map(|cores| machine.scale_model(cores)).collect()
+}
+
+/// Cores of the usual models of a machine with `all`: 2 and 4, twice as many of 64, and 1 and 2 of four or fewer.
+fn usual(all: u64) -> Vec<u64> {
+    let few = if all <= 4 { 1 } else { (all / 16).max(2) };
+    vec![few, 2 * few]
+}
+
+/// A replay.
+struct Job<'a> {
+    machine: &'a MachineSpec,
+    /// How many pixels one stands for.
+    share: u64,
+    fidelity: Fidelity,
+}
+
+impl Job<'_> {
+    fn run(&self, header: &Header, path: &Path) -> Result<MachineStats, RunError> {
+        let replay = Replay::new(self.machine, header)?.fidelity(self.fidelity);
+        let file = StreamFile(path);
+        replay.run(&Thinned { source: &file, share: self.share })
+    }
+}
+
+/// What a model of a machine with `all` cores stands for. Its pixels may have a little more to do than others: how much
+/// the `whole` stream has is counted.
+fn stands_for(model: &MachineSpec, all: u64, stats: &MachineStats, whole: &MachineStats) -> ScaleModel {
+    let share = (all / model.cores.get()) as f64;
+    let work = |stats: &MachineStats| WORK.iter().filter_map(|unit| stats.operations.get(*unit)).sum::<u64>() as f64;
+    let more = if work(stats) > 0.0 { work(whole) / (work(stats) * share) } else { 1.0 };
+    let figures = Figures {
+        cycles: stats.cycles.0 as f64 * more,
+        l2_bytes: stats.moved_l2().0 as f64 * share * more,
+        dram_bytes: stats.moved("dram").0 as f64 * share * more,
+    };
+    ScaleModel { cores: model.cores.get(), rays: stats.rays, figures }
+}
+
+fn summary(
+    task: &Task<'_>,
+    header: &Header,
+    models: Vec<ScaleModel>,
+    whole: &MachineStats,
+    truth: Option<&MachineStats>,
+) -> Extrapolation {
+    let machine = task.machine;
+    let cores = machine.cores.get();
+    let least = whole.bounds.unwrap_or_default();
+    let frames = header.frames.len().saturating_sub(header.warmup.len()).max(1) as f64;
+    let predict = |figure: fn(&Figures<f64>) -> f64, least: u64| {
+        let points: Vec<(u64, f64)> = models.iter().map(|model| (model.cores, figure(&model.figures))).collect();
+        law::predict(&points, cores, least)
+    };
+    let predicted = Figures {
+        cycles: predict(|of| of.cycles, least.cycles.least.0),
+        l2_bytes: predict(|of| of.l2_bytes, least.l2_bytes.least.0),
+        dram_bytes: predict(|of| of.dram_bytes, least.dram_bytes.least.0),
+    };
+    let checked = truth.map(|stats| Figures {
+        cycles: stats.cycles.0,
+        l2_bytes: stats.moved_l2().0,
+        dram_bytes: stats.moved("dram").0,
+    });
+    Extrapolation {
+        scene: header.scene.clone(),
+        policy: header.policy.clone(),
+        machine: machine.name.clone(),
+        cores,
+        dram: machine.dram.to_string(),
+        fidelity: task.fidelity.to_string(),
+        rays: whole.rays,
+        rays_an_entry: whole.rays as f64 / frames / machine.pool() as f64,
+        rays_per_second: whole.rays as f64 / predicted.cycles.value * machine.clock_mhz.get() as f64 * 1e6,
+        models,
+        predicted,
+        checked,
+    }
+}

@@ -1,0 +1,64 @@
+//! `extrapolate`, as a user calls it.
+
+use serde_json::Value;
+
+use super::common::Desk;
+use super::fits;
+
+/// A desk with a recorded stream of 64x64 pixels.
+fn desk() -> Desk {
+    let desk = Desk::with_experiment();
+    desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1", "--resolution", "64x64"]);
+    desk
+}
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
+}
+
+#[test]
+fn few_cores_tell_many_and_a_check_says_how_well() {
+    let desk = desk();
+    let args = ["extrapolate", "s.rays", "--machine", "small", "--cores", "8", "--check"];
+    let told = desk.prints(&args);
+    assert!(fits(&told, 80), "{told}");
+    for part in ["model of 2 cores", "model of 4 cores", "8 cores, predicted", "8 cores, Event", "8 channels of LPDDR4"]
+    {
+        assert!(told.contains(part), "{part}: {told}");
+    }
+    let found = json(&desk.prints(&[&args[..], &["--json"]].concat()));
+    for (figure, allowed) in [("cycles", 0.10), ("l2_bytes", 0.10), ("dram_bytes", 0.10)] {
+        let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{figure}: {found}"));
+        let [value, low, high, least] =
+            ["value", "low", "high", "least"].map(|kind| number(&found["predicted"][figure][kind]));
+        let truth = number(&found["checked"][figure]);
+        assert!((value / truth - 1.0).abs() < allowed, "{figure}: {value} for {truth}");
+        assert!(least <= low && low <= value && value <= high && least <= truth, "{figure}: {found}");
+    }
+    let again =
+        desk.prints(&["extrapolate", "s.rays", "--machine", "small", "--cores", "8", "--json", "--threads", "1"]);
+    assert_eq!(json(&again)["predicted"], found["predicted"], "threads and checks change nothing");
+    assert_eq!(json(&again)["checked"], Value::Null);
+}
+
+#[test]
+fn several_large_machines_are_a_list() {
+    let desk = desk();
+    let args =
+        ["extrapolate", "s.rays", "--machine", "small", "--cores", "4,8", "--models", "1,2", "--fidelity", "Profile"];
+    let found = json(&desk.prints(&[&args[..], &["--json"]].concat()));
+    let cores: Vec<_> = found.as_array().unwrap().iter().map(|it| it["cores"].as_u64().unwrap()).collect();
+    assert_eq!(cores, [4, 8]);
+    assert_eq!(found[0]["models"].as_array().unwrap().len(), 2);
+}
+
+#[test]
+fn what_cannot_be_extrapolated_is_refused_by_its_name() {
+    let desk = desk();
+    let refused = |of: &[&str]| desk.refuses(&[&["extrapolate", "s.rays", "--machine"], of].concat());
+    insta::assert_snapshot!(refused(&["small"]), @"error: small has 1 core: --cores says how many the large machine has");
+    insta::assert_snapshot!(refused(&["small", "--cores", "8", "--models", "2,3"]), @"error: small of 8 cores has no model of 3: a number below 8 is allowed that divides it");
+    insta::assert_snapshot!(refused(&["small", "--cores", "8", "--fidelity", "Bound"]), @"error: `Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and Cycle do");
+    insta::assert_snapshot!(refused(&["desktop", "--cores", "16"]), @"error: desktop with 16 cores: `dram.channels`: 128 is not allowed here: a power of two from 1 to 64 is (--channels says how many)");
+    insta::assert_snapshot!(refused(&["desktop_traffic", "--cores", "8"]), @"error: desktop_traffic of 8 cores has no model of 2: `traffic` is on, whose port is one, whatever the number of cores: `traffic: ()` is allowed");
+}
