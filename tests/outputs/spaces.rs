@@ -23,7 +23,7 @@ fn numbers(desk: &Desk, folder: &str) -> [Vec<u8>; 3] {
 }
 
 fn points(desk: &Desk, folder: &str) -> Vec<PathBuf> {
-    let is_point = |path: &PathBuf| ["pixels", "demand"].iter().all(|what| !path.to_string_lossy().contains(what));
+    let is_point = |path: &PathBuf| ["pixels", "estimates"].iter().all(|what| !path.to_string_lossy().contains(what));
     kept(desk, folder).into_iter().filter(is_point).collect()
 }
 
@@ -44,7 +44,7 @@ fn a_space_is_the_same_whatever_stops_it() {
 
     // What lacks points goes on, and damaged ones are made again.
     let passes: Vec<PathBuf> =
-        self::kept(&desk, "whole").into_iter().filter(|path| path.to_string_lossy().contains("demand")).collect();
+        self::kept(&desk, "whole").into_iter().filter(|path| path.to_string_lossy().contains("estimates")).collect();
     let written = |path: &PathBuf| fs::metadata(path).unwrap().modified().unwrap();
     let before: Vec<_> = passes.iter().map(written).collect();
     let kept = points(&desk, "whole");

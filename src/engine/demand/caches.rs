@@ -49,11 +49,9 @@ struct Access {
     ends: bool,
 }
 
-impl Access {
-    /// Whether it is to an entry of the policy's stores, which has an owner unit.
-    fn is_entry(&self) -> bool {
-        matches!(self.class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId)
-    }
+/// Whether a class is that of entries of a policy's stores, which have owner units.
+fn is_entry(class: TrafficClass) -> bool {
+    matches!(class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId)
 }
 
 /// What the L1s of a kind are in a machine. Machines with the same share them.
@@ -85,7 +83,7 @@ impl L1s {
     /// get rays in turn: the homes that they free are taken by the next.
     fn unit(&self, access: &Access, owners: bool) -> usize {
         let of_core = self.shape.of_core;
-        if owners && access.is_entry() {
+        if owners && is_entry(access.class) {
             return (u64::from(access.line) % self.units.len() as u64) as usize;
         }
         let unit = if self.as_in_pass { access.unit.into() } else { u64::from(access.home) % of_core };
@@ -296,8 +294,7 @@ impl Watch for Caches {
     }
 
     fn l2(&mut self, core: usize, line: LineAddr, class: TrafficClass) {
-        let is_entry = matches!(class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId);
-        if self.past && is_entry {
+        if self.past && is_entry(class) {
             self.access(None, (core as u16, 0), line, class);
         }
     }
