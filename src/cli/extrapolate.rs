@@ -16,12 +16,13 @@ use crate::machine::MachineSpec;
 use crate::replay::Fidelity;
 use crate::report::{self, extrapolate as tables};
 
-/// Predict what a machine of many cores takes for a recorded ray stream, from scale models of few
+/// Predict a machine of many cores from scale models of few
 ///
-/// A model of 2 of 16 cores has two of the cores and an eighth of what all cores share, and replays an eighth of the
-/// pixels: it takes about as long as the large machine. What is left of the difference shrinks with the model's cores,
-/// so that the line through two models tells the large machine. Models of 2 and 4 of 16 cores replay 6 of 16 rays,
-/// those of 4 and 8 of 64 cores 12 of 64.
+/// What the machine takes for a recorded ray stream is told by models with few of its cores. A model of 2 of 16 cores
+/// has two of the cores and an eighth of what all cores share, and replays an eighth of the pixels: it takes about as
+/// long as the large machine. What is left of the difference shrinks with the model's cores, so that the line through
+/// two models tells the large machine. Models of 2 and 4 of 16 cores replay 6 of 16 rays, those of 4 and 8 of 64 cores
+/// 12 of 64.
 #[derive(Args)]
 pub(super) struct Extrapolate {
     #[command(flatten)]
