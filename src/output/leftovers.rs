@@ -14,7 +14,7 @@ static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// Removes temporary files and folders of dead processes from `folder`, once a process. What a living process has is
 /// locked, and stays. Nothing depends on the success of it.
-pub(super) fn sweep(folder: &Path) {
+pub(crate) fn sweep(folder: &Path) {
     let Ok(real) = folder.canonicalize() else { return };
     if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(real) {
         sweep_now(folder);

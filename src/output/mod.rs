@@ -29,5 +29,6 @@ pub(crate) use claims::{claim_file, claim_folder, is_standard_output_claimed};
 pub(crate) use error::FolderError;
 pub(crate) use file::{OutputFile, write_whole};
 pub(crate) use folder::{ResultsFolder, SharedFolder};
+pub(crate) use leftovers::sweep as remove_leftovers;
 pub(crate) use temporary::TemporaryFolder;
 pub(crate) use turn::Turn;

@@ -69,6 +69,20 @@ fn signals_leave_nothing_behind() {
     }
 }
 
+/// One that dies between putting a point into its place and letting go of its lock leaves the lock alone.
+#[test]
+fn a_dead_lock_goes_although_every_point_is_kept() {
+    let desk = Desk::with_experiment();
+    desk.put("sweep.ron", "(experiment: \"tiny.ron\", frames: \"0..2\", vary: {\"clock_mhz\": [400]})");
+    let command = ["sweep", "sweep.ron", "--out", "swe"];
+    desk.succeed(&command);
+    for part in ["points", "streams", "shards"] {
+        desk.put(&format!("swe/{part}/.umbrasim-dead.json.lock"), "process 1");
+    }
+    desk.succeed(&command);
+    assert_eq!(temporary(&desk), Vec::<String>::new());
+}
+
 #[test]
 fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
     let desk = Desk::with_experiment();

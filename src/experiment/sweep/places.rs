@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::error::SweepError;
 use super::shard::Shard;
-use crate::output::write_whole;
+use crate::output::{remove_leftovers, write_whole};
 
 /// The folders of a sweep in its own.
 pub(in super::super) struct Places {
@@ -21,13 +21,15 @@ impl Places {
         Self { points, streams, shards }
     }
 
-    /// Makes the folders that are not there.
+    /// Makes the folders that are not there, and removes what dead processes left in the others.
     ///
     /// # Errors
     /// One cannot be made.
     pub(in super::super) fn make(&self) -> Result<(), SweepError> {
         [&self.points, &self.streams, &self.shards].into_iter().try_for_each(|part| {
-            std::fs::create_dir_all(part).map_err(|source| SweepError::File { path: part.clone(), source })
+            std::fs::create_dir_all(part).map_err(|source| SweepError::File { path: part.clone(), source })?;
+            remove_leftovers(part);
+            Ok(())
         })
     }
 
