@@ -3,12 +3,15 @@
 use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
 
-use super::lru::{Filling, Lru};
+use super::filling::Filling;
 use crate::engine::profile::Watch;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::shadow_cache::Place;
-use crate::memory::tags::Contents;
+use crate::memory::cache::CacheSpec;
+use crate::memory::l2::Home;
+use crate::memory::replacement::Policy;
+use crate::memory::tags::{Contents, TagArray};
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::Header;
@@ -38,7 +41,7 @@ pub(super) struct End {
 /// An access of the pass.
 #[derive(Clone, Copy, Debug)]
 struct Access {
-    line: u32,
+    line: LineAddr,
     class: TrafficClass,
     core: u16,
     /// The unit among those of its kind in its core.
@@ -59,8 +62,10 @@ fn is_entry(class: TrafficClass) -> bool {
 struct Shape {
     kind: usize,
     of_core: u64,
+    contents: Contents,
     lines: u64,
     ways: u64,
+    replacement: Policy,
     mshrs: usize,
     delay: u64,
 }
@@ -84,7 +89,7 @@ impl L1s {
     fn unit(&self, access: &Access, owners: bool) -> usize {
         let of_core = self.shape.of_core;
         if owners && is_entry(access.class) {
-            return (u64::from(access.line) % self.units.len() as u64) as usize;
+            return (access.line.0 % self.units.len() as u64) as usize;
         }
         let unit = if self.as_in_pass { access.unit.into() } else { u64::from(access.home) % of_core };
         (u64::from(access.core) * of_core + unit) as usize
@@ -95,7 +100,7 @@ impl L1s {
         for &at in &block.of_kind[self.shape.kind] {
             let access = &block.accesses[at as usize];
             let unit = self.unit(access, owners);
-            if self.units[unit].misses(access.line) {
+            if self.units[unit].misses(access.line, access.class) {
                 self.missed.insert(at as usize);
                 self.misses[access.class as usize] += u64::from(block.measures);
                 self.end += u64::from(block.measures && access.ends);
@@ -107,12 +112,12 @@ impl L1s {
 /// What is below a machine's L1s.
 #[derive(Debug)]
 struct Below {
-    /// The places of its L1s; none of ideal ones, which ask for nothing.
-    l1s: [Option<usize>; Kind::ALL.len()],
-    /// Caches of a core after those of another; none where they are ideal.
-    caches: Vec<Option<Lru>>,
+    /// The places of its L1s.
+    l1s: [usize; Kind::ALL.len()],
+    /// Banks of a core after those of another.
+    banks: Vec<TagArray>,
     of_core: usize,
-    homes: [usize; CLASSES],
+    homes: [Home; CLASSES],
     asked: FixedBitSet,
     misses: [u64; CLASSES],
     end: u64,
@@ -121,13 +126,13 @@ struct Below {
 impl Below {
     fn take(&mut self, block: &Block, l1s: &[L1s]) {
         self.asked.clone_from(&block.past);
-        self.l1s.iter().flatten().for_each(|&at| self.asked.union_with(&l1s[at].missed));
+        self.l1s.iter().for_each(|&at| self.asked.union_with(&l1s[at].missed));
         for at in self.asked.ones() {
             let Access { line, class, core, ends, .. } = block.accesses[at];
-            let cache = self.homes[class as usize] + usize::from(core) * self.of_core;
-            let Some(cache) = &mut self.caches[cache] else { continue };
-            if !cache.uses(line) {
-                cache.fill(line);
+            let bank = self.homes[class as usize].bank(line) + usize::from(core) * self.of_core;
+            let bank = &mut self.banks[bank];
+            if !bank.access(line, false) {
+                bank.fill(line, class, false);
                 self.misses[class as usize] += u64::from(block.measures);
                 self.end += u64::from(block.measures && ends);
             }
@@ -170,7 +175,7 @@ pub(super) struct Caches {
 /// What the tags of a machine's L2s take in memory.
 pub(super) fn bytes(machine: &MachineSpec) -> u64 {
     let lines = machine.l2.caches().iter().map(|(_, cache)| cache.bytes.get() / machine.line_bytes.get()).sum::<u64>();
-    machine.cores.get() * lines * size_of::<u32>() as u64
+    machine.cores.get() * lines * size_of::<LineAddr>() as u64
 }
 
 impl Caches {
@@ -210,30 +215,26 @@ impl Caches {
         let delay = l2.iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or_default() + 2;
         let l1s = Kind::ALL.map(|kind| {
             let (spec, pass) = (kind.spec(machine), kind.spec(reference));
-            let cache = &spec.cache;
-            if cache.contents == Contents::Ideal {
-                return None;
-            }
-            let (lines, ways, mshrs) = (cache.bytes.get() / line, cache.ways.get(), cache.mshrs.size());
-            let shape = Shape { kind: kind as usize, of_core: spec.count / cores, lines, ways, mshrs, delay };
-            Some(self.l1s.iter().position(|l1s| l1s.shape == shape).unwrap_or_else(|| {
-                let unit = Filling::new(Lru::new(lines, ways), delay, mshrs);
+            let CacheSpec { contents, replacement, ref bytes, ref ways, ref mshrs, .. } = spec.cache;
+            let (lines, ways, mshrs) = (bytes.get() / line, ways.get(), mshrs.size());
+            let of_core = spec.count / cores;
+            let shape = Shape { kind: kind as usize, of_core, contents, lines, ways, replacement, mshrs, delay };
+            self.l1s.iter().position(|l1s| l1s.shape == shape).unwrap_or_else(|| {
+                let unit = Filling::new(spec.cache.tags(line), delay, mshrs);
                 let units = vec![unit; spec.count as usize];
                 let as_in_pass = spec.count == pass.count;
                 let missed = FixedBitSet::with_capacity(BLOCK);
                 self.l1s.push(L1s { shape, as_in_pass, units, missed, misses: [0; CLASSES], end: 0 });
                 self.l1s.len() - 1
-            }))
+            })
         });
-        let cache = |contents: Contents, bytes: u64, ways: u64| {
-            (contents != Contents::Ideal).then(|| Lru::new(bytes / line, ways))
-        };
-        let of_core = || l2.iter().map(|(_, it)| cache(it.contents, it.bytes.get(), it.ways.get()));
+        let of_core: Vec<TagArray> =
+            l2.iter().flat_map(|(_, cache)| vec![cache.bank_tags(line); cache.banks.size()]).collect();
         self.machines.push(Below {
             l1s,
-            caches: (0..cores).flat_map(|_| of_core()).collect(),
-            of_core: l2.len(),
-            homes: TrafficClass::ALL.map(|class| machine.l2.home(class)),
+            banks: (0..cores).flat_map(|_| of_core.clone()).collect(),
+            of_core: of_core.len(),
+            homes: machine.l2.homes(),
             asked: FixedBitSet::with_capacity(BLOCK),
             misses: [0; CLASSES],
             end: 0,
@@ -250,7 +251,7 @@ impl Caches {
         let ends = self.frame_ends;
         self.end += u64::from(self.block.measures && ends);
         self.end_past += u64::from(self.block.measures && ends && kind.is_none());
-        self.block.accesses.push(Access { line: line.0 as u32, class, core, unit, home: self.home, ends });
+        self.block.accesses.push(Access { line, class, core, unit, home: self.home, ends });
         if at + 1 == BLOCK {
             self.take();
         }
@@ -271,11 +272,11 @@ impl Caches {
         self.take();
         let counted = |misses: &[u64; CLASSES]| misses.map(|count| count as f64);
         let of = |machine: &Below| Misses {
-            l1: machine.l1s.map(|at| at.map_or([0.0; CLASSES], |at| counted(&self.l1s[at].misses))),
+            l1: machine.l1s.map(|at| counted(&self.l1s[at].misses)),
             l2: counted(&machine.misses),
             end: End {
                 accesses: self.end as f64,
-                l1: (self.end_past + machine.l1s.iter().flatten().map(|&at| self.l1s[at].end).sum::<u64>()) as f64,
+                l1: (self.end_past + machine.l1s.iter().map(|&at| self.l1s[at].end).sum::<u64>()) as f64,
                 l2: machine.end as f64,
             },
         };
@@ -302,9 +303,9 @@ impl Watch for Caches {
     fn drop_from(&mut self, first: LineAddr) {
         self.take();
         self.block.measures = self.frames.pop().unwrap_or(true);
-        let first = first.0 as u32;
         self.l1s.par_iter_mut().for_each(|l1s| l1s.units.iter_mut().for_each(|unit| unit.drop_from(first)));
-        let caches = self.machines.par_iter_mut().flat_map_iter(|machine| machine.caches.iter_mut().flatten());
-        caches.for_each(|cache| cache.drop_from(first));
+        self.machines
+            .par_iter_mut()
+            .for_each(|machine| machine.banks.iter_mut().for_each(|bank| bank.drop_from(first)));
     }
 }

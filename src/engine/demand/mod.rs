@@ -7,7 +7,7 @@
 
 mod caches;
 mod estimate;
-mod lru;
+mod filling;
 mod pass;
 #[cfg(test)]
 mod tests;
