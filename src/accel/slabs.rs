@@ -67,3 +67,52 @@ impl<L: Lanes<8>> Slabs<L> {
 pub(super) fn limit(ray: &Ray) -> f32 {
     (ray.reach * SLAB).min(f32::MAX)
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::accel::lanes::{Plain, Processor};
+
+    /// Coordinates of few values, so that rays lie in planes of boxes and meet their corners, or of many.
+    fn coordinate() -> impl Strategy<Value = f32> {
+        prop_oneof![(-3..4i32).prop_map(|it| it as f32), -3.0..3.0f32, Just(-0.0f32)]
+    }
+
+    fn point() -> impl Strategy<Value = Vec3> {
+        [coordinate(), coordinate(), coordinate()].prop_map(Vec3::from)
+    }
+
+    fn check(lanes: impl Processor, ray: &Ray, boxes: &Boxes<8>) -> Result<(), TestCaseError> {
+        let (near, met) = Slabs::new(lanes, ray).meet(boxes);
+        for (lane, expected) in ray.entries(boxes).into_iter().enumerate() {
+            let found = if met >> lane & 1 == 1 { near[lane] } else { f32::INFINITY };
+            prop_assert_eq!(found, expected, "lane {} of {:?}, {:?}", lane, ray, boxes);
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// Eight boxes at once are met where each alone is, by rays along axes and in planes of boxes too.
+        #[test]
+        fn eight_boxes_are_met_as_one_by_one(
+            origin in point(),
+            direction in point().prop_filter("a direction", |it| *it != Vec3::ZERO),
+            reach in prop_oneof![Just(f32::INFINITY), 0.0..4.0f32, Just(1.0)],
+            corners in prop::array::uniform8((point(), point())),
+        ) {
+            let ray = Ray::new(origin, direction, reach);
+            let plane = |axis: usize, side: usize, (a, b): (Vec3, Vec3)| [a.min(b), a.max(b)][side][axis];
+            let boxes = array::from_fn(|axis| array::from_fn(|side| corners.map(|it| plane(axis, side, it))));
+            check(Plain, &ray, &boxes)?;
+            #[cfg(target_arch = "x86_64")]
+            if let Some(lanes) = pulp::x86::V3::try_new() {
+                check(lanes, &ray, &boxes)?;
+            }
+        }
+    }
+}

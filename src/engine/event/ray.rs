@@ -88,6 +88,8 @@ pub(crate) struct Ray {
     pub fetch: Fetch,
 }
 
+const _: () = assert!(size_of::<Ray>() == 128, "two lines of 64 bytes");
+
 impl Default for Ray {
     fn default() -> Self {
         Self {
