@@ -84,8 +84,10 @@ impl Extrapolate {
         );
         let cores = if self.cores.is_empty() { &own[..] } else { &self.cores };
         let large = |&cores: &u64| {
-            let large = machine.with_cores(cores, self.channels);
-            large.map_err(|error| anyhow!("{error} (--channels says how many)"))
+            // With one channel, whatever is wrong is not the number of channels.
+            let by_channels = self.channels.is_none() && machine.with_cores(cores, Some(1)).is_ok();
+            let hint = if by_channels { " (--channels says how many)" } else { "" };
+            machine.with_cores(cores, self.channels).map_err(|error| anyhow!("{error}{hint}"))
         };
         cores.iter().map(large).collect()
     }

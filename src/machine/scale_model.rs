@@ -30,7 +30,10 @@ impl MachineSpec {
             if all.is_multiple_of(self.cores.get()) {
                 Ok(all / self.cores.get())
             } else {
-                Err(format!("{} for {} cores, of which {cores} would have no whole number", all / cores, self.cores))
+                Err(format!(
+                    "{} for {} cores, of which {cores} would have no whole number",
+                    self.dram.channels, self.cores
+                ))
             }
         };
         let large = || {

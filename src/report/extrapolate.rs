@@ -87,11 +87,12 @@ impl Extrapolation {
         format!("{}, {} cores", self.machine, self.cores)
     }
 
-    /// What the prediction of each figure is off, where it was checked.
-    fn errors(&self) -> Option<[f64; 3]> {
+    /// What the prediction of each figure is off, where it was checked; of what never moved, no share.
+    fn errors(&self) -> Option<[String; 3]> {
         let checked = self.checked?.all();
         let predicted = self.predicted.all();
-        Some(std::array::from_fn(|at| predicted[at].value / checked[at] as f64 - 1.0))
+        let error = |at: usize| (checked[at] > 0).then(|| predicted[at].value / checked[at] as f64 - 1.0);
+        Some(std::array::from_fn(|at| or_absent(error(at), signed)))
     }
 }
 
@@ -110,11 +111,9 @@ pub(crate) fn grid(found: &Extrapolation) -> Grid {
     rows.push(row(format!("{} cores, predicted", found.cores), shown(predicted.map(|it| it.value))));
     rows.push(row("  from".into(), shown(predicted.map(|it| it.low))));
     rows.push(row("  to".into(), shown(predicted.map(|it| it.high))));
-    if let Some(checked) = found.checked {
+    if let (Some(checked), Some(errors)) = (found.checked, found.errors()) {
         rows.push(row(format!("{} cores, Event", found.cores), shown(checked.all().map(|it| it as f64))));
-        let errors = found.errors();
-        let error = |at: usize| or_absent(errors, |errors| signed(errors[at]));
-        rows.push(row("  the prediction is off".into(), std::array::from_fn(error)));
+        rows.push(row("  the prediction is off".into(), errors));
     }
     Grid { head: head.to_vec(), names: 1, rows }
 }
@@ -145,7 +144,6 @@ pub(crate) fn verdict(found: &Extrapolation) -> String {
         amount(found.predicted.dram_bytes.value),
     );
     let checked = found.errors().map(|[cycles, l2, dram]| {
-        let [cycles, l2, dram] = [cycles, l2, dram].map(signed);
         format!(" By Event, the prediction is off by {cycles} of cycles, {l2} of L2 and {dram} of DRAM bytes.")
     });
     let few = (found.rays_an_entry < FEW).then(|| {

@@ -56,9 +56,32 @@ fn several_large_machines_are_a_list() {
 fn what_cannot_be_extrapolated_is_refused_by_its_name() {
     let desk = desk();
     let refused = |of: &[&str]| desk.refuses(&[&["extrapolate", "s.rays", "--machine"], of].concat());
-    insta::assert_snapshot!(refused(&["small"]), @"error: small has 1 core: --cores says how many the large machine has");
-    insta::assert_snapshot!(refused(&["small", "--cores", "8", "--models", "2,3"]), @"error: small of 8 cores has no model of 3: a number below 8 is allowed that divides it");
-    insta::assert_snapshot!(refused(&["small", "--cores", "8", "--fidelity", "Bound"]), @"error: `Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and Cycle do");
-    insta::assert_snapshot!(refused(&["desktop", "--cores", "16"]), @"error: desktop with 16 cores: `dram.channels`: 128 is not allowed here: a power of two from 1 to 64 is (--channels says how many)");
-    insta::assert_snapshot!(refused(&["desktop_traffic", "--cores", "8"]), @"error: desktop_traffic of 8 cores has no model of 2: `traffic` is on, whose port is one, whatever the number of cores: `traffic: ()` is allowed");
+    let cases: [(&[&str], &str); 6] = [
+        (&["small"], "small has 1 core: --cores says how many the large machine has"),
+        (
+            &["small", "--cores", "8", "--models", "2,3"],
+            "small of 8 cores has no model of 3: a number below 8 is allowed that divides it",
+        ),
+        (
+            &["small", "--cores", "8", "--fidelity", "Bound"],
+            "`Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and Cycle do",
+        ),
+        (
+            &["desktop", "--cores", "16"],
+            "desktop with 16 cores: `dram.channels`: 128 is not allowed here: a power of two from 1 to 64 is \
+             (--channels says how many)",
+        ),
+        (
+            &["small", "--cores", "65"],
+            "small with 65 cores: `cores`: 65 is not allowed here: a whole number from 1 to 64 is",
+        ),
+        (
+            &["desktop_traffic", "--cores", "8"],
+            "desktop_traffic of 8 cores has no model of 2: `traffic` is on, whose port is one, whatever the number of \
+             cores: `traffic: ()` is allowed",
+        ),
+    ];
+    for (args, expected) in cases {
+        assert_eq!(refused(args).trim_end(), format!("error: {expected}"));
+    }
 }

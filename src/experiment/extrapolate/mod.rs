@@ -11,6 +11,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::progress;
+use crate::machine::kinds::Kind;
 use crate::machine::{MachineSpec, SpecError};
 use crate::replay::{Fidelity, Replay, RunError, StreamFile, Thinned};
 use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
@@ -18,7 +19,7 @@ use crate::stats::MachineStats;
 use crate::stream::{Header, StreamReader};
 
 /// Units whose operations say how much of the stream a model replayed.
-const WORK: [&str; 3] = ["traversal", "list", "intersection"];
+const WORK: [Kind; 3] = [Kind::Traversal, Kind::List, Kind::Intersection];
 
 /// What is extrapolated.
 pub(crate) struct Task<'a> {
@@ -111,7 +112,8 @@ impl Job<'_> {
 /// the `whole` stream has is counted.
 fn stands_for(model: &MachineSpec, all: u64, stats: &MachineStats, whole: &MachineStats) -> ScaleModel {
     let share = (all / model.cores.get()) as f64;
-    let work = |stats: &MachineStats| WORK.iter().filter_map(|unit| stats.operations.get(*unit)).sum::<u64>() as f64;
+    let of = |stats: &MachineStats, unit: Kind| stats.operations.get(unit.names().0).copied().unwrap_or(0);
+    let work = |stats: &MachineStats| WORK.iter().map(|&unit| of(stats, unit)).sum::<u64>() as f64;
     let more = if work(stats) > 0.0 { work(whole) / (work(stats) * share) } else { 1.0 };
     let figures = Figures {
         cycles: stats.cycles.0 as f64 * more,
