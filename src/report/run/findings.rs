@@ -29,6 +29,12 @@ pub(super) fn of_policies(summary: &Summary) -> Vec<(String, Vec<String>)> {
     culling.map(|(name, policy)| (name.to_owned(), of_policy(summary, name, policy))).collect()
 }
 
+/// Mean share of the node visits of shadow rays that is saved in frames after the first.
+fn after_the_first(policy: &PolicySummary) -> Option<f64> {
+    let shares: Vec<f64> = policy.frames.iter().skip(1).filter_map(|frame| frame.traversal_saved).collect();
+    (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
+}
+
 fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> Vec<String> {
     let counts = &policy.counts;
     if counts.shadow_rays == 0 {
@@ -48,7 +54,11 @@ fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> Vec<Strin
             text += &format!(" and {} of their triangle tests", percent(mean));
         }
         if policy.frames.len() > 1 {
-            text += &format!(", means of the frames; at most {} of the visits, in frame {frame}", percent(max));
+            text += &format!(", means of all {} frames;", policy.frames.len());
+            if let Some(others) = after_the_first(policy) {
+                text += &format!(" without the first, which knows nothing yet, {} of the visits,", percent(others));
+            }
+            text += &format!(" at most {} in frame {frame}", percent(max));
         }
         text += ".";
     }
@@ -100,4 +110,24 @@ fn on_machine(machine: &str, off: &MachineRun, run: &MachineRun) -> String {
         energy.unwrap_or_default(),
         cold.unwrap_or_default(),
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::run::tests::sample::parts;
+
+    #[test]
+    fn what_is_saved_is_told_without_the_cold_first_frame_too() {
+        let (summary, ..) = parts(&[320, 336, 352]);
+        let told = |first: f64| {
+            let mut policy = summary.policies.get("published").unwrap().clone();
+            policy.frames[0].traversal_saved = Some(first);
+            let text = of_policy(&summary, "published", &policy)[0].clone();
+            text.split_once("means of all 3 frames; without the first, which knows nothing yet, ").unwrap().1.to_owned()
+        };
+        assert_eq!(told(0.0), told(0.9), "the first frame is not among the others");
+        let (one, ..) = parts(&[320]);
+        assert!(!of_policies(&one)[0].1[0].contains("means of"), "one frame has no others");
+    }
 }
