@@ -12,6 +12,7 @@ use super::format::{
 use super::header::Header;
 use super::totals::Totals;
 use super::version::Version;
+use crate::json;
 
 /// The first way in which a frame's entry of the index is not what was read of the frame.
 pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault> {
@@ -119,7 +120,7 @@ impl<R: Read + Seek> Blocks<R> {
             return Err(self.corrupt(Place::Header, Fault::Checksum));
         }
         let unread = |error: serde_json::Error| self.corrupt(Place::Header, Fault::Header(error.to_string()));
-        let header: Header = serde_json::from_slice(&bytes).map_err(unread)?;
+        let header: Header = json::read(&bytes).map_err(unread)?;
         Ok(Header { unjudged_updates: self.version == Version::Two || header.unjudged_updates, ..header })
     }
 

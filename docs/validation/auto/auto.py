@@ -2,19 +2,23 @@
 
     python3 docs/validation/auto/auto.py target/release/umbrasim 2
 
-Records each scene until it has so many million rays (`Published`), replays it by both levels in one thread, and adds a
-row a replay to auto.csv: errors, whether the 95 % intervals hold, and processor time.
+Records each scene until it has so many million rays (`Published`), and replays it by both levels in one thread. A row a
+replay in auto.csv: errors, half the widths of 95 % intervals, and processor time. With `--scenes` others' rows stay.
 """
 
 import argparse
 import csv
 import json
-import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from measure import FIGURES, figures, measured
+
 # The scenes, each with its first frame.
 SCENES = {"kitchen": 320, "robot": 320, "staircase": 20, "living_room": 20, "sponza": 20, "gas_station": 20}
 MACHINES = {
@@ -26,13 +30,6 @@ MACHINES = {
     "words at the L2": ["small", "shadow_cache.place=L2"],
     "a register": ["small", "shadow_cache.register=8"],
 }
-FIGURES = {"cycles": lambda stats: stats["cycles"], "l2_bytes": lambda stats: moved(stats, "l2"),
-           "dram_bytes": lambda stats: moved(stats, "dram")}
-
-
-def moved(stats, level):
-    """Bytes that moved at a level."""
-    return sum(sum(classes.values()) for name, classes in stats["bytes"].items() if name.startswith(level))
 
 
 def replay(program, stream, machine, level):
@@ -40,13 +37,7 @@ def replay(program, stream, machine, level):
     name, *settings = MACHINES[machine]
     command = [program, "replay", stream, "--machine", name, "--fidelity", level, "--threads", "1", "--quiet"]
     command += [part for setting in settings for part in ("--set", setting)]
-    with tempfile.NamedTemporaryFile(suffix=".json") as file:
-        child = subprocess.Popen([*command, "--json", "-"], stdout=file)
-        _, status, used = os.wait4(child.pid, 0)
-        if status != 0:
-            raise SystemExit(f"{' '.join(map(str, command))} ended with {status}")
-        found = json.loads(pathlib.Path(file.name).read_text())
-    return found, used.ru_utime + used.ru_stime
+    return measured([*command, "--json", "-"])
 
 
 def record(program, scene, millions, folder):
@@ -72,25 +63,26 @@ def main():
     parser.add_argument("--scenes", nargs="+", default=list(SCENES))
     chosen = parser.parse_args()
     program, table = str(pathlib.Path(chosen.program).resolve()), HERE / "auto.csv"
+    with open(table, newline="") as file:
+        rows = [row for row in csv.DictReader(file) if row["scene"] not in chosen.scenes]
     for scene in chosen.scenes:
         with tempfile.TemporaryDirectory() as work:
             stream, rays = record(program, scene, chosen.millions, pathlib.Path(work))
             for machine in MACHINES:
                 truth, slow = replay(program, stream, machine, "Event")
                 told, fast = replay(program, stream, machine, "Auto(error: 0.02)")
-                row = {"millions": chosen.millions, "scene": scene, "rays": rays, "machine": machine,
+                row = {"scene": scene, "rays": rays, "machine": machine,
                        "windows": told["choice"]["windows"], "of": told["choice"]["of"]}
                 widths = told["accuracy"]["estimated"] if "estimated" in told["accuracy"] else {}
-                for name, figure in FIGURES.items():
-                    row[f"{name}_off_percent"] = f"{100 * (figure(told) / figure(truth) - 1):.3f}"
+                is_told, is_so = figures(told), figures(truth)
+                for name in FIGURES:
+                    row[f"{name}_off_percent"] = f"{100 * (is_told[name] / is_so[name] - 1):.3f}"
                     row[f"{name}_half_width_percent"] = f"{100 * widths.get(name, 0):.3f}"
-                row |= {"event_seconds": f"{slow:.2f}", "auto_seconds": f"{fast:.2f}"}
-                is_new = not table.exists()
-                with open(table, "a", newline="") as file:
-                    writer = csv.DictWriter(file, row.keys(), lineterminator="\n")
-                    if is_new:
-                        writer.writeheader()
-                    writer.writerow(row)
+                rows.append(row | {"event_seconds": f"{slow:.2f}", "auto_seconds": f"{fast:.2f}"})
+        with open(table, "w", newline="") as file:
+            writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
 
 
 if __name__ == "__main__":

@@ -9,8 +9,6 @@ made again. `tables.py` makes the tables of docs/validation/extrapolate.md of bo
 
 import argparse
 import csv
-import json
-import os
 import pathlib
 import re
 import subprocess
@@ -18,8 +16,11 @@ import sys
 import tempfile
 
 HERE = pathlib.Path(__file__).parent
+sys.path.insert(0, str(HERE.parent))
+
+from measure import FIGURES, figures, measured
+
 ROOT = HERE.parent.parent.parent
-FIGURES = ["cycles", "l2_bytes", "dram_bytes"]
 # Experiment, scene, frames, resolution, policy. Where there are two frames, the first one warms up.
 STREAMS = {
     "kitchen": ("policies_kitchen", None, "320..321", "512x512", "Off"),
@@ -33,17 +34,6 @@ LARGE = [16, 64]
 FEW = [2, 4]
 # In front of which bits of an address those of the channel stand.
 ABOVE = {"small": "Column(1), ", "mobile": "Column(1), ", "desktop": "BankGroup(1), Column(1), "}
-
-
-def measured(command):
-    """The JSON that a command prints, and the processor seconds that it takes."""
-    with tempfile.TemporaryFile("w+") as out:
-        child = subprocess.Popen(command, stdout=out)
-        _, status, used = os.wait4(child.pid, 0)
-        if status != 0:
-            sys.exit(f"{' '.join(map(str, command))} failed")
-        out.seek(0)
-        return json.load(out), used.ru_utime + used.ru_stime
 
 
 def trace(program, name, folder):
@@ -70,9 +60,7 @@ def replay(program, stream, machine, cores, folder):
     file = folder / f"{machine}_{cores}.ron"
     file.write_text(text)
     stats, seconds = measured([program, "replay", stream, "--machine", file, "--json", "-", "--quiet"])
-    l2 = sum(sum(classes.values()) for level, classes in stats["bytes"].items() if level.startswith("l2"))
-    figures = [stats["cycles"], l2, sum(stats["bytes"]["dram"].values())]
-    return {**dict(zip(FIGURES, figures)), "seconds": f"{seconds:.1f}"}
+    return {**figures(stats), "seconds": f"{seconds:.1f}"}
 
 
 def predict(program, stream, machine, cores, _):

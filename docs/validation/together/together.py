@@ -8,33 +8,16 @@ Streams are recorded before. Writes together.csv, a row a point, and the chart.
 import argparse
 import csv
 import json
-import os
 import pathlib
 import subprocess
+import sys
 import tempfile
 
-import chart
-
 HERE = pathlib.Path(__file__).parent
-FIGURES = ["cycles", "l2_bytes", "dram_bytes"]
+sys.path.insert(0, str(HERE.parent))
 
-
-def seconds(command):
-    """Processor seconds that a command takes."""
-    with open(os.devnull, "w") as nowhere:
-        child = subprocess.Popen(command, stdout=nowhere)
-        _, status, used = os.wait4(child.pid, 0)
-    if status != 0:
-        raise SystemExit(f"{' '.join(map(str, command))} ended with {status}")
-    return used.ru_utime + used.ru_stime
-
-
-def figures(file):
-    """Cycles, and bytes of L2 and DRAM, of a point."""
-    stats = json.loads(file.read_text())["measured"]["stats"]
-    moved = [sum(sum(classes.values()) for level, classes in stats["bytes"].items() if level.startswith(name))
-             for name in ("l2", "dram")]
-    return dict(zip(FIGURES, [stats["cycles"], *moved]))
+import chart
+from measure import FIGURES, figures, seconds
 
 
 def points(program, sweep, folder, level):
@@ -42,7 +25,8 @@ def points(program, sweep, folder, level):
     plan = [program, "sweep", sweep, "--out", folder, "--fidelity", level, "--plan", "-"]
     told = subprocess.run(plan, capture_output=True, text=True, check=True).stdout
     for row in csv.DictReader(told.splitlines()):
-        found = figures(folder / "points" / f"{row.pop('identity')}.json")
+        point = json.loads((folder / "points" / f"{row.pop('identity')}.json").read_text())
+        found = figures(point["measured"]["stats"])
         yield {key: value for key, value in row.items() if key not in ("index", "cost")}, found
 
 
