@@ -19,6 +19,7 @@ const SHARED: [(&str, &str); 5] = [
 pub(super) fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.add_filter("code", code);
+    environment.add_filter("prose", prose);
     for (name, source) in SHARED {
         environment.add_template(name, source)?;
     }
@@ -31,6 +32,11 @@ fn code(text: &str) -> Value {
     let escaped = HtmlEscape(text).to_string();
     let part = |(at, part): (usize, &str)| if at % 2 == 0 { part.into() } else { format!("<code>{part}</code>") };
     Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
+}
+
+/// Text of a paragraph: no line ends between a number and its percent sign.
+fn prose(text: &str) -> String {
+    text.replace(" %", "\u{a0}%")
 }
 
 /// The drawings that stand in `section`, as the macro `figures` takes them.
@@ -73,5 +79,11 @@ mod tests {
     fn names_are_code_and_text_is_escaped() {
         let page = render("t", "{{ text|code }}", context! { text => "room on `a<b`: 2 > `c`" }).unwrap();
         assert_eq!(page, "room on <code>a&lt;b</code>: 2 &gt; <code>c</code>");
+    }
+
+    #[test]
+    fn a_percent_sign_stays_with_its_number() {
+        let page = render("t.html", "{{ text|prose }}", context! { text => "busy in 66.7 % of <all>" }).unwrap();
+        assert_eq!(page, "busy in 66.7\u{a0}% of &lt;all&gt;");
     }
 }
