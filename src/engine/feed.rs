@@ -75,6 +75,9 @@ pub(crate) trait Feed {
     }
 
     /// Receives a snapshot of all counters. Returns cache contents to load, or `None`.
+    ///
+    /// Unlike a look, a mark is not known beforehand: accesses that `Event` made ahead are counted in it, of each unit
+    /// those of as many cycles as an L2 takes at most.
     fn mark(&mut self, _: &Tally) -> Option<&WarmCaches> {
         None
     }

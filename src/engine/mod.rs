@@ -27,7 +27,7 @@ pub(crate) mod retired;
 mod reuse;
 mod snapshot;
 pub(crate) mod source;
-mod store_steps;
+pub(crate) mod store_steps;
 pub(crate) mod tally;
 #[cfg(test)]
 pub(crate) mod tests;

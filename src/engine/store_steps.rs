@@ -11,8 +11,8 @@ use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::stream::{Header, Step, Store, StoreEntries, Totals};
 
 /// The steps of a frame, and what of them was changed.
-#[derive(Clone, Debug)]
-pub(super) struct StoreSteps {
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct StoreSteps {
     spec: ShadowCacheSpec,
     entries: StoreEntries,
     static_primitives: u32,
@@ -24,7 +24,7 @@ pub(super) struct StoreSteps {
 
 impl StoreSteps {
     /// Of a machine's units, before a stream begins.
-    pub(super) fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
+    pub(crate) fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
         Self {
             spec: *spec,
             entries: header.stores,
@@ -35,7 +35,7 @@ impl StoreSteps {
     }
 
     /// Takes the steps of the policy that are not performed out of a ray's `steps`, from `policy` on, and counts them.
-    pub(super) fn leave_out(
+    pub(crate) fn leave_out(
         &mut self,
         steps: &mut Vec<u32>,
         policy: usize,
@@ -49,7 +49,8 @@ impl StoreSteps {
         for at in policy..steps.len() {
             let word = steps[at];
             if self.spec.performs(word) {
-                let learns = Step::unpack(word).and_then(|step| layout.stores().learns(step));
+                let update = Step::effect(word).and_then(|_| Step::unpack(word));
+                let learns = update.and_then(|step| layout.stores().learns(step));
                 self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
                 steps[kept] = learns.map_or(word, Step::pack);
                 kept += 1;
@@ -61,7 +62,7 @@ impl StoreSteps {
     }
 
     /// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
-    pub(super) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
+    pub(crate) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
         if self.spec.silent.drops(word) {
             work.dropped_writes += 1;
         } else {
@@ -71,7 +72,7 @@ impl StoreSteps {
 
     /// Changes the steps of a ray whose step `next` is a first touch that sets modes: its next steps are those that do.
     /// Returns how many these are; none if the step is no such touch.
-    pub(super) fn first_touch(
+    pub(crate) fn first_touch(
         &mut self,
         steps: &mut Vec<u32>,
         next: usize,
@@ -96,7 +97,7 @@ impl StoreSteps {
     }
 
     /// The steps of a frame's end of which these are recorded.
-    pub(super) fn end(
+    pub(crate) fn end(
         &mut self,
         recorded: &[u32],
         layout: &Layout,

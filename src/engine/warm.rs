@@ -11,28 +11,23 @@ pub(crate) type L1s = [Vec<TimelessCache>; Kind::ALL.len()];
 /// What the caches of a machine hold.
 #[derive(Clone, Debug)]
 pub(crate) struct WarmCaches {
-    l1s: Arc<L1s>,
-    banks: Arc<Vec<TimelessCache>>,
+    /// Of all units but the shadow-cache units.
+    pub path: Arc<L1s>,
+    /// Of the shadow-cache units.
+    pub words: Arc<Vec<TimelessCache>>,
+    /// The banks of the L2s, core by core.
+    pub banks: Arc<Vec<TimelessCache>>,
 }
 
 impl WarmCaches {
-    /// Those with what these L1s, and these banks of the L2s, hold.
-    pub(crate) fn new(l1s: Arc<L1s>, banks: Arc<Vec<TimelessCache>>) -> Self {
-        Self { l1s, banks }
-    }
-
     /// The L1s of a kind of units, core by core.
     pub(crate) fn l1s(&self, kind: Kind) -> &[TimelessCache] {
-        &self.l1s[kind as usize]
-    }
-
-    /// The banks of the L2s, core by core.
-    pub(crate) fn banks(&self) -> &[TimelessCache] {
-        &self.banks
+        if kind == Kind::ShadowCache { &self.words } else { &self.path[kind as usize] }
     }
 
     /// What they take in memory, about.
     pub(crate) fn bytes(&self) -> usize {
-        self.l1s.iter().flatten().chain(self.banks.iter()).map(TimelessCache::bytes).sum()
+        let all = Kind::ALL.into_iter().flat_map(|kind| self.l1s(kind)).chain(self.banks.iter());
+        all.map(TimelessCache::bytes).sum()
     }
 }

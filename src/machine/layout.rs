@@ -128,6 +128,14 @@ impl Layout {
         })
     }
 
+    /// Whether the frame's nodes, lists and triangle records lie where those of `other` do.
+    pub(crate) fn has_path_of(&self, other: &Self) -> bool {
+        // Where nothing is dynamic, it does not matter where that would begin.
+        let place = |it: Array| Array { dynamic_base: if it.dynamic_count == 0 { 0 } else { it.dynamic_base }, ..it };
+        let places = |it: &Self| [it.nodes, it.lists, it.triangles].map(place);
+        places(self) == places(other) && self.line_shift == other.line_shift
+    }
+
     /// Whether there are list entries.
     pub(crate) fn has_lists(&self) -> bool {
         self.lists.len() > 0

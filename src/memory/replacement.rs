@@ -51,6 +51,12 @@ impl State {
         matches!(self, Self::Order { .. })
     }
 
+    /// Whether the lines of a set are in the order of their uses, and nothing else is kept.
+    #[inline]
+    pub(super) fn is_used_order(&self) -> bool {
+        matches!(self, Self::Order { on_use: true })
+    }
+
     /// Line `way` of set number `set`, whose lines are `lines`, was used.
     #[inline]
     pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {

@@ -113,19 +113,19 @@ impl TagArray {
     /// As [`TagArray::access`], of any line of the set whose lines begin at place `first`.
     fn access_behind(&mut self, first: usize, line: LineAddr, write: bool) -> bool {
         let lines = &mut self.lines[first..first + self.ways];
-        let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
-        if write {
-            lines[way] |= DIRTY;
+        let dirty = if write { DIRTY } else { 0 };
+        // Most L1s have two ways: what is not in front can be in one place.
+        if let ([front, back], true) = (&mut *lines, self.state.is_used_order()) {
+            let is_there = *back >> LINE_SHIFT == line.0;
+            if is_there {
+                (*front, *back) = (*back | dirty, *front);
+            }
+            return is_there;
         }
+        let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
+        lines[way] |= dirty;
         self.state.used((line.0 >> self.set_shift & self.set_mask) as usize, way, lines);
         true
-    }
-
-    /// Whether a use of `line` finds it where it leaves it, as most uses do.
-    #[inline]
-    pub fn is_in_front(&self, line: LineAddr) -> bool {
-        let first = self.lines.get(self.set(line) * self.ways);
-        self.state.is_order() && first.is_some_and(|packed| packed >> LINE_SHIFT == line.0)
     }
 
     /// Whether `line` is there; nothing changes.

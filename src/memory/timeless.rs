@@ -20,23 +20,24 @@ impl TimelessCache {
     }
 
     /// Accesses `line`, and fills it if it is not there and is to be kept: whether it was, and a dirty line that went.
+    #[inline]
     pub(crate) fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
-        let dirty = access == Access::Write;
-        if self.tags.access(line, dirty) {
-            return (true, None);
+        if self.tags.access(line, access == Access::Write) {
+            (true, None)
+        } else {
+            (false, self.miss(line, class, access))
         }
+    }
+
+    /// Fills `line`, which is not there, if it is to be kept; a dirty line that goes.
+    fn miss(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> Option<Victim> {
+        let dirty = access == Access::Write;
         let victim = if self.no_allocate.keeps(class, access != Access::Read) {
             self.tags.fill(line, class, dirty)
         } else {
             Some(Victim { line, class, dirty })
         };
-        (false, victim.filter(|victim| victim.dirty))
-    }
-
-    /// Whether a read of `line` hits and changes nothing.
-    #[inline]
-    pub(crate) fn is_in_front(&self, line: LineAddr) -> bool {
-        self.tags.is_in_front(line)
+        victim.filter(|victim| victim.dirty)
     }
 
     /// Its tags.

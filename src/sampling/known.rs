@@ -67,8 +67,8 @@ pub(crate) type Columns = [f64; COLUMNS];
 /// What a machine can do in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Capacity {
-    /// Units of each kind.
-    units: [f64; KINDS],
+    /// Operations that units of each kind begin at once.
+    operations: [f64; KINDS],
     /// Lines that come from the DRAM or go there; none if as many as there may be.
     lines: Option<f64>,
     /// Cycles that a ray in a slot waits for an operation, where that takes one of the unit, and for a line that the L1
@@ -96,7 +96,7 @@ impl Capacity {
         };
         let fetch = |class| caches[machine.l2.home(class)].1.latency.get() as f64;
         Self {
-            units: Kind::ALL.map(|kind| kind.spec(machine).count as f64),
+            operations: Kind::ALL.map(|kind| (kind.spec(machine).count * kind.spec(machine).width) as f64),
             lines,
             stays: PATH.map(|(kind, _)| stay(kind)),
             fetches: PATH.map(|(_, class)| fetch(class)),
@@ -121,7 +121,8 @@ impl Capacity {
     }
 
     fn busiest(&self, operations: [u64; KINDS], home: f64, dram: f64) -> f64 {
-        let units = operations.into_iter().zip(self.units).map(|(operations, units)| operations as f64 / units);
+        let units =
+            operations.into_iter().zip(self.operations).map(|(operations, at_once)| operations as f64 / at_once);
         units.chain(self.lines.map(|lines| dram / lines)).fold(home, f64::max)
     }
 
@@ -237,7 +238,7 @@ mod tests {
     #[test]
     fn the_busiest_is_a_kind_a_home_or_the_bus() {
         let capacity =
-            Capacity { units: [4.0, 1.0, 2.0, 4.0], lines: Some(0.5), ..Capacity::new(&MachineSpec::default()) };
+            Capacity { operations: [4.0, 1.0, 2.0, 4.0], lines: Some(0.5), ..Capacity::new(&MachineSpec::default()) };
         let busiest = |known: Known| known.columns(&capacity)[BUSIEST];
         assert_eq!(busiest(known([400, 0, 100, 100], 25)), 100.0, "traversal units");
         assert_eq!(busiest(known([400, 0, 100, 200], 140)), 140.0, "one shadow-cache unit has most of what 4 do");
@@ -248,7 +249,8 @@ mod tests {
     /// Little 1961: 100 operations of 9 cycles each, and ten lines of 20, in 200 cycles.
     #[test]
     fn as_many_rays_are_in_flight_as_the_busiest_lets_through() {
-        let capacity = Capacity { units: [4.0; KINDS], lines: None, stays: [9.0, 3.0, 5.0], fetches: [20.0, 7.0, 7.0] };
+        let capacity =
+            Capacity { operations: [4.0; KINDS], lines: None, stays: [9.0, 3.0, 5.0], fetches: [20.0, 7.0, 7.0] };
         let one = Known { missed: [10, 0, 0, 99], ..known([100, 0, 0, 99], 200) };
         assert_eq!(capacity.in_flight(&one), Some((900.0 + 200.0) / 200.0));
         assert_eq!(capacity.in_flight(&known([100, 0, 0, 0], 0)), Some(36.0), "all four units are busy for 25 cycles");

@@ -1,8 +1,9 @@
-//! The tags of the L2s, which are asked for what the L1s' tags miss ([`super::l1_tags`]): without time too.
+//! The tags of the L2s, which are asked for what the L1s' tags miss ([`super::requests`]): without time too.
 
 use std::sync::Arc;
 
 use super::known::Known;
+use super::requests::Request;
 use crate::engine::tally::PerClass;
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
@@ -13,19 +14,6 @@ use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::Header;
-
-/// What an L1 asks the L2 for.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Request {
-    /// The line.
-    pub line: LineAddr,
-    /// The core.
-    pub core: u16,
-    /// What it is for.
-    pub class: TrafficClass,
-    /// Whether it is written.
-    pub write: bool,
-}
 
 /// The tags of all L2s. Where they are equal before the same requests, they do the same.
 #[derive(Debug, PartialEq)]

@@ -1,13 +1,15 @@
-//! Machines side by side on one pass: those whose L1s' tags are equal share them, and those whose L2s' tags are equal
-//! too share those.
+//! Machines side by side on one pass: those whose paths' tags are equal share them, of these those whose shadow-cache
+//! units' tags are equal share those too, and the L2s' in turn.
 
+use std::mem::take;
 use std::sync::Arc;
 
 use super::cutter::{CutPiece, Lead, Portion};
 use super::kept::Kept;
-use super::l1_tags::{L1Tags, Passed};
 use super::l2_tags::L2Tags;
+use super::path_tags::PathTags;
 use super::windows::{Job, Windows};
+use super::word_tags::WordTags;
 use crate::engine::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stream::Header;
@@ -35,9 +37,17 @@ impl OnLane {
     }
 }
 
-/// Machines whose L1s' tags are equal.
+/// Machines whose paths' tags are equal.
 pub(super) struct Lane {
-    l1: L1Tags,
+    path: PathTags,
+    words: Vec<WordLane>,
+}
+
+/// Those of them whose shadow-cache units' L1s have equal tags.
+struct WordLane {
+    tags: WordTags,
+    /// Rays in flight that it asks for.
+    in_flight: usize,
     l2s: Vec<L2Lane>,
 }
 
@@ -47,101 +57,153 @@ struct L2Lane {
     machines: Vec<OnLane>,
 }
 
-/// Deals machines to lanes. Tags that are equal before a stream stay equal, so that nobody need say which fields of a
-/// machine they hang on.
-pub(super) fn lanes<'a>(header: &Header, machines: impl Iterator<Item = (&'a MachineSpec, OnLane)>) -> Vec<Lane> {
+/// Deals machines to lanes, as many as there are threads if that can be: who shares a path is on one thread. Tags that
+/// are equal before a stream stay equal, so that nobody need say which fields of a machine they hang on.
+pub(super) fn lanes<'a>(
+    header: &Header,
+    machines: impl Iterator<Item = (&'a MachineSpec, OnLane)>,
+    threads: usize,
+) -> Vec<Lane> {
     let mut lanes: Vec<Lane> = Vec::new();
     for (machine, sampled) in machines {
-        let (l1, l2) = (L1Tags::new(header, machine), L2Tags::new(header, machine));
-        let lane = match lanes.iter_mut().position(|lane| lane.l1 == l1) {
-            Some(at) => at,
-            None => {
-                lanes.push(Lane { l1, l2s: Vec::new() });
-                lanes.len() - 1
-            }
-        };
-        let l2s = &mut lanes[lane].l2s;
-        match l2s.iter_mut().find(|lane| lane.l2 == l2) {
-            Some(lane) => lane.machines.push(sampled),
-            None => l2s.push(L2Lane { l2, machines: vec![sampled] }),
-        }
+        let (path, tags) = (PathTags::new(header, machine), WordTags::new(header, machine));
+        let l2 = L2Tags::new(header, machine);
+        let lane = place(&mut lanes, |lane| lane.path.is_as(&path), || Lane { path: path.clone(), words: Vec::new() });
+        let in_flight = lane.path.in_flight();
+        let words = || WordLane { tags: WordTags::new(header, machine), in_flight, l2s: Vec::new() };
+        let word = place(&mut lane.words, |lane| lane.tags == tags, words);
+        let of_l2 = || L2Lane { l2: L2Tags::new(header, machine), machines: Vec::new() };
+        place(&mut word.l2s, |lane| lane.l2 == l2, of_l2).machines.push(sampled);
+    }
+    while lanes.len() < threads
+        && let Some(widest) = lanes.iter_mut().max_by_key(|lane| lane.words.len())
+        && widest.words.len() > 1
+    {
+        let words = widest.words.split_off(widest.words.len() / 2);
+        let path = widest.path.with(words[0].in_flight, words[0].tags.layout());
+        lanes.push(Lane { path, words });
     }
     lanes
+}
+
+/// The first of `all` that is the one; a new one at the end where none is.
+fn place<T>(all: &mut Vec<T>, is_it: impl FnMut(&T) -> bool, new: impl FnOnce() -> T) -> &mut T {
+    let at = all.iter().position(is_it).unwrap_or_else(|| {
+        all.push(new());
+        all.len() - 1
+    });
+    &mut all[at]
 }
 
 impl Lane {
     /// The next portion of the stream; the jobs that are to be replayed, each with its machine's place.
     pub(super) fn add(&mut self, portion: &Portion) -> Vec<(usize, Job)> {
+        let Self { path, words } = self;
+        let mut jobs = Vec::new();
         match portion {
             Portion::Frame(info) => {
-                self.l1.begin_frame(info);
-                for L2Lane { l2, machines } in &mut self.l2s {
-                    l2.begin_frame();
-                    machines.iter_mut().for_each(|machine| machine.windows.frame(*info));
-                }
-                Vec::new()
-            }
-            Portion::Piece(piece) => self.piece(piece),
-            Portion::End(steps) => {
-                let warm = self.warm(|windows| windows.wants_end(steps));
-                let Passed { requests, .. } = self.l1.frame_end(steps);
-                let mut jobs = Vec::new();
-                for (L2Lane { l2, machines }, warm) in self.l2s.iter_mut().zip(warm) {
-                    l2.pass(&requests);
-                    for machine in machines {
-                        let complete = machine.windows.end(steps, warm.clone());
-                        machine.sort(complete, &mut jobs);
+                path.begin_frame(info);
+                for WordLane { tags, l2s, .. } in words {
+                    tags.begin_frame(info);
+                    for L2Lane { l2, machines } in l2s {
+                        l2.begin_frame();
+                        machines.iter_mut().for_each(|machine| machine.windows.frame(*info));
                     }
                 }
-                jobs
             }
-        }
-    }
-
-    fn piece(&mut self, piece: &CutPiece) -> Vec<(usize, Job)> {
-        let begins = |windows: &Windows| piece.begin.iter().any(|lead: &Lead| windows.wants(lead));
-        let warm = self.warm(begins);
-        let Passed { known, requests } = self.l1.piece(&piece.chunk, piece.rays.clone());
-        let mut jobs = Vec::new();
-        for (L2Lane { l2, machines }, warm) in self.l2s.iter_mut().zip(warm) {
-            // Of the host's own lines it is known already.
-            let known = l2.pass(&requests).added_to(known);
-            for machine in machines {
-                let complete = machine.windows.piece(piece, known, warm.as_ref());
-                machine.sort(complete, &mut jobs);
+            Portion::Piece(piece) => self.piece(piece, &mut jobs),
+            Portion::End(steps) => {
+                let warm = self.warm(|windows| windows.wants_end(steps));
+                let trodden = self.path.frame_end(steps);
+                let mut warm = warm.into_iter();
+                for WordLane { tags, l2s, .. } in &mut self.words {
+                    let requests = tags.frame_end(steps, &trodden);
+                    for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
+                        l2.pass(&requests.list);
+                        for machine in machines {
+                            let complete = machine.windows.end(steps, warm.clone());
+                            machine.sort(complete, &mut jobs);
+                        }
+                    }
+                }
             }
         }
         jobs
     }
 
-    /// What the caches of each L2's machines hold, where one of these wants to know.
+    fn piece(&mut self, piece: &CutPiece, jobs: &mut Vec<(usize, Job)>) {
+        let begins = |windows: &Windows| piece.begin.iter().any(|lead: &Lead| windows.wants(lead));
+        let mut warm = self.warm(begins).into_iter();
+        let trodden = self.path.piece(&piece.chunk, piece.rays.clone());
+        for WordLane { tags, in_flight, l2s } in &mut self.words {
+            let requests = tags.piece(&piece.chunk, piece.rays.clone(), &trodden);
+            if let Some(rays) = tags.in_flight(&requests.known) {
+                *in_flight = self.path.limited(rays);
+            }
+            for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
+                // Of the host's own lines it is known already.
+                let known = l2.pass(&requests.list).added_to(requests.known);
+                for machine in machines {
+                    let complete = machine.windows.piece(piece, known, warm.as_ref());
+                    machine.sort(complete, jobs);
+                }
+            }
+        }
+    }
+
+    /// What the caches of each L2's machines hold, in order, where one of these wants to know.
     fn warm(&self, wants: impl Fn(&Windows) -> bool) -> Vec<Option<WarmCaches>> {
-        let mut l1s = None;
-        let warm = |lane: &L2Lane| {
-            let is_wanted = lane.machines.iter().any(|machine| wants(&machine.windows));
-            is_wanted.then(|| {
-                let l1s = l1s.get_or_insert_with(|| self.l1.snapshot());
-                WarmCaches::new(Arc::clone(l1s), lane.l2.snapshot())
-            })
-        };
-        self.l2s.iter().map(warm).collect()
+        let mut path = None;
+        let mut all = Vec::new();
+        for WordLane { tags, l2s, .. } in &self.words {
+            let mut words = None;
+            for L2Lane { l2, machines } in l2s {
+                let is_wanted = machines.iter().any(|machine| wants(&machine.windows));
+                all.push(is_wanted.then(|| WarmCaches {
+                    path: Arc::clone(path.get_or_insert_with(|| self.path.snapshot())),
+                    words: Arc::clone(words.get_or_insert_with(|| tags.snapshot())),
+                    banks: l2.snapshot(),
+                }));
+            }
+        }
+        all
+    }
+
+    /// Goes on with as many rays in flight as its first machine asks for. Those that ask for another number, or whose
+    /// triangle records lie elsewhere, go on by lanes of their own, from the same caches.
+    pub(super) fn parted(&mut self) -> Vec<Self> {
+        let mut lanes: Vec<Self> = Vec::new();
+        let Some(in_flight) = self.words.first().map(|first| first.in_flight) else { return lanes };
+        for words in take(&mut self.words) {
+            let is_his = |path: &PathTags, in_flight| words.in_flight == in_flight && path.fits(words.tags.layout());
+            if is_his(&self.path, in_flight) {
+                self.words.push(words);
+                continue;
+            }
+            let new = || Self { path: self.path.with(words.in_flight, words.tags.layout()), words: Vec::new() };
+            place(&mut lanes, |lane| is_his(&lane.path, lane.path.in_flight()), new).words.push(words);
+        }
+        self.path.set_in_flight(in_flight);
+        lanes
     }
 
     /// Its machines, the stream being over.
     pub(super) fn finish(self) -> impl Iterator<Item = OnLane> {
-        self.l2s.into_iter().flat_map(|lane| lane.machines)
+        let l2s = self.words.into_iter().flat_map(|lane| lane.l2s);
+        l2s.flat_map(|lane| lane.machines)
     }
 }
 
 /// Places of machines by what they share: those of one L2 in those of one set of L1s.
 #[cfg(test)]
-pub(super) fn machines_of_lanes(header: &Header, machines: &[MachineSpec]) -> Vec<Vec<Vec<usize>>> {
+pub(super) fn machines_of_lanes(header: &Header, machines: &[MachineSpec]) -> Vec<Vec<Vec<Vec<usize>>>> {
     use super::plan::{Cut, Plan};
     let on_lane = |(index, machine)| {
         let windows = Windows::new(machine, header, Plan::new(1.0, Cut::new(machine), 0), 0);
         (machine, OnLane { index, windows, kept: Kept::default() })
     };
-    let lanes = lanes(header, machines.iter().enumerate().map(on_lane));
+    let lanes = lanes(header, machines.iter().enumerate().map(on_lane), 1);
     let places = |lane: &L2Lane| lane.machines.iter().map(|machine| machine.index).collect();
-    lanes.iter().map(|lane| lane.l2s.iter().map(places).collect()).collect()
+    let l2s = |lane: &WordLane| lane.l2s.iter().map(places).collect();
+    lanes.iter().map(|lane| lane.words.iter().map(l2s).collect()).collect()
 }

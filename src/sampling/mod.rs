@@ -13,18 +13,21 @@ mod grow;
 mod job;
 mod kept;
 mod known;
-mod l1_tags;
 mod l2_tags;
 mod lane;
 mod pass;
+mod path_tags;
+mod performed;
 mod plan;
 mod regression;
+mod requests;
 mod sample;
 mod strata;
 #[cfg(test)]
 mod tests;
 mod verdict;
 mod windows;
+mod word_tags;
 
 pub(crate) use self::auto::{auto, pays};
 pub(crate) use self::grow::Against;

@@ -90,7 +90,7 @@ impl<'a> Sampler<'a> {
             (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES / members.len()) })
         });
         let mut dealt: Vec<Vec<Lane>> = Vec::new();
-        for (at, lane) in lane::lanes(self.header, on_lanes).into_iter().enumerate() {
+        for (at, lane) in lane::lanes(self.header, on_lanes, self.threads).into_iter().enumerate() {
             match dealt.get_mut(at % self.threads) {
                 Some(lanes) => lanes.push(lane),
                 None => dealt.push(vec![lane]),
@@ -158,6 +158,8 @@ impl<'a> Sampler<'a> {
         let mut found = Vec::new();
         for portions in portions {
             for portion in portions.iter() {
+                let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::parted).collect();
+                lanes.extend(new);
                 for job in lanes.iter_mut().flat_map(|lane| lane.add(portion)) {
                     if let Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) = jobs.try_send(job) {
                         found.push(self.replay_one(members, &job));

@@ -4,7 +4,7 @@
 use super::findings::Findings;
 use super::grow::{Against, Goal, sample_until};
 use super::pass::{Each, Member, Sampler};
-use super::plan::{Cut, LEAST, Plan};
+use super::plan::{Cut, LEAST, Plan, telling};
 use super::verdict::Verdict;
 use crate::engine::whole::whole;
 use crate::engine::{ItemStream, RunError, Sampled, Source};
@@ -94,8 +94,9 @@ pub(crate) fn sample_until_within(
     source: &dyn Source,
 ) -> Each<Verdict> {
     let whole = Verdict::Whole { level: engine.into(), choice: None };
-    let first = rate.get().max(LEAST as f64 / cut.windows(header));
-    if first > MOST {
+    let (windows, least) = (cut.windows(header), telling(baseline.is_some()));
+    let first = rate.get().max(LEAST as f64 / windows);
+    if first.max(least as f64 / windows) > MOST {
         return Ok(machines.iter().map(|_| Ok(whole.clone())).collect());
     }
     let goal = Goal { target, most: MOST };

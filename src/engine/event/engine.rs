@@ -171,7 +171,7 @@ impl Event {
         self.list.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::List, i)));
         self.intersection.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Intersection, i)));
         self.shadow_cache.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::ShadowCache, i)));
-        self.links.l2.banks.iter_mut().zip(warm.banks()).for_each(|(bank, cache)| bank.hold(cache.tags()));
+        self.links.l2.banks.iter_mut().zip(warm.banks.iter()).for_each(|(bank, cache)| bank.hold(cache.tags()));
     }
 
     fn is_idle(&self) -> bool {
@@ -220,9 +220,6 @@ impl Engine for Event {
         let mut due = PartSet::new(self.links.parts.count());
         // Only what the dispatcher does makes a feed ask for counts.
         let mut asks = false;
-        if feed.marks() {
-            self.pipelines_mut().for_each(Pipeline::foresee_nothing);
-        }
         if looks {
             self.links.looked_at = feed.look_at();
         }

@@ -330,7 +330,7 @@ impl<W: Watch> Profile<W> {
             if let Some(warm) = feed.mark(&tally) {
                 let l1s = Kind::ALL.into_iter().flat_map(|kind| warm.l1s(kind));
                 self.units.iter_mut().zip(l1s).for_each(|(unit, l1)| unit.hold(l1.tags()));
-                self.memory.hold(warm.banks());
+                self.memory.hold(&warm.banks);
             }
         }
         Ok(())

@@ -3,9 +3,11 @@
 use super::super::grow::{Goal, sample_until};
 use super::super::lane::machines_of_lanes;
 use super::*;
+use crate::machine::shadow_cache::Place;
+use crate::machine::stores::StoreLayout;
 use crate::memory::l2::L2Spec;
 
-/// `small` with few rays, and others that share its L1s' and its L2's tags, only those of its L1s, or nothing.
+/// `small` with few rays, and others that share all of its tags, those of its L1s or of its path, or none.
 fn some() -> Vec<MachineSpec> {
     let mut base = shipped("small");
     base.dispatcher.rays = num(16);
@@ -25,6 +27,11 @@ fn some() -> Vec<MachineSpec> {
         }),
         with(|machine| machine.shadow_cache.count = num(2)),
         with(|machine| machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap()),
+        with(|machine| machine.shadow_cache.place = Place::L2),
+        // Its one unit holds rays up.
+        with(|machine| machine.shadow_cache.interval = num(16)),
+        with(|machine| machine.shadow_cache.place = Place::Triangle),
+        with(|machine| machine.shadow_cache.layout = StoreLayout::Record),
     ]
 }
 
@@ -33,7 +40,9 @@ fn machines_share_the_tags_that_are_equal() {
     let machines = some();
     let (header, _) = quickstart();
     let found = machines_of_lanes(&header, &machines);
-    assert_eq!(found, [vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![5]]]);
+    let alone = |machine| vec![vec![vec![machine]]];
+    let path = vec![vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![6]], vec![vec![7]]];
+    assert_eq!(found, [path, alone(5), alone(8), alone(9)]);
 }
 
 /// With a baseline or without; the first machine is the baseline.
@@ -50,8 +59,9 @@ fn each_gives_what_it_gives_alone() {
     };
     let (known, _) = sampled(&[&machines[0]], None, "0.3").remove(0);
     for (baseline, target) in [(None, "0.3"), (Some((&machines[0], &known)), "0.2")] {
-        // One shares all tags with the baseline, one those of the L1s, one none.
-        let others: Vec<&MachineSpec> = [1, 3, 5].map(|at| &machines[at]).into();
+        // One shares all tags with the baseline, one those of the L1s, two those of the path, of which one parts; the
+        // others share none.
+        let others: Vec<&MachineSpec> = [1, 3, 5, 6, 7, 8].map(|at| &machines[at]).into();
         let together = sampled(&others, baseline, target);
         for (machine, together) in others.into_iter().zip(together) {
             assert!(together == sampled(&[machine], baseline, target)[0]);

@@ -9,8 +9,7 @@ use crate::memory::cache::Access;
 use crate::quantity::Bytes;
 
 impl Pipeline {
-    /// Hits are not foreseen any more: for a unit in which rays get ready without a fetch, or whose caches can be
-    /// replaced while it works.
+    /// Hits are not foreseen: for a unit in which rays get ready without a fetch.
     pub(crate) fn foresee_nothing(&mut self) {
         self.foresees = false;
     }

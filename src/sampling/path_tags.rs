@@ -1,0 +1,356 @@
+//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the
+//! caches hold about what they would when a window is replayed, and of every window is known about how much it moves.
+//!
+//! Here are the tags of what the rays' paths need, and the order of their accesses. Those of the shadow-cache units
+//! follow in [`super::word_tags`], those of the L2s in [`super::l2_tags`].
+
+use std::mem::{replace, take};
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::performed::Performed;
+use super::requests::{Asker, Requests, Wanted};
+use crate::engine::warm::L1s;
+use crate::machine::MachineSpec;
+use crate::machine::kinds::{Kind, KindSpec};
+use crate::machine::layout::{Element, Layout};
+use crate::machine::shadow_cache::Place;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::Access;
+use crate::memory::timeless::TimelessCache;
+use crate::quantity::{LineAddr, TriangleSlot};
+use crate::random::mix;
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step, Stop};
+
+const KINDS: usize = Kind::ALL.len();
+
+/// The unit of each kind that a ray goes to.
+type Units = [u16; KINDS];
+
+/// The tags of the L1s of all units but the shadow-cache units.
+#[derive(Clone, Debug)]
+pub(super) struct PathTags {
+    layout: Layout,
+    /// Of the shadow-cache units, none.
+    l1s: L1s,
+    intervals: [u64; KINDS],
+    cores: usize,
+    /// Units of each kind that a core has.
+    of_core: [u16; KINDS],
+    /// Slots of all traversal units, and rays that are in them.
+    slots: usize,
+    in_flight: usize,
+    /// Rays that began, and those of them that came to a traversal unit.
+    begun: u64,
+    traced: u64,
+    /// The unit of a core that the next ray goes to, of kinds that get them in turn.
+    turns: [u16; KINDS],
+    entries: Option<Entries>,
+    trodden: Trodden,
+}
+
+/// Entries of stores that intersection units access.
+#[derive(Clone, Debug, PartialEq)]
+struct Entries {
+    performed: Performed,
+    writes: WritePolicy,
+    /// The steps of the ray that was asked for last.
+    steps: Vec<u32>,
+}
+
+/// What rays did up to where their paths end.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Trodden {
+    /// What the L1s ask the L2 for, in order.
+    pub requests: Requests,
+    /// Rays that have steps of the policy, in the order in which their paths end.
+    pub ends: Vec<PathEnd>,
+}
+
+/// Where the path of a ray ends.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct PathEnd {
+    /// Requests that were made before.
+    pub requests: usize,
+    /// The ray's place in its chunk.
+    pub ray: usize,
+    /// Its core.
+    pub core: u16,
+    /// How many rays began before it.
+    pub number: u64,
+}
+
+/// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the
+/// time, and differ by about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in
+/// those of the DRAM.
+const BURST: usize = 8;
+
+/// Packed steps in a line of the caches of most processors.
+const WORDS_A_LINE: usize = 16;
+
+/// A ray in flight.
+struct Flight<'c> {
+    /// The steps that are left.
+    path: &'c [u32],
+    policy: &'c [u32],
+    /// Its place in its chunk, and among those that began.
+    ray: usize,
+    number: u64,
+    core: u16,
+    units: Units,
+}
+
+impl PathTags {
+    /// Empty caches.
+    pub(super) fn new(header: &Header, machine: &MachineSpec) -> Self {
+        let line = machine.line_bytes.get();
+        let l1s = |kind: Kind| {
+            let spec = kind.spec(machine);
+            let count = if kind == Kind::ShadowCache { 0 } else { spec.count as usize };
+            vec![TimelessCache::new(spec.cache.tags(line), spec.cache.no_allocate); count]
+        };
+        let cores = machine.cores.size();
+        let slots = machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize;
+        // Nothing of the path hangs on the shadow-cache units: machines may differ in them.
+        let of_kinds = |of: fn(&KindSpec, usize) -> u64| {
+            Kind::ALL.map(|kind| if kind == Kind::ShadowCache { 1 } else { of(&kind.spec(machine), cores) })
+        };
+        let entries = || Entries {
+            performed: Performed::new(machine, header),
+            writes: Kind::Intersection.spec(machine).writes,
+            steps: Vec::new(),
+        };
+        Self {
+            layout: Layout::new(header, machine),
+            l1s: Kind::ALL.map(l1s),
+            intervals: of_kinds(|spec, _| spec.interval),
+            cores,
+            of_core: of_kinds(|spec, cores| spec.count / cores as u64).map(|units| units as u16),
+            slots,
+            in_flight: slots,
+            begun: 0,
+            traced: 0,
+            turns: [0; KINDS],
+            entries: (machine.shadow_cache.place == Place::Triangle).then(entries),
+            trodden: Trodden::default(),
+        }
+    }
+
+    /// Whether both did the same up to now, and will do it as long as they are told the same.
+    pub(super) fn is_as(&self, other: &Self) -> bool {
+        let tags =
+            |it: &Self| (it.slots, it.in_flight, it.begun, it.traced, it.turns, it.cores, it.of_core, it.intervals);
+        tags(self) == tags(other) && self.l1s == other.l1s && self.entries == other.entries && self.fits(&other.layout)
+    }
+
+    /// Whether what the paths need lies as `layout` says.
+    pub(super) fn fits(&self, layout: &Layout) -> bool {
+        if self.entries.is_some() { self.layout == *layout } else { self.layout.has_path_of(layout) }
+    }
+
+    /// The same, where so many rays are in flight and all lies as `layout` says.
+    pub(super) fn with(&self, in_flight: usize, layout: &Layout) -> Self {
+        Self { in_flight, layout: layout.clone(), ..self.clone() }
+    }
+
+    /// Rays in flight.
+    pub(super) fn in_flight(&self) -> usize {
+        self.in_flight
+    }
+
+    /// So many are, from now on.
+    pub(super) fn set_in_flight(&mut self, rays: usize) {
+        self.in_flight = rays;
+    }
+
+    /// How many can be in flight of so many that would be: at most as many as there are slots.
+    pub(super) fn limited(&self, in_flight: f64) -> usize {
+        (in_flight as usize).clamp(1, self.slots)
+    }
+
+    /// What the L1s hold now.
+    pub(super) fn snapshot(&self) -> Arc<L1s> {
+        Arc::new(self.l1s.clone())
+    }
+
+    /// A frame begins.
+    pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
+        self.layout.begin_frame(info);
+        let first = self.layout.dynamic_part();
+        self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
+    }
+
+    /// A piece's rays make their accesses, primary rays first, then those that follow from them. So many rays are in
+    /// flight and make steps in turn as the piece before says; they are all done when the next piece begins, so that
+    /// what is first asked for by whom is clear.
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Trodden {
+        let of = |primary: bool| {
+            let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
+            rays.clone().filter(is_of)
+        };
+        // Rays come to their steps in turn: read once in order, they lie near when they are wanted.
+        let words = chunk.packed_steps_of(rays.clone()).iter().step_by(WORDS_A_LINE);
+        std::hint::black_box(words.fold(0, |all, word| all ^ word));
+        let mut waiting = of(true).chain(of(false)).map(|ray| (ray, chunk.ray(ray)));
+        let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.in_flight);
+        while flights.len() < self.in_flight
+            && let Some((place, ray)) = waiting.next()
+        {
+            flights.push(self.begin(place, ray));
+        }
+        let mut place = 0;
+        while !flights.is_empty() {
+            if place >= flights.len() {
+                place = 0;
+            }
+            let flight = &mut flights[place];
+            if !flight.path.is_empty() {
+                let (steps, rest) = flight.path.split_at(BURST.min(flight.path.len()));
+                flight.path = rest;
+                self.path(steps, flight.core, flight.units);
+                place += 1;
+                continue;
+            }
+            if !flight.policy.is_empty() {
+                self.end(flight);
+            }
+            match waiting.next() {
+                Some((ray, of)) => flights[place] = self.begin(ray, of),
+                None => drop(flights.swap_remove(place)),
+            }
+        }
+        self.trodden()
+    }
+
+    /// What of a frame's end goes the paths' way.
+    pub(super) fn frame_end(&mut self, steps: &[u32]) -> Trodden {
+        if let Some(Entries { performed, .. }) = &mut self.entries {
+            let performed = performed.at_end(steps, &self.layout);
+            performed.into_iter().for_each(|step| self.entry(step, 0, [0; KINDS]));
+        }
+        self.trodden()
+    }
+
+    fn trodden(&mut self) -> Trodden {
+        // The next piece will do about as much.
+        let mut room = Trodden::default();
+        room.requests.list.reserve(self.trodden.requests.list.len());
+        room.ends.reserve(self.trodden.ends.len());
+        replace(&mut self.trodden, room)
+    }
+
+    fn begin<'c>(&mut self, place: usize, ray: Ray<'c>) -> Flight<'c> {
+        self.traced += u64::from(ray.head.decision != Decision::Skip);
+        // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1
+        // that the machine's, which gives rays to whom is free, does not keep.
+        let drawn = mix(self.traced);
+        let below = |bits: u64, end: u64| (((bits & u64::from(u32::MAX)) * end) >> 32) as u16;
+        let core = below(drawn >> 32, self.cores as u64);
+        for (turn, of_core) in self.turns.iter_mut().zip(self.of_core) {
+            *turn = if *turn + 1 < of_core { *turn + 1 } else { 0 };
+        }
+        self.turns[Kind::Traversal as usize] = below(drawn, self.of_core[Kind::Traversal as usize].into());
+        let units = std::array::from_fn(|kind| core * self.of_core[kind] + self.turns[kind]);
+        let number = self.begun;
+        self.begun += 1;
+        Flight { path: ray.packed_path(), policy: ray.packed_policy(), ray: place, number, core, units }
+    }
+
+    /// The path of a ray is over, and what the policy does begins.
+    fn end(&mut self, flight: &Flight<'_>) {
+        let &Flight { policy, ray, number, core, units, .. } = flight;
+        self.trodden.ends.push(PathEnd { requests: self.trodden.requests.list.len(), ray, core, number });
+        let mut by = self.of_ray(core, units);
+        for step in Step::unpack_all(policy) {
+            if let Step::Triangle { slot, stop } = step {
+                by.test(slot, stop);
+            }
+        }
+        if let Some(entries) = &mut self.entries {
+            let mut steps = take(&mut entries.steps);
+            entries.performed.of_ray(policy, &self.layout, &mut steps);
+            Step::unpack_all(&steps).for_each(|step| self.entry(step, core, units));
+            self.entries.iter_mut().for_each(|entries| entries.steps = take(&mut steps));
+        }
+    }
+
+    /// Steps of a ray's path. Most visit nodes.
+    fn path(&mut self, steps: &[u32], core: u16, units: Units) {
+        let mut by = self.of_ray(core, units);
+        let mut visits = 0;
+        for &word in steps {
+            if let Some(node) = Step::node(word) {
+                visits += 1;
+                by.read(Kind::Traversal, by.layout.node(node));
+                continue;
+            }
+            match Step::unpack(word).expect("packed steps are valid") {
+                Step::Triangle { slot, stop } => by.test(slot, stop),
+                Step::List(entry) => {
+                    by.requests.known.operations[Kind::List as usize] += by.intervals[Kind::List as usize];
+                    by.read(Kind::List, by.layout.list_entry(entry));
+                }
+                Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
+                    unreachable!("a path has no other steps")
+                }
+            }
+        }
+        by.requests.known.operations[Kind::Traversal as usize] += visits * by.intervals[Kind::Traversal as usize];
+    }
+
+    fn of_ray(&mut self, core: u16, units: Units) -> OfRay<'_> {
+        let Self { layout, l1s, intervals, trodden, .. } = self;
+        let [traversal, list, intersection, _] = l1s;
+        let [of_path, of_lists, of_tests, _] = units.map(usize::from);
+        let l1s = [traversal.get_mut(of_path), list.get_mut(of_lists), intersection.get_mut(of_tests)];
+        OfRay { layout, l1s, intervals, core, requests: &mut trodden.requests }
+    }
+
+    /// A step on an entry that lies with triangle records, by an intersection unit.
+    fn entry(&mut self, step: Step, core: u16, units: Units) {
+        let (Some((store, index)), Some(Entries { writes, .. })) = (step.entry(), &self.entries) else { return };
+        let element = self.layout.entry(store, index, !matches!(step, Step::Read { .. }));
+        let access = writes.access(element.class, element.write);
+        self.of_ray(core, units).access(Kind::Intersection, element, access);
+    }
+}
+
+/// The units that a ray goes to.
+struct OfRay<'a> {
+    layout: &'a Layout,
+    /// Of a traversal, a list and an intersection unit, where there is one.
+    l1s: [Option<&'a mut TimelessCache>; KINDS - 1],
+    intervals: &'a [u64; KINDS],
+    core: u16,
+    requests: &'a mut Requests,
+}
+
+impl OfRay<'_> {
+    /// A triangle is tested, up to where the test stops.
+    #[inline]
+    fn test(&mut self, slot: TriangleSlot, stop: Stop) {
+        let mut operations = 1;
+        self.read(Kind::Intersection, self.layout.plane(slot));
+        if stop != Stop::Plane {
+            operations += 1;
+            self.read(Kind::Intersection, self.layout.edges(slot));
+        }
+        let interval = self.intervals[Kind::Intersection as usize];
+        self.requests.known.operations[Kind::Intersection as usize] += operations * interval;
+    }
+
+    #[inline(always)]
+    fn read(&mut self, kind: Kind, element: Element) {
+        self.access(kind, element, Access::Read);
+    }
+
+    #[inline(always)]
+    fn access(&mut self, kind: Kind, element: Element, access: Access) {
+        let l1 = self.l1s[kind as usize].as_mut().expect("a unit that performs a step is there");
+        let (first, lines) = self.layout.lines(&element);
+        for line in (first.0..first.0 + lines).map(LineAddr) {
+            let (asker, wanted) = (Asker { kind, core: self.core }, Wanted { line, class: element.class, access });
+            self.requests.access(l1, asker, wanted);
+        }
+    }
+}

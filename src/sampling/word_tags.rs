@@ -1,0 +1,254 @@
+//! The tags of the shadow-cache units' L1s: the policy's steps of each ray, behind what its path does
+//! ([`super::path_tags`]), which machines that differ in these units alone have in common.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::known::{Capacity, Known};
+use super::path_tags::{PathEnd, Trodden};
+use super::performed::{self, Performed};
+use super::requests::{Asker, Request, Requests, Wanted};
+use crate::machine::MachineSpec;
+use crate::machine::kinds::Kind;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
+use crate::machine::traffic::HostTraffic;
+use crate::machine::writes::WritePolicy;
+use crate::memory::cache::Access;
+use crate::memory::timeless::TimelessCache;
+use crate::quantity::LineAddr;
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
+
+/// The tags of all shadow-cache units' L1s, and what they count. Where they are equal before a stream, machines of one
+/// path have equal ones behind it, and ask their L2s for the same.
+#[derive(Debug, PartialEq)]
+pub(super) struct WordTags {
+    layout: Layout,
+    spec: ShadowCacheSpec,
+    performed: Performed,
+    l1s: Vec<TimelessCache>,
+    writes: WritePolicy,
+    /// Cycles from an operation to the next, and operations that begin at once.
+    interval: u64,
+    width: u64,
+    cores: usize,
+    /// What tells how many rays are in flight; the DRAM does not.
+    capacity: Capacity,
+    /// The host's own lines.
+    host: Option<HostTraffic>,
+    /// Operations on entries that have their home at each unit.
+    at_home: Vec<u64>,
+}
+
+impl WordTags {
+    /// Empty caches.
+    pub(super) fn new(header: &Header, machine: &MachineSpec) -> Self {
+        let line = machine.line_bytes.get();
+        let unit = Kind::ShadowCache.spec(machine);
+        let l1 = TimelessCache::new(unit.cache.tags(line), unit.cache.no_allocate);
+        Self {
+            layout: Layout::new(header, machine),
+            spec: performed::spec_of(machine),
+            performed: Performed::new(machine, header),
+            l1s: vec![l1; unit.count as usize],
+            writes: unit.writes,
+            interval: unit.interval,
+            width: unit.width,
+            cores: machine.cores.size(),
+            capacity: Capacity::of_units(machine),
+            host: HostTraffic::new(&machine.traffic, line),
+            at_home: vec![0; unit.count as usize],
+        }
+    }
+
+    /// Where the frame's arrays lie.
+    pub(super) fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// What the L1s hold now.
+    pub(super) fn snapshot(&self) -> Arc<Vec<TimelessCache>> {
+        Arc::new(self.l1s.clone())
+    }
+
+    /// A frame begins.
+    pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
+        self.layout.begin_frame(info);
+        let first = self.layout.dynamic_part();
+        self.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
+    }
+
+    /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends.
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden) -> Requests {
+        let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
+        let (mut from, mut steps) = (0, Vec::new());
+        for end in &trodden.ends {
+            to.list.extend_from_slice(&trodden.requests.list[from..end.requests]);
+            from = end.requests;
+            self.performed.of_ray(chunk.ray(end.ray).packed_policy(), &self.layout, &mut steps);
+            Step::unpack_all(&steps).for_each(|step| self.step(step, end, &mut to));
+        }
+        to.list.extend_from_slice(&trodden.requests.list[from..]);
+        self.whole_rays(chunk, rays, &mut to.known);
+        self.settle_home(&mut to.known);
+        to
+    }
+
+    /// Steps of a frame's end.
+    pub(super) fn frame_end(&mut self, steps: &[u32], trodden: &Trodden) -> Requests {
+        let mut to = trodden.requests.clone();
+        for step in self.performed.at_end(steps, &self.layout) {
+            self.step(step, &PathEnd::default(), &mut to);
+        }
+        self.settle_home(&mut to.known);
+        to
+    }
+
+    /// Rays that are in traversal units at once where so much is known of a piece, if anything was done.
+    pub(super) fn in_flight(&self, known: &Known) -> Option<f64> {
+        self.capacity.in_flight(known)
+    }
+
+    /// What rays do that is no step: lines of the host, and decisions that take an operation.
+    fn whole_rays(&mut self, chunk: &Chunk, rays: Range<usize>, known: &mut Known) {
+        if let Some(host) = &mut self.host {
+            for ray in rays.clone().map(|ray| chunk.ray(ray)).filter(|ray| !self.spec.is_answered(ray)) {
+                let runs = host.ray().into_iter().chain(host.result(ray.head.kind, ray.packed_path()));
+                runs.for_each(|run| known.dram[run.class as usize] += run.lines);
+            }
+        }
+        if self.spec.decide.takes_an_operation(Decision::Skip) {
+            let skipped = rays.filter(|&ray| chunk.head(ray).decision == Decision::Skip).count();
+            known.operations[Kind::ShadowCache as usize] += skipped as u64 * self.interval;
+        }
+    }
+
+    /// The home of the most entries is known for a piece.
+    fn settle_home(&mut self, known: &mut Known) {
+        known.home = self.at_home.iter().copied().max().unwrap_or_default().div_ceil(self.width);
+        self.at_home.fill(0);
+    }
+
+    fn step(&mut self, step: Step, end: &PathEnd, to: &mut Requests) {
+        let element = match step {
+            // The path's units do it.
+            Step::Triangle { .. } => return,
+            Step::Node(node) => self.layout.node(node),
+            Step::List(entry) => self.layout.list_entry(entry),
+            Step::Read { store, index } => self.layout.entry(store, index, false),
+            Step::Write { store, index } | Step::Update { store, index } => self.layout.entry(store, index, true),
+        };
+        to.known.operations[Kind::ShadowCache as usize] += self.interval;
+        let units = self.l1s.len();
+        if step.entry().is_none() {
+            let of_core = units / self.cores;
+            let unit = usize::from(end.core) * of_core + (end.number % of_core as u64) as usize;
+            return self.access(unit, &element, to);
+        }
+        let (line, _) = self.layout.lines(&element);
+        let home = (line.0 % units as u64) as usize;
+        match self.spec.place {
+            Place::Own => {
+                self.at_home[home] += self.interval;
+                self.access(home, &element, to);
+            }
+            Place::L2 => {
+                self.at_home[home] += self.interval;
+                to.known.missed[Kind::ShadowCache as usize] += 1;
+                to.add(Request { line, core: self.core(home), class: element.class, write: element.write });
+            }
+            // The path's units access the one; the other costs nothing.
+            Place::Triangle | Place::Free => {}
+        }
+    }
+
+    fn core(&self, unit: usize) -> u16 {
+        (unit * self.cores / self.l1s.len()) as u16
+    }
+
+    fn access(&mut self, unit: usize, element: &Element, to: &mut Requests) {
+        let (first, lines) = self.layout.lines(element);
+        let access = if element.write { self.writes.access(element.class, true) } else { Access::Read };
+        let asker = Asker { kind: Kind::ShadowCache, core: self.core(unit) };
+        for line in (first.0..first.0 + lines).map(LineAddr) {
+            to.access(&mut self.l1s[unit], asker, Wanted { line, class: element.class, access });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::path_tags::PathTags;
+    use super::*;
+    use crate::engine::tests::num;
+    use crate::engine::tests::synthetic::{SyntheticRay, frame, header, nodes};
+    use crate::machine::word_traffic::SilentUpdates;
+    use crate::stream::{Effect, Item, Store};
+
+    /// What a piece of rays with these policies does; each visits a node.
+    fn passed(path: &mut PathTags, words: &mut WordTags, policies: Vec<Vec<u32>>) -> Known {
+        let ray = |policy| SyntheticRay { policy, ..SyntheticRay::primary(nodes([0])) };
+        let rays: Vec<SyntheticRay> = policies.into_iter().map(ray).collect();
+        let items = frame(FrameInfo::default(), &rays, &[], rays.len());
+        let Some(Item::Rays(chunk)) = items.get(1) else { panic!("one chunk") };
+        let trodden = path.piece(chunk, 0..chunk.len());
+        words.piece(chunk, 0..chunk.len(), &trodden).known
+    }
+
+    fn read(index: u32) -> Vec<u32> {
+        vec![Step::Read { store: Store::ModeWord, index }.pack()]
+    }
+
+    fn tags(machine: &MachineSpec) -> (PathTags, WordTags) {
+        (PathTags::new(&header(), machine), WordTags::new(&header(), machine))
+    }
+
+    #[test]
+    fn the_home_with_the_most_to_do_is_known_piece_by_piece() {
+        let mut machine = MachineSpec::default();
+        machine.shadow_cache.count = num(4);
+        let words_a_line = (machine.line_bytes.get() / 4) as u32;
+        let (mut path, mut words) = tags(&machine);
+        // Eight words of one line, then of eight lines, which follow one another.
+        let one: Vec<_> = (0..8).map(read).collect();
+        let spread: Vec<_> = (0..8).map(|line| read(line * words_a_line)).collect();
+        let both = [one.clone(), spread.clone()].concat();
+        let homes = [one, spread, both].map(|policies| passed(&mut path, &mut words, policies).home);
+        assert_eq!(homes, [8, 2, 10]);
+    }
+
+    /// Where one shadow-cache unit has nearly all of the work, few rays are in traversal units.
+    #[test]
+    fn fewer_rays_are_in_flight_where_one_unit_holds_them_up() {
+        let mut machine = MachineSpec::default();
+        machine.traversal.rays = num(64);
+        let (mut path, mut words) = tags(&machine);
+        let known = passed(&mut path, &mut words, vec![read(0); 4000]);
+        assert_eq!(known.home, 4000);
+        let stay = machine.traversal.latency.get() + machine.traversal.cache.latency.get();
+        let in_flight = path.limited(words.in_flight(&known).unwrap());
+        assert_eq!(in_flight as u64, stay, "each visits one node, and one a cycle is let through");
+        // Two operations a cycle: twice as many.
+        machine.shadow_cache.width = num(2);
+        let (mut path, mut words) = tags(&machine);
+        let known = passed(&mut path, &mut words, vec![read(0); 4000]);
+        assert_eq!((known.home, path.limited(words.in_flight(&known).unwrap()) as u64), (2000, 2 * stay));
+    }
+
+    /// What a machine does not perform, its tags do not access.
+    #[test]
+    fn updates_that_are_dropped_are_no_operations() {
+        let mut machine = MachineSpec::default();
+        let [changes, silent] = [Effect::Changes, Effect::Silent].map(|effect| Step::pack_word_update(0, effect));
+        let operations = |machine: &MachineSpec| {
+            let (mut path, mut words) = tags(machine);
+            let policies = vec![[read(0), vec![changes, silent]].concat(); 10];
+            passed(&mut path, &mut words, policies).operations[Kind::ShadowCache as usize]
+        };
+        assert_eq!(operations(&machine), 30);
+        machine.shadow_cache.silent = SilentUpdates::Latched;
+        assert_eq!(operations(&machine), 20);
+        machine.shadow_cache.place = Place::Free;
+        assert_eq!(operations(&machine), 0);
+    }
+}
