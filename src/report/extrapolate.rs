@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::format::{bytes, exact, or_absent, short, signed};
+use super::format::{bytes, exact, joules, or_absent, short, signed};
 use super::grid::Grid;
 use crate::quantity::Bytes;
 
@@ -31,8 +31,12 @@ pub(crate) struct Extrapolation {
     pub models: Vec<ScaleModel>,
     /// What follows from them.
     pub predicted: Figures<Prediction>,
+    /// Its energy in J; none if that of its DRAM is not known.
+    pub joules: Option<Prediction>,
     /// What the large machine took by `Event`; none if that was not asked for.
     pub checked: Option<Figures<u64>>,
+    /// Its energy in J by `Event`; none if that was not asked for, or is not known.
+    pub checked_joules: Option<f64>,
 }
 
 /// What a scale model measured, times as many as the rays that one of its rays stands for.
@@ -44,6 +48,8 @@ pub(crate) struct ScaleModel {
     pub rays: u64,
     /// What it stands for.
     pub figures: Figures<f64>,
+    /// The energy in J that it stands for; none if that of the DRAM is not known.
+    pub joules: Option<f64>,
 }
 
 /// The figures of a machine that are predicted.
@@ -88,31 +94,39 @@ impl Extrapolation {
     }
 
     /// What the prediction of each figure is off, where it was checked; of what never moved, no share.
-    fn errors(&self) -> Option<[String; 3]> {
-        let checked = self.checked?.all();
+    fn errors(&self) -> Option<[String; 4]> {
+        let checked = self.checked?.all().map(|it| it as f64);
         let predicted = self.predicted.all();
-        let error = |at: usize| (checked[at] > 0).then(|| predicted[at].value / checked[at] as f64 - 1.0);
-        Some(std::array::from_fn(|at| or_absent(error(at), signed)))
+        let off = |told: f64, truth: f64| (truth > 0.0).then(|| told / truth - 1.0);
+        let energy = self.joules.zip(self.checked_joules).and_then(|(told, truth)| off(told.value, truth));
+        let [cycles, l2, dram] = std::array::from_fn(|at| off(predicted[at].value, checked[at]));
+        Some([cycles, l2, dram, energy].map(|off| or_absent(off, signed)))
     }
 }
 
 /// What was measured and predicted: a row a model, then the large machine.
 pub(crate) fn grid(found: &Extrapolation) -> Grid {
-    let head =
-        [format!("{}, {}", found.machine, found.policy), "cycles".into(), "L2 bytes".into(), "DRAM bytes".into()];
-    let shown = |[cycles, l2, dram]: [f64; 3]| [exact(cycles.round() as u64), amount(l2), amount(dram)];
-    let row = |name: String, cells: [String; 3]| [name].into_iter().chain(cells).collect::<Vec<String>>();
+    let name = format!("{}, {}", found.machine, found.policy);
+    let head = [name.as_str(), "cycles", "L2 bytes", "DRAM bytes", "energy"].map(String::from);
+    let shown = |[cycles, l2, dram]: [f64; 3], energy: Option<f64>| {
+        [exact(cycles.round() as u64), amount(l2), amount(dram), or_absent(energy, joules)]
+    };
+    let row = |name: String, cells: [String; 4]| [name].into_iter().chain(cells).collect::<Vec<String>>();
     let mut rows: Vec<_> = found
         .models
         .iter()
-        .map(|model| row(format!("model of {}", cores(model.cores)), shown(model.figures.all())))
+        .map(|model| row(format!("model of {}", cores(model.cores)), shown(model.figures.all(), model.joules)))
         .collect();
-    let predicted = found.predicted.all();
-    rows.push(row(format!("{} cores, predicted", found.cores), shown(predicted.map(|it| it.value))));
-    rows.push(row("  from".into(), shown(predicted.map(|it| it.low))));
-    rows.push(row("  to".into(), shown(predicted.map(|it| it.high))));
+    let predicted =
+        |name: String, of: fn(Prediction) -> f64| row(name, shown(found.predicted.all().map(of), found.joules.map(of)));
+    rows.push(predicted(format!("{} cores, predicted", found.cores), |it| it.value));
+    rows.push(predicted("  from".into(), |it| it.low));
+    rows.push(predicted("  to".into(), |it| it.high));
     if let (Some(checked), Some(errors)) = (found.checked, found.errors()) {
-        rows.push(row(format!("{} cores, Event", found.cores), shown(checked.all().map(|it| it as f64))));
+        rows.push(row(
+            format!("{} cores, Event", found.cores),
+            shown(checked.all().map(|it| it as f64), found.checked_joules),
+        ));
         rows.push(row("  the prediction is off".into(), errors));
     }
     Grid { head: head.to_vec(), names: 1, rows }
@@ -143,8 +157,10 @@ pub(crate) fn verdict(found: &Extrapolation) -> String {
         prefixed(found.rays_per_second),
         amount(found.predicted.dram_bytes.value),
     );
-    let checked = found.errors().map(|[cycles, l2, dram]| {
-        format!(" By Event, the prediction is off by {cycles} of cycles, {l2} of L2 and {dram} of DRAM bytes.")
+    let checked = found.errors().map(|[cycles, l2, dram, energy]| {
+        let energy =
+            if found.checked_joules.is_some() { format!(", and {energy} of the energy") } else { String::new() };
+        format!(" By Event, the prediction is off by {cycles} of cycles, {l2} of L2 and {dram} of DRAM bytes{energy}.")
     });
     let few = (found.rays_an_entry < FEW).then(|| {
         format!(

@@ -35,6 +35,9 @@ fn few_cores_tell_many_and_a_check_says_how_well() {
         assert!((value / truth - 1.0).abs() < allowed, "{figure}: {value} for {truth}");
         assert!(least <= low && low <= value && value <= high && least <= truth, "{figure}: {found}");
     }
+    let [energy, truth] = [&found["joules"]["value"], &found["checked_joules"]].map(|it| it.as_f64().unwrap());
+    assert!((energy / truth - 1.0).abs() < 0.02, "{energy} J for {truth}");
+    assert!(told.contains("energy") && told.contains("µJ"), "{told}");
     let again =
         desk.prints(&["extrapolate", "s.rays", "--machine", "small", "--cores", "8", "--json", "--threads", "1"]);
     assert_eq!(json(&again)["predicted"], found["predicted"], "threads and checks change nothing");

@@ -2,7 +2,8 @@
 
     python3 docs/validation/together/together.py target/release/umbrasim configs/studies/machines_kitchen.ron
 
-Streams are recorded before. Writes together.csv, a row a point, and the chart.
+Streams are recorded before. Writes together.csv, a row a point, and the chart. Event may make the points of a smaller
+sweep alone (`--checked`), which must vary the same fields: only those are compared then.
 """
 
 import argparse
@@ -34,19 +35,24 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("program")
     parser.add_argument("sweep")
+    parser.add_argument("--checked", help="the sweep that Event makes, where it is not the same")
     parser.add_argument("--level", default="Auto(error: 0.02)", help="the sampled level")
     parser.add_argument("--table", default=HERE / "together.csv", help="where the rows go")
     chosen = parser.parse_args()
     program = str(pathlib.Path(chosen.program).resolve())
     with tempfile.TemporaryDirectory() as work:
         found, times = {}, {}
-        for name, level in (("Event", "Event"), ("sampled", chosen.level)):
+        for name, sweep, level in (("sampled", chosen.sweep, chosen.level),
+                                   ("Event", chosen.checked or chosen.sweep, "Event")):
             folder = pathlib.Path(work, name)
-            subprocess.run([program, "sweep", chosen.sweep, "--out", folder, "--record"], check=True)
-            command = [program, "sweep", chosen.sweep, "--out", folder, "--fidelity", level, "--threads", "1"]
-            times[name] = seconds(command)
-            found[name] = list(points(program, chosen.sweep, folder, level))
-    pairs = [(what, truth, told) for (what, truth), (_, told) in zip(found["Event"], found["sampled"], strict=True)]
+            subprocess.run([program, "sweep", sweep, "--out", folder, "--record"], check=True)
+            times[name] = seconds([program, "sweep", sweep, "--out", folder, "--fidelity", level, "--threads", "1"])
+            found[name] = list(points(program, sweep, folder, level))
+            print(f"{len(found[name])} points by {level}: {times[name]:.0f} s", flush=True)
+    sampled = {tuple(what.items()): told for what, told in found["sampled"]}
+    pairs = [(what, truth, sampled[tuple(what.items())]) for what, truth in found["Event"]]
+    # As long as Event would take for all of them.
+    times["Event"] *= len(sampled) / len(pairs)
     baselines = {}
     for what, truth, told in pairs:
         if what["role"] != "free words":
@@ -64,8 +70,8 @@ def main():
         writer = csv.DictWriter(file, table[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows(table)
-    chart.draw(table, times)
-    print(f"{len(table)} points: {times['Event']:.0f} s by Event, {times['sampled']:.0f} s by {chosen.level}")
+    chart.draw(table, {"Event": times["Event"], "sampled": times["sampled"]})
+    print(f"{len(sampled)} points: {times['Event']:.0f} s by Event, {times['sampled']:.0f} s by {chosen.level}")
     for kind in ("off_percent", "change_off_points"):
         for figure in FIGURES:
             off = sorted(abs(float(row[f"{figure}_{kind}"])) for row in table)

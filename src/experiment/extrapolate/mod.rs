@@ -4,19 +4,22 @@
 //! of every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it,
 //! and the model takes about as long; its bytes count N/n times.
 
+mod grown;
 mod law;
 
 use std::path::Path;
 
 use rayon::prelude::*;
 
+use self::grown::grown;
 use super::progress;
+use crate::energy;
 use crate::machine::kinds::Kind;
 use crate::machine::{MachineSpec, SpecError};
 use crate::replay::{Fidelity, Replay, RunError, StreamFile, Thinned};
 use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
 use crate::stats::MachineStats;
-use crate::stream::{Header, StreamReader};
+use crate::stream::{Header, StreamReader, Structure};
 
 /// Units whose operations say how much of the stream a model replayed.
 const WORK: [Kind; 3] = [Kind::Traversal, Kind::List, Kind::Intersection];
@@ -54,8 +57,9 @@ pub(crate) fn extrapolate(task: &Task<'_>, path: &Path) -> Result<Extrapolation,
     drop(bar);
     let truth = if checks { found.next() } else { None };
     let whole = found.next().expect("the bound is one of the jobs");
+    let measured = models.iter().zip(found.rev());
     let scaled: Vec<ScaleModel> =
-        models.iter().zip(found.rev()).map(|(model, stats)| stands_for(model, all, &stats, &whole)).collect();
+        measured.map(|(model, stats)| stands_for(model, machine, header.structure, &stats, &whole)).collect();
     Ok(summary(task, &header, scaled, &whole, truth.as_ref()))
 }
 
@@ -108,10 +112,16 @@ impl Job<'_> {
     }
 }
 
-/// What a model of a machine with `all` cores stands for. Its pixels may have a little more to do than others: how much
-/// the `whole` stream has is counted.
-fn stands_for(model: &MachineSpec, all: u64, stats: &MachineStats, whole: &MachineStats) -> ScaleModel {
-    let share = (all / model.cores.get()) as f64;
+/// What a model of the `large` machine stands for. Its pixels may have a little more to do than others: how much the
+/// `whole` stream has is counted.
+fn stands_for(
+    model: &MachineSpec,
+    large: &MachineSpec,
+    structure: Structure,
+    stats: &MachineStats,
+    whole: &MachineStats,
+) -> ScaleModel {
+    let share = (large.cores.get() / model.cores.get()) as f64;
     let of = |stats: &MachineStats, unit: Kind| stats.operations.get(unit.names().0).copied().unwrap_or(0);
     let work = |stats: &MachineStats| WORK.iter().map(|&unit| of(stats, unit)).sum::<u64>() as f64;
     let more = if work(stats) > 0.0 { work(whole) / (work(stats) * share) } else { 1.0 };
@@ -120,7 +130,9 @@ fn stands_for(model: &MachineSpec, all: u64, stats: &MachineStats, whole: &Machi
         l2_bytes: stats.moved_l2().0 as f64 * share * more,
         dram_bytes: stats.moved("dram").0 as f64 * share * more,
     };
-    ScaleModel { cores: model.cores.get(), rays: stats.rays, figures }
+    let energy = energy::of(large, structure, &grown(stats, share * more, more));
+    let joules = energy.map(|energy| energy.joules);
+    ScaleModel { cores: model.cores.get(), rays: stats.rays, figures, joules }
 }
 
 fn summary(
@@ -134,9 +146,12 @@ fn summary(
     let cores = machine.cores.get();
     let least = whole.bounds.unwrap_or_default();
     let frames = header.frames.len().saturating_sub(header.warmup.len()).max(1) as f64;
+    let told = |figure: &dyn Fn(&ScaleModel) -> Option<f64>, least: u64| {
+        let points: Option<Vec<(u64, f64)>> = models.iter().map(|model| Some((model.cores, figure(model)?))).collect();
+        points.map(|points| law::predict(&points, cores, least))
+    };
     let predict = |figure: fn(&Figures<f64>) -> f64, least: u64| {
-        let points: Vec<(u64, f64)> = models.iter().map(|model| (model.cores, figure(&model.figures))).collect();
-        law::predict(&points, cores, least)
+        told(&|model| Some(figure(&model.figures)), least).expect("each model has all figures")
     };
     let predicted = Figures {
         cycles: predict(|of| of.cycles, least.cycles.least.0),
@@ -158,8 +173,10 @@ fn summary(
         rays: whole.rays,
         rays_an_entry: whole.rays as f64 / frames / machine.pool() as f64,
         rays_per_second: whole.rays as f64 / predicted.cycles.value * machine.clock_mhz.get() as f64 * 1e6,
+        joules: told(&|model| model.joules, 0),
         models,
         predicted,
         checked,
+        checked_joules: truth.and_then(|stats| stats.energy.as_ref()).map(|energy| energy.joules),
     }
 }
