@@ -121,6 +121,16 @@ impl<W: Watch> Profile<W> {
             return self.agenda.put(end, id);
         }
         let flight = &self.dispatch.flights[id as usize];
+        if ray.holder == Holder::Traversal
+            && let Some(node) = flight.visit()
+        {
+            let (unit, watch) = (&mut self.units[flight.unit as usize], &mut self.memory.watch);
+            watch.entry(id as usize, false);
+            if let Some(end) = unit.visit(&self.layout.node(node), now, &self.layout, watch) {
+                self.dispatch.performed(id);
+                return self.agenda.put(end, id);
+            }
+        }
         let Some(step) = flight.step(ray.holder) else { return self.leave_holder(id, now) };
         let holder = match ray.holder {
             Holder::Traversal => flight.unit as usize,

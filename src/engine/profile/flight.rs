@@ -2,6 +2,7 @@
 
 use crate::engine::host::Place;
 use crate::engine::work::Holder;
+use crate::quantity::NodeId;
 use crate::stream::{Decision, RayKind, Step, Totals};
 
 /// A ray in flight, or a step of a frame's end.
@@ -47,6 +48,12 @@ impl Flight {
         hit: 0,
         siblings: 0,
     };
+
+    /// The node that the path's next step visits, if it does.
+    #[inline]
+    pub(super) fn visit(&self) -> Option<NodeId> {
+        if self.next < self.path_end { Step::node(self.steps[self.next]) } else { None }
+    }
 
     /// The next step of what `holder` does; `None` after the last.
     #[inline]

@@ -156,10 +156,16 @@ impl Level {
         Fate { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) }
     }
 
+    /// Whether a line comes up to cycle `at`, which is not put in yet.
+    #[inline]
+    pub(super) fn comes_by(&self, at: u64) -> bool {
+        self.next_at <= at
+    }
+
     /// All lines that come up to cycle `at` are put in.
     #[inline]
     pub(super) fn arrive(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
-        if self.next_at <= at {
+        if self.comes_by(at) {
             self.put_in(at, gone);
         }
     }

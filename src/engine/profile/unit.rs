@@ -132,6 +132,26 @@ impl Unit {
         Ok(data_at + self.latency)
     }
 
+    /// As [`Self::perform`] of a ray that reads one line, which is there, as most do; `None` where that is not so.
+    #[inline]
+    pub(super) fn visit<W: Watch>(
+        &mut self,
+        element: &Element,
+        at: u64,
+        layout: &Layout,
+        watch: &mut W,
+    ) -> Option<u64> {
+        let ((line, lines), at) = (layout.lines(element), at.max(self.free_at));
+        let waits = lines > 1 || !self.stalled.is_empty() || self.level.comes_by(at);
+        if waits || !self.level.hit(line, element.class, Access::Read) {
+            return None;
+        }
+        watch.l1(self.number, line, element.class);
+        self.began(at, self.interval);
+        self.requested[element.class as usize] += Bytes(element.bytes);
+        Some(at + self.hit_latency + self.latency)
+    }
+
     /// As [`Self::perform`] with data from the L2, past the L1, that are not kept.
     pub(super) fn perform_past<W: Watch>(
         &mut self,
