@@ -3,7 +3,7 @@
 
 use super::grow::{Against, Goal, sample_until};
 use super::pass::Each;
-use super::plan::{Cut, LEAST, Plan, telling};
+use super::plan::{Cut, LEAST, Plan, TELLING};
 use super::verdict::Verdict;
 use crate::engine::{Level, Sampled, Source};
 use crate::machine::MachineSpec;
@@ -19,11 +19,9 @@ const TAGS: f64 = 0.17;
 const FIRST: f64 = 12.0;
 const FIRST_SHARE: f64 = 0.2;
 /// Points that intervals of 2 % take, as a rule (kitchen: 24 to 48), and some more. A sample is tried where so many
-/// would pay, and [`telling`] ones at least: a try that is given up costs more than it can win.
+/// would pay, and [`TELLING`] ones at least: a try that is given up costs more than it can win.
 const EXPECTED: f64 = 60.0;
 const EXPECTED_AT: f64 = 0.02;
-/// Points that what is otherwise than with a baseline takes.
-const EXPECTED_BESIDE: f64 = 24.0;
 /// The processor time that a sample is expected to take at most, over that of `Event`. The rest is for streams whose
 /// windows differ more than others'.
 const WORTH: f64 = 0.7;
@@ -73,8 +71,9 @@ pub(crate) fn pays(cut: Cut, target: Share, header: &Header, has_baseline: bool)
 /// Points that intervals of a target take.
 fn expected(target: Share, has_baseline: bool) -> f64 {
     match has_baseline {
-        true => EXPECTED_BESIDE,
-        false => (EXPECTED * (EXPECTED_AT / target.get()).powi(2)).max(telling(false) as f64),
+        // Little is left over.
+        true => TELLING as f64,
+        false => (EXPECTED * (EXPECTED_AT / target.get()).powi(2)).max(TELLING as f64),
     }
 }
 

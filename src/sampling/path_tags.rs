@@ -117,7 +117,7 @@ impl PathTags {
         };
         let entries = || Entries {
             performed: Performed::new(machine, header),
-            writes: Kind::Intersection.spec(machine).writes,
+            writes: machine.triangle_writes(),
             steps: Vec::new(),
         };
         Self {
@@ -226,7 +226,7 @@ impl PathTags {
     pub(super) fn frame_end(&mut self, steps: &[u32]) -> Trodden {
         if let Some(Entries { performed, .. }) = &mut self.entries {
             let performed = performed.at_end(steps, &self.layout);
-            performed.into_iter().for_each(|step| self.entry(step, 0, [0; KINDS]));
+            performed.into_iter().for_each(|step| self.entry(step));
         }
         self.trodden()
     }
@@ -269,7 +269,7 @@ impl PathTags {
         if let Some(entries) = &mut self.entries {
             let mut steps = take(&mut entries.steps);
             entries.performed.of_ray(policy, &self.layout, &mut steps);
-            Step::unpack_all(&steps).for_each(|step| self.entry(step, core, units));
+            Step::unpack_all(&steps).for_each(|step| self.entry(step));
             self.entries.iter_mut().for_each(|entries| entries.steps = take(&mut steps));
         }
     }
@@ -306,12 +306,20 @@ impl PathTags {
         OfRay { layout, l1s, intervals, core, requests: &mut trodden.requests }
     }
 
-    /// A step on an entry that lies with triangle records, by an intersection unit.
-    fn entry(&mut self, step: Step, core: u16, units: Units) {
+    /// A step on an entry that lies with triangle records, by the intersection unit that is its home.
+    fn entry(&mut self, step: Step) {
         let (Some((store, index)), Some(Entries { writes, .. })) = (step.entry(), &self.entries) else { return };
+        let kind = Kind::Intersection as usize;
         let element = self.layout.entry(store, index, !matches!(step, Step::Read { .. }));
         let access = writes.access(element.class, element.write);
-        self.of_ray(core, units).access(Kind::Intersection, element, access);
+        let (line, _) = self.layout.lines(&element);
+        let count = self.l1s[kind].len();
+        let unit = (line.0 % count as u64) as usize;
+        let mut units = [0; KINDS];
+        units[kind] = unit as u16;
+        let mut by = self.of_ray((unit * self.cores / count) as u16, units);
+        by.requests.known.operations[kind] += by.intervals[kind];
+        by.access(Kind::Intersection, element, access);
     }
 }
 

@@ -21,16 +21,11 @@ pub(crate) const LEAST: usize = 8;
 /// Points from which on an interval's width tells how many are needed: with fewer, regressions have few columns, and
 /// intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`, `small`, 512
 /// windows: 24 windows would have asked for more than there are for 2 %; 48 gave 1.9 %.)
-const TELLING: usize = 48;
-/// The same beside a baseline, where less is left over.
-const TELLING_BESIDE: usize = 24;
-
-/// Points before which a sample that goes on to a target is not over, beside a baseline or without. Whoever stops with
-/// fewer since the interval is narrow enough, where most are not, has a narrow one by chance: of 59 such samples of the
-/// recorded quick start (targets of 2 to 15 %), the intervals of 43 held the truth.
-pub(crate) fn telling(has_baseline: bool) -> usize {
-    if has_baseline { TELLING_BESIDE } else { TELLING }
-}
+///
+/// With fewer a sample that goes on to a target is not over. Whoever stops since the interval is narrow enough, where
+/// most are not, has a narrow one by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the
+/// intervals of 43 held the truth.
+pub(crate) const TELLING: usize = 48;
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

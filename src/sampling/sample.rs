@@ -4,7 +4,7 @@
 use super::findings::Findings;
 use super::grow::{Against, Goal, sample_until};
 use super::pass::{Each, Member, Sampler};
-use super::plan::{Cut, LEAST, Plan, telling};
+use super::plan::{Cut, LEAST, Plan, TELLING};
 use super::verdict::Verdict;
 use crate::engine::whole::whole;
 use crate::engine::{ItemStream, RunError, Sampled, Source};
@@ -15,7 +15,7 @@ use crate::stream::Header;
 
 /// The most windows that a target error may take, as points for a window: where sampling would take half of them or
 /// more, everything is replayed. A stream of which [`LEAST`] windows are more than half is not sampled at all: what is
-/// not seen of it may be one window that differs from all others.
+/// not seen of it may be one window that differs from all others. To a target, one of which [`TELLING`] are is not.
 const MOST: f64 = 0.5;
 
 /// Samples `rate` of the windows of a stream that is read once; `seed` says which.
@@ -94,9 +94,9 @@ pub(crate) fn sample_until_within(
     source: &dyn Source,
 ) -> Each<Verdict> {
     let whole = Verdict::Whole { level: engine.into(), choice: None };
-    let (windows, least) = (cut.windows(header), telling(baseline.is_some()));
+    let windows = cut.windows(header);
     let first = rate.get().max(LEAST as f64 / windows);
-    if first.max(least as f64 / windows) > MOST {
+    if first.max(TELLING as f64 / windows) > MOST {
         return Ok(machines.iter().map(|_| Ok(whole.clone())).collect());
     }
     let goal = Goal { target, most: MOST };

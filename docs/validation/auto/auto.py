@@ -3,7 +3,8 @@
     python3 docs/validation/auto/auto.py target/release/umbrasim 2
 
 Records each scene until it has so many million rays (`Published`), and replays it by both levels in one thread. A row a
-replay in auto.csv: errors, half the widths of 95 % intervals, and processor time. With `--scenes` others' rows stay.
+replay in auto.csv: errors, half the widths of 95 % intervals, and processor time. Rows of other streams and machines
+stay.
 """
 
 import argparse
@@ -43,8 +44,10 @@ def replay(program, stream, machine, level):
 def record(program, scene, millions, folder):
     """Records frames of a scene until its stream has so many rays."""
     stream, frames, first = folder / f"{scene}.rays", 2, SCENES[scene]
+    # Animations are too short for many rays of small pictures.
+    resolution = "256x256" if millions <= 2 else "512x512"
     while True:
-        subprocess.run([program, "trace", f"configs/studies/{scene}.ron", "--resolution", "256x256",
+        subprocess.run([program, "trace", f"configs/studies/{scene}.ron", "--resolution", resolution,
                         "--policy", "Published", "--frames", f"{first}..{first + frames}", "--warmup", "0",
                         "--quiet", "-o", stream], check=True)
         found = subprocess.run([program, "inspect", stream, "--json"], capture_output=True, check=True)
@@ -61,17 +64,20 @@ def main():
     parser.add_argument("program")
     parser.add_argument("millions", type=float)
     parser.add_argument("--scenes", nargs="+", default=list(SCENES))
+    parser.add_argument("--machines", nargs="+", default=list(MACHINES))
     chosen = parser.parse_args()
     program, table = str(pathlib.Path(chosen.program).resolve()), HERE / "auto.csv"
     with open(table, newline="") as file:
-        rows = [row for row in csv.DictReader(file) if row["scene"] not in chosen.scenes]
+        rows = list(csv.DictReader(file))
     for scene in chosen.scenes:
         with tempfile.TemporaryDirectory() as work:
             stream, rays = record(program, scene, chosen.millions, pathlib.Path(work))
-            for machine in MACHINES:
+            for machine in chosen.machines:
                 truth, slow = replay(program, stream, machine, "Event")
                 told, fast = replay(program, stream, machine, "Auto(error: 0.02)")
-                row = {"scene": scene, "rays": rays, "machine": machine,
+                what = {"scene": scene, "millions": f"{chosen.millions:g}", "machine": machine}
+                rows = [row for row in rows if any(row[name] != value for name, value in what.items())]
+                row = {**what, "rays": rays,
                        "windows": told["choice"]["windows"], "of": told["choice"]["of"]}
                 widths = told["accuracy"]["estimated"] if "estimated" in told["accuracy"] else {}
                 is_told, is_so = figures(told), figures(truth)

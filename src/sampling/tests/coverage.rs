@@ -6,7 +6,7 @@ use super::super::axis::Axis;
 use super::super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
 use super::super::known::{Columns, Span};
-use super::super::plan::telling;
+use super::super::plan::TELLING;
 use super::*;
 use crate::machine::kinds::Kind;
 use crate::stats::{CacheCounts, Residuals, TrafficClass};
@@ -173,7 +173,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
                 let drawn = stream.drawn(strata, draws);
                 let points = drawn.windows.iter().map(|window| window.hits.len()).sum();
                 let found = stream.estimate(&drawn, figure);
-                if points >= telling(false) && found.share() <= target {
+                if points >= TELLING && found.share() <= target {
                     break Some(found);
                 }
                 let Some(next) = plan(draws).next_draws(points, found.share(), target, most) else { break None };
