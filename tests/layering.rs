@@ -49,7 +49,10 @@ const ROOMS: &[(&str, &[&str])] = &[
     ),
     (
         "replay",
-        &["alike", "quantity", "random", "ranged", "stats", "stream", "memory", "machine", "engine", "sampling"],
+        &[
+            "alike", "quantity", "random", "ranged", "stats", "stream", "memory", "machine", "energy", "engine",
+            "sampling",
+        ],
     ),
     // Above both.
     ("validate", &["quantity", "scene"]),

@@ -6,12 +6,14 @@
 
 mod face;
 mod fidelity;
+mod grown;
 mod stream_file;
 mod thinned;
 mod together;
 
 pub use self::face::{Observed, Replay};
 pub use self::fidelity::{Fidelity, OnePass};
+pub(crate) use self::grown::energy_by_model;
 pub use self::stream_file::StreamFile;
 pub(crate) use self::thinned::Thinned;
 pub(crate) use self::together::Together;

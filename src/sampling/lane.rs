@@ -66,14 +66,13 @@ pub(super) fn lanes<'a>(
 ) -> Vec<Lane> {
     let mut lanes: Vec<Lane> = Vec::new();
     for (machine, sampled) in machines {
-        let (path, tags) = (PathTags::new(header, machine), WordTags::new(header, machine));
-        let l2 = L2Tags::new(header, machine);
-        let lane = place(&mut lanes, |lane| lane.path.is_as(&path), || Lane { path: path.clone(), words: Vec::new() });
+        let new = Lane { path: PathTags::new(header, machine), words: Vec::new() };
+        let lane = place(&mut lanes, new, |one, other| one.path.is_as(&other.path));
         let in_flight = lane.path.in_flight();
-        let words = || WordLane { tags: WordTags::new(header, machine), in_flight, l2s: Vec::new() };
-        let word = place(&mut lane.words, |lane| lane.tags == tags, words);
-        let of_l2 = || L2Lane { l2: L2Tags::new(header, machine), machines: Vec::new() };
-        place(&mut word.l2s, |lane| lane.l2 == l2, of_l2).machines.push(sampled);
+        let new = WordLane { tags: WordTags::new(header, machine), in_flight, l2s: Vec::new() };
+        let words = place(&mut lane.words, new, |one, other| one.tags == other.tags);
+        let new = L2Lane { l2: L2Tags::new(header, machine), machines: Vec::new() };
+        place(&mut words.l2s, new, |one, other| one.l2 == other.l2).machines.push(sampled);
     }
     while lanes.len() < threads
         && let Some(widest) = lanes.iter_mut().max_by_key(|lane| lane.words.len())
@@ -86,12 +85,12 @@ pub(super) fn lanes<'a>(
     lanes
 }
 
-/// The first of `all` that is the one; a new one at the end where none is.
-fn place<T>(all: &mut Vec<T>, is_it: impl FnMut(&T) -> bool, new: impl FnOnce() -> T) -> &mut T {
-    let at = all.iter().position(is_it).unwrap_or_else(|| {
-        all.push(new());
-        all.len() - 1
-    });
+/// The first of `all` that is the same as a new one, which is added where none is.
+fn place<T>(all: &mut Vec<T>, new: T, is_same: impl Fn(&T, &T) -> bool) -> &mut T {
+    let at = all.iter().position(|one| is_same(one, &new)).unwrap_or(all.len());
+    if at == all.len() {
+        all.push(new);
+    }
     &mut all[at]
 }
 
@@ -180,8 +179,13 @@ impl Lane {
                 self.words.push(words);
                 continue;
             }
-            let new = || Self { path: self.path.with(words.in_flight, words.tags.layout()), words: Vec::new() };
-            place(&mut lanes, |lane| is_his(&lane.path, lane.path.in_flight()), new).words.push(words);
+            match lanes.iter_mut().find(|lane| is_his(&lane.path, lane.path.in_flight())) {
+                Some(lane) => lane.words.push(words),
+                None => {
+                    let path = self.path.with(words.in_flight, words.tags.layout());
+                    lanes.push(Self { path, words: vec![words] });
+                }
+            }
         }
         self.path.set_in_flight(in_flight);
         lanes

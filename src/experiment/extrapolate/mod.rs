@@ -4,19 +4,16 @@
 //! of every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it,
 //! and the model takes about as long; its bytes count N/n times.
 
-mod grown;
 mod law;
 
 use std::path::Path;
 
 use rayon::prelude::*;
 
-use self::grown::grown;
 use super::progress;
-use crate::energy;
 use crate::machine::kinds::Kind;
 use crate::machine::{MachineSpec, SpecError};
-use crate::replay::{Fidelity, Replay, RunError, StreamFile, Thinned};
+use crate::replay::{Fidelity, Replay, RunError, StreamFile, Thinned, energy_by_model};
 use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
 use crate::stats::MachineStats;
 use crate::stream::{Header, StreamReader, Structure};
@@ -130,8 +127,7 @@ fn stands_for(
         l2_bytes: stats.moved_l2().0 as f64 * share * more,
         dram_bytes: stats.moved("dram").0 as f64 * share * more,
     };
-    let energy = energy::of(large, structure, &grown(stats, share * more, more));
-    let joules = energy.map(|energy| energy.joules);
+    let joules = energy_by_model(large, structure, stats, share * more, more).map(|energy| energy.joules);
     ScaleModel { cores: model.cores.get(), rays: stats.rays, figures, joules }
 }
 

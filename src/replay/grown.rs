@@ -1,11 +1,26 @@
-//! What a scale model counts, as often as the large machine would.
+//! What a large machine uses of energy where a scale model stands for it.
 
+use crate::energy;
+use crate::machine::MachineSpec;
 use crate::quantity::{Bytes, Cycle};
-use crate::stats::{CacheCounts, DramCounts, MachineStats};
+use crate::stats::{CacheCounts, DramCounts, Energy, MachineStats};
+use crate::stream::Structure;
+
+/// The energy of the `large` machine if all counts are `times` as large as those of its `model`, and the time is
+/// `longer` as long; `None` where that of the DRAM is not known.
+pub(crate) fn energy_by_model(
+    large: &MachineSpec,
+    structure: Structure,
+    model: &MachineStats,
+    times: f64,
+    longer: f64,
+) -> Option<Energy> {
+    energy::of(large, structure, &grown(model, times, longer))
+}
 
 /// The counts that energy is made of, `times` as large. The time, and the refreshes that come with it, are `longer` as
 /// long: a model has as many channels as the large machine.
-pub(super) fn grown(stats: &MachineStats, times: f64, longer: f64) -> MachineStats {
+fn grown(stats: &MachineStats, times: f64, longer: f64) -> MachineStats {
     let mut large = stats.clone();
     let by = |count: u64, factor: f64| (count as f64 * factor).round() as u64;
     large.cycles = Cycle(by(stats.cycles.0, longer));
