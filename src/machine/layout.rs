@@ -73,6 +73,23 @@ pub(crate) struct Layout {
     line_shift: u32,
 }
 
+/// Where lines of one layout's dynamic part lie in another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shift {
+    /// The first line of the dynamic part.
+    pub first: LineAddr,
+    /// Lines from there to where it lies in the other.
+    pub by: i64,
+}
+
+impl Shift {
+    /// Where a line lies in the other layout.
+    #[inline]
+    pub(crate) fn line(self, line: LineAddr) -> LineAddr {
+        if line >= self.first { LineAddr(line.0.wrapping_add_signed(self.by)) } else { line }
+    }
+}
+
 /// An id of the stream that is not of its scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} {index} does not exist: the stream's header and frame announce {len}")]
@@ -128,12 +145,20 @@ impl Layout {
         })
     }
 
-    /// Whether the frame's nodes, lists and triangle records lie where those of `other` do.
-    pub(crate) fn has_path_of(&self, other: &Self) -> bool {
-        // Where nothing is dynamic, it does not matter where that would begin.
-        let place = |it: Array| Array { dynamic_base: if it.dynamic_count == 0 { 0 } else { it.dynamic_base }, ..it };
-        let places = |it: &Self| [it.nodes, it.lists, it.triangles].map(place);
-        places(self) == places(other) && self.line_shift == other.line_shift
+    /// How far the frame's dynamic nodes, lists and triangle records lie behind these in `other`; `None` where static
+    /// ones, or sizes, are others too.
+    pub(crate) fn shift_to(&self, other: &Self) -> Option<Shift> {
+        // Bases of dynamic arrays, from that of the dynamic part on.
+        let places = |it: &Self| {
+            let place =
+                |array: Array| Array { dynamic_base: array.dynamic_base.wrapping_sub(it.dynamic_base), ..array };
+            [it.nodes, it.lists, it.triangles].map(|array| if array.dynamic_count > 0 { place(array) } else { array })
+        };
+        let same = places(self) == places(other) && self.line_shift == other.line_shift;
+        let is_there = [self.nodes, self.lists, self.triangles].iter().any(|array| array.dynamic_count > 0);
+        let (first, to) = (self.dynamic_part(), other.dynamic_part());
+        let by = if is_there { to.0.wrapping_sub(first.0) as i64 } else { 0 };
+        same.then_some(Shift { first, by })
     }
 
     /// Whether there are list entries.

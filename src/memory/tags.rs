@@ -169,6 +169,18 @@ impl TagArray {
         displaced
     }
 
+    /// How many lines behind a line the next one of its set comes.
+    pub fn span(&self) -> u64 {
+        (self.set_mask + 1) << self.set_shift
+    }
+
+    /// Each line becomes another one of its set.
+    pub fn rename(&mut self, name: impl Fn(LineAddr) -> LineAddr) {
+        for packed in self.lines.iter_mut().filter(|packed| **packed != EMPTY) {
+            *packed = name(LineAddr(*packed >> LINE_SHIFT)).0 << LINE_SHIFT | *packed & ((1 << LINE_SHIFT) - 1);
+        }
+    }
+
     /// Drops a line, dirty or not, if it is there.
     pub fn drop_line(&mut self, line: LineAddr) {
         let set = self.set(line);

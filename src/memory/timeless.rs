@@ -40,6 +40,13 @@ impl TimelessCache {
         victim.filter(|victim| victim.dirty)
     }
 
+    /// The same, each line of which is another one of its set.
+    pub(crate) fn renamed(&self, name: impl Fn(LineAddr) -> LineAddr) -> Self {
+        let mut renamed = self.clone();
+        renamed.tags.rename(name);
+        renamed
+    }
+
     /// Its tags.
     pub(crate) fn tags(&self) -> &TagArray {
         &self.tags

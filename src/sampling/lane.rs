@@ -10,8 +10,9 @@ use super::l2_tags::L2Tags;
 use super::path_tags::PathTags;
 use super::windows::{Job, Windows};
 use super::word_tags::WordTags;
-use crate::engine::warm::WarmCaches;
+use crate::engine::warm::{L1s, WarmCaches};
 use crate::machine::MachineSpec;
+use crate::machine::layout::Shift;
 use crate::stream::Header;
 
 /// A machine that is sampled, by its place among all of the pass.
@@ -94,6 +95,11 @@ fn place<T>(all: &mut Vec<T>, new: T, is_same: impl Fn(&T, &T) -> bool) -> &mut 
     &mut all[at]
 }
 
+/// Where what a path needs lies for those that share it.
+fn shift(path: &PathTags, tags: &WordTags) -> Shift {
+    path.shift_to(tags.layout()).expect("who needs another path has parted")
+}
+
 impl Lane {
     /// The next portion of the stream; the jobs that are to be replayed, each with its machine's place.
     pub(super) fn add(&mut self, portion: &Portion) -> Vec<(usize, Job)> {
@@ -135,7 +141,8 @@ impl Lane {
         let mut warm = self.warm(begins).into_iter();
         let trodden = self.path.piece(&piece.chunk, piece.rays.clone());
         for WordLane { tags, in_flight, l2s } in &mut self.words {
-            let requests = tags.piece(&piece.chunk, piece.rays.clone(), &trodden);
+            let shift = shift(&self.path, tags);
+            let requests = tags.piece(&piece.chunk, piece.rays.clone(), &trodden, shift);
             if let Some(rays) = tags.in_flight(&requests.known) {
                 *in_flight = self.path.limited(rays);
             }
@@ -152,17 +159,25 @@ impl Lane {
 
     /// What the caches of each L2's machines hold, in order, where one of these wants to know.
     fn warm(&self, wants: impl Fn(&Windows) -> bool) -> Vec<Option<WarmCaches>> {
-        let mut path = None;
+        let mut paths: Vec<(Shift, Arc<L1s>)> = Vec::new();
         let mut all = Vec::new();
         for WordLane { tags, l2s, .. } in &self.words {
-            let mut words = None;
+            let (shift, mut words) = (shift(&self.path, tags), None);
             for L2Lane { l2, machines } in l2s {
-                let is_wanted = machines.iter().any(|machine| wants(&machine.windows));
-                all.push(is_wanted.then(|| WarmCaches {
-                    path: Arc::clone(path.get_or_insert_with(|| self.path.snapshot())),
-                    words: Arc::clone(words.get_or_insert_with(|| tags.snapshot())),
-                    banks: l2.snapshot(),
-                }));
+                if !machines.iter().any(|machine| wants(&machine.windows)) {
+                    all.push(None);
+                    continue;
+                }
+                let path = match paths.iter().find(|(of, _)| *of == shift) {
+                    Some((_, path)) => Arc::clone(path),
+                    None => {
+                        let path = self.path.snapshot(shift);
+                        paths.push((shift, Arc::clone(&path)));
+                        path
+                    }
+                };
+                let words = Arc::clone(words.get_or_insert_with(|| tags.snapshot()));
+                all.push(Some(WarmCaches { path, words, banks: l2.snapshot() }));
             }
         }
         all
@@ -174,7 +189,9 @@ impl Lane {
         let mut lanes: Vec<Self> = Vec::new();
         let Some(in_flight) = self.words.first().map(|first| first.in_flight) else { return lanes };
         for words in take(&mut self.words) {
-            let is_his = |path: &PathTags, in_flight| words.in_flight == in_flight && path.fits(words.tags.layout());
+            let is_his = |path: &PathTags, in_flight| {
+                words.in_flight == in_flight && path.shift_to(words.tags.layout()).is_some()
+            };
             if is_his(&self.path, in_flight) {
                 self.words.push(words);
                 continue;

@@ -13,7 +13,7 @@ use super::requests::{Asker, Requests, Wanted};
 use crate::engine::warm::L1s;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
-use crate::machine::layout::{Element, Layout};
+use crate::machine::layout::{Element, Layout, Shift};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
@@ -140,12 +140,19 @@ impl PathTags {
     pub(super) fn is_as(&self, other: &Self) -> bool {
         let tags =
             |it: &Self| (it.slots, it.in_flight, it.begun, it.traced, it.turns, it.cores, it.of_core, it.intervals);
-        tags(self) == tags(other) && self.l1s == other.l1s && self.entries == other.entries && self.fits(&other.layout)
+        tags(self) == tags(other)
+            && self.l1s == other.l1s
+            && self.entries == other.entries
+            && self.shift_to(&other.layout).is_some()
     }
 
-    /// Whether what the paths need lies as `layout` says.
-    pub(super) fn fits(&self, layout: &Layout) -> bool {
-        if self.entries.is_some() { self.layout == *layout } else { self.layout.has_path_of(layout) }
+    /// Where what the paths need lies in `layout`, if it is only the dynamic part that lies elsewhere, and its lines are
+    /// of the same sets there.
+    pub(super) fn shift_to(&self, layout: &Layout) -> Option<Shift> {
+        let shift = self.layout.shift_to(layout)?;
+        let same_sets = self.l1s.iter().flatten().all(|l1| shift.by.unsigned_abs().is_multiple_of(l1.tags().span()));
+        let same_entries = self.entries.is_none() || self.layout == *layout;
+        (same_sets && same_entries).then_some(shift)
     }
 
     /// The same, where so many rays are in flight and all lies as `layout` says.
@@ -168,9 +175,10 @@ impl PathTags {
         (in_flight as usize).clamp(1, self.slots)
     }
 
-    /// What the L1s hold now.
-    pub(super) fn snapshot(&self) -> Arc<L1s> {
-        Arc::new(self.l1s.clone())
+    /// What the L1s hold now, where it lies.
+    pub(super) fn snapshot(&self, shift: Shift) -> Arc<L1s> {
+        let l1s = |kind: &Vec<TimelessCache>| kind.iter().map(|l1| l1.renamed(|line| shift.line(line))).collect();
+        Arc::new(if shift.by == 0 { self.l1s.clone() } else { self.l1s.each_ref().map(l1s) })
     }
 
     /// A frame begins.

@@ -10,7 +10,7 @@ use super::performed::{self, Performed};
 use super::requests::{Asker, Request, Requests, Wanted};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
-use crate::machine::layout::{Element, Layout};
+use crate::machine::layout::{Element, Layout, Shift};
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
@@ -78,17 +78,21 @@ impl WordTags {
         self.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
     }
 
-    /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends.
-    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden) -> Requests {
+    /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends. What the
+    /// paths asked for lies elsewhere here, if `shift` says so.
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden, shift: Shift) -> Requests {
+        let here = |requests: &[Request], to: &mut Requests| {
+            to.list.extend(requests.iter().map(|it| Request { line: shift.line(it.line), ..*it }));
+        };
         let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
         let (mut from, mut steps) = (0, Vec::new());
         for end in &trodden.ends {
-            to.list.extend_from_slice(&trodden.requests.list[from..end.requests]);
+            here(&trodden.requests.list[from..end.requests], &mut to);
             from = end.requests;
             self.performed.of_ray(chunk.ray(end.ray).packed_policy(), &self.layout, &mut steps);
             Step::unpack_all(&steps).for_each(|step| self.step(step, end, &mut to));
         }
-        to.list.extend_from_slice(&trodden.requests.list[from..]);
+        here(&trodden.requests.list[from..], &mut to);
         self.whole_rays(chunk, rays, &mut to.known);
         self.settle_home(&mut to.known);
         to
@@ -182,6 +186,7 @@ mod tests {
     use super::*;
     use crate::engine::tests::num;
     use crate::engine::tests::synthetic::{SyntheticRay, frame, header, nodes};
+    use crate::machine::stores::StoreLayout;
     use crate::machine::word_traffic::SilentUpdates;
     use crate::stream::{Effect, Item, Store};
 
@@ -192,7 +197,8 @@ mod tests {
         let items = frame(FrameInfo::default(), &rays, &[], rays.len());
         let Some(Item::Rays(chunk)) = items.get(1) else { panic!("one chunk") };
         let trodden = path.piece(chunk, 0..chunk.len());
-        words.piece(chunk, 0..chunk.len(), &trodden).known
+        let shift = path.shift_to(words.layout()).unwrap();
+        words.piece(chunk, 0..chunk.len(), &trodden, shift).known
     }
 
     fn read(index: u32) -> Vec<u32> {
@@ -250,5 +256,23 @@ mod tests {
         assert_eq!(operations(&machine), 20);
         machine.shadow_cache.place = Place::Free;
         assert_eq!(operations(&machine), 0);
+    }
+
+    /// Larger stores move the dynamic part. Paths are shared as long as its lines stay in their sets.
+    #[test]
+    fn a_path_is_shared_where_the_dynamic_part_lies_elsewhere() {
+        let shared = |traversal: u64| {
+            let mut machine = MachineSpec::default();
+            machine.traversal.cache.bytes = crate::ranged::Size::new(traversal).unwrap();
+            let (mut path, _) = tags(&machine);
+            machine.shadow_cache.layout = StoreLayout::Beside;
+            let (_, mut words) = tags(&machine);
+            let info = FrameInfo { dynamic_nodes: 8, ..FrameInfo::default() };
+            path.begin_frame(&info);
+            words.begin_frame(&info);
+            path.shift_to(words.layout()).map(|shift| shift.by)
+        };
+        assert!(shared(4096).is_some_and(|by| by != 0), "{:?}", shared(4096));
+        assert_eq!(shared(1 << 20), None);
     }
 }

@@ -32,6 +32,8 @@ fn some() -> Vec<MachineSpec> {
         with(|machine| machine.shadow_cache.interval = num(16)),
         with(|machine| machine.shadow_cache.place = Place::Triangle),
         with(|machine| machine.shadow_cache.layout = StoreLayout::Record),
+        // Its stores are larger: what is dynamic lies behind them.
+        with(|machine| machine.shadow_cache.layout = StoreLayout::Beside),
     ]
 }
 
@@ -41,7 +43,7 @@ fn machines_share_the_tags_that_are_equal() {
     let (header, _) = quickstart();
     let found = machines_of_lanes(&header, &machines);
     let alone = |machine| vec![vec![vec![machine]]];
-    let path = vec![vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![6]], vec![vec![7]]];
+    let path = vec![vec![vec![0, 1, 2], vec![3]], vec![vec![4]], vec![vec![6]], vec![vec![7]], vec![vec![10]]];
     assert_eq!(found, [path, alone(5), alone(8), alone(9)]);
 }
 
@@ -59,9 +61,9 @@ fn each_gives_what_it_gives_alone() {
     };
     let (known, _) = sampled(&[&machines[0]], None, "0.3").remove(0);
     for (baseline, target) in [(None, "0.3"), (Some((&machines[0], &known)), "0.2")] {
-        // One shares all tags with the baseline, one those of the L1s, two those of the path, of which one parts; the
+        // One shares all tags with the baseline, one those of the L1s, three those of the path, of which one parts; the
         // others share none.
-        let others: Vec<&MachineSpec> = [1, 3, 5, 6, 7, 8].map(|at| &machines[at]).into();
+        let others: Vec<&MachineSpec> = [1, 3, 5, 6, 7, 8, 10].map(|at| &machines[at]).into();
         let together = sampled(&others, baseline, target);
         for (machine, together) in others.into_iter().zip(together) {
             assert!(together == sampled(&[machine], baseline, target)[0]);
