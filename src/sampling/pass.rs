@@ -23,8 +23,10 @@ use crate::stream::Header;
 const CUT: usize = 4;
 const JOBS: usize = 2;
 
-/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, three times.
+/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, three times. Of a
+/// long stream more are, a share of the windows that costs hardly anything, since to pass over it again costs much.
 const KEPT: usize = 8;
+const KEPT_SHARE: f64 = 1.0 / 64.0;
 /// Bytes of jobs that are kept at most, of all machines.
 const MOST_BYTES: usize = 1 << 30;
 
@@ -85,7 +87,8 @@ impl<'a> Sampler<'a> {
         let ends = members.iter().map(|member| member.plan.draws.end);
         let mut cutter = Cutter::new(self.header, &first.plan, ends.fold(keep, usize::max));
         let on_lanes = members.iter().enumerate().map(|(index, Member { machine, plan })| {
-            let later = plan.draws.end..keep.min(KEPT * plan.draws.end).max(plan.draws.end);
+            let most = (KEPT * plan.draws.end).max((KEPT_SHARE * plan.strata.length) as usize);
+            let later = plan.draws.end..keep.min(most).max(plan.draws.end);
             let windows = Windows::new(machine, self.header, plan.clone(), later.end);
             (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES / members.len()) })
         });

@@ -45,7 +45,7 @@ def record(program, scene, millions, folder):
     """Records frames of a scene until its stream has so many rays."""
     stream, frames, first = folder / f"{scene}.rays", 2, SCENES[scene]
     # Animations are too short for many rays of small pictures.
-    resolution = "256x256" if millions <= 2 else "512x512"
+    resolution = "256x256" if millions <= 2 else "512x512" if millions <= 10 else "1024x1024"
     while True:
         subprocess.run([program, "trace", f"configs/studies/{scene}.ron", "--resolution", resolution,
                         "--policy", "Published", "--frames", f"{first}..{first + frames}", "--warmup", "0",

@@ -5,6 +5,7 @@ use super::super::lane::machines_of_lanes;
 use super::*;
 use crate::machine::shadow_cache::Place;
 use crate::machine::stores::StoreLayout;
+use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::l2::L2Spec;
 
 /// `small` with few rays, and others that share all of its tags, those of its L1s or of its path, or none.
@@ -33,7 +34,7 @@ fn some() -> Vec<MachineSpec> {
         with(|machine| machine.shadow_cache.place = Place::Triangle),
         with(|machine| machine.shadow_cache.layout = StoreLayout::Record),
         // Its stores are larger: what is dynamic lies behind them.
-        with(|machine| machine.shadow_cache.layout = StoreLayout::Beside),
+        with(|machine| machine.shadow_cache.latched = LatchedCopy::Buffers),
     ]
 }
 
