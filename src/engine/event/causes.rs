@@ -144,9 +144,10 @@ impl Causes {
         self.busy
     }
 
-    /// Cycles by cause, in a run of `cycles`, which none that was counted exceeds. Of an operation that is known to
-    /// begin in the last one, its ray still waits.
+    /// Cycles by cause, in a run of `cycles`; of a unit that is ahead of them, of those up to where it is. Of an
+    /// operation that is known to begin in the last one, its ray still waits.
     pub(crate) fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
+        let cycles = cycles.max(self.from);
         let mut end = self.clone();
         // Saturating: no cycle is known ahead.
         let known = self.ahead_at.saturating_add(1);
