@@ -148,11 +148,10 @@ impl Layout {
     /// How far the frame's dynamic nodes, lists and triangle records lie behind these in `other`; `None` where static
     /// ones, or sizes, are others too.
     pub(crate) fn shift_to(&self, other: &Self) -> Option<Shift> {
-        // Bases of dynamic arrays, from that of the dynamic part on.
+        // Bases of dynamic arrays, from that of the dynamic part on; where nothing is dynamic, it has no place.
         let places = |it: &Self| {
-            let place =
-                |array: Array| Array { dynamic_base: array.dynamic_base.wrapping_sub(it.dynamic_base), ..array };
-            [it.nodes, it.lists, it.triangles].map(|array| if array.dynamic_count > 0 { place(array) } else { array })
+            let base = |array: Array| if array.dynamic_count > 0 { array.dynamic_base - it.dynamic_base } else { 0 };
+            [it.nodes, it.lists, it.triangles].map(|array| Array { dynamic_base: base(array), ..array })
         };
         let same = places(self) == places(other) && self.line_shift == other.line_shift;
         let is_there = [self.nodes, self.lists, self.triangles].iter().any(|array| array.dynamic_count > 0);
