@@ -146,8 +146,7 @@ impl PathTags {
             && self.shift_to(&other.layout).is_some()
     }
 
-    /// Where what the paths need lies in `layout`, if only the dynamic part lies elsewhere, and its lines are of the same
-    /// sets there.
+    /// Where what the paths need lies in `layout`, if only the dynamic part lies elsewhere, in lines of the same sets.
     pub(super) fn shift_to(&self, layout: &Layout) -> Option<Shift> {
         let shift = self.layout.shift_to(layout)?;
         let same_sets = self.l1s.iter().flatten().all(|l1| shift.by.unsigned_abs().is_multiple_of(l1.tags().span()));
