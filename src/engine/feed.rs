@@ -74,7 +74,8 @@ pub(crate) trait Feed {
         false
     }
 
-    /// Receives a snapshot of all counters. Returns cache contents to load, or `None`.
+    /// Receives a snapshot of all counters. Returns cache contents to load, at the first mark before anything is done,
+    /// or `None`.
     ///
     /// Unlike a look, a mark is not known beforehand: accesses that `Event` made ahead are counted in it, of each unit
     /// those of as many cycles as an L2 takes at most.

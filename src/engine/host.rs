@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::source::{StreamFault, check_step, parents};
+use super::source::{StreamFault, check_step, is_sound, parents};
 use crate::machine::layout::Layout;
 use crate::memory::ring::Ring;
 use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
@@ -49,9 +49,7 @@ impl Active {
             let first = if parent as usize == index { &mut next_primary } else { &mut first_child[parent as usize] };
             next_sibling[index] = std::mem::replace(first, index as u32);
         }
-        let extent = chunk.extent();
-        let exist = extent.outermost().all(|step| layout.check(step).is_ok());
-        let sound = exist && extent.unknown().is_none() && !extent.strays();
+        let sound = is_sound(&chunk, layout);
         Ok(Self { left: parents.len(), chunk, first_child, next_sibling, traced_shadows, sound })
     }
 

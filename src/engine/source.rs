@@ -62,6 +62,22 @@ counters! {
     }
 }
 
+/// Whether all steps of a chunk's rays are such, are where they may be, and exist. All are looked at at once.
+pub(crate) fn is_sound(chunk: &Chunk, layout: &Layout) -> bool {
+    let extent = chunk.extent();
+    let exist = extent.outermost().all(|step| layout.check(step).is_ok());
+    exist && extent.unknown().is_none() && !extent.strays()
+}
+
+/// Checks all rays of a chunk.
+pub(crate) fn check_chunk(chunk: &Chunk, layout: &Layout) -> Result<(), StreamFault> {
+    parents(chunk)?;
+    if is_sound(chunk, layout) {
+        return Ok(());
+    }
+    chunk.rays().zip(0..).try_for_each(|(ray, index)| check_ray(ray, index, layout))
+}
+
 /// Checks the steps of ray `index` of a chunk.
 pub(crate) fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(), StreamFault> {
     for &word in ray.packed_path() {

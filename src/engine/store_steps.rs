@@ -62,7 +62,7 @@ impl StoreSteps {
     }
 
     /// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
-    pub(crate) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
+    pub(super) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
         if self.spec.silent.drops(word) {
             work.dropped_writes += 1;
         } else {

@@ -8,6 +8,9 @@ use std::sync::Arc;
 use super::axis::Axis;
 use super::plan::{Cut, Plan};
 use super::strata::Point;
+use crate::engine::source::{StreamFault, check_chunk, check_step};
+use crate::machine::MachineSpec;
+use crate::machine::layout::Layout;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Item, RayKind};
 
 /// What a stream is cut into.
@@ -50,6 +53,8 @@ pub(super) struct Lead {
 /// Cuts a stream.
 #[derive(Debug)]
 pub(super) struct Cutter {
+    /// What exists in the frame, the same on every machine.
+    layout: Layout,
     cut: Cut,
     /// Chunks that are not cut yet, and their pixels.
     gathered: Vec<Arc<Chunk>>,
@@ -66,9 +71,11 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// Nothing yet of a stream that is cut as `plan` says. Points with draws below `most` are of interest.
-    pub(super) fn new(header: &Header, plan: &Plan, most: usize) -> Self {
+    /// Nothing yet of a stream that is cut as `plan` says, for this machine and others. Points with draws below `most`
+    /// are of interest.
+    pub(super) fn new(header: &Header, machine: &MachineSpec, plan: &Plan, most: usize) -> Self {
         Self {
+            layout: Layout::new(header, machine),
             cut: plan.cut,
             gathered: Vec::new(),
             pixels: 0,
@@ -82,24 +89,30 @@ impl Cutter {
     }
 
     /// The next item of the stream; what it completes.
-    pub(super) fn add(&mut self, item: &Item) -> Vec<Portion> {
-        match item {
+    ///
+    /// # Errors
+    /// A ray or a step is not what it may be: tags would take it for something else.
+    pub(super) fn add(&mut self, item: &Item) -> Result<Vec<Portion>, StreamFault> {
+        Ok(match item {
             Item::Frame(info) => {
+                self.layout.begin_frame(info);
                 self.pieces = 0;
                 self.warms_up = self.warmup.contains(&info.number);
                 vec![Portion::Frame(*info)]
             }
             Item::Rays(chunk) => {
+                check_chunk(chunk, &self.layout)?;
                 self.gathered.push(Arc::clone(chunk));
                 self.pixels += chunk.rays().filter(|ray| ray.head.kind == RayKind::Primary).count();
                 if self.pixels < self.cut.window() { Vec::new() } else { self.gathered() }
             }
             Item::End { policy, .. } => {
+                policy.iter().try_for_each(|&word| check_step(word, &self.layout).map(drop))?;
                 let mut portions = self.gathered();
                 portions.push(Portion::End(Arc::clone(policy)));
                 portions
             }
-        }
+        })
     }
 
     /// Cuts the chunks that were gathered: one, or as many as make a window.

@@ -122,7 +122,7 @@ impl Lane {
                 let trodden = self.path.frame_end(steps);
                 let mut warm = warm.into_iter();
                 for WordLane { tags, l2s, .. } in &mut self.words {
-                    let requests = tags.frame_end(steps, &trodden);
+                    let requests = tags.frame_end(steps, &trodden, shift(&self.path, tags));
                     for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
                         l2.pass(&requests.list);
                         for machine in machines {

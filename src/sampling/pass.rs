@@ -85,7 +85,7 @@ impl<'a> Sampler<'a> {
     pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> Each<Pass> {
         let Some(first) = members.first() else { return Ok(Vec::new()) };
         let ends = members.iter().map(|member| member.plan.draws.end);
-        let mut cutter = Cutter::new(self.header, &first.plan, ends.fold(keep, usize::max));
+        let mut cutter = Cutter::new(self.header, first.machine, &first.plan, ends.fold(keep, usize::max));
         let on_lanes = members.iter().enumerate().map(|(index, Member { machine, plan })| {
             let most = (KEPT * plan.draws.end).max((KEPT_SHARE * plan.strata.length) as usize);
             let later = plan.draws.end..keep.min(most).max(plan.draws.end);
@@ -119,9 +119,9 @@ impl<'a> Sampler<'a> {
             }
             drop((jobs, received));
             for item in items {
-                match item {
-                    Ok(item) => {
-                        let portions = Arc::new(cutter.add(&item));
+                match item.map_err(RunError::from).and_then(|item| Ok(cutter.add(&item)?)) {
+                    Ok(portions) => {
+                        let portions = Arc::new(portions);
                         if pieces.iter().any(|to| to.send(Arc::clone(&portions)).is_err()) {
                             // A thread has panicked, which comes out when it is joined.
                             break;

@@ -59,7 +59,7 @@ struct Entries {
 }
 
 /// What rays did up to where their paths end.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Trodden {
     /// What the L1s ask the L2 for, in order.
     pub requests: Requests,
@@ -68,7 +68,7 @@ pub(super) struct Trodden {
 }
 
 /// Where the path of a ray ends.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathEnd {
     /// Requests that were made before.
     pub requests: usize,
@@ -231,6 +231,7 @@ impl PathTags {
 
     /// What of a frame's end goes the paths' way.
     pub(super) fn frame_end(&mut self, steps: &[u32]) -> Trodden {
+        self.tests(steps, 0, [0; KINDS]);
         if let Some(Entries { performed, .. }) = &mut self.entries {
             let performed = performed.at_end(steps, &self.layout);
             performed.into_iter().for_each(|step| self.entry(step));
@@ -267,17 +268,22 @@ impl PathTags {
     fn end(&mut self, flight: &Flight<'_>) {
         let &Flight { policy, ray, number, core, units, .. } = flight;
         self.trodden.ends.push(PathEnd { requests: self.trodden.requests.list.len(), ray, core, number });
-        let mut by = self.of_ray(core, units);
-        for step in Step::unpack_all(policy) {
-            if let Step::Triangle { slot, stop } = step {
-                by.test(slot, stop);
-            }
-        }
+        self.tests(policy, core, units);
         if let Some(entries) = &mut self.entries {
             let mut steps = take(&mut entries.steps);
             entries.performed.of_ray(policy, &self.layout, &mut steps);
             Step::unpack_all(&steps).for_each(|step| self.entry(step));
             self.entries.iter_mut().for_each(|entries| entries.steps = take(&mut steps));
+        }
+    }
+
+    /// The tests among steps of the policy.
+    fn tests(&mut self, policy: &[u32], core: u16, units: Units) {
+        let mut by = self.of_ray(core, units);
+        for step in Step::unpack_all(policy) {
+            if let Step::Triangle { slot, stop } = step {
+                by.test(slot, stop);
+            }
         }
     }
 
@@ -298,7 +304,7 @@ impl PathTags {
                     by.read(Kind::List, by.layout.list_entry(entry));
                 }
                 Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
-                    unreachable!("a path has no other steps")
+                    unreachable!("who cuts the stream has checked its chunks")
                 }
             }
         }

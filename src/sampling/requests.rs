@@ -9,7 +9,7 @@ use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
 /// What an L1 asks the L2 for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
     /// The line.
     pub line: LineAddr,
@@ -42,7 +42,7 @@ pub(super) struct Asker {
 }
 
 /// Requests in order, and what is known of what made them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Requests {
     /// The requests.
     pub list: Vec<Request>,

@@ -81,26 +81,24 @@ impl WordTags {
     /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends. What the
     /// paths asked for lies elsewhere here, if `shift` says so.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden, shift: Shift) -> Requests {
-        let here = |requests: &[Request], to: &mut Requests| {
-            to.list.extend(requests.iter().map(|it| Request { line: shift.line(it.line), ..*it }));
-        };
         let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
         let (mut from, mut steps) = (0, Vec::new());
         for end in &trodden.ends {
-            here(&trodden.requests.list[from..end.requests], &mut to);
+            here(&trodden.requests.list[from..end.requests], shift, &mut to);
             from = end.requests;
             self.performed.of_ray(chunk.ray(end.ray).packed_policy(), &self.layout, &mut steps);
             Step::unpack_all(&steps).for_each(|step| self.step(step, end, &mut to));
         }
-        here(&trodden.requests.list[from..], &mut to);
+        here(&trodden.requests.list[from..], shift, &mut to);
         self.whole_rays(chunk, rays, &mut to.known);
         self.settle_home(&mut to.known);
         to
     }
 
     /// Steps of a frame's end.
-    pub(super) fn frame_end(&mut self, steps: &[u32], trodden: &Trodden) -> Requests {
-        let mut to = trodden.requests.clone();
+    pub(super) fn frame_end(&mut self, steps: &[u32], trodden: &Trodden, shift: Shift) -> Requests {
+        let mut to = Requests { list: Vec::new(), known: trodden.requests.known };
+        here(&trodden.requests.list, shift, &mut to);
         for step in self.performed.at_end(steps, &self.layout) {
             self.step(step, &PathEnd::default(), &mut to);
         }
@@ -178,6 +176,11 @@ impl WordTags {
             to.access(&mut self.l1s[unit], asker, Wanted { line, class: element.class, access });
         }
     }
+}
+
+/// Adds requests of the paths, whose lines lie where `shift` says.
+fn here(requests: &[Request], shift: Shift, to: &mut Requests) {
+    to.list.extend(requests.iter().map(|it| Request { line: shift.line(it.line), ..*it }));
 }
 
 #[cfg(test)]

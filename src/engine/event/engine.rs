@@ -250,6 +250,7 @@ impl Engine for Event {
             if asks {
                 let tally = self.tally(now + 1);
                 if let Some(warm) = feed.mark(&tally) {
+                    debug_assert_eq!(now, 0, "caches are loaded before a unit works ahead");
                     self.hold(warm);
                 }
             }

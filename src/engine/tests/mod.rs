@@ -5,6 +5,7 @@ pub(crate) mod frames;
 mod ideal;
 mod least;
 mod levels;
+mod marks;
 mod profile_words;
 pub(crate) mod random;
 pub(crate) mod recorded;

@@ -3,6 +3,7 @@
 mod auto;
 mod beside;
 mod coverage;
+mod tags;
 mod together;
 mod traffic;
 

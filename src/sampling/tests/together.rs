@@ -1,7 +1,10 @@
 //! Machines on the same pass: each gives what it gives alone, whatever they share.
 
+use super::super::cutter::Cutter;
 use super::super::grow::{Goal, sample_until};
-use super::super::lane::machines_of_lanes;
+use super::super::kept::Kept;
+use super::super::lane::{Lane, OnLane, lanes, machines_of_lanes};
+use super::super::windows::Windows;
 use super::*;
 use crate::machine::shadow_cache::Place;
 use crate::machine::stores::StoreLayout;
@@ -72,4 +75,46 @@ fn each_gives_what_it_gives_alone() {
             assert_eq!(change.is_some(), baseline.is_some());
         }
     }
+}
+
+/// Who is dealt to which thread, and who shares what with whom there, is chance.
+#[test]
+fn machines_together_do_not_depend_on_the_number_of_threads() {
+    let (header, stream) = quickstart();
+    let machines = some();
+    let cut = Cut { pixels: 16, before: 2, own: 2, behind: 1 };
+    let by = |threads| {
+        let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &header) };
+        let members: Vec<_> =
+            machines.iter().map(|machine| Member { machine, plan: Plan::new(0.03, cut, 0) }).collect();
+        let passes = sampler.pass(&members, 2, &mut items(stream.clone())).unwrap();
+        let of = |(machine, pass): (_, Result<Pass, _>)| Findings::of(&sampler, machine, &cut, pass.unwrap());
+        machines.iter().zip(passes).map(of).collect::<Vec<_>>()
+    };
+    let one = by(1);
+    assert!(by(3) == one && by(16) == one);
+}
+
+/// One shadow-cache unit that holds rays up asks for fewer in flight: it goes on by itself.
+#[test]
+fn who_asks_for_fewer_rays_in_flight_parts() {
+    let (header, stream) = quickstart();
+    let machines = some();
+    let plan = Plan::new(0.03, Cut { pixels: 16, before: 2, own: 2, behind: 1 }, 0);
+    let parted = |of: [usize; 2]| {
+        let on_lane = |at: usize| {
+            let windows = Windows::new(&machines[at], &header, plan.clone(), 0);
+            (&machines[at], OnLane { index: at, windows, kept: Kept::default() })
+        };
+        let mut lanes = lanes(&header, of.into_iter().map(on_lane), 1);
+        let mut cutter = Cutter::new(&header, &machines[0], &plan, 0);
+        assert_eq!(lanes.len(), 1);
+        for portion in stream.iter().flat_map(|item| cutter.add(item).unwrap()) {
+            let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::parted).collect();
+            lanes.extend(new);
+            lanes.iter_mut().for_each(|lane| drop(lane.add(&portion)));
+        }
+        lanes.len()
+    };
+    assert_eq!([parted([0, 6]), parted([0, 10]), parted([0, 7])], [1, 1, 2]);
 }
