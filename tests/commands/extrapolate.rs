@@ -67,7 +67,8 @@ fn what_cannot_be_extrapolated_is_refused_by_its_name() {
         ),
         (
             &["small", "--cores", "8", "--fidelity", "Bound"],
-            "`Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and Cycle do",
+            "`Bound` does not replay scale models, each of which has a share of the pixels: Profile, Event and \
+             Cycle do",
         ),
         (
             &["desktop", "--cores", "16"],
