@@ -213,12 +213,9 @@ impl Dispatcher {
         let by_tag = &self.least_by_tag[kind as usize];
         let least: u64 = source.packed_path().iter().map(|&word| by_tag[Step::tag(word) as usize]).sum();
         let ray = &mut links.rays[id as usize];
-        ray.steps.clear();
-        ray.steps.extend_from_slice(source.packed_path());
-        ray.steps.extend_from_slice(source.packed_policy());
-        ray.path_end = source.packed_path().len();
+        ray.steps.begin(source.packed_path(), source.packed_policy());
         (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
-        (ray.next, ray.kind, ray.decision) = (0, source.head.kind, source.head.decision);
+        (ray.kind, ray.decision) = (source.head.kind, source.head.decision);
         (ray.place, ray.marked) = (which, source.marked);
         ray.undecided = links.shadow_cache.decide.takes_an_operation(source.head.decision);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);

@@ -177,7 +177,7 @@ impl Links {
     pub(crate) fn leave_out(&mut self, ray: RayId) {
         let Self { rays, layout, store_steps, stores, replayed, .. } = self;
         let ray = &mut rays[ray as usize];
-        store_steps.leave_out(&mut ray.steps, ray.path_end, layout, (stores, replayed));
+        ray.steps.change(|steps, policy, _| store_steps.leave_out(steps, policy, layout, (stores, replayed)));
     }
 
     /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
@@ -203,9 +203,11 @@ impl Links {
 
     /// The ray has done its path.
     pub(crate) fn retire(&mut self, ray: RayId) {
-        let Ray { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.rays[ray as usize];
-        let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
-        self.stores.gathered_writes += self.gathering.retire(ray, self.layout.stores());
+        let Ray { kind, place, hit, siblings, ref mut steps, .. } = self.rays[ray as usize];
+        self.stores.gathered_writes += steps.change(|steps, path_end, _| {
+            let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
+            self.gathering.retire(ray, self.layout.stores())
+        });
     }
 
     /// The entry of a ray's next step.
@@ -219,7 +221,8 @@ impl Links {
     pub(crate) fn first_touch(&mut self, ray: RayId) -> bool {
         let Self { rays, layout, store_steps, stores, .. } = self;
         let ray = &mut rays[ray as usize];
-        let Some(setting) = store_steps.first_touch(&mut ray.steps, ray.next, layout, stores) else { return false };
+        let setting = ray.steps.change(|steps, _, next| store_steps.first_touch(steps, next, layout, stores));
+        let Some(setting) = setting else { return false };
         ray.evaluating = setting;
         true
     }

@@ -51,7 +51,7 @@ impl List {
             if id & GONE != 0 {
                 self.free += 1;
             } else {
-                links.rays[id as usize].next += 1;
+                links.rays[id as usize].steps.advance();
                 self.route(id, now, links);
             }
         }
@@ -87,10 +87,10 @@ impl List {
         let part = self.pipeline.part();
         while let Some((ends, id)) = self.pipeline.operation(self.known) {
             let ray = &mut links.rays[*id as usize];
-            ray.next += 1;
-            if matches!(ray.path_step(), Some(Step::List(_) | Step::Triangle { .. })) {
-                ray.next -= 1;
-            } else if let Owner::Traversal(unit) = ray.owner {
+            if !ray.stays_in_list()
+                && let Owner::Traversal(unit) = ray.owner
+            {
+                ray.steps.advance();
                 ray.list = None;
                 links.send_back(*id, unit, part, *ends);
                 *id |= GONE;

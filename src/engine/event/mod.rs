@@ -13,6 +13,7 @@ mod port;
 mod ray;
 mod routing;
 mod shadow_cache;
+mod steps;
 mod traversal;
 mod wheel;
 

@@ -64,7 +64,7 @@ impl Port {
 
     /// The host takes the results of a ray in cycle `now`.
     pub(crate) fn take_results(&mut self, ray: &Ray, now: u64, clock: &mut Wheel) {
-        let runs = self.traffic.result(ray.kind, &ray.steps[..ray.path_end]);
+        let runs = self.traffic.result(ray.kind, ray.steps.path());
         runs.for_each(|run| self.put(run, now, clock));
     }
 

@@ -1,8 +1,9 @@
 //! A ray in the machine: an entry of the dispatcher's pool.
 
+use super::steps::Steps;
 use crate::engine::host::Place;
 use crate::machine::layout::{Element, Layout};
-use crate::quantity::{LineAddr, NodeId};
+use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step, Stop};
 
@@ -47,12 +48,8 @@ pub(crate) struct Fetch {
 #[derive(Clone, Debug)]
 #[repr(align(128))]
 pub(crate) struct Ray {
-    /// The packed steps of the path, then those of the policy.
-    pub steps: Vec<u32>,
-    /// Where the policy's steps begin.
-    pub path_end: usize,
-    /// The next step.
-    pub next: usize,
+    /// Its steps.
+    pub steps: Steps,
     /// What it is for.
     pub kind: RayKind,
     /// What the policy decided.
@@ -93,9 +90,7 @@ const _: () = assert!(size_of::<Ray>() == 128, "two lines of 64 bytes");
 impl Default for Ray {
     fn default() -> Self {
         Self {
-            steps: Vec::new(),
-            path_end: 0,
-            next: 0,
+            steps: Steps::default(),
             kind: RayKind::Primary,
             decision: Decision::Trace,
             marked: false,
@@ -129,32 +124,25 @@ impl Ray {
     /// The next step; `None` after the last.
     #[inline]
     pub(crate) fn step(&self) -> Option<Step> {
-        self.steps.get(self.next).map(|&word| Step::unpack(word).expect("steps are checked when a ray is handed over"))
+        self.steps.step()
     }
 
     /// The next step of the path; `None` after its last.
     #[inline]
     pub(crate) fn path_step(&self) -> Option<Step> {
-        if self.next < self.path_end { self.step() } else { None }
+        self.steps.path_step()
     }
 
-    /// The node of the path's step so many steps on from the next one, if that is a node.
+    /// Whether the ray, which has a context of a list unit, keeps it behind its next step.
     #[inline]
-    pub(crate) fn node(&self, on: usize) -> Option<NodeId> {
-        let at = self.next + on;
-        let word = *self.steps.get(at).filter(|_| at < self.path_end)?;
-        Step::node(word)
+    pub(crate) fn stays_in_list(&self) -> bool {
+        matches!(self.steps.path_step_behind(), Some(Step::List(_) | Step::Triangle { .. }))
     }
 
     /// Whether a test that went as far as `stop` is followed by a division.
     #[inline]
     pub(crate) fn is_divided(&self, stop: Stop) -> bool {
         stop == Stop::Hit && self.kind != RayKind::Shadow && matches!(self.owner, Owner::Traversal(_))
-    }
-
-    /// Whether the ray has policy steps.
-    pub(crate) fn has_policy(&self) -> bool {
-        self.path_end < self.steps.len()
     }
 }
 

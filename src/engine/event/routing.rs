@@ -64,10 +64,8 @@ impl Links {
     /// left of it in the unit then.
     pub(crate) fn tested_ahead(&mut self, id: RayId, from: PartId, ends: u64) -> RayId {
         let Owner::Traversal(unit) = self.rays[id as usize].owner else { return id };
-        self.rays[id as usize].next += 1;
-        let stays = self.rays[id as usize].list.is_some() && self.stays_in_list(id);
-        self.rays[id as usize].next -= 1;
-        if stays {
+        let ray = &self.rays[id as usize];
+        if ray.list.is_some() && ray.stays_in_list() {
             return id;
         }
         self.count_test(id);
@@ -84,11 +82,6 @@ impl Links {
         }
     }
 
-    /// Whether a ray that has a context of a list unit keeps it for its next step.
-    fn stays_in_list(&self, id: RayId) -> bool {
-        matches!(self.rays[id as usize].path_step(), Some(Step::List(_) | Step::Triangle { .. }))
-    }
-
     fn free_list(&mut self, unit: u32, now: u64) {
         self.freed_lists[unit as usize] += 1;
         self.clock.wake(self.parts.list(unit), now + 1);
@@ -96,7 +89,7 @@ impl Links {
 
     fn count_test(&mut self, id: RayId) {
         let ray = &mut self.rays[id as usize];
-        ray.next += 1;
+        ray.steps.advance();
         match (ray.owner, ray.kind) {
             (Owner::ShadowCache(_), _) => self.replayed.policy_triangle_tests += 1,
             (Owner::Traversal(_), RayKind::Shadow) => self.replayed.shadow_triangle_tests += 1,

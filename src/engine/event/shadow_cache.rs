@@ -161,10 +161,9 @@ impl ShadowCache {
             self.free_entries.pop_front();
             self.free -= 1;
             let ray = &mut links.rays[id as usize];
-            (ray.path_end, ray.next, ray.undecided, ray.owner) = (0, 0, false, Owner::ShadowCache(self.index));
+            (ray.undecided, ray.owner) = (false, Owner::ShadowCache(self.index));
             ray.operand = operand;
-            ray.steps.clear();
-            ray.steps.push(step.pack());
+            ray.steps.begin(&[], &[step.pack()]);
             self.route(id, now, links);
             true
         } else {
@@ -179,7 +178,7 @@ impl ShadowCache {
             ray.undecided = false;
         } else {
             let step = ray.step();
-            ray.next += 1;
+            ray.steps.advance();
             ray.evaluating = ray.evaluating.saturating_sub(1);
             links.replayed.count_policy(step.into_iter());
             if let Some(Step::Read { store, index }) = step
@@ -229,13 +228,13 @@ impl ShadowCache {
                         }
                         Kept::Waits => true,
                         Kept::InPlaceOf(other) => {
-                            ray.steps[ray.next] = other.pack();
+                            ray.steps.change(|steps, _, next| steps[next] = other.pack());
                             false
                         }
                     }
                 };
                 if done {
-                    ray.next += 1;
+                    ray.steps.advance();
                     continue;
                 }
             }

@@ -77,7 +77,7 @@ impl Traversal {
         self.pipeline.arrive(now, links);
         if let Some(id) = self.pipeline.leave(now) {
             let ray = &mut links.rays[id as usize];
-            ray.next += 1;
+            ray.steps.advance();
             links.replayed.count_visit(ray.kind);
             self.route(id, now, links);
         }
@@ -137,9 +137,10 @@ impl Traversal {
             let passed = ends == at;
             let id = if passed { leaving } else { coming.ray };
             let ray = &mut links.rays[id as usize];
-            let Some(node) = ray.node(usize::from(passed)) else { return at };
+            let node = if passed { ray.steps.node_behind() } else { ray.steps.node() };
+            let Some(node) = node else { return at };
             if passed {
-                ray.next += 1;
+                ray.steps.advance();
                 links.replayed.count_visit(ray.kind);
                 self.pipeline.drop_first();
             } else {
@@ -181,7 +182,7 @@ impl Traversal {
     /// The path of a ray is done.
     fn retire(&mut self, id: RayId, now: u64, links: &mut Links) {
         links.retire(id);
-        if links.rays[id as usize].has_policy() {
+        if links.rays[id as usize].steps.has_policy() {
             links.freed.push(self.index);
             links.send_to_shadow_cache(id, now);
             links.clock.wake(Parts::DISPATCHER, now + 1);
