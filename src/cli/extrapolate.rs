@@ -7,14 +7,16 @@ use anyhow::{Result, anyhow, ensure};
 use clap::Args;
 
 use super::arguments::StreamAndMachine;
-use super::destinations::claim_files;
+use super::destinations::{claim_files, results_folder};
 use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
+use super::print::print;
 use crate::experiment::extrapolate::{self, Task};
 use crate::machine::MachineSpec;
 use crate::replay::Fidelity;
-use crate::report::{self, extrapolate as tables};
+use crate::report;
+use crate::report::extrapolate::{self as tables, Extrapolations};
 
 /// Predict a machine of many cores from scale models of few
 ///
@@ -45,11 +47,15 @@ pub(super) struct Extrapolate {
     /// Write all numbers to this file too, as JSON; without a name, to standard output
     #[arg(long, value_name = "FILE", num_args = 0..=1, default_missing_value = "-")]
     json: Option<PathBuf>,
+    /// Write a report to this folder too: a page with the models and the law, and extrapolate.csv
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
 }
 
 impl Extrapolate {
     pub(super) fn run(self) -> Result<Outcome> {
         claim_files([("--json", self.json.as_deref())])?;
+        let out = self.out.as_deref().map(results_folder).transpose()?;
         let begin = Instant::now();
         let mut machines = Vec::new();
         for machine in self.input.machines()? {
@@ -66,10 +72,14 @@ impl Extrapolate {
             [one] => json.finish(one)?,
             several => json.finish(&several)?,
         }
+        let found = Extrapolations(found);
+        let page = out.map(|out| report::write(&out, &found)).transpose()?;
+        let Extrapolations(found) = found;
         if !is_alone {
             let told = found.iter().map(|it| report::drawn(&tables::grid(it))).collect::<Vec<_>>().join("\n\n");
             let verdict = found.iter().map(tables::verdict).collect::<Vec<_>>().join("\n");
             tell(&told, &verdict, begin)?;
+            page.map_or(Ok(()), |page| print(format!("report: {}", page.display())))?;
         }
         Ok(Outcome::Done)
     }

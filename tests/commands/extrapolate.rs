@@ -45,6 +45,21 @@ fn few_cores_tell_many_and_a_check_says_how_well() {
 }
 
 #[test]
+fn a_report_has_the_models_of_all_machines_and_nothing_of_others_is_lost() {
+    let desk = desk();
+    let args = ["extrapolate", "s.rays", "--machine", "small", "--models", "1,2", "--fidelity", "Profile"];
+    let told = desk.prints(&[&args[..], &["--cores", "4,8", "--out", "many"]].concat());
+    assert!(told.contains("report: many/index.html"), "{told}");
+    let table = std::fs::read_to_string(desk.path("many/extrapolate.csv")).unwrap();
+    assert!(table.contains(",small,8,energy,J,predicted,,"), "{table}");
+    std::fs::create_dir(desk.path("mine")).unwrap();
+    std::fs::write(desk.path("mine/notes.txt"), "mine").unwrap();
+    let refused = desk.refuses(&[&args[..], &["--cores", "4", "--out", "mine"]].concat());
+    assert!(refused.contains("mine"), "{refused}");
+    assert_eq!(std::fs::read_to_string(desk.path("mine/notes.txt")).unwrap(), "mine");
+}
+
+#[test]
 fn several_large_machines_are_a_list() {
     let desk = desk();
     let args =

@@ -1,0 +1,134 @@
+//! The files of a report of predictions.
+
+use minijinja::context;
+use serde::Serialize;
+
+use super::data::{Extrapolation, Extrapolations};
+use super::plot;
+use super::words::{grid, verdict};
+use crate::report::csv_table::{CsvTable, cell};
+use crate::report::draw::{DrawError, Drawing, Plot, draw_all};
+use crate::report::template;
+use crate::report::writer::Report;
+
+const PLOTS: &[Plot<Extrapolations>] = &[plot::PLOT];
+
+/// Columns of `extrapolate.csv`: of each machine and figure a row a model, one of the prediction, and one of `Event`.
+const COLUMNS: [&str; 10] =
+    ["scene", "policy", "machine", "cores", "figure", "unit", "of", "model_cores", "value", "half_range"];
+
+/// The rows of a machine.
+fn rows(found: &Extrapolation) -> Vec<Vec<String>> {
+    let names = [("cycles", "cycles"), ("l2_bytes", "bytes"), ("dram_bytes", "bytes"), ("energy", "J")];
+    let predicted = found.predicted.all().map(Some).into_iter().chain([found.joules]);
+    let mut rows = Vec::new();
+    for (at, ((figure, unit), told)) in names.into_iter().zip(predicted).enumerate() {
+        let mut row = |of: &str, cores: Option<u64>, value: Option<f64>, half_range: Option<f64>| {
+            let Some(value) = value else { return };
+            rows.push(vec![
+                found.scene.clone(),
+                found.policy.clone(),
+                found.machine.clone(),
+                found.cores.to_string(),
+                figure.into(),
+                unit.into(),
+                of.into(),
+                cell(cores),
+                value.to_string(),
+                cell(half_range),
+            ]);
+        };
+        for model in &found.models {
+            row("model", Some(model.cores), model.figures.all().get(at).copied().or(model.joules), None);
+        }
+        row("predicted", None, told.map(|told| told.value), told.map(|told| told.high - told.value));
+        let counted = found.checked.and_then(|checked| checked.all().get(at).map(|&count| count as f64));
+        row("Event", None, if at < 3 { counted } else { found.checked_joules }, None);
+    }
+    rows
+}
+
+impl Report for Extrapolations {
+    type Section = ();
+
+    fn numbers(&self) -> &impl Serialize {
+        self
+    }
+
+    fn tables(&self) -> Vec<CsvTable> {
+        vec![CsvTable::new("extrapolate.csv", COLUMNS, self.0.iter().flat_map(rows).collect())]
+    }
+
+    fn plots(&self) -> Result<Vec<Drawing>, DrawError> {
+        draw_all(self, PLOTS)
+    }
+
+    fn page(&self, plots: &[Drawing]) -> Result<Option<String>, minijinja::Error> {
+        let machine = |found: &Extrapolation| {
+            let lines: Vec<String> = verdict(found).lines().map(String::from).collect();
+            context! { name => found.name(), lines, table => template::grid(grid(found)) }
+        };
+        let first = self.0.first();
+        let context = context! {
+            plots => template::plots(plots, &()),
+            finding => plot::finding(&self.0),
+            scene => first.map(|found| found.scene.as_str()),
+            policy => first.map(|found| found.policy.as_str()),
+            fidelity => first.map(|found| found.fidelity.as_str()),
+            machines => self.0.iter().map(machine).collect::<Vec<_>>(),
+        };
+        template::render("extrapolate.html", include_str!("page.html"), context).map(Some)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::ResultsFolder;
+    use crate::report::extrapolate::{Figures, Prediction, ScaleModel};
+    use crate::report::writer::{SUMMARY_FILE, write};
+
+    fn of(cores: u64, checked: Option<u64>) -> Extrapolation {
+        let told = |value| Prediction { value, low: 0.9 * value, high: 1.1 * value, least: 0 };
+        let model = |cores| ScaleModel {
+            cores,
+            rays: 100,
+            figures: Figures { cycles: 1000.0, l2_bytes: 2000.0, dram_bytes: 0.0 },
+            joules: Some(2e-6),
+        };
+        Extrapolation {
+            scene: "room".into(),
+            policy: "Off".into(),
+            machine: "small".into(),
+            cores,
+            dram: "1 channel".into(),
+            fidelity: "Event".into(),
+            rays: 1000,
+            rays_an_entry: 40.0,
+            rays_per_second: 1e8,
+            models: vec![model(1), model(2)],
+            predicted: Figures { cycles: told(900.0), l2_bytes: told(2000.0), dram_bytes: told(0.0) },
+            joules: Some(told(1e-6)),
+            checked: checked.map(|cycles| Figures { cycles, l2_bytes: 2000, dram_bytes: 0 }),
+            checked_joules: checked.map(|_| 1e-6),
+        }
+    }
+
+    #[test]
+    fn a_page_has_each_machine_and_a_row_is_a_figure() {
+        let folder = tempfile::tempdir().unwrap();
+        let target = folder.path().join("it");
+        let found = Extrapolations(vec![of(4, Some(1000)), of(8, None)]);
+        let page = write(&ResultsFolder::claim(&target).unwrap(), &found).unwrap();
+        let page = std::fs::read_to_string(page).unwrap();
+        for part in ["<svg", "small, 8 cores", "at most 10", "DRAM bytes: none"] {
+            assert!(page.contains(part), "{part}: {page}");
+        }
+        let read = |file: &str| std::fs::read_to_string(target.join(file)).unwrap();
+        assert_eq!(serde_json::from_str::<Extrapolations>(&read(SUMMARY_FILE)).unwrap(), found);
+        let table = read("extrapolate.csv");
+        assert_eq!(table.lines().count(), 1 + 4 * (2 + 1 + 1) + 4 * (2 + 1), "{table}");
+        assert!(table.contains("room,Off,small,4,cycles,cycles,predicted,,900,90.0"), "{table}");
+        assert!(plot::finding(&found.0[..1]).ends_with("900 cycles, 10.0 % fewer than by Event"));
+    }
+}
