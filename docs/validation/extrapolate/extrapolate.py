@@ -60,7 +60,8 @@ def replay(program, stream, machine, cores, folder):
     file = folder / f"{machine}_{cores}.ron"
     file.write_text(text)
     stats, seconds = measured([program, "replay", stream, "--machine", file, "--json", "-", "--quiet"])
-    return {**figures(stats), "seconds": f"{seconds:.1f}"}
+    energy = stats.get("energy") or {}
+    return {**figures(stats), "joules": energy.get("joules", ""), "seconds": f"{seconds:.1f}"}
 
 
 def predict(program, stream, machine, cores, _):
@@ -68,12 +69,18 @@ def predict(program, stream, machine, cores, _):
     command = [program, "extrapolate", stream, "--machine", ROOT / f"configs/machines/{machine}.ron"]
     command += ["--cores", str(cores), "--channels", str(cores), "--json", "-", "--quiet"]
     found, seconds = measured(command)
-    row = {"models": " ".join(str(model["cores"]) for model in found["models"]), "seconds": f"{seconds:.1f}"}
+    row = {"models": " ".join(str(model["cores"]) for model in found["models"]), "seconds": f"{seconds:.1f}",
+           "rays_an_entry": f"{found['rays_an_entry']:.1f}"}
     for figure in FIGURES:
         predicted = found["predicted"][figure]
         row[figure] = round(predicted["value"])
         row[f"{figure}_low"], row[f"{figure}_high"] = round(predicted["low"]), round(predicted["high"])
         row[f"{figure}_models"] = " ".join(str(round(model["figures"][figure])) for model in found["models"])
+    # That of a DRAM of which no currents are known is not.
+    known = found["joules"]
+    for name, kind in (("joules", "value"), ("joules_low", "low"), ("joules_high", "high")):
+        row[name] = known[kind] if known else ""
+    row["joules_models"] = " ".join(str(model["joules"]) for model in found["models"]) if known else ""
     return row
 
 
