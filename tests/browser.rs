@@ -34,7 +34,9 @@ fn pages() -> (Desk, Vec<PathBuf>) {
     desk.succeed(&["diff", "run", "faster", "--out", "diff"]);
     desk.succeed(&["profile", "x.rays", "--machine", "small.ron", "--out", "profile"]);
     desk.succeed(&["ladder-map", "--quick", "--axis", "updates", "--axis", "skew", "--out", "ladder"]);
-    let kinds = ["run", "sweep", "both", "space", "pareto", "stress", "chart", "profile", "diff", "ladder"];
+    let models = ["extrapolate", "x.rays", "--machine", "small.ron", "--cores", "8,16", "--check", "--out", "models"];
+    desk.succeed(&models);
+    let kinds = ["run", "sweep", "both", "space", "pareto", "stress", "chart", "profile", "diff", "ladder", "models"];
     let pages = kinds.map(|kind| desk.path(kind).join("index.html")).into();
     (desk, pages)
 }

@@ -101,7 +101,8 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
     }
     let exports = ["--line-trace", "x.lines", "--dram-trace", "x.dram", "--dram-commands", "x.commands"];
     let exports = [&["replay", "in.rays", "--machine", "small.ron"][..], &exports].concat();
-    let commands: [(&[&str], &str); 12] = [
+    let models = ["extrapolate", "in.rays", "--machine", "small.ron", "--cores", "8", "--out", "mod"];
+    let commands: [(&[&str], &str); 13] = [
         (&["run", "tiny.ron", "--frames", "0..2", "--out", "rep"], "rep/summary.json"),
         (&["trace", "tiny.ron", "--frames", "0..2", "-o", "x.rays"], "x.rays"),
         (&["replay", "in.rays", "--machine", "small.ron", "--json", "x.json"], "x.json"),
@@ -112,6 +113,7 @@ fn a_kill_at_any_moment_leaves_the_old_or_the_new_and_the_next_run_sweeps() {
         (&["plot", "base"], "base/index.html"),
         (&exports, "x.lines"),
         (&["pareto", "pareto.ron", "--out", "par"], "par/pareto.csv"),
+        (&models, "mod/extrapolate.csv"),
         (&["identities", "identities.ron", "--json", "i.json"], "i.json"),
         (&["paper-table", "paper.ron", "--json", "p.json"], "p.json"),
     ];

@@ -19,7 +19,7 @@ fn desk() -> Desk {
 }
 
 /// Commands that write a report into a folder, which is to be named behind.
-const REPORTS: [&[&str]; 7] = [
+const REPORTS: [&[&str]; 8] = [
     &["run", "tiny.ron", "--frames", "0..1", "--out"],
     &["validate", "tiny.ron", "--frames", "0..1", "--out"],
     &["profile", "x.rays", "--machine", "small.ron", "--out"],
@@ -27,6 +27,7 @@ const REPORTS: [&[&str]; 7] = [
     &["pareto", "pareto.ron", "--out"],
     &["chart", "base", "--out"],
     &["diff", "base", "other", "--out"],
+    &["extrapolate", "x.rays", "--machine", "small.ron", "--cores", "8", "--fidelity", "Profile", "--out"],
 ];
 
 /// A file in a report that is as large for every report of a command.

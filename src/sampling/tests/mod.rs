@@ -139,7 +139,9 @@ fn a_sample_goes_on_by_no_more_than_double() {
     assert_eq!(next(12, 0.3, 100), Some(16), "the width tells little yet");
     assert_eq!(next(48, 0.0201, 100), Some(11));
     assert_eq!(next(48, 0.06, 100), Some(16), "not 90");
-    assert_eq!(next(48, 0.06, 89), None);
+    assert_eq!(next(48, 0.06, 89), Some(16), "widths of few points shrink faster");
+    assert_eq!((next(48, 0.06, 44), next(48, 0.03, 15)), (None, None));
+    assert_eq!(next(96, 0.06, 89), None);
     assert_eq!(next(48, 0.001, 100), Some(9), "another figure may be the wider one");
 }
 
