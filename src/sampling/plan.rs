@@ -114,11 +114,11 @@ impl Plan {
     }
 
     /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points`
-    /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the root of the number of
-    /// points, and a quarter more is taken, since the width of an interval is itself known from a sample only. For the
-    /// same reason no more than twice as many are: a first width may be far too large. Widths of the first points shrink
-    /// faster, to half with twice as many where the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2 bytes with
-    /// 48 windows, 2.2 % with 94). Twice as many as `most` may seem to be needed then.
+    /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the root of the number
+    /// of points, and a quarter more is taken, since the width of an interval is itself known from a sample only. For
+    /// the same reason no more than twice as many are: a first width may be far too large. Widths of the first points
+    /// shrink faster, to half with twice as many where the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2
+    /// bytes with 48 windows, 2.2 % with 94). Twice as many as `most` may seem to be needed then.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;

@@ -83,8 +83,8 @@ fn figure(found: &[Extrapolation]) -> Figure<'_> {
     Figure {
         title: finding(found),
         about: "Each model counts as many times as its share of the machine asks for, so that it stands for all of \
-                it. The law is the line through the two largest models, over the inverse of the cores: the large machine \
-                is at the left. The pale bar reaches as far as other laws."
+                it. The law is the line through the two largest models, over the inverse of the cores: the large \
+                machine is at the left. The pale bar reaches as far as other laws."
             .into(),
         key: vec![
             ("models, and the law".to_owned(), SKY),
