@@ -36,6 +36,9 @@ pub(super) fn finding(found: &[Extrapolation]) -> String {
     told + &than.unwrap_or_default()
 }
 
+/// How a figure is shown.
+type Shown = fn(f64) -> String;
+
 /// A figure of a machine and of its models.
 struct Panel {
     name: &'static str,
@@ -45,12 +48,12 @@ struct Panel {
     cores: u64,
     told: Prediction,
     truth: Option<f64>,
-    shown: fn(f64) -> String,
+    shown: Shown,
 }
 
 /// The figures of a machine; that of its energy if that is known.
 fn panels(found: &Extrapolation) -> Vec<Panel> {
-    let names: [(_, fn(f64) -> String); 3] =
+    let names: [(_, Shown); 3] =
         [("cycles", tick), ("L2 bytes", |it| bytes(Bytes(it as u64))), ("DRAM bytes", |it| bytes(Bytes(it as u64)))];
     let counts = names.into_iter().enumerate().map(|(at, (name, shown))| Panel {
         name,
