@@ -74,10 +74,9 @@ impl Extrapolate {
         }
         let found = Extrapolations(found);
         let page = out.map(|out| report::write(&out, &found)).transpose()?;
-        let Extrapolations(found) = found;
         if !is_alone {
-            let told = found.iter().map(|it| report::drawn(&tables::grid(it))).collect::<Vec<_>>().join("\n\n");
-            let verdict = found.iter().map(tables::verdict).collect::<Vec<_>>().join("\n");
+            let told = found.0.iter().map(|it| report::drawn(&tables::grid(it))).collect::<Vec<_>>().join("\n\n");
+            let verdict = found.0.iter().map(tables::verdict).collect::<Vec<_>>().join("\n");
             tell(&told, &verdict, begin)?;
             page.map_or(Ok(()), |page| print(format!("report: {}", page.display())))?;
         }

@@ -34,6 +34,10 @@ impl Steps {
         self.packed.clear();
         self.packed.extend_from_slice(path);
         self.packed.extend_from_slice(policy);
+        debug_assert!(
+            self.packed.iter().all(|&word| Step::unpack(word).is_some()),
+            "checked when a ray is handed over"
+        );
         (self.path_end, self.next) = (path.len() as u32, 0);
         self.look();
     }
@@ -101,5 +105,45 @@ impl Steps {
     #[inline]
     fn at(&self, place: u32) -> u32 {
         self.packed.get(place as usize).copied().unwrap_or(END)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// What is kept beside the list is what the list says, wherever a ray is and whatever changed behind it.
+        #[test]
+        fn the_next_two_steps_are_those_of_the_list(
+            path in prop::collection::vec(0u32..5, 0..6), policy in prop::collection::vec(0u32..16, 0..6),
+            changed in 0usize..12,
+        ) {
+            let pack = |tags: &[u32]| -> Vec<u32> {
+                tags.iter().enumerate().map(|(at, &tag)| Step::of_tag(tag as usize).unwrap().pack() + at as u32).collect()
+            };
+            let mut steps = Steps::default();
+            steps.begin(&pack(&path), &pack(&policy));
+            let mut list = [pack(&path), pack(&policy)].concat();
+            for place in 0..=list.len() {
+                if place == changed {
+                    steps.change(|steps, policy, next| {
+                        assert_eq!((policy, next), (path.len(), place));
+                        steps.extend(pack(&[7, 8]));
+                    });
+                    list.extend(pack(&[7, 8]));
+                }
+                let at = |place: usize| list.get(place).and_then(|&word| Step::unpack(word));
+                let of_path = |place: usize| at(place).filter(|_| place < path.len());
+                let node = |step: Option<Step>| step.and_then(|step| Step::node(step.pack()));
+                prop_assert_eq!(steps.step(), at(place));
+                prop_assert_eq!((steps.path_step(), steps.path_step_behind()), (of_path(place), of_path(place + 1)));
+                prop_assert_eq!((steps.node(), steps.node_behind()), (node(of_path(place)), node(of_path(place + 1))));
+                prop_assert_eq!((steps.path(), steps.has_policy()), (&list[..path.len()], list.len() > path.len()));
+                steps.advance();
+            }
+        }
     }
 }

@@ -71,6 +71,40 @@ impl<T: Copy> Figures<T> {
     }
 }
 
+/// A figure of a large machine, and of its models.
+pub(super) struct Told {
+    /// What it is called, and its name in files.
+    pub name: &'static str,
+    pub key: &'static str,
+    /// Its unit.
+    pub unit: Unit,
+    /// Of each model, the smallest first: its cores, and what it stands for.
+    pub models: Vec<(u64, f64)>,
+    /// What follows.
+    pub predicted: Prediction,
+    /// What `Event` says, where that was asked for.
+    pub truth: Option<f64>,
+}
+
+/// The unit of a figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Unit {
+    Cycles,
+    Bytes,
+    Joules,
+}
+
+impl Unit {
+    /// Its name in files.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Cycles => "cycles",
+            Self::Bytes => "bytes",
+            Self::Joules => "J",
+        }
+    }
+}
+
 /// A predicted figure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Prediction {
@@ -88,6 +122,30 @@ impl Extrapolation {
     /// The large machine in words.
     pub(super) fn name(&self) -> String {
         format!("{}, {} cores", self.machine, self.cores)
+    }
+
+    /// All figures; the energy if it is known.
+    pub(super) fn told(&self) -> Vec<Told> {
+        let names = [("cycles", "cycles"), ("L2 bytes", "l2_bytes"), ("DRAM bytes", "dram_bytes")];
+        let figures = names.into_iter().zip([Unit::Cycles, Unit::Bytes, Unit::Bytes]).enumerate();
+        let counts = figures.map(|(at, ((name, key), unit))| Told {
+            name,
+            key,
+            unit,
+            models: self.models.iter().map(|model| (model.cores, model.figures.all()[at])).collect(),
+            predicted: self.predicted.all()[at],
+            truth: self.checked.map(|checked| checked.all()[at] as f64),
+        });
+        let of_models = self.models.iter().map(|model| Some((model.cores, model.joules?))).collect();
+        let energy = self.joules.zip(of_models).map(|(predicted, models): (_, Vec<_>)| Told {
+            name: "energy",
+            key: "energy",
+            unit: Unit::Joules,
+            models,
+            predicted,
+            truth: self.checked_joules,
+        });
+        counts.chain(energy).collect()
     }
 
     /// What the prediction of each figure and of the energy is off, where it was checked; of what never moved, no

@@ -1,6 +1,6 @@
 //! Scale models and what they predict: a row of panels a machine, a panel a figure, over the cores of the models.
 
-use super::data::{Extrapolation, Extrapolations, Prediction};
+use super::data::{Extrapolation, Extrapolations, Told, Unit};
 use super::words::grid;
 use crate::quantity::Bytes;
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, is_narrow, tick_step};
@@ -36,43 +36,14 @@ pub(super) fn finding(found: &[Extrapolation]) -> String {
     told + &than.unwrap_or_default()
 }
 
-/// How a figure is shown.
-type Shown = fn(f64) -> String;
-
-/// A figure of a machine and of its models.
-struct Panel {
-    name: &'static str,
-    /// Of each model, the smallest first: its cores, and what it stands for.
-    models: Vec<(u64, f64)>,
-    /// Cores of the large machine.
-    cores: u64,
-    told: Prediction,
-    truth: Option<f64>,
-    shown: Shown,
-}
-
-/// The figures of a machine; that of its energy if that is known.
-fn panels(found: &Extrapolation) -> Vec<Panel> {
-    let names: [(_, Shown); 3] =
-        [("cycles", tick), ("L2 bytes", |it| bytes(Bytes(it as u64))), ("DRAM bytes", |it| bytes(Bytes(it as u64)))];
-    let counts = names.into_iter().enumerate().map(|(at, (name, shown))| Panel {
-        name,
-        models: found.models.iter().map(|model| (model.cores, model.figures.all()[at])).collect(),
-        cores: found.cores,
-        told: found.predicted.all()[at],
-        truth: found.checked.map(|checked| checked.all()[at] as f64),
-        shown,
-    });
-    let of_models = found.models.iter().map(|model| Some((model.cores, model.joules?))).collect::<Option<Vec<_>>>();
-    let energy = found.joules.zip(of_models).map(|(told, models)| Panel {
-        name: "energy",
-        models,
-        cores: found.cores,
-        told,
-        truth: found.checked_joules,
-        shown: joules,
-    });
-    counts.chain(energy).collect()
+/// How values of a unit are shown.
+fn shown(unit: Unit, value: f64) -> String {
+    match unit {
+        _ if value == 0.0 => "0".into(),
+        Unit::Cycles => tick(value),
+        Unit::Bytes => bytes(Bytes(value as u64)),
+        Unit::Joules => joules(value),
+    }
 }
 
 /// Panels beside each other on a sheet of this width.
@@ -81,7 +52,7 @@ fn columns(width: i32) -> i32 {
 }
 
 fn figure(found: &[Extrapolation]) -> Figure<'_> {
-    let rows = |found: &Extrapolation, width: i32| (panels(found).len() as i32 + columns(width) - 1) / columns(width);
+    let rows = |found: &Extrapolation, width: i32| (found.told().len() as i32 + columns(width) - 1) / columns(width);
     let height = move |found: &Extrapolation, width: i32| NAME + rows(found, width) * (ABOVE + PANEL + BELOW);
     Figure {
         title: finding(found),
@@ -102,10 +73,10 @@ fn figure(found: &[Extrapolation]) -> Figure<'_> {
             let mut top = 0;
             for machine in found {
                 canvas.text(&format!("{}, {}", machine.name(), machine.policy), (LEFT, top + LINE / 2), Text::TITLE)?;
-                for (place, panel) in (0..).zip(panels(machine)) {
+                for (place, told) in (0..).zip(machine.told()) {
                     let left = place % columns * (width / columns);
                     let at = (left, top + NAME + place / columns * (ABOVE + PANEL + BELOW));
-                    panel.draw(canvas, at, width / columns)?;
+                    panel(canvas, machine.cores, &told, (at, width / columns))?;
                 }
                 top += height(machine, width);
             }
@@ -114,41 +85,44 @@ fn figure(found: &[Extrapolation]) -> Figure<'_> {
     }
 }
 
-impl Panel {
-    fn draw(&self, canvas: &Canvas<'_>, (left, top): (i32, i32), width: i32) -> Result<(), DrawError> {
-        let (begin, end, top) = (left + AXIS, left + width - BEHIND, top + ABOVE);
-        let bottom = top + PANEL;
-        // Over one over the cores, from the large machine on.
-        let from_large = |cores: u64| 1.0 / cores as f64 - 1.0 / self.cores as f64;
-        let farthest = self.models.iter().map(|&(cores, _)| from_large(cores)).fold(0.0, f64::max);
-        let room = f64::from(end - begin - 2 * BESIDE);
-        let x = |cores: u64| begin + BESIDE + (from_large(cores) / farthest * room).round() as i32;
-        let all = self.models.iter().map(|&(_, value)| value).chain([self.told.high]).chain(self.truth);
-        let most = all.fold(0.0, f64::max);
-        if most == 0.0 {
-            return canvas.text(&format!("{}: none", self.name), (left + LEFT, top - 18), Text::LABEL.bold());
-        }
-        let y = |value: f64| bottom - (value / most * f64::from(PANEL)).round() as i32;
-        canvas.text(self.name, (left + LEFT, top - 18), Text::LABEL.bold())?;
-        let step = tick_step(most, 4);
-        for line in 0..=(most / step) as i32 {
-            let value = f64::from(line) * step;
-            canvas.line(vec![(begin, y(value)), (end, y(value))], GRID, 1)?;
-            let text = if line == 0 { "0".into() } else { (self.shown)(value) };
-            canvas.text(&text, (begin - 6, y(value)), Text::NOTE.right())?;
-        }
-        let large = x(self.cores);
-        canvas.rect((large - 4, y(self.told.high)), (large + 4, y(self.told.low)), pale(BLUE))?;
-        let second = self.models.iter().rev().nth(1).map(|&(cores, value)| (x(cores), y(value)));
-        canvas.line([(large, y(self.told.value))].into_iter().chain(second).collect(), SKY, 2)?;
-        for &(cores, value) in &self.models {
-            mark(canvas, 0, (x(cores), y(value)), SKY, true)?;
-            canvas.text(&cores.to_string(), (x(cores), bottom + 14), Text::NOTE.centered())?;
-        }
-        canvas.text(&self.cores.to_string(), (large, bottom + 14), Text::NOTE.centered())?;
-        mark(canvas, 0, (large, y(self.told.value)), BLUE, true)?;
-        self.truth.map_or(Ok(()), |truth| mark(canvas, 3, (large, y(truth)), VERMILLION, false))
+/// A figure of a machine with so many cores, from `left` and `top` on.
+fn panel(
+    canvas: &Canvas<'_>,
+    large: u64,
+    told: &Told,
+    ((left, top), width): ((i32, i32), i32),
+) -> Result<(), DrawError> {
+    let Told { models, predicted, truth, unit, name, .. } = told;
+    let (begin, end, top) = (left + AXIS, left + width - BEHIND, top + ABOVE);
+    let bottom = top + PANEL;
+    // Over one over the cores, from the large machine on.
+    let from_large = |cores: u64| 1.0 / cores as f64 - 1.0 / large as f64;
+    let farthest = models.iter().map(|&(cores, _)| from_large(cores)).fold(0.0, f64::max);
+    let room = f64::from(end - begin - 2 * BESIDE);
+    let x = |cores: u64| begin + BESIDE + (from_large(cores) / farthest * room).round() as i32;
+    let most = models.iter().map(|&(_, value)| value).chain([predicted.high]).chain(*truth).fold(0.0, f64::max);
+    if most == 0.0 {
+        return canvas.text(&format!("{name}: none"), (left + LEFT, top - 18), Text::LABEL.bold());
     }
+    let y = |value: f64| bottom - (value / most * f64::from(PANEL)).round() as i32;
+    canvas.text(name, (left + LEFT, top - 18), Text::LABEL.bold())?;
+    let step = tick_step(most, 4);
+    for line in 0..=(most / step) as i32 {
+        let value = f64::from(line) * step;
+        canvas.line(vec![(begin, y(value)), (end, y(value))], GRID, 1)?;
+        canvas.text(&shown(*unit, value), (begin - 6, y(value)), Text::NOTE.right())?;
+    }
+    let at = (x(large), y(predicted.value));
+    canvas.rect((at.0 - 4, y(predicted.high)), (at.0 + 4, y(predicted.low)), pale(BLUE))?;
+    let second = models.iter().rev().nth(1).map(|&(cores, value)| (x(cores), y(value)));
+    canvas.line([at].into_iter().chain(second).collect(), SKY, 2)?;
+    for &(cores, value) in models {
+        mark(canvas, 0, (x(cores), y(value)), SKY, true)?;
+        canvas.text(&cores.to_string(), (x(cores), bottom + 14), Text::NOTE.centered())?;
+    }
+    canvas.text(&large.to_string(), (at.0, bottom + 14), Text::NOTE.centered())?;
+    mark(canvas, 0, at, BLUE, true)?;
+    truth.map_or(Ok(()), |truth| mark(canvas, 3, (at.0, y(truth)), VERMILLION, false))
 }
 
 /// The tables of all machines, one below the other.

@@ -3,7 +3,7 @@
 use minijinja::context;
 use serde::Serialize;
 
-use super::data::{Extrapolation, Extrapolations};
+use super::data::{Extrapolation, Extrapolations, Told};
 use super::plot;
 use super::words::{grid, verdict};
 use crate::report::csv_table::{CsvTable, cell};
@@ -14,36 +14,22 @@ use crate::report::writer::Report;
 const PLOTS: &[Plot<Extrapolations>] = &[plot::PLOT];
 
 /// Columns of `extrapolate.csv`: of each machine and figure a row a model, one of the prediction, and one of `Event`.
-const COLUMNS: [&str; 10] =
-    ["scene", "policy", "machine", "cores", "figure", "unit", "of", "model_cores", "value", "half_range"];
+const COLUMNS: [&str; 11] =
+    ["scene", "policy", "machine", "cores", "figure", "unit", "of", "model_cores", "value", "low", "high"];
 
 /// The rows of a machine.
 fn rows(found: &Extrapolation) -> Vec<Vec<String>> {
-    let names = [("cycles", "cycles"), ("l2_bytes", "bytes"), ("dram_bytes", "bytes"), ("energy", "J")];
-    let predicted = found.predicted.all().map(Some).into_iter().chain([found.joules]);
     let mut rows = Vec::new();
-    for (at, ((figure, unit), told)) in names.into_iter().zip(predicted).enumerate() {
-        let mut row = |of: &str, cores: Option<u64>, value: Option<f64>, half_range: Option<f64>| {
-            let Some(value) = value else { return };
-            rows.push(vec![
-                found.scene.clone(),
-                found.policy.clone(),
-                found.machine.clone(),
-                found.cores.to_string(),
-                figure.into(),
-                unit.into(),
-                of.into(),
-                cell(cores),
-                value.to_string(),
-                cell(half_range),
-            ]);
+    for Told { key, unit, models, predicted, truth, .. } in found.told() {
+        let mut row = |of: &str, cores: Option<u64>, value: f64, range: Option<[f64; 2]>| {
+            let names = [&found.scene, &found.policy, &found.machine].map(String::clone);
+            let numbers = [cell(cores), value.to_string(), cell(range.map(|it| it[0])), cell(range.map(|it| it[1]))];
+            let figure = [found.cores.to_string(), key.into(), unit.name().into(), of.into()];
+            rows.push(names.into_iter().chain(figure).chain(numbers).collect());
         };
-        for model in &found.models {
-            row("model", Some(model.cores), model.figures.all().get(at).copied().or(model.joules), None);
-        }
-        row("predicted", None, told.map(|told| told.value), told.map(|told| told.high - told.value));
-        let counted = found.checked.and_then(|checked| checked.all().get(at).map(|&count| count as f64));
-        row("Event", None, if at < 3 { counted } else { found.checked_joules }, None);
+        models.iter().for_each(|&(cores, value)| row("model", Some(cores), value, None));
+        row("predicted", None, predicted.value, Some([predicted.low, predicted.high]));
+        truth.into_iter().for_each(|truth| row("Event", None, truth, None));
     }
     rows
 }
@@ -89,7 +75,7 @@ mod tests {
     use crate::report::writer::{SUMMARY_FILE, write};
 
     fn of(cores: u64, checked: Option<u64>) -> Extrapolation {
-        let told = |value| Prediction { value, low: 0.9 * value, high: 1.1 * value, least: 0 };
+        let told = |value| Prediction { value, low: 0.5 * value, high: 1.5 * value, least: 0 };
         let model = |cores| ScaleModel {
             cores,
             rays: 100,
@@ -128,7 +114,11 @@ mod tests {
         assert_eq!(serde_json::from_str::<Extrapolations>(&read(SUMMARY_FILE)).unwrap(), found);
         let table = read("extrapolate.csv");
         assert_eq!(table.lines().count(), 1 + 4 * (2 + 1 + 1) + 4 * (2 + 1), "{table}");
-        assert!(table.contains("room,Off,small,4,cycles,cycles,predicted,,900,90.0"), "{table}");
+        for row in
+            ["cycles,cycles,predicted,,900,450,1350", "energy,J,model,2,0.000002,,", "l2_bytes,bytes,Event,,2000,,"]
+        {
+            assert!(table.contains(&format!("\nroom,Off,small,4,{row}\n")), "{row}: {table}");
+        }
         assert!(plot::finding(&found.0[..1]).ends_with("900 cycles, 10.0 % fewer than by Event"));
     }
 }
