@@ -70,6 +70,11 @@ impl StoreSteps {
         }
     }
 
+    /// Whether the first touch of a primitive in a frame sets its modes.
+    pub(crate) fn sets_on_first_touch(&self) -> bool {
+        self.spec.frame_end == FrameEnd::Epoch && self.entries.pixel_counters > 0
+    }
+
     /// Changes the steps of a ray whose step `next` is a first touch that sets modes: its next steps are those that do.
     /// Returns how many these are; none if the step is no such touch.
     pub(crate) fn first_touch(
@@ -79,8 +84,7 @@ impl StoreSteps {
         layout: &Layout,
         work: &mut StoreWork,
     ) -> Option<u8> {
-        let lazy = self.spec.frame_end == FrameEnd::Epoch && self.entries.pixel_counters > 0;
-        let step = Step::unpack(steps[next]).filter(|_| lazy)?;
+        let step = Step::unpack(steps[next]).filter(|_| self.sets_on_first_touch())?;
         let (store, index) = step.entry()?;
         let primitive = layout.stores().owner(store, index).filter(|&owner| owner < self.static_primitives)?;
         if !self.touched.insert(primitive) {

@@ -10,7 +10,7 @@ use super::stores::{StoreLayout, Stores};
 use super::word_traffic::LatchedCopy;
 use crate::quantity::{Addr, LineAddr, ListId, NodeId, TriangleSlot};
 use crate::stats::TrafficClass;
-use crate::stream::{FrameInfo, Header, Step, Store, StoreEntries};
+use crate::stream::{FrameInfo, Header, Step, Stop, Store, StoreEntries};
 
 const ALIGNMENT: u64 = 4096;
 const LIST_ENTRY_BYTES: u64 = 4;
@@ -58,6 +58,25 @@ impl Array {
             None => self.static_base + index * self.element,
             Some(index) => self.dynamic_base + index * self.element,
         })
+    }
+}
+
+/// The lines of nodes of which each is a line.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct NodeLines {
+    static_count: u64,
+    static_first: u64,
+    /// Where dynamic nodes would begin if all before were like them.
+    dynamic_first: u64,
+}
+
+impl NodeLines {
+    /// The line of a node.
+    #[inline]
+    pub(crate) fn of(&self, NodeId(index): NodeId) -> LineAddr {
+        let index = u64::from(index);
+        let first = if index < self.static_count { self.static_first } else { self.dynamic_first };
+        LineAddr(first.wrapping_add(index))
     }
 }
 
@@ -163,6 +182,22 @@ impl Layout {
     /// Whether there are list entries.
     pub(crate) fn has_lists(&self) -> bool {
         self.lists.len() > 0
+    }
+
+    /// The lines of nodes, if each is a line.
+    pub(crate) fn node_lines(&self) -> Option<NodeLines> {
+        let Array { element, static_count, static_base, dynamic_base, .. } = self.nodes;
+        let [static_first, dynamic_first] = [static_base, dynamic_base].map(|base| base >> self.line_shift);
+        let dynamic_first = dynamic_first.wrapping_sub(static_count);
+        (element == 1 << self.line_shift).then_some(NodeLines { static_count, static_first, dynamic_first })
+    }
+
+    /// The lines that a triangle test reads up to where it stops, one behind the other. One that plane and edges share
+    /// is there once.
+    #[inline]
+    pub(crate) fn test_lines(&self, slot: TriangleSlot, stop: Stop) -> (LineAddr, u64) {
+        let bytes = if stop == Stop::Plane { PLANE_BYTES } else { TRIANGLE_BYTES };
+        self.lines(&Element { bytes, ..self.plane(slot) })
     }
 
     /// The first line of the dynamic part.

@@ -1,5 +1,7 @@
 //! The tag array of a set-associative cache: what is in it, and what goes. It knows no time; engines share it.
 
+use std::mem::replace;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -60,6 +62,8 @@ pub struct TagArray {
     /// Packed lines, set by set; none of an ideal cache.
     lines: Vec<u64>,
     state: State,
+    /// Whether sets are of two lines in the order of their uses, and a line's lowest bits tell its set, as in most L1s.
+    pairs: bool,
     ways: usize,
     set_mask: u64,
     set_shift: u32,
@@ -71,12 +75,13 @@ impl TagArray {
     pub fn new(sets: usize, ways: usize, set_shift: u32, policy: Policy) -> Self {
         debug_assert!(sets.is_power_of_two() && ways > 0);
         let state = State::new(policy, sets);
-        Self { lines: vec![EMPTY; sets * ways], state, ways, set_mask: sets as u64 - 1, set_shift }
+        let pairs = ways == 2 && set_shift == 0 && state.is_used_order();
+        Self { lines: vec![EMPTY; sets * ways], state, pairs, ways, set_mask: sets as u64 - 1, set_shift }
     }
 
     /// The array of an ideal cache.
     pub fn ideal() -> Self {
-        Self { lines: Vec::new(), state: State::new(Policy::Lru, 0), ways: 0, set_mask: 0, set_shift: 0 }
+        Self { lines: Vec::new(), state: State::new(Policy::Lru, 0), pairs: false, ways: 0, set_mask: 0, set_shift: 0 }
     }
 
     /// What it takes in memory, about.
@@ -100,28 +105,34 @@ impl TagArray {
     /// Uses `line`, which makes it dirty if `write`; whether it was there.
     #[inline]
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
-        let first = self.set(line) * self.ways;
-        // Most uses are of the line at the front of its set, which stays there. An ideal cache has no lines.
-        let Some(front) = self.lines.get_mut(first) else { return true };
-        if *front >> LINE_SHIFT == line.0 && self.state.is_order() {
-            *front |= if write { DIRTY } else { 0 };
-            return true;
-        }
-        self.access_behind(first, line, write)
-    }
-
-    /// As [`TagArray::access`], of any line of the set whose lines begin at place `first`.
-    fn access_behind(&mut self, first: usize, line: LineAddr, write: bool) -> bool {
-        let lines = &mut self.lines[first..first + self.ways];
         let dirty = if write { DIRTY } else { 0 };
-        // Most L1s have two ways: what is not in front can be in one place.
-        if let ([front, back], true) = (&mut *lines, self.state.is_used_order()) {
+        // Most uses are of the line at the front of its set, which stays there.
+        if self.pairs {
+            let set = (line.0 & self.set_mask) as usize;
+            let Some([front, back]) = self.lines.as_chunks_mut().0.get_mut(set) else { return false };
+            if *front >> LINE_SHIFT == line.0 {
+                *front |= dirty;
+                return true;
+            }
             let is_there = *back >> LINE_SHIFT == line.0;
             if is_there {
                 (*front, *back) = (*back | dirty, *front);
             }
             return is_there;
         }
+        let first = self.set(line) * self.ways;
+        // An ideal cache has no lines.
+        let Some(front) = self.lines.get_mut(first) else { return true };
+        if *front >> LINE_SHIFT == line.0 && self.state.is_order() {
+            *front |= dirty;
+            return true;
+        }
+        self.access_behind(first, line, dirty)
+    }
+
+    /// As [`TagArray::access`], of any line of the set whose lines begin at place `first`.
+    fn access_behind(&mut self, first: usize, line: LineAddr, dirty: u64) -> bool {
+        let lines = &mut self.lines[first..first + self.ways];
         let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
         lines[way] |= dirty;
         self.state.used((line.0 >> self.set_shift & self.set_mask) as usize, way, lines);
@@ -163,6 +174,14 @@ impl TagArray {
 
     /// Puts in `line`, which is not there; returns what was displaced.
     pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
+        if self.pairs {
+            let new = pack(line, class, dirty);
+            let [front, back] = self.lines.as_chunks_mut().0.get_mut((line.0 & self.set_mask) as usize)?;
+            return match replace(front, new) {
+                EMPTY => None,
+                second => unpack(replace(back, second)),
+            };
+        }
         let place = self.place_for(line);
         let displaced = self.at(place);
         self.put(place, line, class, dirty);

@@ -9,17 +9,18 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::performed::Performed;
-use super::requests::{Asker, Requests, Wanted};
+use super::requests::{Asker, Requests};
 use crate::engine::warm::L1s;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
-use crate::machine::layout::{Element, Layout, Shift};
+use crate::machine::layout::{Layout, NodeLines, Shift};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
 use crate::memory::timeless::TimelessCache;
-use crate::quantity::{LineAddr, TriangleSlot};
+use crate::quantity::{LineAddr, NodeId, TriangleSlot};
 use crate::random::mix;
+use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step, Stop};
 
 const KINDS: usize = Kind::ALL.len();
@@ -46,6 +47,12 @@ pub(super) struct PathTags {
     /// The unit of a core that the next ray goes to, of kinds that get them in turn.
     turns: [u16; KINDS],
     entries: Option<Entries>,
+    /// The lines of the frame's nodes, if each is a line.
+    node_lines: Option<NodeLines>,
+    /// Whether intersection units keep what they read of triangles.
+    keeps_triangles: bool,
+    /// Operations of each kind of units since rays were last told of.
+    operations: [u64; KINDS],
     trodden: Trodden,
 }
 
@@ -132,6 +139,9 @@ impl PathTags {
             traced: 0,
             turns: [0; KINDS],
             entries: (machine.shadow_cache.place == Place::Triangle).then(entries),
+            node_lines: None,
+            keeps_triangles: machine.intersection.cache.no_allocate.keeps(TrafficClass::Triangle, false),
+            operations: [0; KINDS],
             trodden: Trodden::default(),
         }
     }
@@ -156,7 +166,7 @@ impl PathTags {
 
     /// The same, where so many rays are in flight and all lies as `layout` says.
     pub(super) fn with(&self, in_flight: usize, layout: &Layout) -> Self {
-        Self { in_flight, layout: layout.clone(), ..self.clone() }
+        Self { in_flight, layout: layout.clone(), node_lines: layout.node_lines(), ..self.clone() }
     }
 
     /// Rays in flight.
@@ -183,6 +193,7 @@ impl PathTags {
     /// A frame begins.
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
+        self.node_lines = self.layout.node_lines();
         let first = self.layout.dynamic_part();
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
@@ -240,6 +251,9 @@ impl PathTags {
     }
 
     fn trodden(&mut self) -> Trodden {
+        self.trodden.requests.known.operations =
+            std::array::from_fn(|kind| self.operations[kind] * self.intervals[kind]);
+        self.operations = [0; KINDS];
         // The next piece will do about as much.
         let mut room = Trodden::default();
         room.requests.list.reserve(self.trodden.requests.list.len());
@@ -261,6 +275,7 @@ impl PathTags {
         let units = std::array::from_fn(|kind| core * self.of_core[kind] + self.turns[kind]);
         let number = self.begun;
         self.begun += 1;
+        self.operations[Kind::Traversal as usize] += ray.packed_path().len() as u64;
         Flight { path: ray.packed_path(), policy: ray.packed_policy(), ray: place, number, core, units }
     }
 
@@ -279,7 +294,7 @@ impl PathTags {
 
     /// The tests among steps of the policy.
     fn tests(&mut self, policy: &[u32], core: u16, units: Units) {
-        let mut by = self.of_ray(core, units);
+        let (_, mut by) = self.of_ray(core, units);
         for step in Step::unpack_all(policy) {
             if let Step::Triangle { slot, stop } = step {
                 by.test(slot, stop);
@@ -287,36 +302,35 @@ impl PathTags {
         }
     }
 
-    /// Steps of a ray's path. Most visit nodes.
+    /// Steps of a ray's path.
     fn path(&mut self, steps: &[u32], core: u16, units: Units) {
-        let mut by = self.of_ray(core, units);
-        let mut visits = 0;
-        for &word in steps {
-            if let Some(node) = Step::node(word) {
-                visits += 1;
-                by.read(Kind::Traversal, by.layout.node(node));
-                continue;
-            }
-            match Step::unpack(word).expect("packed steps are valid") {
-                Step::Triangle { slot, stop } => by.test(slot, stop),
-                Step::List(entry) => {
-                    by.requests.known.operations[Kind::List as usize] += by.intervals[Kind::List as usize];
-                    by.read(Kind::List, by.layout.list_entry(entry));
-                }
-                Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
-                    unreachable!("who cuts the stream has checked its chunks")
-                }
-            }
+        match self.node_lines {
+            Some(lines) => self.walk(steps, core, units, |_, node| (lines.of(node), 1)),
+            None => self.walk(steps, core, units, |layout, node| layout.lines(&layout.node(node))),
         }
-        by.requests.known.operations[Kind::Traversal as usize] += visits * by.intervals[Kind::Traversal as usize];
     }
 
-    fn of_ray(&mut self, core: u16, units: Units) -> OfRay<'_> {
-        let Self { layout, l1s, intervals, trodden, .. } = self;
-        let [traversal, list, intersection, _] = l1s;
-        let [of_path, of_lists, of_tests, _] = units.map(usize::from);
-        let l1s = [traversal.get_mut(of_path), list.get_mut(of_lists), intersection.get_mut(of_tests)];
-        OfRay { layout, l1s, intervals, core, requests: &mut trodden.requests }
+    /// Steps of a ray's path, of which most visit nodes: `lines` tells where these lie.
+    #[inline(always)]
+    fn walk(&mut self, steps: &[u32], core: u16, units: Units, lines: impl Fn(&Layout, NodeId) -> (LineAddr, u64)) {
+        let visitor = reader(Kind::Traversal, core, TrafficClass::Node);
+        let (l1, mut by) = self.of_ray(core, units);
+        for &word in steps {
+            match Step::node(word) {
+                Some(node) => by.requests.access_all(l1, visitor, lines(by.layout, node)),
+                None => by.other(word),
+            }
+        }
+    }
+
+    /// The L1 of the traversal unit that a ray goes to, and the others.
+    #[inline]
+    fn of_ray(&mut self, core: u16, units: Units) -> (&mut TimelessCache, OfRay<'_>) {
+        let Self { layout, l1s, operations, keeps_triangles, trodden, .. } = self;
+        let [traversal, lists, intersection, _] = l1s;
+        let (keeps_triangles, requests) = (*keeps_triangles, &mut trodden.requests);
+        let others = OfRay { layout, lists, intersection, units, operations, keeps_triangles, core, requests };
+        (&mut traversal[usize::from(units[Kind::Traversal as usize])], others)
     }
 
     /// A step on an entry that lies with triangle records, by the intersection unit that is its home.
@@ -328,50 +342,67 @@ impl PathTags {
         let (line, _) = self.layout.lines(&element);
         let count = self.l1s[kind].len();
         let unit = (line.0 % count as u64) as usize;
-        let mut units = [0; KINDS];
-        units[kind] = unit as u16;
-        let mut by = self.of_ray((unit * self.cores / count) as u16, units);
-        by.requests.known.operations[kind] += by.intervals[kind];
-        by.access(Kind::Intersection, element, access);
+        let core = (unit * self.cores / count) as u16;
+        let asker = Asker { kind: Kind::Intersection, core, class: element.class, access };
+        let Self { layout, l1s, operations, trodden: Trodden { requests, .. }, .. } = self;
+        operations[kind] += 1;
+        requests.access_all(&mut l1s[kind][unit], asker, layout.lines(&element));
     }
 }
 
-/// The units that a ray goes to.
+/// The units that a ray goes to, but for that which visits nodes.
 struct OfRay<'a> {
     layout: &'a Layout,
-    /// Of a traversal, a list and an intersection unit, where there is one.
-    l1s: [Option<&'a mut TimelessCache>; KINDS - 1],
-    intervals: &'a [u64; KINDS],
+    lists: &'a mut [TimelessCache],
+    intersection: &'a mut [TimelessCache],
+    units: Units,
+    /// All steps of a path count as visits first.
+    operations: &'a mut [u64; KINDS],
+    keeps_triangles: bool,
     core: u16,
     requests: &'a mut Requests,
 }
 
 impl OfRay<'_> {
+    /// A step of a path that visits no node.
+    #[inline]
+    fn other(&mut self, word: u32) {
+        self.operations[Kind::Traversal as usize] -= 1;
+        match Step::unpack(word).expect("packed steps are valid") {
+            Step::Triangle { slot, stop } => self.test(slot, stop),
+            Step::List(entry) => {
+                self.operations[Kind::List as usize] += 1;
+                let l1 = &mut self.lists[usize::from(self.units[Kind::List as usize])];
+                let asker = reader(Kind::List, self.core, TrafficClass::List);
+                self.requests.access_all(l1, asker, self.layout.lines(&self.layout.list_entry(entry)));
+            }
+            Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
+                unreachable!("who cuts the stream has checked its chunks")
+            }
+        }
+    }
+
     /// A triangle is tested, up to where the test stops.
     #[inline]
     fn test(&mut self, slot: TriangleSlot, stop: Stop) {
-        let mut operations = 1;
-        self.read(Kind::Intersection, self.layout.plane(slot));
+        let Self { layout, requests, .. } = self;
+        let kind = Kind::Intersection;
+        self.operations[kind as usize] += if stop == Stop::Plane { 1 } else { 2 };
+        let l1 = &mut self.intersection[usize::from(self.units[kind as usize])];
+        let asker = reader(kind, self.core, TrafficClass::Triangle);
+        if self.keeps_triangles {
+            // To read a line that was just read changes nothing.
+            requests.access_all(l1, asker, layout.test_lines(slot, stop));
+            return;
+        }
+        requests.access_all(l1, asker, layout.lines(&layout.plane(slot)));
         if stop != Stop::Plane {
-            operations += 1;
-            self.read(Kind::Intersection, self.layout.edges(slot));
-        }
-        let interval = self.intervals[Kind::Intersection as usize];
-        self.requests.known.operations[Kind::Intersection as usize] += operations * interval;
-    }
-
-    #[inline(always)]
-    fn read(&mut self, kind: Kind, element: Element) {
-        self.access(kind, element, Access::Read);
-    }
-
-    #[inline(always)]
-    fn access(&mut self, kind: Kind, element: Element, access: Access) {
-        let l1 = self.l1s[kind as usize].as_mut().expect("a unit that performs a step is there");
-        let (first, lines) = self.layout.lines(&element);
-        for line in (first.0..first.0 + lines).map(LineAddr) {
-            let (asker, wanted) = (Asker { kind, core: self.core }, Wanted { line, class: element.class, access });
-            self.requests.access(l1, asker, wanted);
+            requests.access_all(l1, asker, layout.lines(&layout.edges(slot)));
         }
     }
+}
+
+/// A unit of a core that reads.
+fn reader(kind: Kind, core: u16, class: TrafficClass) -> Asker {
+    Asker { kind, core, class, access: Access::Read }
 }

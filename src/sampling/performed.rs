@@ -38,7 +38,7 @@ impl Performed {
         steps.clear();
         steps.extend_from_slice(policy);
         self.steps.leave_out(steps, 0, layout, (&mut self.work, &mut self.replayed));
-        let mut next = 0;
+        let mut next = if self.steps.sets_on_first_touch() { 0 } else { steps.len() };
         while next < steps.len() {
             next += self.steps.first_touch(steps, next, layout, &mut self.work).map_or(1, usize::from);
         }

@@ -21,24 +21,17 @@ pub(super) struct Request {
     pub write: bool,
 }
 
-/// What a unit accesses.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Wanted {
-    /// The line.
-    pub line: LineAddr,
-    /// What it is for.
-    pub class: TrafficClass,
-    /// How it is accessed.
-    pub access: Access,
-}
-
-/// Whose L1 it is.
+/// Whose L1 is accessed, and what for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asker {
     /// The unit's kind.
     pub kind: Kind,
     /// Its core.
     pub core: u16,
+    /// What it is for.
+    pub class: TrafficClass,
+    /// How lines are accessed.
+    pub access: Access,
 }
 
 /// Requests in order, and what is known of what made them.
@@ -53,24 +46,32 @@ pub(super) struct Requests {
 impl Requests {
     /// An L1 is accessed. What it has not, or does not keep, is asked for.
     #[inline(always)]
-    pub(super) fn access(&mut self, l1: &mut TimelessCache, asker: Asker, wanted: Wanted) {
-        let (hit, victim) = l1.pass(wanted.line, wanted.class, wanted.access);
-        if !hit || wanted.access == Access::WriteThrough {
-            self.go_on(asker, wanted, hit, victim);
+    pub(super) fn access(&mut self, l1: &mut TimelessCache, asker: Asker, line: LineAddr) {
+        let (hit, victim) = l1.pass(line, asker.class, asker.access);
+        if !hit || asker.access == Access::WriteThrough {
+            self.go_on(asker, line, hit, victim);
         }
     }
 
-    fn go_on(&mut self, asker: Asker, wanted: Wanted, hit: bool, victim: Option<Victim>) {
-        let Wanted { line, class, access } = wanted;
+    /// Lines one behind the other are accessed.
+    #[inline]
+    pub(super) fn access_all(&mut self, l1: &mut TimelessCache, asker: Asker, (first, lines): (LineAddr, u64)) {
+        for place in 0..lines {
+            self.access(l1, asker, LineAddr(first.0 + place));
+        }
+    }
+
+    fn go_on(&mut self, asker: Asker, line: LineAddr, hit: bool, victim: Option<Victim>) {
+        let Asker { kind, core, class, access } = asker;
         if let Some(Victim { line, class, .. }) = victim {
-            self.add(Request { line, core: asker.core, class, write: true });
+            self.add(Request { line, core, class, write: true });
         }
         if !hit {
-            self.known.missed[asker.kind as usize] += 1;
-            self.add(Request { line, core: asker.core, class, write: false });
+            self.known.missed[kind as usize] += 1;
+            self.add(Request { line, core, class, write: false });
         }
         if access == Access::WriteThrough {
-            self.add(Request { line, core: asker.core, class, write: true });
+            self.add(Request { line, core, class, write: true });
         }
     }
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use super::known::{Capacity, Known};
 use super::path_tags::{PathEnd, Trodden};
 use super::performed::{self, Performed};
-use super::requests::{Asker, Request, Requests, Wanted};
+use super::requests::{Asker, Request, Requests};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout, Shift};
@@ -16,7 +16,6 @@ use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
 use crate::memory::timeless::TimelessCache;
-use crate::quantity::LineAddr;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
 
 /// The tags of all shadow-cache units' L1s, and what they count. Where they are equal before a stream, machines of one
@@ -169,12 +168,9 @@ impl WordTags {
     }
 
     fn access(&mut self, unit: usize, element: &Element, to: &mut Requests) {
-        let (first, lines) = self.layout.lines(element);
         let access = if element.write { self.writes.access(element.class, true) } else { Access::Read };
-        let asker = Asker { kind: Kind::ShadowCache, core: self.core(unit) };
-        for line in (first.0..first.0 + lines).map(LineAddr) {
-            to.access(&mut self.l1s[unit], asker, Wanted { line, class: element.class, access });
-        }
+        let asker = Asker { kind: Kind::ShadowCache, core: self.core(unit), class: element.class, access };
+        to.access_all(&mut self.l1s[unit], asker, self.layout.lines(element));
     }
 }
 

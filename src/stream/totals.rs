@@ -41,14 +41,18 @@ impl Totals {
 
     /// Counts a policy's steps.
     pub fn count_policy(&mut self, steps: impl Iterator<Item = Step>) {
-        for step in steps {
-            match step {
-                Step::Node(_) => self.policy_node_visits += 1,
-                Step::List(_) => self.list_reads += 1,
-                Step::Triangle { .. } => self.policy_triangle_tests += 1,
-                Step::Read { .. } => self.policy_reads += 1,
-                Step::Write { .. } | Step::Update { .. } => self.policy_writes += 1,
-            }
+        steps.for_each(|step| self.count_policy_step(step, 1));
+    }
+
+    /// Counts a policy's step that is made so many times.
+    #[inline]
+    fn count_policy_step(&mut self, step: Step, times: u64) {
+        match step {
+            Step::Node(_) => self.policy_node_visits += times,
+            Step::List(_) => self.list_reads += times,
+            Step::Triangle { .. } => self.policy_triangle_tests += times,
+            Step::Read { .. } => self.policy_reads += times,
+            Step::Write { .. } | Step::Update { .. } => self.policy_writes += times,
         }
     }
 
@@ -56,38 +60,49 @@ impl Totals {
     pub fn count(&mut self, ray: &Ray<'_>) {
         self.count_ray(ray.head.kind, ray.head.decision);
         self.count_path(&ray.head, Step::count(ray.packed_path()));
-        self.count_policy_of(ray);
+        let mut tags = [0; Step::TAGS];
+        ray.packed_policy().iter().for_each(|&word| tags[Step::tag(word) as usize] += 1);
+        self.count_policy_tags(&tags);
     }
 
-    /// Counts the policy's steps on a ray's account, and what its updates change.
-    fn count_policy_of(&mut self, ray: &Ray<'_>) {
-        self.count_policy(ray.policy());
-        let with = |effect| ray.packed_policy().iter().filter(|&&word| Step::effect(word) == Some(effect)).count();
-        self.repeated_updates += with(Effect::Repeats) as u64;
-        self.silent_updates += with(Effect::Silent) as u64;
+    /// Counts the policy's steps on rays' account by their tags, and what updates among them change.
+    fn count_policy_tags(&mut self, tags: &[u64; Step::TAGS]) {
+        for (tag, &times) in tags.iter().enumerate().filter(|&(_, &times)| times > 0) {
+            if let Some(step) = Step::of_tag(tag) {
+                self.count_policy_step(step, times);
+            }
+            match Step::effect(Step::packed(tag as u32, 0)) {
+                Some(Effect::Repeats) => self.repeated_updates += times,
+                Some(Effect::Silent) => self.silent_updates += times,
+                Some(Effect::Changes) | None => {}
+            }
+        }
     }
 
     /// Counts the rays of a chunk, each as [`Totals::count`] does.
     pub fn count_chunk(&mut self, chunk: &Chunk) {
         let is_shadow = |ray: usize| chunk.head(ray).kind == RayKind::Shadow;
-        let mut next = 0;
+        let (mut next, mut tags) = (0, [0; Step::TAGS]);
         while next < chunk.len() {
             // The steps of rays of the same kind lie together, and are counted together.
             let first = next;
-            let [mut nodes, mut lists, mut others] = [0; 3];
+            let [mut nodes, mut lists, mut policy] = [0; 3];
             while next < chunk.len() && is_shadow(next) == is_shadow(first) {
                 let ray = chunk.ray(next);
                 self.count_ray(ray.head.kind, ray.head.decision);
-                if !ray.packed_policy().is_empty() {
-                    let policy = Step::count(ray.packed_policy());
-                    [nodes, lists, others] = [nodes + policy[0], lists + policy[1], others + policy[2]];
-                    self.count_policy_of(&ray);
+                for &word in ray.packed_policy() {
+                    let tag = Step::tag(word);
+                    tags[tag as usize] += 1;
+                    nodes += u64::from(tag as i32 == Step::NODE);
+                    lists += u64::from(tag as i32 == Step::LIST);
+                    policy += 1;
                 }
                 next += 1;
             }
             let all = Step::count(chunk.packed_steps_of(first..next));
-            self.count_path(&chunk.head(first), [all[0] - nodes, all[1] - lists, all[2] - others]);
+            self.count_path(&chunk.head(first), [all[0] - nodes, all[1] - lists, all[2] - (policy - nodes - lists)]);
         }
+        self.count_policy_tags(&tags);
     }
 
     /// Counts a ray of a kind, for which the policy decided so.
