@@ -47,18 +47,26 @@ impl StoreSteps {
         }
         let mut kept = policy;
         for at in policy..steps.len() {
-            let word = steps[at];
-            if self.spec.performs(word) {
-                let update = Step::effect(word).and_then(|_| Step::unpack(word));
-                let learns = update.and_then(|step| layout.stores().learns(step));
-                self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
-                steps[kept] = learns.map_or(word, Step::pack);
-                kept += 1;
-            } else {
-                self.count_left_out(word, work, replayed);
+            match self.performed(steps[at], layout) {
+                Some(word) => {
+                    steps[kept] = word;
+                    kept += 1;
+                }
+                None => self.count_left_out(steps[at], work, replayed),
             }
         }
         steps.truncate(kept);
+    }
+
+    /// What is performed for a step of the policy on a ray's account, if anything is.
+    pub(crate) fn performed(&mut self, word: u32, layout: &Layout) -> Option<u32> {
+        if !self.spec.performs(word) {
+            return None;
+        }
+        let update = Step::effect(word).and_then(|_| Step::unpack(word));
+        let learns = update.and_then(|step| layout.stores().learns(step));
+        self.learned.extend(learns.and_then(Step::entry).map(|(_, index)| index));
+        Some(learns.map_or(word, Step::pack))
     }
 
     /// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.

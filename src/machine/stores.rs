@@ -79,6 +79,17 @@ impl Rows {
     }
 }
 
+/// Triangle records of primitives, as the stream's header has them.
+#[derive(Clone, Debug)]
+struct Records(Arc<[TriangleSlot]>);
+
+impl PartialEq for Records {
+    fn eq(&self, other: &Self) -> bool {
+        // Layouts of one stream share them, and are often compared.
+        Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
+    }
+}
+
 /// The stores of a stream, laid out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stores {
@@ -101,7 +112,7 @@ pub struct Stores {
     /// Entries of the store of mode words that are not of a primitive.
     rest: u64,
     occluders: u64,
-    records: Arc<[TriangleSlot]>,
+    records: Records,
     /// Where static triangle records begin, their size, and how much of it is the triangle.
     triangle_records: (u64, u64, u64),
 }
@@ -172,7 +183,7 @@ impl Stores {
             counter_rows,
             rest: 0,
             occluders: 0,
-            records: Arc::clone(&header.records),
+            records: Records(Arc::clone(&header.records)),
             triangle_records: (0, 0, 0),
         }
     }
@@ -232,6 +243,7 @@ impl Stores {
             }
             Store::ModeWord => match index.checked_sub(self.owners * self.words) {
                 Some(rest) => (self.rest + rest * WORD_BYTES, WORD_BYTES),
+                None if self.words == 1 => self.word(index, 0),
                 None => self.word(index / self.words, index % self.words),
             },
         }
@@ -239,7 +251,7 @@ impl Stores {
 
     /// What follows the triangle in the record of a primitive, if that is static and has one.
     fn in_record(&self, primitive: u64) -> Option<u64> {
-        let slot = self.records.get(primitive as usize).filter(|&&slot| slot != NO_RECORD)?;
+        let slot = self.records.0.get(primitive as usize).filter(|&&slot| slot != NO_RECORD)?;
         let (base, record, triangle) = self.triangle_records;
         Some(base + u64::from(slot.0) * record + triangle)
     }

@@ -4,9 +4,9 @@ use super::MachineSpec;
 use super::layout::{Layout, TRIANGLE_BYTES};
 use super::stores::StoreLayout;
 use super::word_traffic::LatchedCopy;
-use crate::quantity::{Resolution, TriangleSlot};
+use crate::quantity::{NodeId, Resolution, TriangleSlot};
 use crate::ranged::PowerOfTwoSize;
-use crate::stream::{Header, Step, Store, StoreEntries, Structure};
+use crate::stream::{FrameInfo, Header, Step, Stop, Store, StoreEntries, Structure};
 
 const LAYOUTS: [StoreLayout; 5] =
     [StoreLayout::Dense, StoreLayout::Packed, StoreLayout::Beside, StoreLayout::Record, StoreLayout::Tagged];
@@ -139,4 +139,28 @@ fn a_record_holds_the_word_of_its_triangle() {
     let record = layout.plane(TriangleSlot(3 * 7)).addr.0;
     assert_eq!(layout.entry(Store::PixelCounter, 3, false).addr.0, record + 48);
     assert_eq!(layout.entry(Store::ModeWord, 3, false).addr.0, record + 56);
+}
+
+#[test]
+fn lines_of_nodes_and_tests_are_those_of_their_elements() {
+    for bytes in [32, 64, 128] {
+        let machine = MachineSpec { line_bytes: PowerOfTwoSize::new(bytes).unwrap(), ..MachineSpec::default() };
+        let header = header(1);
+        let mut layout = Layout::new(&header, &machine);
+        layout.begin_frame(&FrameInfo { dynamic_nodes: 100, dynamic_slots: 100, ..FrameInfo::default() });
+        let lines = layout.node_lines();
+        assert_eq!(lines.is_some(), bytes == header.structure.node_bytes());
+        let (nodes, slots) = (header.static_nodes, header.static_slots);
+        for node in [0, 1, nodes - 1, nodes, nodes + 99].map(NodeId) {
+            let of = layout.lines(&layout.node(node));
+            assert!(lines.is_none_or(|lines| (lines.of(node), 1) == of), "{node:?}");
+        }
+        for slot in [0, 1, 2, 3, slots - 1, slots, slots + 1, slots + 99].map(TriangleSlot) {
+            let [plane, edges] = [layout.plane(slot), layout.edges(slot)].map(|part| layout.lines(&part));
+            assert_eq!(layout.test_lines(slot, Stop::Plane), plane);
+            assert!(edges.0.0 <= plane.0.0 + plane.1, "no line between them is left out");
+            let both = (plane.0, edges.0.0 + edges.1 - plane.0.0);
+            assert_eq!([Stop::Edges, Stop::Hit].map(|stop| layout.test_lines(slot, stop)), [both; 2]);
+        }
+    }
 }

@@ -278,6 +278,30 @@ mod tests {
     }
 
     proptest! {
+        /// Sets of two lines, which have code of their own, against lists of lines in the order of their uses.
+        #[test]
+        fn pairs_are_lists_in_the_order_of_uses(steps in prop::collection::vec((0..12u64, 0..8u8), 1..200)) {
+            let mut tags = TagArray::new(2, 2, 0, Policy::Lru);
+            let mut sets: [Vec<(u64, bool)>; 2] = Default::default();
+            for (number, what) in steps {
+                let (line, write, set) = (LineAddr(number), what % 2 == 1, &mut sets[number as usize % 2]);
+                if what >= 6 {
+                    tags.drop_line(line);
+                    set.retain(|&(other, _)| other != number);
+                    continue;
+                }
+                let place = set.iter().position(|&(other, _)| other == number);
+                prop_assert_eq!(tags.access(line, write), place.is_some());
+                let dirty = place.map(|place| set.remove(place).1);
+                set.insert(0, (number, write || dirty == Some(true)));
+                let gone = if set.len() > 2 { set.pop() } else { None };
+                if place.is_none() {
+                    let victim = tags.fill(line, TrafficClass::Node, write);
+                    prop_assert_eq!(victim.map(|victim| (victim.line.0, victim.dirty)), gone);
+                }
+            }
+        }
+
         /// Mattson et al. 1970: what an LRU set of `n` lines holds, one of `n + 1` holds too.
         #[test]
         fn lru_sets_include_smaller_ones(lines in prop::collection::vec(0..24u64, 1..200), ways in 1..12usize, sets in 0..3u32) {

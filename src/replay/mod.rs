@@ -21,4 +21,4 @@ pub use crate::engine::{
     Estimate, Exact, Items, Level, LineStream, Observer, Place, Places, ReuseOf, RunError, Sampled, Seen, Source,
 };
 pub use crate::ranged::Share;
-pub(crate) use crate::sampling::{Cut, Verdict};
+pub(crate) use crate::sampling::{Cut, Lengths, Verdict};

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::axis::Axis;
 use super::plan::{Cut, Plan};
 use super::strata::Point;
+use super::window_rays::WindowRays;
 use crate::engine::source::{StreamFault, check_chunk, check_step};
 use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
@@ -48,6 +49,8 @@ pub(super) struct Lead {
     pub pieces: usize,
     /// The points that lie in it.
     pub hits: Vec<Point>,
+    /// Its rays, once a machine has put them together.
+    pub rays: Arc<WindowRays>,
 }
 
 /// Cuts a stream.
@@ -166,6 +169,7 @@ impl Cutter {
             window: first + window,
             pieces: to_first(window),
             hits: self.points(first + window),
+            rays: Arc::default(),
         });
         begin.filter(|lead| !lead.hits.is_empty()).collect()
     }

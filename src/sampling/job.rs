@@ -47,7 +47,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             Ok(Found::End(end.unwrap_or_default()))
         }
         JobWork::Window(work) => {
-            let WindowWork { hits, before, own, behind } = work.as_ref();
+            let WindowWork { hits, before, own, behind, .. } = work.as_ref();
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];

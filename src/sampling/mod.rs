@@ -15,6 +15,7 @@ mod kept;
 mod known;
 mod l2_tags;
 mod lane;
+mod others;
 mod pass;
 mod path_tags;
 mod performed;
@@ -26,12 +27,13 @@ mod strata;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod window_rays;
 mod windows;
 mod word_tags;
 
 pub(crate) use self::auto::{auto, pays};
 pub(crate) use self::grow::Against;
 pub(crate) use self::pass::Each;
-pub(crate) use self::plan::Cut;
+pub(crate) use self::plan::{Cut, Lengths};
 pub(crate) use self::sample::{sample, sample_together, sample_until_within};
 pub(crate) use self::verdict::Verdict;

@@ -23,9 +23,9 @@ use crate::stream::Header;
 const CUT: usize = 4;
 const JOBS: usize = 2;
 
-/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, three times. Of a
+/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, five times. Of a
 /// long stream more are, a share of the windows that costs hardly anything, since to pass over it again costs much.
-const KEPT: usize = 8;
+const KEPT: usize = 32;
 const KEPT_SHARE: f64 = 1.0 / 64.0;
 /// Bytes of jobs that are kept at most, of all machines.
 const MOST_BYTES: usize = 1 << 30;
@@ -90,7 +90,7 @@ impl<'a> Sampler<'a> {
             let most = (KEPT * plan.draws.end).max((KEPT_SHARE * plan.strata.length) as usize);
             let later = plan.draws.end..keep.min(most).max(plan.draws.end);
             let windows = Windows::new(machine, self.header, plan.clone(), later.end);
-            (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES / members.len()) })
+            (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES, members.len()) })
         });
         let mut dealt: Vec<Vec<Lane>> = Vec::new();
         for (at, lane) in lane::lanes(self.header, on_lanes, self.threads).into_iter().enumerate() {

@@ -8,6 +8,7 @@ use std::mem::{replace, take};
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::others::{KINDS, Others, Units, reader};
 use super::performed::Performed;
 use super::requests::{Asker, Requests};
 use crate::engine::warm::L1s;
@@ -22,11 +23,6 @@ use crate::quantity::{LineAddr, NodeId, TriangleSlot};
 use crate::random::mix;
 use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step, Stop};
-
-const KINDS: usize = Kind::ALL.len();
-
-/// The unit of each kind that a ray goes to.
-type Units = [u16; KINDS];
 
 /// The tags of the L1s of all units but the shadow-cache units.
 #[derive(Clone, Debug)]
@@ -62,7 +58,7 @@ struct Entries {
     performed: Performed,
     writes: WritePolicy,
     /// The steps of the ray that was asked for last.
-    steps: Vec<u32>,
+    steps: Vec<Step>,
 }
 
 /// What rays did up to where their paths end.
@@ -286,8 +282,8 @@ impl PathTags {
         self.tests(policy, core, units);
         if let Some(entries) = &mut self.entries {
             let mut steps = take(&mut entries.steps);
-            entries.performed.of_ray(policy, &self.layout, &mut steps);
-            Step::unpack_all(&steps).for_each(|step| self.entry(step));
+            entries.performed.of_ray(policy, &self.layout, |step| steps.push(step));
+            steps.drain(..).for_each(|step| self.entry(step));
             self.entries.iter_mut().for_each(|entries| entries.steps = take(&mut steps));
         }
     }
@@ -318,18 +314,18 @@ impl PathTags {
         for &word in steps {
             match Step::node(word) {
                 Some(node) => by.requests.access_all(l1, visitor, lines(by.layout, node)),
-                None => by.other(word),
+                None => by.step(word),
             }
         }
     }
 
     /// The L1 of the traversal unit that a ray goes to, and the others.
     #[inline]
-    fn of_ray(&mut self, core: u16, units: Units) -> (&mut TimelessCache, OfRay<'_>) {
+    fn of_ray(&mut self, core: u16, units: Units) -> (&mut TimelessCache, Others<'_>) {
         let Self { layout, l1s, operations, keeps_triangles, trodden, .. } = self;
         let [traversal, lists, intersection, _] = l1s;
         let (keeps_triangles, requests) = (*keeps_triangles, &mut trodden.requests);
-        let others = OfRay { layout, lists, intersection, units, operations, keeps_triangles, core, requests };
+        let others = Others { layout, lists, intersection, units, operations, keeps_triangles, core, requests };
         (&mut traversal[usize::from(units[Kind::Traversal as usize])], others)
     }
 
@@ -348,61 +344,4 @@ impl PathTags {
         operations[kind] += 1;
         requests.access_all(&mut l1s[kind][unit], asker, layout.lines(&element));
     }
-}
-
-/// The units that a ray goes to, but for that which visits nodes.
-struct OfRay<'a> {
-    layout: &'a Layout,
-    lists: &'a mut [TimelessCache],
-    intersection: &'a mut [TimelessCache],
-    units: Units,
-    /// All steps of a path count as visits first.
-    operations: &'a mut [u64; KINDS],
-    keeps_triangles: bool,
-    core: u16,
-    requests: &'a mut Requests,
-}
-
-impl OfRay<'_> {
-    /// A step of a path that visits no node.
-    #[inline]
-    fn other(&mut self, word: u32) {
-        self.operations[Kind::Traversal as usize] -= 1;
-        match Step::unpack(word).expect("packed steps are valid") {
-            Step::Triangle { slot, stop } => self.test(slot, stop),
-            Step::List(entry) => {
-                self.operations[Kind::List as usize] += 1;
-                let l1 = &mut self.lists[usize::from(self.units[Kind::List as usize])];
-                let asker = reader(Kind::List, self.core, TrafficClass::List);
-                self.requests.access_all(l1, asker, self.layout.lines(&self.layout.list_entry(entry)));
-            }
-            Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
-                unreachable!("who cuts the stream has checked its chunks")
-            }
-        }
-    }
-
-    /// A triangle is tested, up to where the test stops.
-    #[inline]
-    fn test(&mut self, slot: TriangleSlot, stop: Stop) {
-        let Self { layout, requests, .. } = self;
-        let kind = Kind::Intersection;
-        self.operations[kind as usize] += if stop == Stop::Plane { 1 } else { 2 };
-        let l1 = &mut self.intersection[usize::from(self.units[kind as usize])];
-        let asker = reader(kind, self.core, TrafficClass::Triangle);
-        if self.keeps_triangles {
-            // To read a line that was just read changes nothing.
-            requests.access_all(l1, asker, layout.test_lines(slot, stop));
-            return;
-        }
-        requests.access_all(l1, asker, layout.lines(&layout.plane(slot)));
-        if stop != Stop::Plane {
-            requests.access_all(l1, asker, layout.lines(&layout.edges(slot)));
-        }
-    }
-}
-
-/// A unit of a core that reads.
-fn reader(kind: Kind, core: u16, class: TrafficClass) -> Asker {
-    Asker { kind, core, class, access: Access::Read }
 }

@@ -18,6 +18,8 @@ pub(super) fn spec_of(machine: &MachineSpec) -> ShadowCacheSpec {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Performed {
     steps: StoreSteps,
+    /// Those of a ray, while they are changed.
+    changed: Vec<u32>,
     /// What was done otherwise than recorded, which nobody asks for here.
     work: StoreWork,
     replayed: Totals,
@@ -28,20 +30,26 @@ impl Performed {
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         Self {
             steps: StoreSteps::new(&spec_of(machine), header),
+            changed: Vec::new(),
             work: StoreWork::default(),
             replayed: Totals::default(),
         }
     }
 
-    /// Puts into `steps` the packed steps that are performed of those that the stream has of a ray.
-    pub(super) fn of_ray(&mut self, policy: &[u32], layout: &Layout, steps: &mut Vec<u32>) {
-        steps.clear();
-        steps.extend_from_slice(policy);
-        self.steps.leave_out(steps, 0, layout, (&mut self.work, &mut self.replayed));
-        let mut next = if self.steps.sets_on_first_touch() { 0 } else { steps.len() };
-        while next < steps.len() {
-            next += self.steps.first_touch(steps, next, layout, &mut self.work).map_or(1, usize::from);
+    /// Calls `perform` for each step that is performed of those that the stream has, packed, of a ray's policy.
+    pub(super) fn of_ray(&mut self, policy: &[u32], layout: &Layout, perform: impl FnMut(Step)) {
+        let Self { steps, changed, work, .. } = self;
+        let unpacked = |word: u32| Step::unpack(word).expect("packed steps are valid");
+        if !steps.sets_on_first_touch() {
+            return policy.iter().filter_map(|&word| steps.performed(word, layout)).map(unpacked).for_each(perform);
         }
+        changed.clear();
+        changed.extend(policy.iter().filter_map(|&word| steps.performed(word, layout)));
+        let mut next = 0;
+        while next < changed.len() {
+            next += steps.first_touch(changed, next, layout, work).map_or(1, usize::from);
+        }
+        changed.iter().copied().map(unpacked).for_each(perform);
     }
 
     /// Steps that are performed at the end of a frame for which the stream has these.

@@ -10,7 +10,8 @@ use crate::stream::Header;
 
 /// Pixels before a window for a ray that the machine has room for.
 const BEFORE_A_RAY: usize = 2;
-/// Pixels before a window, and of it, at least.
+/// Pixels before a window of the least length, at least. Before a longer one fewer do, down to half: what is amiss where
+/// it begins weighs less.
 const LEAST_BEFORE: usize = 1024;
 const LEAST_OWN: usize = 512;
 /// Lines of a traversal unit's L1 for a piece of a window.
@@ -40,40 +41,61 @@ pub(crate) struct Cut {
     pub behind: usize,
 }
 
-impl Cut {
-    /// The cut for `machine`. As many primary rays as the pool has entries can be in flight, and their children come
-    /// after them: a piece has as many pixels. It takes a while until an empty machine behind warm tags works as one in
-    /// the middle of a frame, and the longer the more its L1s hold: on `small`, robot moved 1.2 % more bytes of the L2
-    /// with two pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two pieces
-    /// of 1024, 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1
-    /// has. Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to
-    /// 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and
-    /// 0.4 % fewer. So what comes before is the longer the more rays there is room for.
+/// How long a machine wants pieces and windows to be, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Lengths {
+    /// Of a piece.
+    piece: usize,
+    /// Of a window.
+    own: usize,
+    /// Rays that there is room for, in the pool and in FIFOs.
+    room: usize,
+}
+
+impl Lengths {
+    /// Those of `machine`. As many primary rays as the pool has entries can be in flight, and their children come after
+    /// them: a piece has as many pixels. Windows are the longer the more lines an L1 has ([`Lengths::cut`]).
     pub(crate) fn new(machine: &MachineSpec) -> Self {
-        let pixels = machine.pool() as usize;
+        let piece = machine.pool() as usize;
         let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
-        let own = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(pixels)).max(2);
-        let room =
-            pixels + machine.cores.size() * (machine.dispatcher.in_fifo.size() + machine.dispatcher.out_fifo.size());
-        let before = (BEFORE_A_RAY * room + pixels / 2) / pixels;
-        Self { pixels, before: before.max(LEAST_BEFORE.div_ceil(pixels)), own, behind: 1 }
+        let pieces = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(piece)).max(2);
+        let fifos = machine.dispatcher.in_fifo.size() + machine.dispatcher.out_fifo.size();
+        Self { piece, own: pieces * piece, room: piece + machine.cores.size() * fifos }
     }
 
-    /// One cut for several machines: of each length, the longest that one of them asks for. What they measure can be
-    /// compared window by window.
-    pub(crate) fn common(machines: impl IntoIterator<Item = Self>) -> Option<Self> {
-        machines.into_iter().reduce(|a, b| {
-            let pixels = a.pixels.max(b.pixels);
-            let longer = |of: fn(&Self) -> usize| {
-                [a, b].iter().map(|cut| (of(cut) * cut.pixels).div_ceil(pixels)).max().unwrap_or_default()
-            };
-            Self {
-                pixels,
-                before: longer(|cut| cut.before),
-                own: longer(|cut| cut.own).max(2),
-                behind: longer(|cut| cut.behind),
-            }
-        })
+    /// Those that are enough for both.
+    fn longer(self, other: Self) -> Self {
+        let Self { piece, own, room } = self;
+        Self { piece: piece.max(other.piece), own: own.max(other.own), room: room.max(other.room) }
+    }
+
+    /// The cut with these lengths. It takes a while until an empty machine behind warm tags works as one in the middle
+    /// of a frame, and the longer the more its L1s hold: on `small`, robot moved 1.2 % more bytes of the L2 with two
+    /// pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two pieces of 1024,
+    /// 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has, and
+    /// the longer they are the fewer pixels before them do: on `small` with L1s of 64 KiB, with 384 pixels before
+    /// windows of 2048 L2 bytes are 0.3 % off and less, with 1024 0.3 % too (kitchen, living room, staircase). Long
+    /// FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to 1.2 %
+    /// fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 %
+    /// fewer. So what comes before is the longer the more rays there is room for.
+    fn cut(self) -> Cut {
+        let Self { piece, own, room } = self;
+        let least = (LEAST_BEFORE * LEAST_OWN / own).max(LEAST_BEFORE / 2);
+        let before = (BEFORE_A_RAY * room + piece / 2) / piece;
+        Cut { pixels: piece, before: before.max(least.div_ceil(piece)), own: own.div_ceil(piece).max(2), behind: 1 }
+    }
+}
+
+impl Cut {
+    /// The cut for `machine`.
+    pub(crate) fn new(machine: &MachineSpec) -> Self {
+        Lengths::new(machine).cut()
+    }
+
+    /// One cut for several machines, as long as the longest asks for: what they measure can be compared window by
+    /// window.
+    pub(crate) fn common(machines: impl IntoIterator<Item = Lengths>) -> Option<Self> {
+        machines.into_iter().reduce(Lengths::longer).map(Lengths::cut)
     }
 
     /// Windows of the measured frames of a stream, about.

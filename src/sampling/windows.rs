@@ -9,6 +9,7 @@ use super::estimate::Population;
 use super::known::{Capacity, Known};
 use super::plan::Plan;
 use super::strata::Point;
+use super::window_rays::WindowRays;
 use crate::engine::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, FrameInfo, Header};
@@ -57,20 +58,18 @@ pub(crate) struct WindowWork {
     pub own: Part,
     /// What comes behind it, which keeps what is in flight full; less at a frame's end.
     pub behind: Part,
+    /// The rays of all three, as all machines share them.
+    pub rays: Arc<WindowRays>,
+}
+
+impl WindowWork {
+    /// The three, in order.
+    pub(super) fn parts_mut(&mut self) -> [&mut Part; 3] {
+        [&mut self.before, &mut self.own, &mut self.behind]
+    }
 }
 
 impl Job {
-    /// The rays of a window and of what is beside it.
-    pub(crate) fn rays_mut(&mut self) -> Vec<&mut Arc<Chunk>> {
-        match &mut self.work {
-            JobWork::Window(window) => {
-                let WindowWork { before, own, behind, .. } = window.as_mut();
-                vec![&mut before.rays, &mut own.rays, &mut behind.rays]
-            }
-            JobWork::End(_) => Vec::new(),
-        }
-    }
-
     /// What it takes in memory, about.
     pub(crate) fn bytes(&self) -> usize {
         let work = match &self.work {
@@ -91,19 +90,18 @@ struct Piece {
     known: Known,
 }
 
-impl Part {
-    /// Pieces, whose rays are marked if they are of the window itself.
-    fn of(pieces: &[Piece], is_own: bool) -> Self {
-        let (mut rays, mut known) = (Chunk::default(), Known::default());
-        if is_own {
-            rays.mark();
-        }
-        for piece in pieces {
-            known += piece.known;
-            rays.extend(&piece.chunk, piece.rays.clone());
-        }
-        Self { rays: Arc::new(rays), known }
-    }
+/// The rays of pieces.
+fn rays_of(pieces: &[Piece]) -> Chunk {
+    let mut rays = Chunk::default();
+    pieces.iter().for_each(|piece| rays.extend(&piece.chunk, piece.rays.clone()));
+    rays
+}
+
+/// What is known of pieces.
+fn known_of(pieces: &[Piece]) -> Known {
+    let mut known = Known::default();
+    pieces.iter().for_each(|piece| known += piece.known);
+    known
 }
 
 /// A window that is being put together.
@@ -113,6 +111,7 @@ struct Open {
     hits: Vec<Point>,
     /// Pieces that come before the window's first one.
     lead: usize,
+    rays: Arc<WindowRays>,
     warm: WarmCaches,
     before: Vec<Piece>,
     own: Vec<Piece>,
@@ -120,9 +119,9 @@ struct Open {
 }
 
 impl Open {
-    fn new(Lead { window, pieces: lead, hits }: Lead, warm: WarmCaches) -> Self {
+    fn new(Lead { window, pieces: lead, hits, rays }: Lead, warm: WarmCaches) -> Self {
         let (before, own, behind) = (Vec::new(), Vec::new(), Vec::new());
-        Self { window, hits, lead, warm, before, own, behind }
+        Self { window, hits, lead, rays, warm, before, own, behind }
     }
 }
 
@@ -253,11 +252,19 @@ impl Windows {
 
     /// A job of a window that was put together.
     fn job(&mut self, open: Open) -> Job {
-        let Open { hits, warm, before, own, behind, .. } = open;
+        let Open { hits, rays, warm, before, own, behind, .. } = open;
         let draw = hits.iter().map(|hit| hit.draw).min().unwrap_or_default();
-        let [before, own, behind] =
-            [(before, false), (own, true), (behind, false)].map(|(pieces, is_own)| Part::of(&pieces, is_own));
-        let work = JobWork::Window(Box::new(WindowWork { hits, before, own, behind }));
+        let pieces = [before, own, behind];
+        let chunks = rays.chunks(|| {
+            let [before, mut own, behind] = pieces.each_ref().map(|pieces| rays_of(pieces));
+            own.mark();
+            [before, own, behind]
+        });
+        let [before_rays, own_rays, behind_rays] = chunks;
+        let [before, own, behind] = pieces.each_ref().map(|pieces| known_of(pieces));
+        let part = |rays, known| Part { rays, known };
+        let [before, own, behind] = [part(before_rays, before), part(own_rays, own), part(behind_rays, behind)];
+        let work = JobWork::Window(Box::new(WindowWork { hits, before, own, behind, rays }));
         self.jobs += 1;
         Job { number: self.jobs - 1, draw, info: self.info, warm, work }
     }

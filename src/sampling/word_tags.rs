@@ -16,6 +16,7 @@ use crate::machine::traffic::HostTraffic;
 use crate::machine::writes::WritePolicy;
 use crate::memory::cache::Access;
 use crate::memory::timeless::TimelessCache;
+use crate::quantity::LineAddr;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
 
 /// The tags of all shadow-cache units' L1s, and what they count. Where they are equal before a stream, machines of one
@@ -25,16 +26,24 @@ pub(super) struct WordTags {
     layout: Layout,
     spec: ShadowCacheSpec,
     performed: Performed,
-    l1s: Vec<TimelessCache>,
-    writes: WritePolicy,
-    /// Cycles from an operation to the next, and operations that begin at once.
-    interval: u64,
+    units: Units,
+    /// Operations that begin at once.
     width: u64,
-    cores: usize,
     /// What tells how many rays are in flight; the DRAM does not.
     capacity: Capacity,
     /// The host's own lines.
     host: Option<HostTraffic>,
+}
+
+/// The units.
+#[derive(Debug, PartialEq)]
+struct Units {
+    place: Place,
+    l1s: Vec<TimelessCache>,
+    writes: WritePolicy,
+    /// Cycles from an operation to the next.
+    interval: u64,
+    cores: usize,
     /// Operations on entries that have their home at each unit.
     at_home: Vec<u64>,
 }
@@ -45,18 +54,22 @@ impl WordTags {
         let line = machine.line_bytes.get();
         let unit = Kind::ShadowCache.spec(machine);
         let l1 = TimelessCache::new(unit.cache.tags(line), unit.cache.no_allocate);
+        let units = Units {
+            place: machine.shadow_cache.place,
+            l1s: vec![l1; unit.count as usize],
+            writes: unit.writes,
+            interval: unit.interval,
+            cores: machine.cores.size(),
+            at_home: vec![0; unit.count as usize],
+        };
         Self {
             layout: Layout::new(header, machine),
             spec: performed::spec_of(machine),
             performed: Performed::new(machine, header),
-            l1s: vec![l1; unit.count as usize],
-            writes: unit.writes,
-            interval: unit.interval,
+            units,
             width: unit.width,
-            cores: machine.cores.size(),
             capacity: Capacity::of_units(machine),
             host: HostTraffic::new(&machine.traffic, line),
-            at_home: vec![0; unit.count as usize],
         }
     }
 
@@ -67,26 +80,27 @@ impl WordTags {
 
     /// What the L1s hold now.
     pub(super) fn snapshot(&self) -> Arc<Vec<TimelessCache>> {
-        Arc::new(self.l1s.clone())
+        Arc::new(self.units.l1s.clone())
     }
 
     /// A frame begins.
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         let first = self.layout.dynamic_part();
-        self.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
+        self.units.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
     }
 
     /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends. What the
     /// paths asked for lies elsewhere here, if `shift` says so.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden, shift: Shift) -> Requests {
         let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
-        let (mut from, mut steps) = (0, Vec::new());
+        let Self { layout, performed, units, .. } = self;
+        let mut from = 0;
         for end in &trodden.ends {
             here(&trodden.requests.list[from..end.requests], shift, &mut to);
             from = end.requests;
-            self.performed.of_ray(chunk.ray(end.ray).packed_policy(), &self.layout, &mut steps);
-            Step::unpack_all(&steps).for_each(|step| self.step(step, end, &mut to));
+            let policy = chunk.ray(end.ray).packed_policy();
+            performed.of_ray(policy, layout, |step| units.perform(step, layout, end, &mut to));
         }
         here(&trodden.requests.list[from..], shift, &mut to);
         self.whole_rays(chunk, rays, &mut to.known);
@@ -99,7 +113,7 @@ impl WordTags {
         let mut to = Requests { list: Vec::new(), known: trodden.requests.known };
         here(&trodden.requests.list, shift, &mut to);
         for step in self.performed.at_end(steps, &self.layout) {
-            self.step(step, &PathEnd::default(), &mut to);
+            self.units.perform(step, &self.layout, &PathEnd::default(), &mut to);
         }
         self.settle_home(&mut to.known);
         to
@@ -120,43 +134,48 @@ impl WordTags {
         }
         if self.spec.decide.takes_an_operation(Decision::Skip) {
             let skipped = rays.filter(|&ray| chunk.head(ray).decision == Decision::Skip).count();
-            known.operations[Kind::ShadowCache as usize] += skipped as u64 * self.interval;
+            known.operations[Kind::ShadowCache as usize] += skipped as u64 * self.units.interval;
         }
     }
 
     /// The home of the most entries is known for a piece.
     fn settle_home(&mut self, known: &mut Known) {
-        known.home = self.at_home.iter().copied().max().unwrap_or_default().div_ceil(self.width);
-        self.at_home.fill(0);
+        let at_home = &mut self.units.at_home;
+        known.home = at_home.iter().copied().max().unwrap_or_default().div_ceil(self.width);
+        at_home.fill(0);
     }
+}
 
-    fn step(&mut self, step: Step, end: &PathEnd, to: &mut Requests) {
+impl Units {
+    /// A step of the policy of a ray whose path ends there.
+    #[inline]
+    fn perform(&mut self, step: Step, layout: &Layout, end: &PathEnd, to: &mut Requests) {
         let element = match step {
             // The path's units do it.
             Step::Triangle { .. } => return,
-            Step::Node(node) => self.layout.node(node),
-            Step::List(entry) => self.layout.list_entry(entry),
-            Step::Read { store, index } => self.layout.entry(store, index, false),
-            Step::Write { store, index } | Step::Update { store, index } => self.layout.entry(store, index, true),
+            Step::Node(node) => layout.node(node),
+            Step::List(entry) => layout.list_entry(entry),
+            Step::Read { store, index } => layout.entry(store, index, false),
+            Step::Write { store, index } | Step::Update { store, index } => layout.entry(store, index, true),
         };
         to.known.operations[Kind::ShadowCache as usize] += self.interval;
+        let lines = layout.lines(&element);
         let units = self.l1s.len();
         if step.entry().is_none() {
             let of_core = units / self.cores;
             let unit = usize::from(end.core) * of_core + (end.number % of_core as u64) as usize;
-            return self.access(unit, &element, to);
+            return self.access(unit, &element, lines, to);
         }
-        let (line, _) = self.layout.lines(&element);
-        let home = (line.0 % units as u64) as usize;
-        match self.spec.place {
+        let home = if units == 1 { 0 } else { (lines.0.0 % units as u64) as usize };
+        match self.place {
             Place::Own => {
                 self.at_home[home] += self.interval;
-                self.access(home, &element, to);
+                self.access(home, &element, lines, to);
             }
             Place::L2 => {
                 self.at_home[home] += self.interval;
                 to.known.missed[Kind::ShadowCache as usize] += 1;
-                to.add(Request { line, core: self.core(home), class: element.class, write: element.write });
+                to.add(Request { line: lines.0, core: self.core(home), class: element.class, write: element.write });
             }
             // The path's units access the one; the other costs nothing.
             Place::Triangle | Place::Free => {}
@@ -164,13 +183,13 @@ impl WordTags {
     }
 
     fn core(&self, unit: usize) -> u16 {
-        (unit * self.cores / self.l1s.len()) as u16
+        if self.cores == 1 { 0 } else { (unit * self.cores / self.l1s.len()) as u16 }
     }
 
-    fn access(&mut self, unit: usize, element: &Element, to: &mut Requests) {
+    fn access(&mut self, unit: usize, element: &Element, lines: (LineAddr, u64), to: &mut Requests) {
         let access = if element.write { self.writes.access(element.class, true) } else { Access::Read };
         let asker = Asker { kind: Kind::ShadowCache, core: self.core(unit), class: element.class, access };
-        to.access_all(&mut self.l1s[unit], asker, self.layout.lines(element));
+        to.access_all(&mut self.l1s[unit], asker, lines);
     }
 }
 

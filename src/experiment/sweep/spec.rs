@@ -20,7 +20,7 @@ use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::quantity::Resolution;
 use crate::ranged::Within;
-use crate::replay::{Cut, Fidelity, Share};
+use crate::replay::{Cut, Fidelity, Lengths, Share};
 use crate::report::format::counted;
 use crate::report::sweep::{Change, Own};
 use crate::ron_file::{self, ConfigError, Kind};
@@ -187,8 +187,8 @@ impl Sweep {
         if sweep.experiment.spec.fidelity.samples() {
             for base in 0..sweep.experiment.machines.len() {
                 let of_base = (0..sweep.len()).filter(|&machine| sweep.base(machine) == base);
-                let cuts = of_base.map(|machine| Ok::<_, SweepError>(Cut::new(&sweep.machine(machine)?.spec)));
-                sweep.cuts.extend(Cut::common(cuts.collect::<Result<Vec<_>, _>>()?));
+                let of_machine = |machine| Ok::<_, SweepError>(Lengths::new(&sweep.machine(machine)?.spec));
+                sweep.cuts.extend(Cut::common(of_base.map(of_machine).collect::<Result<Vec<_>, _>>()?));
                 if sweep.experiment.spec.fidelity.has_target() {
                     sweep.baselines.push(sweep.machine(sweep.first(base))?.spec);
                 }

@@ -9,7 +9,7 @@ mod traffic;
 
 use super::findings::Findings;
 use super::pass::{Member, Pass, Sampler};
-use super::plan::{Cut, Plan};
+use super::plan::{Cut, Lengths, Plan};
 use super::strata::Strata;
 use crate::engine::tests::agreement::check_many;
 use crate::engine::tests::frames::numbered;
@@ -20,6 +20,7 @@ use crate::engine::tests::{items, num};
 use crate::engine::{Level, Sampled};
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
+use crate::ranged::Size;
 use crate::replay::{Fidelity, Replay};
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{FrameInfo, Header, Item};
@@ -148,11 +149,15 @@ fn a_sample_goes_on_by_no_more_than_double() {
 /// What one machine asks for is enough for all.
 #[test]
 fn a_common_cut_is_as_long_as_the_longest() {
-    let [small, desktop] = ["small", "desktop"].map(|name| Cut::new(&shipped(name)));
-    let common = Cut::common([small, desktop]).unwrap();
-    assert_eq!(common, Cut::common([desktop, small]).unwrap());
-    assert_eq!((common.window(), common.pixels), (desktop.window(), desktop.pixels));
-    assert_eq!(Cut::common([small, small]), Some(small));
+    let [small, desktop] = ["small", "desktop"].map(|name| Lengths::new(&shipped(name)));
+    let cut = |all: &[Lengths]| Cut::common(all.iter().copied());
+    assert_eq!(cut(&[small]), Some(Cut::new(&shipped("small"))));
+    assert_eq!(cut(&[small, desktop]), cut(&[desktop]));
+    assert_eq!(cut(&[small, desktop]), cut(&[desktop, small]));
+    let mut large_l1 = shipped("small");
+    large_l1.traversal.cache.bytes = Size::new(65536).unwrap();
+    let large = Cut { pixels: 128, before: 4, own: 16, behind: 1 };
+    assert_eq!(cut(&[small, Lengths::new(&large_l1)]), Some(large), "less comes before a longer window");
     assert_eq!(Cut::common([]), None);
 }
 

@@ -1,0 +1,72 @@
+//! The L1s that a ray's path goes to beside that of its traversal unit: those of a list and of an intersection unit.
+
+use super::requests::{Asker, Requests};
+use crate::machine::kinds::Kind;
+use crate::machine::layout::Layout;
+use crate::memory::cache::Access;
+use crate::memory::timeless::TimelessCache;
+use crate::quantity::TriangleSlot;
+use crate::stats::TrafficClass;
+use crate::stream::{Step, Stop};
+
+pub(super) const KINDS: usize = Kind::ALL.len();
+
+/// The unit of each kind that a ray goes to.
+pub(super) type Units = [u16; KINDS];
+
+/// The units of a ray, and what they ask for.
+pub(super) struct Others<'a> {
+    pub layout: &'a Layout,
+    pub lists: &'a mut [TimelessCache],
+    pub intersection: &'a mut [TimelessCache],
+    pub units: Units,
+    /// All steps of a path count as visits first.
+    pub operations: &'a mut [u64; KINDS],
+    pub keeps_triangles: bool,
+    pub core: u16,
+    pub requests: &'a mut Requests,
+}
+
+impl Others<'_> {
+    /// A step of a path that visits no node.
+    #[inline]
+    pub(super) fn step(&mut self, word: u32) {
+        self.operations[Kind::Traversal as usize] -= 1;
+        match Step::unpack(word).expect("packed steps are valid") {
+            Step::Triangle { slot, stop } => self.test(slot, stop),
+            Step::List(entry) => {
+                self.operations[Kind::List as usize] += 1;
+                let l1 = &mut self.lists[usize::from(self.units[Kind::List as usize])];
+                let asker = reader(Kind::List, self.core, TrafficClass::List);
+                self.requests.access_all(l1, asker, self.layout.lines(&self.layout.list_entry(entry)));
+            }
+            Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
+                unreachable!("who cuts the stream has checked its chunks")
+            }
+        }
+    }
+
+    /// A triangle is tested, up to where the test stops.
+    #[inline]
+    pub(super) fn test(&mut self, slot: TriangleSlot, stop: Stop) {
+        let Self { layout, requests, .. } = self;
+        let kind = Kind::Intersection;
+        self.operations[kind as usize] += if stop == Stop::Plane { 1 } else { 2 };
+        let l1 = &mut self.intersection[usize::from(self.units[kind as usize])];
+        let asker = reader(kind, self.core, TrafficClass::Triangle);
+        if self.keeps_triangles {
+            // To read a line that was just read changes nothing.
+            requests.access_all(l1, asker, layout.test_lines(slot, stop));
+            return;
+        }
+        requests.access_all(l1, asker, layout.lines(&layout.plane(slot)));
+        if stop != Stop::Plane {
+            requests.access_all(l1, asker, layout.lines(&layout.edges(slot)));
+        }
+    }
+}
+
+/// A unit of a core that reads.
+pub(super) fn reader(kind: Kind, core: u16, class: TrafficClass) -> Asker {
+    Asker { kind, core, class, access: Access::Read }
+}
