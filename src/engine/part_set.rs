@@ -9,15 +9,20 @@ pub(super) struct Range {
     pub first: u32,
     /// The first one behind them.
     pub end: u32,
-    /// Their bits, if those are in one word of a set.
-    mask: Option<u64>,
+    /// Their bits, if those are in a set's first word, which is all that most machines' sets have.
+    in_first: u64,
+    elsewhere: bool,
+    /// Their bits, if those are in one word; else none.
+    mask: u64,
 }
 
 impl Range {
     /// Those from `first` to before `end`.
     pub(super) fn new(first: u32, end: u32) -> Self {
         let in_one_word = first < end && first / 64 == (end - 1) / 64;
-        Self { first, end, mask: in_one_word.then(|| (!0 << (first % 64)) & (!0 >> (63 - (end - 1) % 64))) }
+        let mask = if in_one_word { (!0 << (first % 64)) & (!0 >> (63 - (end - 1) % 64)) } else { 0 };
+        let elsewhere = first < end && end > 64;
+        Self { first, end, in_first: if elsewhere { 0 } else { mask }, elsewhere, mask }
     }
 }
 
@@ -29,60 +34,87 @@ pub(super) enum Members {
     Several,
 }
 
+/// How many bits are set in a word, and the part of the only one; the lowest bit is part `first`.
+#[inline(always)]
+fn members(bits: u64, first: u32) -> Members {
+    match bits {
+        0 => Members::None,
+        _ if bits & (bits - 1) == 0 => Members::One(first + bits.trailing_zeros()),
+        _ => Members::Several,
+    }
+}
+
 /// The set.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PartSet(Vec<u64>);
+pub(super) struct PartSet {
+    first: u64,
+    others: Vec<u64>,
+}
 
 impl PartSet {
     /// An empty set of parts below `parts`.
     pub(super) fn new(parts: usize) -> Self {
-        Self(vec![0; parts.div_ceil(64)])
+        Self { first: 0, others: vec![0; parts.div_ceil(64).saturating_sub(1)] }
     }
 
     /// Replaces this set by the one in `words`, which is as large, and clears `words`.
     #[inline]
     pub(super) fn take_from(&mut self, words: &mut [u64]) {
-        // Most machines have fewer than 64 parts.
-        if let ([own], [word]) = (self.0.as_mut_slice(), &mut *words) {
+        let [first, others @ ..] = words else { return };
+        self.first = std::mem::take(first);
+        for (own, word) in self.others.iter_mut().zip(others) {
             *own = std::mem::take(word);
-            return;
         }
-        for (own, word) in self.0.iter_mut().zip(words) {
-            *own = std::mem::take(word);
+    }
+
+    #[inline]
+    fn word(&self, at: usize) -> u64 {
+        if at == 0 { self.first } else { self.others[at - 1] }
+    }
+
+    #[inline]
+    fn word_of(&mut self, part: u32) -> &mut u64 {
+        match part as usize / 64 {
+            0 => &mut self.first,
+            at => &mut self.others[at - 1],
         }
     }
 
     /// Adds a part.
     pub(super) fn add(&mut self, part: u32) {
-        self.0[part as usize / 64] |= 1 << (part % 64);
+        *self.word_of(part) |= 1 << (part % 64);
     }
 
     /// Removes a part.
     pub(super) fn remove(&mut self, part: u32) {
-        self.0[part as usize / 64] &= !(1 << (part % 64));
+        *self.word_of(part) &= !(1 << (part % 64));
     }
 
     /// Whether a part is in the set.
     #[inline]
     pub(super) fn has(&self, part: PartId) -> bool {
-        self.0[part.0 as usize / 64] & 1 << (part.0 % 64) != 0
+        self.word(part.0 as usize / 64) & 1 << (part.0 % 64) != 0
     }
 
     /// Which parts of a range are in the set.
-    #[inline]
-    pub(super) fn within(&self, Range { first, end, mask }: Range) -> Members {
-        let Some(mask) = mask else {
+    #[inline(always)]
+    pub(super) fn within(&self, parts: Range) -> Members {
+        if !parts.elsewhere {
+            return members(self.first & parts.in_first, 0);
+        }
+        self.within_words(parts.first, parts.end, parts.mask)
+    }
+
+    /// As [`PartSet::within`], of a range whose bits are in one word, or in any.
+    fn within_words(&self, first: u32, end: u32, mask: u64) -> Members {
+        if mask == 0 {
             return match self.next(first, end) {
                 None => Members::None,
                 Some(part) if self.next(part + 1, end).is_none() => Members::One(part),
                 Some(_) => Members::Several,
             };
-        };
-        match self.0[first as usize / 64] & mask {
-            0 => Members::None,
-            bits if bits & (bits - 1) == 0 => Members::One(first / 64 * 64 + bits.trailing_zeros()),
-            _ => Members::Several,
         }
+        members(self.word(first as usize / 64) & mask, first / 64 * 64)
     }
 
     /// Calls `act` for all parts from `first` to before `end`, in order.
@@ -92,7 +124,7 @@ impl PartSet {
         while at < end {
             let word = at / 64;
             let until = end.min(64 * (word + 1));
-            let mut bits = self.0[word as usize] & !0 << (at % 64) & !0 >> (64 * (word + 1) - until);
+            let mut bits = self.word(word as usize) & !0 << (at % 64) & !0 >> (64 * (word + 1) - until);
             while bits != 0 {
                 act(64 * word + bits.trailing_zeros());
                 bits &= bits - 1;
@@ -105,17 +137,20 @@ impl PartSet {
     #[inline]
     pub(super) fn next(&self, from: u32, end: u32) -> Option<u32> {
         let mut word = from as usize / 64;
-        let mut bits = *self.0.get(word)? & !0 << (from % 64);
+        if word > self.others.len() {
+            return None;
+        }
+        let mut bits = self.word(word) & !0 << (from % 64);
         loop {
             if bits != 0 {
                 let part = word as u32 * 64 + bits.trailing_zeros();
                 return (part < end).then_some(part);
             }
             word += 1;
-            if word as u32 * 64 >= end {
+            if word as u32 * 64 >= end || word > self.others.len() {
                 return None;
             }
-            bits = *self.0.get(word)?;
+            bits = self.word(word);
         }
     }
 }

@@ -64,6 +64,8 @@ impl Array {
 /// The lines of nodes of which each is a line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct NodeLines {
+    /// Bytes of a node, and of a line.
+    pub bytes: u64,
     static_count: u64,
     static_first: u64,
     /// Where dynamic nodes would begin if all before were like them.
@@ -189,7 +191,8 @@ impl Layout {
         let Array { element, static_count, static_base, dynamic_base, .. } = self.nodes;
         let [static_first, dynamic_first] = [static_base, dynamic_base].map(|base| base >> self.line_shift);
         let dynamic_first = dynamic_first.wrapping_sub(static_count);
-        (element == 1 << self.line_shift).then_some(NodeLines { static_count, static_first, dynamic_first })
+        let lines = NodeLines { bytes: element, static_count, static_first, dynamic_first };
+        (element == 1 << self.line_shift).then_some(lines)
     }
 
     /// The lines that a triangle test reads up to where it stops, one behind the other. One that plane and edges share

@@ -3,13 +3,13 @@
 
 use super::memory::Memory;
 use super::port::Port;
-use super::ray::{Ray, RayId};
+use super::ray::{Fetch, Ray, RayId};
 use super::wheel::Wheel;
 use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{StoreWork, StreamFault, check_step};
 use crate::engine::store_steps::StoreSteps;
 use crate::machine::MachineSpec;
-use crate::machine::layout::{Element, Layout};
+use crate::machine::layout::{Element, Layout, NodeLines};
 use crate::machine::parts::Parts;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::dram::Dram;
@@ -17,7 +17,7 @@ use crate::memory::l2::L2;
 use crate::memory::queue::Queue;
 use crate::memory::ring::Ring;
 use crate::memory::{PartId, Wake};
-use crate::quantity::LineAddr;
+use crate::quantity::{LineAddr, NodeId};
 use crate::stream::{Chunk, FrameInfo, Header, Step, Totals};
 
 /// A queue with a place for everything that can come.
@@ -65,6 +65,8 @@ pub(crate) struct Links {
     pub rays: Vec<Ray>,
     /// Addresses.
     pub layout: Layout,
+    /// The lines of the frame's nodes, if each is a line.
+    node_lines: Option<NodeLines>,
     /// Rays from the dispatcher to each traversal unit.
     pub dispatched: Vec<Inbox<RayId>>,
     /// Rays from list, intersection and division units back to each traversal unit, known since their last operations
@@ -141,6 +143,7 @@ impl Links {
             parts,
             rays: vec![Ray::default(); entries],
             layout: Layout::new(header, spec),
+            node_lines: None,
             dispatched: vec![Inbox::new(); parts.traversal as usize],
             returned: vec![Ring::new(); parts.traversal as usize],
             horizon: 0,
@@ -210,6 +213,15 @@ impl Links {
         });
     }
 
+    /// A fetch of a node, not begun yet.
+    #[inline]
+    pub(crate) fn node_fetch(&self, node: NodeId) -> Fetch {
+        match &self.node_lines {
+            Some(lines) => Fetch::of_node(lines.of(node), lines.bytes),
+            None => Fetch::of(&self.layout.node(node), &self.layout),
+        }
+    }
+
     /// The entry of a ray's next step.
     pub(crate) fn entry_element(&self, ray: RayId) -> Element {
         let step = self.rays[ray as usize].step().expect("the ray has a step of an entry");
@@ -265,6 +277,7 @@ impl Links {
     /// A frame begins: lines of the dynamic part go from the L2.
     pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
         self.layout.begin_frame(frame);
+        self.node_lines = self.layout.node_lines();
         let (shortest, list) = self.latencies;
         self.horizon = if self.layout.has_lists() { shortest.min(list) } else { shortest };
         let first = self.layout.dynamic_part();

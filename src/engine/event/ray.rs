@@ -162,6 +162,13 @@ impl Fetch {
         }
     }
 
+    /// A fetch of a node that is a line, not begun yet.
+    #[inline]
+    pub(crate) fn of_node(line: LineAddr, bytes: u64) -> Self {
+        let (class, bytes) = (TrafficClass::Node, bytes as u32);
+        Self { line, left: 1, missing: 0, write: false, straight: false, class, bytes }
+    }
+
     /// The line of an element that lies in one, whether it was accessed or not.
     pub(crate) fn only_line(&self) -> LineAddr {
         LineAddr(self.line.0 - u64::from(self.left == 0))

@@ -147,8 +147,8 @@ impl Traversal {
                 coming.take(links, index);
                 coming = Coming::first(links, index);
             }
-            let element = links.layout.node(node);
-            if !self.pipeline.fetch_ahead(id, &element, at, (line, bound), links) {
+            let fetch = links.node_fetch(node);
+            if !self.pipeline.fetch_ahead(id, fetch, at, (line, bound), links) {
                 return at;
             }
         }

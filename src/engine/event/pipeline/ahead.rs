@@ -4,7 +4,6 @@
 use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
 use super::unit::Pipeline;
-use crate::machine::layout::Element;
 use crate::memory::cache::{Access, Release};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::Cause;
@@ -45,40 +44,35 @@ impl Pipeline {
         self.hits.front().map_or(access, |hit| hit.0.min(access))
     }
 
-    /// A ray begins to read `element` in cycle `at`. No line can be put in before cycle `line`, and `bound` is that of
+    /// A ray begins a fetch in cycle `at`. No line can be put in before cycle `line`, and `bound` is that of
     /// [`Pipeline::bound`]. Whether that could be done; if not, the unit is to act in its next cycle.
     #[inline]
     pub(crate) fn fetch_ahead(
         &mut self,
         ray: RayId,
-        element: &Element,
+        mut fetch: Fetch,
         at: u64,
         (line, bound): (u64, u64),
         links: &mut Links,
     ) -> bool {
         // Most lines are there, and most units have enough to do.
-        let (first, lines) = links.layout.lines(element);
-        let mut there = 0;
         let mut there_at = 0;
         if self.fetching.is_empty() && !self.stuck {
-            while there < lines {
+            while fetch.left > 0 {
                 let access_at = self.access_at.max(at);
                 there_at = access_at + self.hit_latency;
-                let line = LineAddr(first.0 + there);
-                if there_at >= bound || !self.cache.hit(line, element.class, Access::Read) {
+                if there_at >= bound || !self.cache.hit(fetch.line, fetch.class, Access::Read) {
                     break;
                 }
                 self.access_at = access_at + 1;
-                there += 1;
+                fetch.line.0 += 1;
+                fetch.left -= 1;
             }
         }
-        if there < lines {
-            let mut fetch = Fetch::of(element, &links.layout);
-            fetch.line.0 += there;
-            fetch.left -= there as u8;
+        if fetch.left > 0 {
             return self.fetch_slowly_ahead(ray, fetch, at, line, links);
         }
-        self.requested[element.class as usize] += Bytes(element.bytes);
+        self.requested[fetch.class as usize] += Bytes(fetch.bytes.into());
         self.enter_ahead(ray, there_at.max(self.open_at));
         if !self.causes.is_busy_from(at) {
             self.account(at, false);
