@@ -15,7 +15,7 @@ use crate::stream::Header;
 /// 12 % on `tni_engine`).
 const TAGS: f64 = 0.14;
 /// Points with which sampling begins, at least, and a share of those that are expected: twice as many tell intervals of
-/// half the width or less, since regressions have more columns. What comes later was kept, up to eight times as many.
+/// half the width or less, since regressions have more columns. What comes later was kept, up to 32 times as many.
 const FIRST: f64 = 12.0;
 const FIRST_SHARE: f64 = 0.2;
 /// Points that intervals of 2 % take, as a rule (kitchen: 24 to 48), and some more. A sample is tried where so many

@@ -10,8 +10,8 @@ use crate::stream::Header;
 
 /// Pixels before a window for a ray that the machine has room for.
 const BEFORE_A_RAY: usize = 2;
-/// Pixels before a window of the least length, at least. Before a longer one fewer do, down to half: what is amiss where
-/// it begins weighs less.
+/// Pixels before a window of the least length, at least. Before a longer one fewer do, down to half: what is amiss at
+/// its beginning weighs less.
 const LEAST_BEFORE: usize = 1024;
 const LEAST_OWN: usize = 512;
 /// Lines of a traversal unit's L1 for a piece of a window.
