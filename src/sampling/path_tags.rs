@@ -17,12 +17,11 @@ use crate::machine::kinds::{Kind, KindSpec};
 use crate::machine::layout::{Layout, NodeLines, Shift};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
-use crate::memory::cache::Access;
 use crate::memory::timeless::TimelessCache;
-use crate::quantity::{LineAddr, NodeId, TriangleSlot};
+use crate::quantity::{LineAddr, NodeId};
 use crate::random::mix;
 use crate::stats::TrafficClass;
-use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step, Stop};
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
 
 /// The tags of the L1s of all units but the shadow-cache units.
 #[derive(Clone, Debug)]

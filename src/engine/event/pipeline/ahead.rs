@@ -5,7 +5,7 @@ use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
 use super::unit::Pipeline;
 use crate::memory::cache::{Access, Release};
-use crate::quantity::{Bytes, LineAddr};
+use crate::quantity::Bytes;
 use crate::stats::Cause;
 
 impl Pipeline {
