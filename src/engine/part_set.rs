@@ -9,10 +9,11 @@ pub(super) struct Range {
     pub first: u32,
     /// The first one behind them.
     pub end: u32,
-    /// Their bits, if those are in a set's first word, which is all that most machines' sets have.
+    /// Their bits, if those are in a set's first word, which is all that most machines' sets have; else none.
     in_first: u64,
+    /// Whether they are not.
     elsewhere: bool,
-    /// Their bits, if those are in one word; else none.
+    /// Their bits, if those are in one word, whichever; else none.
     mask: u64,
 }
 
