@@ -62,7 +62,7 @@ impl Array {
 }
 
 /// The lines of nodes of which each is a line.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NodeLines {
     /// Bytes of a node, and of a line.
     pub bytes: u64,
@@ -92,6 +92,8 @@ pub(crate) struct Layout {
     entries: StoreEntries,
     dynamic_base: u64,
     line_shift: u32,
+    /// Known once a frame has begun.
+    node_lines: Option<NodeLines>,
 }
 
 /// Where lines of one layout's dynamic part lie in another.
@@ -141,7 +143,8 @@ impl Layout {
         stores.set_records(triangles.static_base, triangles.element, TRIANGLE_BYTES);
         stores.place(header, |bytes| array(1, bytes).static_base);
         let line_shift = line.trailing_zeros();
-        Self { nodes, lists, triangles, stores, entries: header.stores, dynamic_base: end, line_shift }
+        let (entries, dynamic_base) = (header.stores, end);
+        Self { nodes, lists, triangles, stores, entries, dynamic_base, line_shift, node_lines: None }
     }
 
     /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
@@ -156,6 +159,11 @@ impl Layout {
             (array.dynamic_base, array.dynamic_count) = (end, count.into());
             end = (end + array.element * u64::from(count)).next_multiple_of(ALIGNMENT);
         }
+        let Array { element, static_count, static_base, dynamic_base, .. } = self.nodes;
+        let [static_first, dynamic_first] = [static_base, dynamic_base].map(|base| base >> self.line_shift);
+        let dynamic_first = dynamic_first.wrapping_sub(static_count);
+        let lines = NodeLines { bytes: element, static_count, static_first, dynamic_first };
+        self.node_lines = (element == 1 << self.line_shift).then_some(lines);
     }
 
     /// Lines of the frame's dynamic nodes, lists and triangle records: the first of each, and how many.
@@ -186,13 +194,10 @@ impl Layout {
         self.lists.len() > 0
     }
 
-    /// The lines of nodes, if each is a line.
-    pub(crate) fn node_lines(&self) -> Option<NodeLines> {
-        let Array { element, static_count, static_base, dynamic_base, .. } = self.nodes;
-        let [static_first, dynamic_first] = [static_base, dynamic_base].map(|base| base >> self.line_shift);
-        let dynamic_first = dynamic_first.wrapping_sub(static_count);
-        let lines = NodeLines { bytes: element, static_count, static_first, dynamic_first };
-        (element == 1 << self.line_shift).then_some(lines)
+    /// The lines of the frame's nodes, if each is a line.
+    #[inline]
+    pub(crate) fn node_lines(&self) -> Option<&NodeLines> {
+        self.node_lines.as_ref()
     }
 
     /// The lines that a triangle test reads up to where it stops, one behind the other. One that plane and edges share

@@ -14,7 +14,7 @@ use super::requests::{Asker, Requests};
 use crate::engine::warm::L1s;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::{Kind, KindSpec};
-use crate::machine::layout::{Layout, NodeLines, Shift};
+use crate::machine::layout::{Layout, Shift};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
 use crate::memory::timeless::TimelessCache;
@@ -42,8 +42,6 @@ pub(super) struct PathTags {
     /// The unit of a core that the next ray goes to, of kinds that get them in turn.
     turns: [u16; KINDS],
     entries: Option<Entries>,
-    /// The lines of the frame's nodes, if each is a line.
-    node_lines: Option<NodeLines>,
     /// Whether intersection units keep what they read of triangles.
     keeps_triangles: bool,
     /// Operations of each kind of units since rays were last told of.
@@ -134,7 +132,6 @@ impl PathTags {
             traced: 0,
             turns: [0; KINDS],
             entries: (machine.shadow_cache.place == Place::Triangle).then(entries),
-            node_lines: None,
             keeps_triangles: machine.intersection.cache.no_allocate.keeps(TrafficClass::Triangle, false),
             operations: [0; KINDS],
             trodden: Trodden::default(),
@@ -161,7 +158,7 @@ impl PathTags {
 
     /// The same, where so many rays are in flight and all lies as `layout` says.
     pub(super) fn with(&self, in_flight: usize, layout: &Layout) -> Self {
-        Self { in_flight, layout: layout.clone(), node_lines: layout.node_lines(), ..self.clone() }
+        Self { in_flight, layout: layout.clone(), ..self.clone() }
     }
 
     /// Rays in flight.
@@ -188,7 +185,6 @@ impl PathTags {
     /// A frame begins.
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
-        self.node_lines = self.layout.node_lines();
         let first = self.layout.dynamic_part();
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
@@ -299,7 +295,7 @@ impl PathTags {
 
     /// Steps of a ray's path.
     fn path(&mut self, steps: &[u32], core: u16, units: Units) {
-        match self.node_lines {
+        match self.layout.node_lines().copied() {
             Some(lines) => self.walk(steps, core, units, |_, node| (lines.of(node), 1)),
             None => self.walk(steps, core, units, |layout, node| layout.lines(&layout.node(node))),
         }

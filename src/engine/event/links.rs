@@ -9,7 +9,7 @@ use crate::engine::gathering::{Gathering, HitId, Retiring};
 use crate::engine::source::{StoreWork, StreamFault, check_step};
 use crate::engine::store_steps::StoreSteps;
 use crate::machine::MachineSpec;
-use crate::machine::layout::{Element, Layout, NodeLines};
+use crate::machine::layout::{Element, Layout};
 use crate::machine::parts::Parts;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 use crate::memory::dram::Dram;
@@ -65,8 +65,6 @@ pub(crate) struct Links {
     pub rays: Vec<Ray>,
     /// Addresses.
     pub layout: Layout,
-    /// The lines of the frame's nodes, if each is a line.
-    node_lines: Option<NodeLines>,
     /// Rays from the dispatcher to each traversal unit.
     pub dispatched: Vec<Inbox<RayId>>,
     /// Rays from list, intersection and division units back to each traversal unit, known since their last operations
@@ -143,7 +141,6 @@ impl Links {
             parts,
             rays: vec![Ray::default(); entries],
             layout: Layout::new(header, spec),
-            node_lines: None,
             dispatched: vec![Inbox::new(); parts.traversal as usize],
             returned: vec![Ring::new(); parts.traversal as usize],
             horizon: 0,
@@ -216,7 +213,7 @@ impl Links {
     /// A fetch of a node, not begun yet.
     #[inline]
     pub(crate) fn node_fetch(&self, node: NodeId) -> Fetch {
-        match &self.node_lines {
+        match self.layout.node_lines() {
             Some(lines) => Fetch::of_node(lines.of(node), lines.bytes),
             None => Fetch::of(&self.layout.node(node), &self.layout),
         }
@@ -277,7 +274,6 @@ impl Links {
     /// A frame begins: lines of the dynamic part go from the L2.
     pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
         self.layout.begin_frame(frame);
-        self.node_lines = self.layout.node_lines();
         let (shortest, list) = self.latencies;
         self.horizon = if self.layout.has_lists() { shortest.min(list) } else { shortest };
         let first = self.layout.dynamic_part();
