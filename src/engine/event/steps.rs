@@ -122,7 +122,8 @@ mod tests {
             changed in 0usize..12,
         ) {
             let pack = |tags: &[u32]| -> Vec<u32> {
-                tags.iter().enumerate().map(|(at, &tag)| Step::of_tag(tag as usize).unwrap().pack() + at as u32).collect()
+                let word = |(at, &tag): (usize, &u32)| Step::of_tag(tag as usize).unwrap().pack() + at as u32;
+                tags.iter().enumerate().map(word).collect()
             };
             let mut steps = Steps::default();
             steps.begin(&pack(&path), &pack(&policy));

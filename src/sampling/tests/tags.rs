@@ -1,11 +1,20 @@
 //! Tags beside `Event`: they have no time, and perform the same operations.
 
+use proptest::prelude::*;
+
 use super::*;
 use crate::engine::tests::synthetic::{STATIC, SyntheticRay, nodes};
 use crate::machine::kinds::Kind;
+use crate::machine::layout::{Element, Layout};
+use crate::machine::shadow_cache::Place;
+use crate::memory::allocation::NoAllocate;
+use crate::memory::cache::Access;
+use crate::memory::timeless::TimelessCache;
+use crate::quantity::LineAddr;
 use crate::sampling::path_tags::PathTags;
 use crate::sampling::word_tags::WordTags;
-use crate::stream::Decision;
+use crate::stats::TrafficClass;
+use crate::stream::{Decision, RayKind, Step, Stop};
 
 /// Operations of each kind that tags know of a stream.
 fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> [u64; Kind::ALL.len()] {
@@ -46,6 +55,98 @@ fn tags_perform_the_operations_that_event_does() {
             let operations = Kind::ALL.map(|kind| whole.operations.get(kind.names().0).copied().unwrap_or(0));
             let known = known(&machine, &header, &stream);
             if operations == known { Ok(()) } else { Err(format!("Event {operations:?}, tags {known:?}")) }
+        },
+    );
+}
+
+/// What tags ask the L2 for, ray after ray on a machine of one unit of each kind, by the elements of each step alone.
+fn asked_plainly(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Vec<(u64, bool)> {
+    let mut layout = Layout::new(header, machine);
+    let mut l1s = [Kind::Traversal, Kind::List, Kind::Intersection].map(|kind| {
+        let spec = kind.spec(machine).cache;
+        TimelessCache::new(spec.tags(machine.line_bytes.get()), spec.no_allocate)
+    });
+    let mut asked = Vec::new();
+    let mut read = |l1: &mut TimelessCache, layout: &Layout, element: &Element| {
+        let (first, lines) = layout.lines(element);
+        for line in (first.0..first.0 + lines).map(LineAddr) {
+            let (hit, victim) = l1.pass(line, element.class, Access::Read);
+            asked.extend(victim.map(|victim| (victim.line.0, true)));
+            asked.extend((!hit).then_some((line.0, false)));
+        }
+    };
+    for item in stream {
+        let mut perform = |steps: &[u32], is_path: bool| {
+            let [traversal, lists, intersection] = &mut l1s;
+            for step in Step::unpack_all(steps) {
+                match step {
+                    Step::Node(node) if is_path => read(traversal, &layout, &layout.node(node)),
+                    Step::List(entry) if is_path => read(lists, &layout, &layout.list_entry(entry)),
+                    Step::Triangle { slot, stop } => {
+                        read(intersection, &layout, &layout.plane(slot));
+                        if stop != Stop::Plane {
+                            read(intersection, &layout, &layout.edges(slot));
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        };
+        match item {
+            Item::Frame(info) => {
+                layout.begin_frame(info);
+                l1s.iter_mut().for_each(|l1| l1.drop_from(layout.dynamic_part()));
+            }
+            Item::Rays(chunk) => {
+                for is_primary in [true, false] {
+                    for ray in chunk.rays().filter(|ray| (ray.head.kind == RayKind::Primary) == is_primary) {
+                        perform(ray.packed_path(), true);
+                        perform(ray.packed_policy(), false);
+                    }
+                }
+            }
+            Item::End { policy, .. } => perform(policy, false),
+        }
+    }
+    asked
+}
+
+/// What the paths' tags leave out or do at once changes nothing that they ask for: lines of nodes worked out without
+/// their bytes, lines that plane and edges of a triangle share, sets of two lines.
+#[test]
+fn tags_ask_for_what_each_element_asks_for() {
+    let no_reads = |classes: Vec<TrafficClass>| NoAllocate { reads: classes.into(), ..NoAllocate::NONE };
+    let kept = prop_oneof![
+        2 => Just(NoAllocate::NONE),
+        1 => Just(no_reads(vec![TrafficClass::Triangle])),
+        1 => Just(no_reads(vec![TrafficClass::Node])),
+    ];
+    check_many(
+        300,
+        || (machines(), streams(), kept.clone()),
+        |(mut machine, stream, kept)| {
+            machine.cores = num(1);
+            (machine.traversal.count, machine.list.count, machine.intersection.count) = (num(1), num(1), num(1));
+            (machine.traversal.cache.no_allocate, machine.intersection.cache.no_allocate) = (kept, kept);
+            // Entries that lie with triangles go through the intersection units' L1s too.
+            machine.shadow_cache.place = Place::Own;
+            let header = header();
+            let mut tags = PathTags::new(&header, &machine);
+            tags.set_in_flight(1);
+            let mut asked = Vec::new();
+            for item in &stream {
+                let trodden = match item {
+                    Item::Frame(info) => {
+                        tags.begin_frame(info);
+                        continue;
+                    }
+                    Item::Rays(chunk) => tags.piece(chunk, 0..chunk.len()),
+                    Item::End { policy, .. } => tags.frame_end(policy),
+                };
+                asked.extend(trodden.requests.list.iter().map(|request| (request.line.0, request.write)));
+            }
+            let plain = asked_plainly(&machine, &header, &stream);
+            if asked == plain { Ok(()) } else { Err(format!("tags {asked:?}, plainly {plain:?}")) }
         },
     );
 }
