@@ -73,9 +73,9 @@ impl Lengths {
     /// of a frame, and the longer the more its L1s hold: on `small`, robot moved 1.2 % more bytes of the L2 with two
     /// pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two pieces of 1024,
     /// 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has, and
-    /// the longer they are the fewer pixels before them do: on `small` with L1s of 64 KiB, with 384 pixels before
-    /// windows of 2048 L2 bytes are 0.3 % off and less, with 1024 0.3 % too (kitchen, living room, staircase). Long
-    /// FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to 1.2 %
+    /// the longer they are the fewer pixels before them do: on `small` with L1s of 64 KiB, L2 bytes are off by up to
+    /// 0.4 % with 384 and with 640 pixels before windows of 2048, by 0.3 % with 1024 (kitchen, living room, staircase).
+    /// Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to 1.2 %
     /// fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 %
     /// fewer. So what comes before is the longer the more rays there is room for.
     fn cut(self) -> Cut {
