@@ -3,13 +3,11 @@
 
 use std::sync::Arc;
 
+use super::families::Families;
 use super::source::{StreamFault, check_step, is_sound, parents};
 use crate::machine::layout::Layout;
 use crate::memory::ring::Ring;
 use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
-
-/// No ray.
-const NONE: u32 = u32::MAX;
 
 /// A ray of a chunk in memory.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -24,9 +22,7 @@ pub(super) struct Place {
 #[derive(Clone, Debug)]
 struct Active {
     chunk: Arc<Chunk>,
-    /// Of each ray its first child, and its next sibling. A primary ray's next sibling is the next primary ray.
-    first_child: Vec<u32>,
-    next_sibling: Vec<u32>,
+    families: Families,
     /// Of each ray the traced shadow rays that start at its hit.
     traced_shadows: Vec<u32>,
     left: usize,
@@ -37,31 +33,14 @@ struct Active {
 impl Active {
     fn new(chunk: Arc<Chunk>, layout: &Layout) -> Result<Self, StreamFault> {
         let parents = parents(&chunk)?;
-        let mut first_child = vec![NONE; parents.len()];
-        let mut next_sibling = vec![NONE; parents.len()];
         let mut traced_shadows = vec![0; parents.len()];
         for (head, &parent) in chunk.heads().zip(parents.iter()) {
             let is_traced = head.kind == RayKind::Shadow && head.decision != Decision::Skip;
             traced_shadows[parent as usize] += u32::from(is_traced);
         }
-        let mut next_primary = NONE;
-        for (index, &parent) in parents.iter().enumerate().rev() {
-            let first = if parent as usize == index { &mut next_primary } else { &mut first_child[parent as usize] };
-            next_sibling[index] = std::mem::replace(first, index as u32);
-        }
         let sound = is_sound(&chunk, layout);
-        Ok(Self { left: parents.len(), chunk, first_child, next_sibling, traced_shadows, sound })
-    }
-
-    fn children(&self, index: u32) -> impl Iterator<Item = u32> {
-        let some = |child: u32| (child != NONE).then_some(child);
-        std::iter::successors(some(self.first_child[index as usize]), move |&child| {
-            some(self.next_sibling[child as usize])
-        })
-    }
-
-    fn has_children(&self, index: u32) -> bool {
-        self.first_child[index as usize] != NONE
+        let families = Families::new(parents.iter().copied());
+        Ok(Self { left: parents.len(), chunk, families, traced_shadows, sound })
     }
 }
 
@@ -185,15 +164,15 @@ impl Host {
     pub(super) fn give(&mut self) -> Option<Place> {
         self.ready.pop_front().or_else(|| {
             let place = self.next_primary?;
-            let next = self.active(place).next_sibling[place.index as usize];
-            self.next_primary = (next != NONE).then_some(Place { index: next, ..place });
+            let next = self.active(place).families.sibling(place.index);
+            self.next_primary = next.map(|index| Place { index, ..place });
             Some(place)
         })
     }
 
     /// The ray is done; if it has children, they are ready in cycle `at`.
     pub(super) fn done(&mut self, place: Place, at: u64) {
-        if self.active(place).has_children(place.index) {
+        if self.active(place).families.has_children(place.index) {
             self.shading.push_back((at, place));
         }
         self.are_done(place, 1);
@@ -222,14 +201,14 @@ impl Host {
             let Self { chunks, ready, shading, .. } = self;
             let Some(active) = &chunks[parent.chunk as usize] else { unreachable!("a chunk stays while it has rays") };
             let mut done = 0;
-            for index in active.children(parent.index) {
+            for index in active.families.children(parent.index) {
                 let child = Place { index, ..parent };
                 if !answered(&active.chunk, index as usize)? {
                     ready.push_back(child);
                     continue;
                 }
                 done += 1;
-                if active.has_children(index) {
+                if active.families.has_children(index) {
                     shading.push_back((at, child));
                 }
             }

@@ -11,6 +11,7 @@ mod cycle;
 mod demand;
 mod error;
 mod event;
+pub(crate) mod families;
 pub(crate) mod feed;
 mod frame_log;
 mod gathering;
@@ -31,7 +32,7 @@ pub(crate) mod store_steps;
 pub(crate) mod tally;
 #[cfg(test)]
 pub(crate) mod tests;
-mod turns;
+pub(crate) mod turns;
 mod unloaded;
 pub(crate) mod warm;
 mod watchdog;

@@ -46,7 +46,7 @@ fn members(bits: u64, first: u32) -> Members {
 }
 
 /// The set.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct PartSet {
     first: u64,
     others: Vec<u64>,

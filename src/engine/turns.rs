@@ -4,28 +4,30 @@
 use super::part_set::PartSet;
 
 /// The turns of all traversal units.
-#[derive(Clone, Debug)]
-pub(super) struct Turns {
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Turns {
     /// Free slots of each unit, core by core.
     free: Vec<u64>,
     /// Places in turn of units with a free slot.
     open: PartSet,
     cores: usize,
+    /// Units of a core.
+    a_core: usize,
     /// The next place in turn.
     next: usize,
 }
 
 impl Turns {
     /// Of so many units in so many cores, each with so many slots.
-    pub(super) fn new(cores: usize, units: usize, slots: u64) -> Self {
+    pub(crate) fn new(cores: usize, units: usize, slots: u64) -> Self {
         let mut open = PartSet::new(units);
         (0..units as u32).for_each(|turn| open.add(turn));
-        Self { free: vec![slots; units], open, cores, next: 0 }
+        Self { free: vec![slots; units], open, cores, a_core: units / cores, next: 0 }
     }
 
     /// The place in turn of the next unit with a free slot, of a core that `has_room` for another ray.
     #[inline]
-    pub(super) fn next(&self, has_room: impl Fn(usize) -> bool) -> Option<usize> {
+    pub(crate) fn next(&self, has_room: impl Fn(usize) -> bool) -> Option<usize> {
         let among = |mut from: usize, end: usize| {
             while let Some(turn) = self.open.next(from as u32, end as u32) {
                 if has_room(self.core(turn as usize)) {
@@ -40,15 +42,14 @@ impl Turns {
 
     /// The core whose unit has a place in turn.
     #[inline]
-    pub(super) fn core(&self, turn: usize) -> usize {
-        turn % self.cores
+    pub(crate) fn core(&self, turn: usize) -> usize {
+        if self.cores == 1 { 0 } else { turn % self.cores }
     }
 
     /// Takes a slot of the unit at a place in turn, and goes on behind it; which unit it is.
     #[inline]
-    pub(super) fn take(&mut self, turn: usize) -> usize {
-        let a_core = self.free.len() / self.cores;
-        let unit = self.core(turn) * a_core + turn / self.cores;
+    pub(crate) fn take(&mut self, turn: usize) -> usize {
+        let unit = if self.cores == 1 { turn } else { self.core(turn) * self.a_core + turn / self.cores };
         self.free[unit] -= 1;
         if self.free[unit] == 0 {
             self.open.remove(turn as u32);
@@ -59,20 +60,20 @@ impl Turns {
 
     /// A slot of a unit is free again.
     #[inline]
-    pub(super) fn give_back(&mut self, unit: usize) {
-        let a_core = self.free.len() / self.cores;
+    pub(crate) fn give_back(&mut self, unit: usize) {
+        let (cores, a_core) = (self.cores, self.a_core);
         self.free[unit] += 1;
-        self.open.add((unit % a_core * self.cores + unit / a_core) as u32);
+        self.open.add(if cores == 1 { unit } else { unit % a_core * cores + unit / a_core } as u32);
     }
 
     /// All free slots.
-    pub(super) fn free(&self) -> u64 {
+    pub(crate) fn free(&self) -> u64 {
         self.free.iter().sum()
     }
 
     /// No unit gets a ray any more.
     #[cfg(test)]
-    pub(super) fn take_all(&mut self) {
+    pub(crate) fn take_all(&mut self) {
         self.free.fill(0);
         self.open = PartSet::new(self.free.len());
     }

@@ -23,10 +23,12 @@ mod plan;
 mod regression;
 mod requests;
 mod sample;
+mod seats;
 mod strata;
 #[cfg(test)]
 mod tests;
 mod verdict;
+mod waiting;
 mod window_rays;
 mod windows;
 mod word_tags;

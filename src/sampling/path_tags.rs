@@ -11,17 +11,18 @@ use std::sync::Arc;
 use super::others::{KINDS, Others, Units, reader};
 use super::performed::Performed;
 use super::requests::{Asker, Requests};
+use super::seats::{Seat, Seats};
+use super::waiting::Waiting;
 use crate::engine::warm::L1s;
 use crate::machine::MachineSpec;
-use crate::machine::kinds::{Kind, KindSpec};
+use crate::machine::kinds::Kind;
 use crate::machine::layout::{Layout, Shift};
 use crate::machine::shadow_cache::Place;
 use crate::machine::writes::WritePolicy;
 use crate::memory::timeless::TimelessCache;
 use crate::quantity::{LineAddr, NodeId};
-use crate::random::mix;
 use crate::stats::TrafficClass;
-use crate::stream::{Chunk, Decision, FrameInfo, Header, Ray, RayKind, Step};
+use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
 
 /// The tags of the L1s of all units but the shadow-cache units.
 #[derive(Clone, Debug)]
@@ -31,16 +32,10 @@ pub(super) struct PathTags {
     l1s: L1s,
     intervals: [u64; KINDS],
     cores: usize,
-    /// Units of each kind that a core has.
-    of_core: [u16; KINDS],
-    /// Slots of all traversal units, and rays that are in them.
-    slots: usize,
+    seats: Seats,
+    /// Rays in flight, and how many there can be.
     in_flight: usize,
-    /// Rays that began, and those of them that came to a traversal unit.
-    begun: u64,
-    traced: u64,
-    /// The unit of a core that the next ray goes to, of kinds that get them in turn.
-    turns: [u16; KINDS],
+    room: usize,
     entries: Option<Entries>,
     /// Whether intersection units keep what they read of triangles.
     keeps_triangles: bool,
@@ -76,14 +71,15 @@ pub(super) struct PathEnd {
     pub ray: usize,
     /// Its core.
     pub core: u16,
-    /// How many rays began before it.
-    pub number: u64,
+    /// Its entry of the pool.
+    pub entry: u32,
 }
 
-/// Steps that a ray makes in its turn. One would stand for the machine's order best; eight take three quarters of the
-/// time, and differ by about a hundredth in lines of the L2 (kitchen on `small`), which windows set right, and not in
-/// those of the DRAM.
-const BURST: usize = 8;
+/// Steps that a ray makes in its turn at most. Its turn is over when it goes to another unit, or when the L1 has not
+/// what it needs: so others catch up, and are near it when the line is there, as they are in the machine. Where turns
+/// go on, windows tell L2 bytes a tenth to two fifths worse, with turns of 8 or 32 steps up to a fifth (kitchen on three
+/// machines).
+const MOST_STEPS: usize = 16;
 
 /// Packed steps in a line of the caches of most processors.
 const WORDS_A_LINE: usize = 16;
@@ -93,11 +89,9 @@ struct Flight<'c> {
     /// The steps that are left.
     path: &'c [u32],
     policy: &'c [u32],
-    /// Its place in its chunk, and among those that began.
+    /// Its place in its chunk.
     ray: usize,
-    number: u64,
-    core: u16,
-    units: Units,
+    seat: Seat,
 }
 
 impl PathTags {
@@ -109,12 +103,9 @@ impl PathTags {
             let count = if kind == Kind::ShadowCache { 0 } else { spec.count as usize };
             vec![TimelessCache::new(spec.cache.tags(line), spec.cache.no_allocate); count]
         };
-        let cores = machine.cores.size();
-        let slots = machine.traversal.rays.size() * Kind::Traversal.spec(machine).count as usize;
+        let seats = Seats::new(machine);
         // Nothing of the path hangs on the shadow-cache units: machines may differ in them.
-        let of_kinds = |of: fn(&KindSpec, usize) -> u64| {
-            Kind::ALL.map(|kind| if kind == Kind::ShadowCache { 1 } else { of(&kind.spec(machine), cores) })
-        };
+        let interval = |kind: Kind| if kind == Kind::ShadowCache { 1 } else { kind.spec(machine).interval };
         let entries = || Entries {
             performed: Performed::new(machine, header),
             writes: machine.triangle_writes(),
@@ -123,14 +114,11 @@ impl PathTags {
         Self {
             layout: Layout::new(header, machine),
             l1s: Kind::ALL.map(l1s),
-            intervals: of_kinds(|spec, _| spec.interval),
-            cores,
-            of_core: of_kinds(|spec, cores| spec.count / cores as u64).map(|units| units as u16),
-            slots,
-            in_flight: slots,
-            begun: 0,
-            traced: 0,
-            turns: [0; KINDS],
+            intervals: Kind::ALL.map(interval),
+            cores: machine.cores.size(),
+            in_flight: seats.room(),
+            room: seats.room(),
+            seats,
             entries: (machine.shadow_cache.place == Place::Triangle).then(entries),
             keeps_triangles: machine.intersection.cache.no_allocate.keeps(TrafficClass::Triangle, false),
             operations: [0; KINDS],
@@ -140,9 +128,9 @@ impl PathTags {
 
     /// Whether both did the same up to now, and will do it as long as they are told the same.
     pub(super) fn is_as(&self, other: &Self) -> bool {
-        let tags =
-            |it: &Self| (it.slots, it.in_flight, it.begun, it.traced, it.turns, it.cores, it.of_core, it.intervals);
+        let tags = |it: &Self| (it.in_flight, it.cores, it.intervals);
         tags(self) == tags(other)
+            && self.seats == other.seats
             && self.l1s == other.l1s
             && self.entries == other.entries
             && self.shift_to(&other.layout).is_some()
@@ -171,9 +159,9 @@ impl PathTags {
         self.in_flight = rays;
     }
 
-    /// How many can be in flight of so many that would be: at most as many as there are slots.
+    /// How many can be in flight of so many that would be: at most as many as there is room for.
     pub(super) fn limited(&self, in_flight: f64) -> usize {
-        (in_flight as usize).clamp(1, self.slots)
+        (in_flight as usize).clamp(1, self.room)
     }
 
     /// What the L1s hold now, where it lies.
@@ -189,46 +177,46 @@ impl PathTags {
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
 
-    /// A piece's rays make their accesses, primary rays first, then those that follow from them. So many rays are in
-    /// flight and make steps in turn as the piece before says; they are all done when the next piece begins, so that
-    /// what is first asked for by whom is clear.
+    /// A piece's rays make their accesses. So many are in flight and make steps in turn as the piece before says; they
+    /// are all done when the next piece begins, so that what is first asked for by whom is clear.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Trodden {
-        let of = |primary: bool| {
-            let is_of = move |&ray: &usize| (chunk.head(ray).kind == RayKind::Primary) == primary;
-            rays.clone().filter(is_of)
-        };
         // Rays come to their steps in turn: read once in order, they lie near when they are wanted.
         let words = chunk.packed_steps_of(rays.clone()).iter().step_by(WORDS_A_LINE);
         std::hint::black_box(words.fold(0, |all, word| all ^ word));
-        let mut waiting = of(true).chain(of(false)).map(|ray| (ray, chunk.ray(ray)));
+        let mut waiting = Waiting::new(chunk, rays);
         let mut flights: Vec<Flight<'_>> = Vec::with_capacity(self.in_flight);
-        while flights.len() < self.in_flight
-            && let Some((place, ray)) = waiting.next()
-        {
-            flights.push(self.begin(place, ray));
-        }
         let mut place = 0;
+        self.fill(&mut flights, &mut waiting, chunk);
         while !flights.is_empty() {
             if place >= flights.len() {
                 place = 0;
             }
             let flight = &mut flights[place];
             if !flight.path.is_empty() {
-                let (steps, rest) = flight.path.split_at(BURST.min(flight.path.len()));
-                flight.path = rest;
-                self.path(steps, flight.core, flight.units);
+                flight.path = self.path(flight.path, &flight.seat);
                 place += 1;
                 continue;
             }
-            if !flight.policy.is_empty() {
-                self.end(flight);
-            }
-            match waiting.next() {
-                Some((ray, of)) => flights[place] = self.begin(ray, of),
+            self.end(flight);
+            self.seats.give_back(&flight.seat);
+            waiting.done(flight.ray);
+            match self.next(&mut waiting, chunk) {
+                Some(next) => *flight = next,
                 None => drop(flights.swap_remove(place)),
             }
+            // Its children may be several.
+            self.fill(&mut flights, &mut waiting, chunk);
         }
         self.trodden()
+    }
+
+    /// As many rays as there may be are in flight, if so many wait.
+    fn fill<'c>(&mut self, flights: &mut Vec<Flight<'c>>, waiting: &mut Waiting, chunk: &'c Chunk) {
+        while flights.len() < self.in_flight
+            && let Some(flight) = self.next(waiting, chunk)
+        {
+            flights.push(flight);
+        }
     }
 
     /// What of a frame's end goes the paths' way.
@@ -252,28 +240,31 @@ impl PathTags {
         replace(&mut self.trodden, room)
     }
 
-    fn begin<'c>(&mut self, place: usize, ray: Ray<'c>) -> Flight<'c> {
-        self.traced += u64::from(ray.head.decision != Decision::Skip);
-        // In turn, a traversal unit would see the same columns of the picture in every row: lines would stay in its L1
-        // that the machine's, which gives rays to whom is free, does not keep.
-        let drawn = mix(self.traced);
-        let below = |bits: u64, end: u64| (((bits & u64::from(u32::MAX)) * end) >> 32) as u16;
-        let core = below(drawn >> 32, self.cores as u64);
-        for (turn, of_core) in self.turns.iter_mut().zip(self.of_core) {
-            *turn = if *turn + 1 < of_core { *turn + 1 } else { 0 };
+    /// The next ray that comes to a traversal unit. Those before it that are skipped begin and end.
+    fn next<'c>(&mut self, waiting: &mut Waiting, chunk: &'c Chunk) -> Option<Flight<'c>> {
+        loop {
+            let place = waiting.next()?;
+            let ray = chunk.ray(place);
+            let is_skipped = ray.head.decision == Decision::Skip;
+            let seat = self.seats.take(is_skipped);
+            self.operations[Kind::Traversal as usize] += ray.packed_path().len() as u64;
+            let flight = Flight { path: ray.packed_path(), policy: ray.packed_policy(), ray: place, seat };
+            if !is_skipped {
+                return Some(flight);
+            }
+            self.end(&flight);
+            self.seats.leave(&seat);
+            waiting.done(place);
         }
-        self.turns[Kind::Traversal as usize] = below(drawn, self.of_core[Kind::Traversal as usize].into());
-        let units = std::array::from_fn(|kind| core * self.of_core[kind] + self.turns[kind]);
-        let number = self.begun;
-        self.begun += 1;
-        self.operations[Kind::Traversal as usize] += ray.packed_path().len() as u64;
-        Flight { path: ray.packed_path(), policy: ray.packed_policy(), ray: place, number, core, units }
     }
 
     /// The path of a ray is over, and what the policy does begins.
     fn end(&mut self, flight: &Flight<'_>) {
-        let &Flight { policy, ray, number, core, units, .. } = flight;
-        self.trodden.ends.push(PathEnd { requests: self.trodden.requests.list.len(), ray, core, number });
+        let &Flight { policy, ray, seat: Seat { entry, core, units }, .. } = flight;
+        if policy.is_empty() {
+            return;
+        }
+        self.trodden.ends.push(PathEnd { requests: self.trodden.requests.list.len(), ray, core, entry });
         self.tests(policy, core, units);
         if let Some(entries) = &mut self.entries {
             let mut steps = take(&mut entries.steps);
@@ -293,25 +284,39 @@ impl PathTags {
         }
     }
 
-    /// Steps of a ray's path.
-    fn path(&mut self, steps: &[u32], core: u16, units: Units) {
+    /// A ray's turn; what is left of its path.
+    fn path<'c>(&mut self, path: &'c [u32], seat: &Seat) -> &'c [u32] {
         match self.layout.node_lines().copied() {
-            Some(lines) => self.walk(steps, core, units, |_, node| (lines.of(node), 1)),
-            None => self.walk(steps, core, units, |layout, node| layout.lines(&layout.node(node))),
+            Some(lines) => self.walk(path, seat, |_, node| (lines.of(node), 1)),
+            None => self.walk(path, seat, |layout, node| layout.lines(&layout.node(node))),
         }
     }
 
     /// Steps of a ray's path, of which most visit nodes: `lines` tells where these lie.
     #[inline(always)]
-    fn walk(&mut self, steps: &[u32], core: u16, units: Units, lines: impl Fn(&Layout, NodeId) -> (LineAddr, u64)) {
-        let visitor = reader(Kind::Traversal, core, TrafficClass::Node);
-        let (l1, mut by) = self.of_ray(core, units);
-        for &word in steps {
-            match Step::node(word) {
+    fn walk<'c>(
+        &mut self,
+        path: &'c [u32],
+        seat: &Seat,
+        lines: impl Fn(&Layout, NodeId) -> (LineAddr, u64),
+    ) -> &'c [u32] {
+        let visitor = reader(Kind::Traversal, seat.core, TrafficClass::Node);
+        let (l1, mut by) = self.of_ray(seat.core, seat.units);
+        let (turn, later) = path.split_at(path.len().min(MOST_STEPS));
+        let mut steps = turn.iter();
+        while let Some(&word) = steps.next() {
+            let is_over = match Step::node(word) {
                 Some(node) => by.requests.access_all(l1, visitor, lines(by.layout, node)),
-                None => by.step(word),
+                None => {
+                    by.step(word);
+                    true
+                }
+            };
+            if is_over {
+                return &path[turn.len() - steps.len()..];
             }
         }
+        later
     }
 
     /// The L1 of the traversal unit that a ray goes to, and the others.

@@ -44,21 +44,25 @@ pub(super) struct Requests {
 }
 
 impl Requests {
-    /// An L1 is accessed. What it has not, or does not keep, is asked for.
+    /// An L1 is accessed. What it has not, or does not keep, is asked for: whether anything is.
     #[inline(always)]
-    pub(super) fn access(&mut self, l1: &mut TimelessCache, asker: Asker, line: LineAddr) {
+    pub(super) fn access(&mut self, l1: &mut TimelessCache, asker: Asker, line: LineAddr) -> bool {
         let (hit, victim) = l1.pass(line, asker.class, asker.access);
-        if !hit || asker.access == Access::WriteThrough {
+        let asks = !hit || asker.access == Access::WriteThrough;
+        if asks {
             self.go_on(asker, line, hit, victim);
         }
+        asks
     }
 
-    /// Lines one behind the other are accessed.
+    /// Lines one behind the other are accessed: whether any is asked for.
     #[inline]
-    pub(super) fn access_all(&mut self, l1: &mut TimelessCache, asker: Asker, (first, lines): (LineAddr, u64)) {
+    pub(super) fn access_all(&mut self, l1: &mut TimelessCache, asker: Asker, (first, lines): (LineAddr, u64)) -> bool {
+        let mut asks = false;
         for place in 0..lines {
-            self.access(l1, asker, LineAddr(first.0 + place));
+            asks |= self.access(l1, asker, LineAddr(first.0 + place));
         }
+        asks
     }
 
     fn go_on(&mut self, asker: Asker, line: LineAddr, hit: bool, victim: Option<Victim>) {

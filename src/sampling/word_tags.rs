@@ -163,7 +163,7 @@ impl Units {
         let units = self.l1s.len();
         if step.entry().is_none() {
             let of_core = units / self.cores;
-            let unit = usize::from(end.core) * of_core + (end.number % of_core as u64) as usize;
+            let unit = usize::from(end.core) * of_core + end.entry as usize % of_core;
             return self.access(unit, &element, lines, to);
         }
         let home = if units == 1 { 0 } else { (lines.0.0 % units as u64) as usize };

@@ -1,5 +1,7 @@
 //! Tags beside `Event`: they have no time, and perform the same operations.
 
+use std::collections::VecDeque;
+
 use proptest::prelude::*;
 
 use super::*;
@@ -59,7 +61,8 @@ fn tags_perform_the_operations_that_event_does() {
     );
 }
 
-/// What tags ask the L2 for, ray after ray on a machine of one unit of each kind, by the elements of each step alone.
+/// What tags ask the L2 for, ray after ray on a machine of one unit of each kind, by the elements of each step alone:
+/// children begin when their parents are done.
 fn asked_plainly(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Vec<(u64, bool)> {
     let mut layout = Layout::new(header, machine);
     let mut l1s = [Kind::Traversal, Kind::List, Kind::Intersection].map(|kind| {
@@ -98,10 +101,18 @@ fn asked_plainly(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Vec
                 l1s.iter_mut().for_each(|l1| l1.drop_from(layout.dynamic_part()));
             }
             Item::Rays(chunk) => {
-                for is_primary in [true, false] {
-                    for ray in chunk.rays().filter(|ray| (ray.head.kind == RayKind::Primary) == is_primary) {
+                let (primary, others): (Vec<usize>, Vec<usize>) =
+                    (0..chunk.len()).partition(|&ray| chunk.head(ray).kind == RayKind::Primary);
+                let child_of = |parent: usize| {
+                    others.iter().copied().filter(move |&ray| ray - chunk.head(ray).parent as usize == parent)
+                };
+                for ray in primary {
+                    let mut next = VecDeque::from([ray]);
+                    while let Some(place) = next.pop_front() {
+                        let ray = chunk.ray(place);
                         perform(ray.packed_path(), true);
                         perform(ray.packed_policy(), false);
+                        next.extend(child_of(place));
                     }
                 }
             }

@@ -33,7 +33,7 @@ fn some() -> Vec<MachineSpec> {
         with(|machine| machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap()),
         with(|machine| machine.shadow_cache.place = Place::L2),
         // Its one unit holds rays up.
-        with(|machine| machine.shadow_cache.interval = num(16)),
+        with(|machine| machine.shadow_cache.interval = num(64)),
         with(|machine| machine.shadow_cache.place = Place::Triangle),
         with(|machine| machine.shadow_cache.layout = StoreLayout::Record),
         // Its stores are larger: what is dynamic lies behind them.
