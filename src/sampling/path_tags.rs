@@ -77,8 +77,8 @@ pub(super) struct PathEnd {
 
 /// Steps that a ray makes in its turn at most. Its turn is over when it goes to another unit, or when the L1 has not
 /// what it needs: so others catch up, and are near it when the line is there, as they are in the machine. Where turns
-/// go on, windows tell L2 bytes a tenth to two fifths worse, with turns of 8 or 32 steps up to a fifth (kitchen on three
-/// machines).
+/// go on, windows tell L2 bytes a tenth to two fifths worse, with turns of 8 or 32 steps up to a fifth (kitchen on
+/// three machines).
 const MOST_STEPS: usize = 16;
 
 /// Packed steps in a line of the caches of most processors.
