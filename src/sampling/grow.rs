@@ -5,7 +5,7 @@ use super::findings::{Findings, Known};
 use super::job::Found;
 use super::kept::{Kept, KeptJob};
 use super::pass::{Each, Member, Pass, Sampler};
-use super::plan::{self, Plan};
+use super::plan::{Plan, TELLING};
 use crate::engine::{RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::ranged::Share;
@@ -147,7 +147,7 @@ impl<'a> Sample<'a> {
             None => stats.accuracy.widest(),
         };
         let widest = widest.unwrap_or(f64::INFINITY);
-        let is_enough = plan::is_enough(points, widest, target.get());
+        let is_enough = points >= TELLING && widest <= target.get();
         match plan.next_draws(points, widest, target.get(), keep).filter(|_| !is_enough) {
             Some(end) => self.reach(end),
             None => {

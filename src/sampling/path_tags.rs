@@ -75,10 +75,9 @@ pub(super) struct PathEnd {
     pub entry: u32,
 }
 
-/// Steps that a ray makes in its turn at most. Its turn is over when it goes to another unit, or when the L1 has not
-/// what it needs: so others catch up, and are near it when the line is there, as they are in the machine. Where turns
-/// go on, windows tell L2 bytes a tenth to two fifths worse, with turns of 8 or 32 steps up to a fifth (kitchen on
-/// three machines).
+/// Steps that a ray makes in its turn at most. Its turn is over when the L1 has not what it needs: so others catch up,
+/// and are near it when the line is there, as they are in the machine. Where turns go on, windows tell L2 bytes up to a
+/// fifth worse (kitchen on `small`).
 const MOST_STEPS: usize = 16;
 
 /// Packed steps in a line of the caches of most processors.
@@ -305,14 +304,11 @@ impl PathTags {
         let (turn, later) = path.split_at(path.len().min(MOST_STEPS));
         let mut steps = turn.iter();
         while let Some(&word) = steps.next() {
-            let is_over = match Step::node(word) {
-                Some(node) => by.requests.access_all(l1, visitor, lines(by.layout, node)),
-                None => {
-                    by.step(word);
-                    true
-                }
+            let Some(node) = Step::node(word) else {
+                by.step(word);
+                continue;
             };
-            if is_over {
+            if by.requests.access_all(l1, visitor, lines(by.layout, node)) {
                 return &path[turn.len() - steps.len()..];
             }
         }

@@ -23,19 +23,10 @@ pub(crate) const LEAST: usize = 8;
 /// intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`, `small`, 512
 /// windows: 24 windows would have asked for more than there are for 2 %; 48 gave 1.9 %.)
 ///
-/// With fewer, a sample is not over whose interval is just narrow enough. Whoever stops for that, where most are not,
-/// has a narrow one by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the intervals of
-/// 43 held the truth.
+/// With fewer a sample that goes on to a target is not over. Whoever stops since the interval is narrow enough, where
+/// most are not, has a narrow one by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the
+/// intervals of 43 held the truth.
 pub(crate) const TELLING: usize = 48;
-/// With half as many a sample is over whose interval is so many times narrower than it may be: that is hardly chance.
-/// Of 500 samples to a target of 10 % of cycles 472 hold then, with 2 in its place 467.
-const FEW: usize = TELLING / 2;
-const MARGIN: f64 = 2.5;
-
-/// Whether a sample of so many points whose intervals are so wide, as a share, is enough for a target.
-pub(crate) fn is_enough(points: usize, widest: f64, target: f64) -> bool {
-    points >= TELLING && widest <= target || points >= FEW && MARGIN * widest <= target
-}
 
 /// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
