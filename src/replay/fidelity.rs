@@ -96,7 +96,18 @@ impl Fidelity {
     /// samples of the same windows cancel in part.
     #[must_use]
     pub fn compared(self) -> Self {
-        let narrower = |target: Share| Share::new(target.get() / std::f64::consts::SQRT_2).unwrap_or(target);
+        self.narrower(std::f64::consts::SQRT_2)
+    }
+
+    /// The same for a replay that others are told beside: what it is off, all of them are.
+    #[must_use]
+    pub fn of_baseline(self) -> Self {
+        self.narrower(2.0)
+    }
+
+    /// The same with a target that is a part of this one.
+    fn narrower(self, part: f64) -> Self {
+        let narrower = |target: Share| Share::new(target.get() / part).unwrap_or(target);
         match self {
             Self::Sampled { engine, rate, seed, target_error } => {
                 Self::Sampled { engine, rate, seed, target_error: target_error.map(narrower) }

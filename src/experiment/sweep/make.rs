@@ -111,7 +111,7 @@ impl Maker<'_> {
         let Some(_turn) = Turn::take(&file) else { return Ok(false) };
         if !self.is_there(point) {
             let machine = self.machine(point)?;
-            let level = (self.fidelity(), self.sweep.cut(point.machine));
+            let level = (self.fidelity(point), self.sweep.cut(point.machine));
             self.keep(point, replay(&machine, level, &self.streams[point.policy], self.stop)?)?;
         }
         Ok(true)
@@ -127,9 +127,10 @@ impl Maker<'_> {
         Ok(point.role.machine(&self.sweep.machine(point.machine)?.spec))
     }
 
-    /// The level of replays that are compared.
-    pub(super) fn fidelity(&self) -> Fidelity {
-        self.sweep.experiment.spec.fidelity.compared()
+    /// The level of a point's replay, which is compared with others.
+    pub(super) fn fidelity(&self, point: &Point) -> Fidelity {
+        let fidelity = self.sweep.experiment.spec.fidelity;
+        if point.baseline.is_some() { fidelity.compared() } else { fidelity.of_baseline() }
     }
 
     /// Keeps what a point's replay measured.

@@ -75,7 +75,7 @@ impl Maker<'_> {
     fn shared<'b>(&'b self, batch: &'b Batch<'_>) -> Option<Shared<'b>> {
         let point = batch.points.first()?;
         let baseline = batch.baseline.as_ref().map(|(machine, stats)| (machine, stats));
-        let level = (self.fidelity(), self.sweep.cut(point.machine));
+        let level = (self.fidelity(point), self.sweep.cut(point.machine));
         Shared::of(level, baseline, &self.streams[point.policy], self.stop)
     }
 

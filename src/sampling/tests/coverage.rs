@@ -204,7 +204,7 @@ fn intervals_of_changes_hold_when_sampling_stops_at_a_target() {
                 let mut draws = 2;
                 while draws <= most {
                     let (drawn, other_drawn) = (one.drawn(strata, draws), other.drawn(strata, draws));
-                    let points = drawn.windows.iter().map(|window| window.hits.len()).sum();
+                    let points: usize = drawn.windows.iter().map(|window| window.hits.len()).sum();
                     let [left, others_left] = [one.residuals(&drawn, figure), other.residuals(&other_drawn, figure)];
                     let half = others_left.of_ratio(&left, 0).unwrap();
                     if points >= TELLING && half <= target {
