@@ -75,9 +75,9 @@ pub(super) struct PathEnd {
     pub entry: u32,
 }
 
-/// Steps that a ray makes in its turn at most. Its turn is over when the L1 has not what it needs: so others catch up,
-/// and are near it when the line is there, as they are in the machine. Where turns go on, windows tell L2 bytes up to a
-/// fifth worse (kitchen on `small`).
+/// Steps that a ray makes in its turn at most. Its turn is over when it goes to another unit, or when the L1 has not
+/// what it needs: so others catch up, and are near it when the line is there, as they are in the machine. Where turns
+/// go on, windows tell L2 bytes up to two fifths worse (kitchen on `tni_engine`).
 const MOST_STEPS: usize = 16;
 
 /// Packed steps in a line of the caches of most processors.
@@ -304,11 +304,14 @@ impl PathTags {
         let (turn, later) = path.split_at(path.len().min(MOST_STEPS));
         let mut steps = turn.iter();
         while let Some(&word) = steps.next() {
-            let Some(node) = Step::node(word) else {
-                by.step(word);
-                continue;
+            let is_over = match Step::node(word) {
+                Some(node) => by.requests.access_all(l1, visitor, lines(by.layout, node)),
+                None => {
+                    by.step(word);
+                    true
+                }
             };
-            if by.requests.access_all(l1, visitor, lines(by.layout, node)) {
+            if is_over {
                 return &path[turn.len() - steps.len()..];
             }
         }
