@@ -8,6 +8,7 @@ pub(super) mod marks;
 pub(super) mod over_frames;
 pub(super) mod palette;
 pub(super) mod reach;
+pub(super) mod ticks;
 pub(super) mod waterfall;
 
 pub(super) use canvas::DrawError;

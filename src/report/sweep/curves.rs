@@ -3,9 +3,10 @@
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, own, places, value};
 use super::values::shown;
-use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text, tick_step};
+use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text};
 use crate::report::draw::marks::mark;
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{DrawError, Drawing, Figure};
 use crate::report::format::{change, number, percent_tick};
 use crate::report::grid::Grid;
@@ -152,14 +153,11 @@ fn panel(
     let (end, bottom) = (canvas.width() - 34, top + PANEL);
     canvas.text(metric.0, (LEFT, top - 20), Text::LABEL.bold())?;
     let all = curves.iter().flat_map(|curve| curve.points.iter().filter_map(|(_, it)| curve.figure(metric, it)));
-    let (low, high) = all.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
-    let step = tick_step((high - low).max(0.01), 4);
-    let (low, high) = ((low / step).floor() * step, ((high / step).ceil() * step).max(low + step));
-    let y = |share: f64| bottom - ((share - low) / (high - low) * f64::from(PANEL)).round() as i32;
+    let ticks = Ticks::around(all);
+    let y = |share: f64| bottom - (ticks.place(share) * f64::from(PANEL)).round() as i32;
     let xs: Vec<i32> =
         places(&field.values).iter().map(|place| AXIS + (place * f64::from(end - AXIS)).round() as i32).collect();
-    for tick in 0..=((high - low) / step).round() as i32 {
-        let share = low + f64::from(tick) * step;
+    for share in ticks.shares() {
         canvas.line(vec![(AXIS, y(share)), (end, y(share))], GRID, 1)?;
         canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
     }

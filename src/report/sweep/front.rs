@@ -2,9 +2,10 @@
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::fields;
-use crate::report::draw::canvas::{LEFT, LINE, Text, tick_step};
+use crate::report::draw::canvas::{LEFT, LINE, Text};
 use crate::report::draw::marks::{Names, mark};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
+use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::signed;
 use crate::report::format::{counted, number, percent_tick};
@@ -91,25 +92,18 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
         height: Box::new(move |_| PANEL + BELOW + LINE + labels),
         paint: Box::new(move |canvas| {
             let (end, top) = (canvas.width() - 16, LINE);
-            let range = |of: fn((f64, f64)) -> f64| {
-                let all = points.iter().map(|(_, point)| of(place(point)));
-                let (low, high) = all.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
-                let step = tick_step((high - low).max(0.01), 4);
-                ((low / step).floor() * step, ((high / step).ceil() * step).max(low + step), step)
-            };
-            let (xs, ys) = (range(|it| it.0), range(|it| it.1));
-            let x = |share: f64| AXIS + ((share - xs.0) / (xs.1 - xs.0) * f64::from(end - AXIS)).round() as i32;
-            let y = |share: f64| top + PANEL - ((share - ys.0) / (ys.1 - ys.0) * f64::from(PANEL)).round() as i32;
+            let ticks = |of: fn((f64, f64)) -> f64| Ticks::around(points.iter().map(|(_, point)| of(place(point))));
+            let (xs, ys) = (ticks(|it| it.0), ticks(|it| it.1));
+            let x = |share: f64| AXIS + (xs.place(share) * f64::from(end - AXIS)).round() as i32;
+            let y = |share: f64| top + PANEL - (ys.place(share) * f64::from(PANEL)).round() as i32;
             canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
             canvas.text("cycles", (end, top + PANEL + 34), Text::NOTE.right())?;
-            for tick in 0..=((xs.1 - xs.0) / xs.2).round() as i32 {
-                let share = xs.0 + f64::from(tick) * xs.2;
+            for share in xs.shares() {
                 let color = if share.abs() < 1e-9 { FAINT } else { GRID };
                 canvas.line(vec![(x(share), top), (x(share), top + PANEL)], color, 1)?;
                 canvas.text(&percent_tick(share), (x(share), top + PANEL + 14), Text::NOTE.centered())?;
             }
-            for tick in 0..=((ys.1 - ys.0) / ys.2).round() as i32 {
-                let share = ys.0 + f64::from(tick) * ys.2;
+            for share in ys.shares() {
                 canvas.line(
                     vec![(AXIS, y(share)), (end, y(share))],
                     if share.abs() < 1e-9 { FAINT } else { GRID },
