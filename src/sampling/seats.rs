@@ -63,7 +63,8 @@ impl Seats {
     pub(super) fn take(&mut self, is_skipped: bool) -> Seat {
         let entry = self.entries.pop_front().expect("fewer rays are in flight than there are entries");
         let (core, mut units) = self.of_entry[entry as usize];
-        let turn = if is_skipped { None } else { self.slots.next(|_| true) };
+        let turn =
+            (!is_skipped).then(|| self.slots.next(|_| true).expect("fewer rays are in flight than there are slots"));
         let core = turn.map_or(core, |turn| self.slots.core(turn) as u16);
         for (unit, of_core) in units.iter_mut().zip(self.of_core) {
             *unit += core * of_core;

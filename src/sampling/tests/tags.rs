@@ -9,21 +9,24 @@ use crate::engine::tests::synthetic::{STATIC, SyntheticRay, nodes};
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout};
 use crate::machine::shadow_cache::Place;
+use crate::machine::writes::WritePolicy;
 use crate::memory::allocation::NoAllocate;
 use crate::memory::cache::Access;
+use crate::memory::replacement::Policy;
 use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
+use crate::sampling::known::Known;
 use crate::sampling::path_tags::PathTags;
 use crate::sampling::word_tags::WordTags;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step, Stop};
 
-/// Operations of each kind that tags know of a stream.
-fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> [u64; Kind::ALL.len()] {
+/// What tags know of a stream.
+fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Known {
     let (mut path, mut words) = (PathTags::new(header, machine), WordTags::new(header, machine));
-    let mut operations = [0; Kind::ALL.len()];
+    let mut sum = Known::default();
     for item in stream {
-        let known = match item {
+        sum += match item {
             Item::Frame(info) => {
                 path.begin_frame(info);
                 words.begin_frame(info);
@@ -40,9 +43,8 @@ fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> [u64; Kind:
                 words.frame_end(policy, &trodden, shift).known
             }
         };
-        operations.iter_mut().zip(known.operations).for_each(|(sum, of)| *sum += of);
     }
-    Kind::ALL.map(|kind| operations[kind as usize] / kind.spec(machine).interval)
+    sum
 }
 
 /// Registers and tables of hits, which tags leave out, are taken away.
@@ -55,8 +57,63 @@ fn tags_perform_the_operations_that_event_does() {
             (machine.shadow_cache.register, machine.shadow_cache.gather) = (num(0), num(0));
             let (header, whole) = (header(), on(&machine, &header(), "Event", &stream));
             let operations = Kind::ALL.map(|kind| whole.operations.get(kind.names().0).copied().unwrap_or(0));
-            let known = known(&machine, &header, &stream);
+            let known = known(&machine, &header, &stream).operations;
+            let known = Kind::ALL.map(|kind| known[kind as usize] / kind.spec(&machine).interval);
             if operations == known { Ok(()) } else { Err(format!("Event {operations:?}, tags {known:?}")) }
+        },
+    );
+}
+
+/// A stream whose rays are primary rays, all with what they do.
+fn of_primary_rays(stream: &[Item]) -> Vec<Item> {
+    let steps = |packed: &[u32]| Step::unpack_all(packed).collect::<Vec<_>>();
+    let mut items = Vec::new();
+    let (mut info, mut rays) = (FrameInfo::default(), Vec::new());
+    for item in stream {
+        match item {
+            Item::Frame(frame) => info = *frame,
+            Item::Rays(chunk) => rays.extend(chunk.rays().map(|ray| {
+                let policy = ray.packed_policy().to_vec();
+                SyntheticRay { policy, ..SyntheticRay::primary(steps(ray.packed_path())) }
+            })),
+            Item::End { policy, .. } => items.extend(frame(info, &std::mem::take(&mut rays), &steps(policy), 7)),
+        }
+    }
+    items
+}
+
+/// Where rays follow one another, so do all accesses to elements of one line: nodes and lists. The L1s of a path miss
+/// what they do in `Event`, which takes that each ray goes to the same units. (Children wait there until they are
+/// shaded.)
+#[test]
+fn tags_miss_what_event_misses_where_one_ray_is_in_flight() {
+    check_many(
+        300,
+        || (machines(), streams()),
+        |(mut machine, stream)| {
+            (machine.cores, machine.dispatcher.rays) = (num(1), num(1));
+            (machine.shadow_cache.count, machine.shadow_cache.contexts) = (num(1), num(1));
+            (machine.shadow_cache.register, machine.shadow_cache.gather) = (num(0), num(0));
+            (machine.shadow_cache.place, machine.shadow_cache.writes) = (Place::Own, WritePolicy::Back);
+            // Lines that are drawn are drawn in another order; those of one element come in any.
+            for cache in [&mut machine.traversal.cache, &mut machine.list.cache] {
+                if matches!(cache.replacement, Policy::Random { .. }) {
+                    cache.replacement = Policy::Lru;
+                }
+            }
+            if machine.line_bytes.get() < 64 {
+                return Ok(());
+            }
+            let stream = of_primary_rays(&stream);
+            let (header, whole) = (header(), on(&machine, &header(), "Event", &stream));
+            let of_path = [Kind::Traversal, Kind::List];
+            let misses = of_path.map(|kind| {
+                let classes = whole.caches.get(kind.names().1).into_iter().flatten();
+                classes.map(|(_, cache)| cache.counts.misses).sum::<u64>()
+            });
+            let missed = known(&machine, &header, &stream).missed;
+            let missed = of_path.map(|kind| missed[kind as usize]);
+            if misses == missed { Ok(()) } else { Err(format!("Event {misses:?}, tags {missed:?}")) }
         },
     );
 }
