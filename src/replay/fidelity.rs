@@ -247,6 +247,7 @@ mod tests {
         let auto = |error| Fidelity::Auto { error: Share::new(error).unwrap() };
         let Fidelity::Auto { error } = auto(0.02).compared() else { panic!("{:?}", auto(0.02).compared()) };
         assert!((2.0 * error.get() * error.get() - 0.02 * 0.02).abs() < 1e-9, "{error:?}");
+        assert_eq!(auto(0.02).of_baseline(), auto(0.01), "what all others are off too");
         assert_eq!(Fidelity::Event.compared(), Fidelity::Event);
     }
 

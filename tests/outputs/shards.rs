@@ -1,5 +1,6 @@
 //! Shards of a sweep: whoever makes the points, the report has the same bytes.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;
 
@@ -148,6 +149,15 @@ fn a_sweep_takes_every_level() {
         "{profile:?} {event:?}"
     );
     words(Some("Auto(error: 0.1)"));
+    // Baselines are told to half of the error, all others to that over the root of two.
+    let target = |name: &String| {
+        let text = fs::read_to_string(desk.path("s/points").join(name)).unwrap();
+        let point: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let target = point["measured"]["stats"]["choice"]["target"].as_f64()?;
+        Some((target * 10_000.0).round() as u64)
+    };
+    let targets: BTreeSet<u64> = points(&desk, "s").iter().filter_map(target).collect();
+    assert_eq!(targets, [500, 707].into());
     assert_eq!(words(Some("Profile")), profile);
     let mut program = desk.program(&["sweep", "w.ron", "--out", "s", "--fidelity", "Cycle", "--target-error", "1%"]);
     let told = error_text(&program.output().unwrap());
