@@ -34,6 +34,19 @@ pub(crate) fn mark(
     canvas.line(points, color, 2)
 }
 
+/// Draws the interval of a point, across or upright, with its ends.
+pub(crate) fn whisker(
+    canvas: &Canvas<'_>,
+    (from, to): ((i32, i32), (i32, i32)),
+    color: Color,
+) -> Result<(), DrawError> {
+    canvas.line(vec![from, to], color, 1)?;
+    let (across, along) = if from.1 == to.1 { (0, HALF - 2) } else { (HALF - 2, 0) };
+    [from, to]
+        .into_iter()
+        .try_for_each(|(x, y)| canvas.line(vec![(x - across, y - along), (x + across, y + along)], color, 1))
+}
+
 /// Names beside points, none on another.
 #[derive(Default)]
 pub(crate) struct Names {

@@ -4,11 +4,11 @@ use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, own, places, value};
 use super::values::shown;
 use crate::report::draw::canvas::{Canvas, LEFT, LINE, Text};
-use crate::report::draw::marks::mark;
+use crate::report::draw::marks::{mark, whisker};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{DrawError, Drawing, Figure};
-use crate::report::format::{change, number, percent_tick};
+use crate::report::format::{change, number, percent, percent_tick};
 use crate::report::grid::Grid;
 use crate::size::amount;
 
@@ -18,18 +18,38 @@ const BELOW: i32 = 40;
 const AXIS: i32 = 62;
 
 /// A panel: its heading, and the figure of a point beside the one that it is compared with.
-type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<f64>);
+type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<Shift>);
+
+/// A change as a share, and half the width of its interval if it is of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Shift {
+    share: f64,
+    half_width: Option<f64>,
+}
+
+impl Shift {
+    fn new(with: u64, without: u64, half_width: Option<f64>) -> Option<Self> {
+        (without > 0).then(|| Self { share: with as f64 / without as f64 - 1.0, half_width })
+    }
+
+    /// The ends of its interval; of what is exact, twice the same.
+    fn ends(self) -> [f64; 2] {
+        [-1.0, 1.0].map(|side| self.share + side * self.half_width.unwrap_or_default())
+    }
+}
 
 /// Changes against the machine as it is, and against the same machine without culling.
 const METRICS: [Metric; 3] = [
-    ("Cycles with culling, against the machine as it is", |it, own| share(it.split.cycles[2], own?.split.cycles[2])),
-    ("Cycles, change by culling", |it, _| share(it.split.cycles[2], it.split.cycles[0])),
-    ("DRAM bytes, change by culling", |it, _| share(it.split.dram[2].0, it.split.dram[0].0)),
+    ("Cycles with culling, against the machine as it is", |it, own| {
+        Shift::new(it.split.cycles[2], own?.split.cycles[2], it.effect.and_then(|effect| Some(effect.half_widths?[0])))
+    }),
+    ("Cycles, change by culling", |it, _| {
+        Shift::new(it.split.cycles[2], it.split.cycles[0], it.split.half_widths.map(|both| both[0]))
+    }),
+    ("DRAM bytes, change by culling", |it, _| {
+        Shift::new(it.split.dram[2].0, it.split.dram[0].0, it.split.half_widths.map(|both| both[1]))
+    }),
 ];
-
-fn share(with: u64, without: u64) -> Option<f64> {
-    (without > 0).then(|| with as f64 / without as f64 - 1.0)
-}
 
 /// A plot a field, if the other fields stay as they are along it.
 pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError> {
@@ -56,7 +76,7 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn figure(&self, (_, of): Metric, point: &SweepPoint) -> Option<f64> {
+    fn figure(&self, (_, of): Metric, point: &SweepPoint) -> Option<Shift> {
         of(point, self.own)
     }
 }
@@ -86,19 +106,27 @@ fn curves<'a>(summary: &'a SweepSummary, field: &Field<'a>) -> Vec<Curve<'a>> {
 
 fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
     let curves = curves(summary, &field);
+    let is_sampled = curves.iter().flat_map(|curve| &curve.points).any(|(_, point)| point.split.half_widths.is_some());
     let row = |curve: &Curve<'_>, place: usize, point: &SweepPoint| -> Vec<String> {
-        let metrics = METRICS.iter().map(|metric| curve.figure(*metric, point).map_or_else(String::new, number));
+        let text = |value: Option<f64>| value.map_or_else(String::new, number);
+        let metrics = METRICS.iter().flat_map(|metric| {
+            let shift = curve.figure(*metric, point);
+            let half_width = is_sampled.then(|| text(shift.and_then(|shift| shift.half_width)));
+            [Some(text(shift.map(|shift| shift.share))), half_width].into_iter().flatten()
+        });
         [curve.name.clone(), field.values[place].to_owned()].into_iter().chain(metrics).collect()
     };
     let rows = curves.iter().flat_map(|curve| curve.points.iter().map(|(place, point)| row(curve, *place, point)));
-    let head = ["machine, policy", field.path].into_iter().chain(METRICS.map(|(name, _)| name));
+    let of_metric = |(name, _): Metric| [Some(name), is_sampled.then_some("half width")].into_iter().flatten();
+    let head = ["machine, policy", field.path].into_iter().chain(METRICS.into_iter().flat_map(of_metric));
     let data = Grid { head: head.map(Into::into).collect(), names: 1, rows: rows.collect() };
     let labels = curves.len() as i32 * LINE;
     Figure {
         title: finding(&field, &curves),
         about: format!(
-            "`{}` along the axis, all else as in the machine's file. Ring: the machine's own value.",
-            field.path
+            "`{}` along the axis, all else as in the machine's file. Ring: the machine's own value.{}",
+            field.path,
+            if is_sampled { " Lines through marks: 95 % intervals." } else { "" }
         ),
         key: Vec::new(),
         data,
@@ -121,18 +149,24 @@ fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
 
 /// The curve with the widest range of cycles, in a sentence.
 fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
+    let half_width = |point: &SweepPoint| point.effect.and_then(|effect| Some(effect.half_widths?[0]));
     let ends = |curve: &Curve<'_>| {
         let cycles = |point: &SweepPoint| point.split.cycles[2] as f64;
-        let all = || curve.points.iter().map(|&(place, point)| (place, cycles(point)));
+        let all = || curve.points.iter().map(|&(place, point)| (place, cycles(point), half_width(point)));
         let least = all().min_by(|a, b| a.1.total_cmp(&b.1))?;
         let most = all().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        (most.1 > 0.0).then_some((least, most))
+        let within = least.2.unwrap_or_default() + most.2.unwrap_or_default();
+        (most.1 > 0.0).then_some(((least.0, least.1), (most.0, most.1), within))
     };
     let widest = curves.iter().filter_map(|curve| Some((curve, ends(curve)?)));
     let widest = widest.max_by(|a, b| (a.1.1.1 / a.1.0.1).total_cmp(&(b.1.1.1 / b.1.0.1)));
     let shown = |place: usize| shown(field.path, field.values[place]);
     match widest {
-        Some((curve, ((best, least), (worst, most)))) if most / least > 1.002 => format!(
+        // What intervals leave open is no difference.
+        Some((_, ((_, least), (_, most), within))) if within > 0.002 && most / least <= 1.0 + within => {
+            format!("{}: cycles stay the same, within intervals of {}", field.path, percent(within))
+        }
+        Some((curve, ((best, least), (worst, most), _))) if most / least > 1.002 => format!(
             "{}: {} is fastest on {}, {} cycles against {}",
             field.path,
             shown(best),
@@ -153,7 +187,7 @@ fn panel(
     let (end, bottom) = (canvas.width() - 34, top + PANEL);
     canvas.text(metric.0, (LEFT, top - 20), Text::LABEL.bold())?;
     let all = curves.iter().flat_map(|curve| curve.points.iter().filter_map(|(_, it)| curve.figure(metric, it)));
-    let ticks = Ticks::around(all);
+    let ticks = Ticks::around(all.flat_map(Shift::ends));
     let y = |share: f64| bottom - (ticks.place(share) * f64::from(PANEL)).round() as i32;
     let xs: Vec<i32> =
         places(&field.values).iter().map(|place| AXIS + (place * f64::from(end - AXIS)).round() as i32).collect();
@@ -174,14 +208,19 @@ fn panel(
     }
     for (index, curve) in curves.iter().enumerate() {
         let color = series_color(index);
-        let at = |place: usize, point: &SweepPoint| Some((xs[place], y(curve.figure(metric, point)?)));
+        let at = |place: usize, point: &SweepPoint| Some((xs[place], curve.figure(metric, point)?));
         let placed = || curve.points.iter().filter_map(|(place, point)| Some((*point, at(*place, point)?)));
-        let line: Vec<(i32, i32)> = placed().map(|(_, at)| at).collect();
+        let line: Vec<(i32, i32)> = placed().map(|(_, (x, shift))| (x, y(shift.share))).collect();
         // Between names there is nothing.
         if line.len() > 1 && field.values.iter().all(|value| amount(value).is_some()) {
             canvas.line(line, color, 2)?;
         }
-        for (point, at) in placed() {
+        for (point, (x, shift)) in placed() {
+            let at = (x, y(shift.share));
+            if shift.half_width.is_some() {
+                let [low, high] = shift.ends().map(|end| (x, y(end)));
+                whisker(canvas, (low, high), color)?;
+            }
             mark(canvas, index, at, color, true)?;
             if curve.own == Some(point) {
                 canvas.ring(at, 9, INK, 2)?;
@@ -189,4 +228,40 @@ fn panel(
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::run::tests::sample::sweep;
+
+    /// What the first field does where its second point takes so many times as many cycles as the first.
+    fn told(times: f64, half_width: Option<f64>) -> String {
+        let mut summary = sweep();
+        let [own, other] = &mut summary.points[..] else { panic!("two points") };
+        other.split.cycles[2] = (own.split.cycles[2] as f64 * times) as u64;
+        other.effect.as_mut().unwrap().half_widths = half_width.map(|half| [half; 2]);
+        finding_of_first(&summary).unwrap()
+    }
+
+    /// Who reads that one value is faster can rely on it.
+    #[test]
+    fn a_difference_within_its_interval_is_none() {
+        let faster = "shadow_cache.place: Own is fastest on small, published, \u{2212}1.0 % cycles against L2";
+        assert_eq!(told(1.01, None), faster);
+        assert_eq!(told(1.01, Some(0.009)), faster);
+        let open = "shadow_cache.place: cycles stay the same, within intervals of 1.1 %";
+        assert_eq!(told(1.01, Some(0.011)), open);
+        assert_eq!(told(1.001, None), "shadow_cache.place: cycles stay the same");
+    }
+
+    #[test]
+    fn intervals_have_columns_of_their_own() {
+        let summary = sweep();
+        let field = fields(&summary).into_iter().next().unwrap();
+        let data = figure(&summary, field).data;
+        assert_eq!(data.head.iter().filter(|head| *head == "half width").count(), METRICS.len());
+        assert!(data.rows.iter().all(|row| row.len() == data.head.len()), "{:?}", data.rows);
+        assert!(data.rows[1].iter().skip(2).all(|cell| cell.parse::<f64>().is_ok()), "{:?}", data.rows);
+    }
 }

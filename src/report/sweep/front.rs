@@ -3,13 +3,13 @@
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::fields;
 use crate::report::draw::canvas::{LEFT, LINE, Text};
-use crate::report::draw::marks::{Names, mark};
+use crate::report::draw::marks::{Names, mark, whisker};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{Figure, Plot};
-use crate::report::format::signed;
 use crate::report::format::{counted, number, percent_tick};
 use crate::report::grid::Grid;
+use crate::report::split::change_within;
 
 const PANEL: i32 = 300;
 const AXIS: i32 = 62;
@@ -61,14 +61,19 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
         points.push((series, point));
     }
     let best = unbeaten(&points);
+    let is_sampled = points.iter().any(|(_, point)| point.split.half_widths.is_some());
     let row = |((series, point), best): (&(usize, &SweepPoint), &bool)| {
         let (x, y) = place(point);
-        vec![names[*series].clone(), point.label(), number(x), number(y), if *best { "yes" } else { "no" }.into()]
+        let within = |at: usize| point.split.half_widths.map_or_else(String::new, |both| number(both[at]));
+        let mut row = vec![names[*series].clone(), point.label(), number(x), number(y)];
+        row.push(if *best { "yes" } else { "no" }.into());
+        row.extend([0, 1].into_iter().filter(|_| is_sampled).map(within));
+        row
     };
+    let halves = ["half width of cycles", "half width of DRAM bytes"].into_iter().filter(|_| is_sampled);
+    let head = ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"];
     let data = Grid {
-        head: ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"]
-            .map(Into::into)
-            .to_vec(),
+        head: head.into_iter().chain(halves).map(Into::into).collect(),
         names: 2,
         rows: points.iter().zip(&best).map(row).collect(),
     };
@@ -81,19 +86,27 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
             counted(points.len(), "point"),
             fastest.label(),
             fastest.machine,
-            signed(place(fastest).0)
+            change_within(1.0, 1.0 + place(fastest).0, fastest.split.half_widths.map(|both| both[0]))
         ),
-        about: "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
-                point of the machine and policy is better in both."
-            .into(),
+        about: format!(
+            "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
+             point of the machine and policy is better in both.{}",
+            if is_sampled { " Lines through marks: 95 % intervals." } else { "" }
+        ),
         key: Vec::new(),
         data,
         narrow: true,
         height: Box::new(move |_| PANEL + BELOW + LINE + labels),
         paint: Box::new(move |canvas| {
             let (end, top) = (canvas.width() - 16, LINE);
-            let ticks = |of: fn((f64, f64)) -> f64| Ticks::around(points.iter().map(|(_, point)| of(place(point))));
-            let (xs, ys) = (ticks(|it| it.0), ticks(|it| it.1));
+            let ticks = |of: fn((f64, f64)) -> f64, within: usize| {
+                let ends = |point: &SweepPoint| {
+                    let half_width = point.split.half_widths.map_or(0.0, |both| both[within]);
+                    [-1.0, 1.0].map(|side| of(place(point)) + side * half_width)
+                };
+                Ticks::around(points.iter().flat_map(|(_, point)| ends(point)))
+            };
+            let (xs, ys) = (ticks(|it| it.0, 0), ticks(|it| it.1, 1));
             let x = |share: f64| AXIS + (xs.place(share) * f64::from(end - AXIS)).round() as i32;
             let y = |share: f64| top + PANEL - (ys.place(share) * f64::from(PANEL)).round() as i32;
             canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
@@ -112,6 +125,13 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
                 canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
             }
             let at = |point: &SweepPoint| (x(place(point).0), y(place(point).1));
+            for (series, point) in points.iter().filter(|_| points.len() <= MOST) {
+                let (color, (cycles, bytes), (left, top)) = (series_color(*series), place(point), at(point));
+                if let Some(within) = point.split.half_widths {
+                    whisker(canvas, ((x(cycles - within[0]), top), (x(cycles + within[0]), top)), color)?;
+                    whisker(canvas, ((left, y(bytes - within[1])), (left, y(bytes + within[1]))), color)?;
+                }
+            }
             let mut names_of = Names::default();
             points.iter().take(MOST).for_each(|(_, point)| names_of.point(at(point)));
             let drawn = points.iter().zip(&best).enumerate();
