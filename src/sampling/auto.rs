@@ -11,12 +11,12 @@ use crate::ranged::Share;
 use crate::stats::{Choice, MachineStats, Why};
 use crate::stream::Header;
 
-/// Processor time of the tags' pass, over that of `Event` (kitchen, `Published`: 12 % on `small`, 14 % on `desktop`,
-/// 12 % on `tni_engine`).
-const TAGS: f64 = 0.14;
-/// Points with which sampling begins, at least, and a share of those that are expected: twice as many tell intervals of
-/// half the width or less, since regressions have more columns. What comes later was kept, up to 32 times as many.
-const FIRST: f64 = 12.0;
+/// Processor time of the tags' pass, over that of `Event` (`small`, `Published`: 12 % on Sponza, 14 % on robot, 17 and
+/// 18 % on kitchen, living room and gas station, 21 % on staircase).
+const TAGS: f64 = 0.18;
+/// Points with which sampling begins, as a share of those that are expected. [`TELLING`] ones are measured whatever
+/// they tell, and on the first pass, so that no jobs need be kept for that: those of a large L2 hold half a megabyte
+/// each. What comes later was kept, up to 32 times as many.
 const FIRST_SHARE: f64 = 0.2;
 /// Points that intervals of 2 % take, as a rule (kitchen: 24 to 48), and some more. A sample is tried where so many
 /// would pay, and [`TELLING`] ones at least: a try that is given up costs more than it can win.
@@ -44,7 +44,7 @@ pub(crate) fn auto(
     if !pays(cut, target, header, baseline.is_some()) {
         return Ok(machines.iter().map(|_| Ok(event(choice(0, 1.0, Why::Short)))).collect());
     }
-    let plan = Plan::new(FIRST.max(FIRST_SHARE * expected(target, baseline.is_some())) / all, cut, 0);
+    let plan = Plan::new((FIRST_SHARE * expected(target, baseline.is_some())).max(TELLING as f64) / all, cut, 0);
     // What was spent is spent: more windows are measured as long as they take less than `Event` on everything.
     let goal = Goal { target, most: 1.0 / cut.effort() };
     let verdict = |(stats, is_enough): (MachineStats, bool)| {

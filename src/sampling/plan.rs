@@ -10,12 +10,11 @@ use crate::stream::Header;
 
 /// Pixels before a window for a ray that the machine has room for.
 const BEFORE_A_RAY: usize = 2;
-/// Pixels before a window of the least length, at least. Before a longer one fewer do, down to half: what is amiss at
-/// its beginning weighs less.
-const LEAST_BEFORE: usize = 1024;
+/// Pieces of a window.
+const PIECES: usize = 4;
+/// Pixels before a window, and of it, at least.
+const LEAST_BEFORE: usize = 768;
 const LEAST_OWN: usize = 512;
-/// Lines of a traversal unit's L1 for a piece of a window.
-const LINES_A_PIECE: usize = 64;
 
 /// Points that tell an interval, at least: eight leave three degrees of freedom or more.
 pub(crate) const LEAST: usize = 8;
@@ -46,43 +45,44 @@ pub(crate) struct Cut {
 pub(crate) struct Lengths {
     /// Of a piece.
     piece: usize,
-    /// Of a window.
-    own: usize,
     /// Rays that there is room for, in the pool and in FIFOs.
     room: usize,
 }
 
 impl Lengths {
     /// Those of `machine`. As many primary rays as the pool has entries can be in flight, and their children come after
-    /// them: a piece has as many pixels. Windows are the longer the more lines an L1 has ([`Lengths::cut`]).
+    /// them: a piece has as many pixels.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let piece = machine.pool() as usize;
-        let lines = machine.traversal.cache.bytes.size() / machine.line_bytes.size();
-        let pieces = (lines / LINES_A_PIECE).max(LEAST_OWN.div_ceil(piece)).max(2);
         let fifos = machine.dispatcher.in_fifo.size() + machine.dispatcher.out_fifo.size();
-        Self { piece, own: pieces * piece, room: piece + machine.cores.size() * fifos }
+        Self { piece, room: piece + machine.cores.size() * fifos }
     }
 
     /// Those that are enough for both.
     fn longer(self, other: Self) -> Self {
-        let Self { piece, own, room } = self;
-        Self { piece: piece.max(other.piece), own: own.max(other.own), room: room.max(other.room) }
+        Self { piece: self.piece.max(other.piece), room: self.room.max(other.room) }
     }
 
     /// The cut with these lengths. It takes a while until an empty machine behind warm tags works as one in the middle
-    /// of a frame, and the longer the more its L1s hold: on `small`, robot moved 1.2 % more bytes of the L2 with two
-    /// pieces of 128 pixels before windows of two, 0.1 % with eight; on `desktop`, 2.2 % fewer with two pieces of 1024,
-    /// 0.2 % with eight, or with two before windows of eight. So windows are the longer the more lines an L1 has, and
-    /// the longer they are the fewer pixels before them do: on `small` with L1s of 64 KiB, L2 bytes are off by up to
-    /// 0.4 % with 384 and with 640 pixels before windows of 2048, by 0.3 % with 1024 (kitchen, living room, staircase).
-    /// Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2 to 1.2 %
-    /// fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and 0.4 %
-    /// fewer. So what comes before is the longer the more rays there is room for.
+    /// of a frame. All windows together are off by as much (kitchen, robot, staircase, living room, `Published`):
+    ///
+    /// | machine | pieces before, of the window | cycles | L2 bytes | DRAM bytes |
+    /// |---|---|---|---|---|
+    /// | `small` | 8, 4 | 0.0 to 0.3 % | 0.0 to 0.7 % | 0.0 to 0.2 % |
+    /// | `small` | 6, 4 | 0.0 to 0.3 % | 0.0 to 0.5 % | 0.0 to 0.2 % |
+    /// | `small` | 4, 4 | 0.1 to 0.6 % | 0.1 to 0.5 % | 0.0 to 0.7 % |
+    /// | `desktop` | 2, 8 | 0.0 to 0.1 % | 0.1 to 0.3 % | 0.0 to 0.1 % |
+    /// | `desktop` | 2, 2 | 0.0 to 0.4 % | 0.3 to 1.1 % | 0.1 to 0.9 % |
+    ///
+    /// Of L1s of 64 KiB windows need not be longer: L2 bytes are off by up to 0.8 %, most of all where hardly any are
+    /// moved. Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2
+    /// to 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and
+    /// 0.4 % fewer. So what comes before is the longer the more rays there is room for.
     fn cut(self) -> Cut {
-        let Self { piece, own, room } = self;
-        let least = (LEAST_BEFORE * LEAST_OWN / own).max(LEAST_BEFORE / 2);
+        let Self { piece, room } = self;
+        let [least_before, least_own] = [LEAST_BEFORE, LEAST_OWN].map(|pixels| pixels.div_ceil(piece));
         let before = (BEFORE_A_RAY * room + piece / 2) / piece;
-        Cut { pixels: piece, before: before.max(least.div_ceil(piece)), own: own.div_ceil(piece).max(2), behind: 1 }
+        Cut { pixels: piece, before: before.max(least_before), own: PIECES.max(least_own), behind: 1 }
     }
 }
 

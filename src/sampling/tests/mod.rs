@@ -104,7 +104,7 @@ fn a_sample_of_few_windows_is_refused() {
     let error = replay.run(&stream).unwrap_err().to_string();
     assert_eq!(
         error,
-        "a sample of 0.1 of the stream's 4 windows of 8192 pixels is too small to tell anything: take Auto or Event"
+        "a sample of 0.1 of the stream's 4 windows of 4096 pixels is too small to tell anything: take Auto or Event"
     );
     let replay = Replay::new(&small, &header).unwrap().fidelity::<Fidelity>(fidelity);
     let error = replay.run(&stream).unwrap_err().to_string();
@@ -123,12 +123,12 @@ fn a_sample_knows_what_its_windows_do_not_move() {
     assert!((sampled as f64 / whole as f64 - 1.0).abs() < 0.01, "{sampled} {whole}");
 }
 
-/// The longer the more lines an L1 has, behind the more pixels the more rays there is room for.
+/// The longer the larger the pool is, behind the more pixels the more rays there is room for.
 #[test]
 fn windows_are_as_long_as_a_machine_asks_for() {
     let cuts = ["small", "desktop", "tni_engine"].map(|name| Cut::new(&shipped(name)));
     let cut = |pixels, before, own| Cut { pixels, before, own, behind: 1 };
-    assert_eq!(cuts, [cut(128, 8, 4), cut(1024, 2, 8), cut(1920, 3, 4)]);
+    assert_eq!(cuts, [cut(128, 6, 4), cut(1024, 2, 4), cut(1920, 3, 4)]);
 }
 
 /// As many points more as the width asks for, but no more than double; none where that would be too many in the end.
@@ -154,10 +154,10 @@ fn a_common_cut_is_as_long_as_the_longest() {
     assert_eq!(cut(&[small]), Some(Cut::new(&shipped("small"))));
     assert_eq!(cut(&[small, desktop]), cut(&[desktop]));
     assert_eq!(cut(&[small, desktop]), cut(&[desktop, small]));
-    let mut large_l1 = shipped("small");
-    large_l1.traversal.cache.bytes = Size::new(65536).unwrap();
-    let large = Cut { pixels: 128, before: 4, own: 16, behind: 1 };
-    assert_eq!(cut(&[small, Lengths::new(&large_l1)]), Some(large), "less comes before a longer window");
+    let mut few_entries = shipped("small");
+    few_entries.dispatcher.rays = num(48);
+    let least = Cut { pixels: 48, before: 16, own: 11, behind: 1 };
+    assert_eq!(cut(&[Lengths::new(&few_entries)]), Some(least), "768 and 512 pixels at least");
     assert_eq!(Cut::common([]), None);
 }
 
@@ -166,7 +166,7 @@ fn a_common_cut_is_as_long_as_the_longest() {
 #[test]
 fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
-    // Few pixels come before windows that are long for a large L1.
+    // Windows are as short, however many lines an L1 holds.
     let mut large_l1 = shipped("small");
     large_l1.traversal.cache.bytes = Size::new(65536).unwrap();
     let machines = [("small", shipped("small")), ("desktop", shipped("desktop")), ("a large L1", large_l1)];
