@@ -8,8 +8,9 @@ use crate::report::draw::marks::{mark, whisker};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{DrawError, Drawing, Figure};
-use crate::report::format::{change, number, percent, percent_tick};
+use crate::report::format::{number, percent, percent_tick};
 use crate::report::grid::Grid;
+use crate::report::split::change_within;
 use crate::size::amount;
 
 const PANEL: i32 = 150;
@@ -147,34 +148,54 @@ fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
     }
 }
 
-/// The curve with the widest range of cycles, in a sentence.
+/// The least difference of cycles that is one.
+const LEAST_DIFFERENCE: f64 = 0.002;
+
+/// The points of a curve with the least and the most cycles.
+struct Ends {
+    best: usize,
+    worst: usize,
+    cycles: [f64; 2],
+    /// What their intervals leave open.
+    within: f64,
+}
+
+impl Ends {
+    fn of(curve: &Curve<'_>) -> Option<Self> {
+        let half_width = |point: &SweepPoint| point.effect.and_then(|effect| Some(effect.half_widths?[0]));
+        let cycles = |(_, point): &&(usize, &SweepPoint)| point.split.cycles[2];
+        let (&(best, fast), &(worst, slow)) =
+            (curve.points.iter().min_by_key(cycles)?, curve.points.iter().max_by_key(cycles)?);
+        let within = [fast, slow].map(|point| half_width(point).unwrap_or_default()).iter().sum();
+        Some(Self { best, worst, cycles: [fast, slow].map(|point| point.split.cycles[2] as f64), within })
+    }
+
+    fn ratio(&self) -> f64 {
+        let [least, most] = self.cycles;
+        if least > 0.0 { most / least } else { 1.0 }
+    }
+}
+
+/// The curve with the widest range of cycles that is a difference, in a sentence.
 fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
-    let half_width = |point: &SweepPoint| point.effect.and_then(|effect| Some(effect.half_widths?[0]));
-    let ends = |curve: &Curve<'_>| {
-        let cycles = |point: &SweepPoint| point.split.cycles[2] as f64;
-        let all = || curve.points.iter().map(|&(place, point)| (place, cycles(point), half_width(point)));
-        let least = all().min_by(|a, b| a.1.total_cmp(&b.1))?;
-        let most = all().max_by(|a, b| a.1.total_cmp(&b.1))?;
-        let within = least.2.unwrap_or_default() + most.2.unwrap_or_default();
-        (most.1 > 0.0).then_some(((least.0, least.1), (most.0, most.1), within))
-    };
-    let widest = curves.iter().filter_map(|curve| Some((curve, ends(curve)?)));
-    let widest = widest.max_by(|a, b| (a.1.1.1 / a.1.0.1).total_cmp(&(b.1.1.1 / b.1.0.1)));
     let shown = |place: usize| shown(field.path, field.values[place]);
-    match widest {
-        // What intervals leave open is no difference.
-        Some((_, ((_, least), (_, most), within))) if within > 0.002 && most / least <= 1.0 + within => {
-            format!("{}: cycles stay the same, within intervals of {}", field.path, percent(within))
-        }
-        Some((curve, ((best, least), (worst, most), _))) if most / least > 1.002 => format!(
+    let all: Vec<(&Curve<'_>, Ends)> = curves.iter().filter_map(|curve| Some((curve, Ends::of(curve)?))).collect();
+    let open = all.iter().map(|(_, ends)| ends.within).fold(0.0, f64::max);
+    // What intervals leave open is no difference.
+    let differ = all.iter().filter(|(_, ends)| ends.ratio() > 1.0 + ends.within.max(LEAST_DIFFERENCE));
+    match differ.max_by(|(_, one), (_, other)| one.ratio().total_cmp(&other.ratio())) {
+        Some((curve, ends @ Ends { best, worst, cycles: [least, most], .. })) => format!(
             "{}: {} is fastest on {}, {} cycles against {}",
             field.path,
-            shown(best),
+            shown(*best),
             curve.name,
-            change(most, least).unwrap_or_default(),
-            shown(worst)
+            change_within(*most, *least, (ends.within > 0.0).then_some(ends.within)),
+            shown(*worst)
         ),
-        _ => format!("{}: cycles stay the same", field.path),
+        None if open > LEAST_DIFFERENCE => {
+            format!("{}: cycles stay the same, within intervals of {}", field.path, percent(open))
+        }
+        None => format!("{}: cycles stay the same", field.path),
     }
 }
 
@@ -247,9 +268,11 @@ mod tests {
     /// Who reads that one value is faster can rely on it.
     #[test]
     fn a_difference_within_its_interval_is_none() {
-        let faster = "shadow_cache.place: Own is fastest on small, published, \u{2212}1.0 % cycles against L2";
-        assert_eq!(told(1.01, None), faster);
-        assert_eq!(told(1.01, Some(0.009)), faster);
+        let faster = |by: &str| {
+            format!("shadow_cache.place: Own is fastest on small, published, \u{2212}{by} cycles against L2")
+        };
+        assert_eq!(told(1.01, None), faster("1.0 %"));
+        assert_eq!(told(1.01, Some(0.009)), faster("1.0 \u{b1} 0.9 %"));
         let open = "shadow_cache.place: cycles stay the same, within intervals of 1.1 %";
         assert_eq!(told(1.01, Some(0.011)), open);
         assert_eq!(told(1.001, None), "shadow_cache.place: cycles stay the same");
