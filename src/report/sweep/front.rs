@@ -91,7 +91,11 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
         about: format!(
             "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
              point of the machine and policy is better in both.{}",
-            if is_sampled { " Lines through marks: 95 % intervals." } else { "" }
+            match is_sampled {
+                true =>
+                    " Lines through marks: 95 % intervals, within which either of two points may be the better one.",
+                false => "",
+            }
         ),
         key: Vec::new(),
         data,
