@@ -60,6 +60,11 @@ impl Names {
         self.taken.push(((x - HALF, y - HALF), (x + HALF, y + HALF)));
     }
 
+    /// Keeps what lies between two corners free.
+    pub(crate) fn keep(&mut self, (from, to): ((i32, i32), (i32, i32))) {
+        self.taken.push(((from.0.min(to.0), from.1.min(to.1)), (from.0.max(to.0), from.1.max(to.1))));
+    }
+
     /// Writes a name beside the point at `at`: to its right, to its left, above or below, further off if these are
     /// taken.
     pub(crate) fn write(&mut self, canvas: &Canvas<'_>, name: &str, at: (i32, i32)) -> Result<(), DrawError> {

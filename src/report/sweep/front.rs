@@ -129,14 +129,19 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
                 canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
             }
             let at = |point: &SweepPoint| (x(place(point).0), y(place(point).1));
+            let mut names_of = Names::default();
+            // What the axis says.
+            names_of.keep(((AXIS, top + PANEL), (end, top + PANEL + LINE)));
             for (series, point) in points.iter().filter(|_| points.len() <= MOST) {
-                let (color, (cycles, bytes), (left, top)) = (series_color(*series), place(point), at(point));
-                if let Some(within) = point.split.half_widths {
-                    whisker(canvas, ((x(cycles - within[0]), top), (x(cycles + within[0]), top)), color)?;
-                    whisker(canvas, ((left, y(bytes - within[1])), (left, y(bytes + within[1]))), color)?;
+                let Some([of_cycles, of_bytes]) = point.split.half_widths else { continue };
+                let ((cycles, bytes), (left, top)) = (place(point), at(point));
+                let across = ((x(cycles - of_cycles), top), (x(cycles + of_cycles), top));
+                let upright = ((left, y(bytes - of_bytes)), (left, y(bytes + of_bytes)));
+                for ends in [across, upright] {
+                    whisker(canvas, ends, series_color(*series))?;
+                    names_of.keep(ends);
                 }
             }
-            let mut names_of = Names::default();
             points.iter().take(MOST).for_each(|(_, point)| names_of.point(at(point)));
             let drawn = points.iter().zip(&best).enumerate();
             for (_, ((series, point), best)) in drawn.filter(|(index, (_, best))| **best || *index < MOST) {
