@@ -105,6 +105,27 @@ pub(crate) fn change_within(before: f64, after: f64, half_width: Option<f64>) ->
     }
 }
 
+/// A change as a share, and half the width of its interval if it is of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Shift {
+    /// The change.
+    pub share: f64,
+    /// Half the width.
+    pub half_width: Option<f64>,
+}
+
+impl Shift {
+    /// From a number that is not 0.
+    pub(crate) fn new(with: u64, without: u64, half_width: Option<f64>) -> Option<Self> {
+        (without > 0).then(|| Self { share: with as f64 / without as f64 - 1.0, half_width })
+    }
+
+    /// The ends of its interval; of what is exact, twice the same.
+    pub(crate) fn ends(self) -> [f64; 2] {
+        [-1.0, 1.0].map(|side| self.share + side * self.half_width.unwrap_or_default())
+    }
+}
+
 /// A column of a table of splits: its header, and its text.
 pub(crate) type Column = (&'static str, fn(&Split) -> String);
 
@@ -145,6 +166,15 @@ impl Split {
             bytes_per_ray,
             break_even: (possible > 0.0).then(|| (words as i64 + interference) as f64 / possible),
         }
+    }
+
+    /// How culling changes cycles and DRAM bytes; none of what there is nothing of without it.
+    pub(crate) fn shifts(&self) -> [Option<Shift>; 2] {
+        let half_width = |at: usize| self.half_widths.map(|both| both[at]);
+        [
+            Shift::new(self.cycles[2], self.cycles[0], half_width(0)),
+            Shift::new(self.dram[2].0, self.dram[0].0, half_width(1)),
+        ]
     }
 
     /// Hands over the numbers as rows of `results.csv`. What samples cannot tell is a row without a number.

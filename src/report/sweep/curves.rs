@@ -10,7 +10,7 @@ use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{DrawError, Drawing, Figure};
 use crate::report::format::{number, percent, percent_tick};
 use crate::report::grid::Grid;
-use crate::report::split::change_within;
+use crate::report::split::{Shift, change_within};
 use crate::size::amount;
 
 const PANEL: i32 = 150;
@@ -21,35 +21,13 @@ const AXIS: i32 = 62;
 /// A panel: its heading, and the figure of a point beside the one that it is compared with.
 type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<Shift>);
 
-/// A change as a share, and half the width of its interval if it is of samples.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct Shift {
-    share: f64,
-    half_width: Option<f64>,
-}
-
-impl Shift {
-    fn new(with: u64, without: u64, half_width: Option<f64>) -> Option<Self> {
-        (without > 0).then(|| Self { share: with as f64 / without as f64 - 1.0, half_width })
-    }
-
-    /// The ends of its interval; of what is exact, twice the same.
-    fn ends(self) -> [f64; 2] {
-        [-1.0, 1.0].map(|side| self.share + side * self.half_width.unwrap_or_default())
-    }
-}
-
 /// Changes against the machine as it is, and against the same machine without culling.
 const METRICS: [Metric; 3] = [
     ("Cycles with culling, against the machine as it is", |it, own| {
-        Shift::new(it.split.cycles[2], own?.split.cycles[2], it.effect.and_then(|effect| Some(effect.half_widths?[0])))
+        Shift::new(it.split.cycles[2], own?.split.cycles[2], it.half_width_to_file())
     }),
-    ("Cycles, change by culling", |it, _| {
-        Shift::new(it.split.cycles[2], it.split.cycles[0], it.split.half_widths.map(|both| both[0]))
-    }),
-    ("DRAM bytes, change by culling", |it, _| {
-        Shift::new(it.split.dram[2].0, it.split.dram[0].0, it.split.half_widths.map(|both| both[1]))
-    }),
+    ("Cycles, change by culling", |it, _| it.split.shifts()[0]),
+    ("DRAM bytes, change by culling", |it, _| it.split.shifts()[1]),
 ];
 
 /// A plot a field, if the other fields stay as they are along it.
@@ -162,11 +140,10 @@ struct Ends {
 
 impl Ends {
     fn of(curve: &Curve<'_>) -> Option<Self> {
-        let half_width = |point: &SweepPoint| point.effect.and_then(|effect| Some(effect.half_widths?[0]));
         let cycles = |(_, point): &&(usize, &SweepPoint)| point.split.cycles[2];
         let (&(best, fast), &(worst, slow)) =
             (curve.points.iter().min_by_key(cycles)?, curve.points.iter().max_by_key(cycles)?);
-        let within = [fast, slow].map(|point| half_width(point).unwrap_or_default()).iter().sum();
+        let within = [fast, slow].map(|point| point.half_width_to_file().unwrap_or_default()).iter().sum();
         Some(Self { best, worst, cycles: [fast, slow].map(|point| point.split.cycles[2] as f64), within })
     }
 

@@ -118,6 +118,11 @@ impl Effect {
 }
 
 impl SweepPoint {
+    /// Half the width of the interval of its cycles over those of the machine as in its file; none of what is exact.
+    pub(super) fn half_width_to_file(&self) -> Option<f64> {
+        self.effect.and_then(|effect| Some(effect.half_widths?[0]))
+    }
+
     /// The point of three measurements (without culling, with free words, as it is) of a stream that holds `totals`;
     /// `own` is what the machine as in its file measured, if this is another one.
     pub(crate) fn new(

@@ -9,7 +9,7 @@ use crate::report::draw::ticks::Ticks;
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{counted, number, percent_tick};
 use crate::report::grid::Grid;
-use crate::report::split::change_within;
+use crate::report::split::{Shift, change_within};
 
 const PANEL: i32 = 300;
 const AXIS: i32 = 62;
@@ -19,16 +19,21 @@ const MOST: usize = 2_000;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "front", section: (), figure };
 
-/// A point's cycles and DRAM bytes against the same machine without culling.
-fn place(point: &SweepPoint) -> (f64, f64) {
-    let of = |with: u64, without: u64| with as f64 / without.max(1) as f64 - 1.0;
-    (of(point.split.cycles[2], point.split.cycles[0]), of(point.split.dram[2].0, point.split.dram[0].0))
+/// A point's cycles and DRAM bytes against the same machine without culling. Where that has none, as many as there are
+/// with it.
+fn place(point: &SweepPoint) -> [Shift; 2] {
+    let [cycles, bytes] = point.split.shifts();
+    let all = |number: u64| Shift { share: number as f64, half_width: None };
+    [cycles.unwrap_or(all(point.split.cycles[2])), bytes.unwrap_or(all(point.split.dram[2].0))]
 }
 
 /// Which points no other of the same machine and policy beats in both.
 fn unbeaten(points: &[(usize, &SweepPoint)]) -> Vec<bool> {
     let mut order: Vec<usize> = (0..points.len()).collect();
-    let at = |index: usize| (points[index].0, place(points[index].1));
+    let at = |index: usize| {
+        let [cycles, bytes] = place(points[index].1);
+        (points[index].0, (cycles.share, bytes.share))
+    };
     order.sort_by(|&a, &b| {
         let ((of_a, (x, y)), (of_b, (u, v))) = (at(a), at(b));
         of_a.cmp(&of_b).then(x.total_cmp(&u)).then(y.total_cmp(&v))
@@ -63,12 +68,12 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
     let best = unbeaten(&points);
     let is_sampled = points.iter().any(|(_, point)| point.split.half_widths.is_some());
     let row = |((series, point), best): (&(usize, &SweepPoint), &bool)| {
-        let (x, y) = place(point);
-        let within = |at: usize| point.split.half_widths.map_or_else(String::new, |both| number(both[at]));
-        let mut row = vec![names[*series].clone(), point.label(), number(x), number(y)];
-        row.push(if *best { "yes" } else { "no" }.into());
-        row.extend([0, 1].into_iter().filter(|_| is_sampled).map(within));
-        row
+        let place = place(point);
+        let shares = place.map(|it| number(it.share));
+        let halves = place.map(|it| it.half_width.map_or_else(String::new, number));
+        let names = [names[*series].clone(), point.label()].into_iter().chain(shares);
+        let best = if *best { "yes" } else { "no" }.to_owned();
+        names.chain([best]).chain(halves.into_iter().filter(|_| is_sampled)).collect()
     };
     let halves = ["half width of cycles", "half width of DRAM bytes"].into_iter().filter(|_| is_sampled);
     let head = ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"];
@@ -77,7 +82,8 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
         names: 2,
         rows: points.iter().zip(&best).map(row).collect(),
     };
-    let fastest = points.iter().min_by(|a, b| place(a.1).0.total_cmp(&place(b.1).0))?.1;
+    let cycles = |point: &SweepPoint| place(point)[0];
+    let fastest = points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share))?.1;
     let labels = names.len() as i32 * LINE;
     Some(Figure {
         title: format!(
@@ -86,7 +92,7 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
             counted(points.len(), "point"),
             fastest.label(),
             fastest.machine,
-            change_within(1.0, 1.0 + place(fastest).0, fastest.split.half_widths.map(|both| both[0]))
+            change_within(1.0, 1.0 + cycles(fastest).share, cycles(fastest).half_width)
         ),
         about: format!(
             "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
@@ -103,14 +109,8 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
         height: Box::new(move |_| PANEL + BELOW + LINE + labels),
         paint: Box::new(move |canvas| {
             let (end, top) = (canvas.width() - 16, LINE);
-            let ticks = |of: fn((f64, f64)) -> f64, within: usize| {
-                let ends = |point: &SweepPoint| {
-                    let half_width = point.split.half_widths.map_or(0.0, |both| both[within]);
-                    [-1.0, 1.0].map(|side| of(place(point)) + side * half_width)
-                };
-                Ticks::around(points.iter().flat_map(|(_, point)| ends(point)))
-            };
-            let (xs, ys) = (ticks(|it| it.0, 0), ticks(|it| it.1, 1));
+            let [xs, ys] =
+                [0, 1].map(|axis| Ticks::around(points.iter().flat_map(|(_, point)| place(point)[axis].ends())));
             let x = |share: f64| AXIS + (xs.place(share) * f64::from(end - AXIS)).round() as i32;
             let y = |share: f64| top + PANEL - (ys.place(share) * f64::from(PANEL)).round() as i32;
             canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
@@ -128,15 +128,17 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
                 )?;
                 canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
             }
-            let at = |point: &SweepPoint| (x(place(point).0), y(place(point).1));
+            let at = |point: &SweepPoint| {
+                let [cycles, bytes] = place(point);
+                (x(cycles.share), y(bytes.share))
+            };
             let mut names_of = Names::default();
             // What the axis says.
             names_of.keep(((AXIS, top + PANEL), (end, top + PANEL + LINE)));
-            for (series, point) in points.iter().filter(|_| points.len() <= MOST) {
-                let Some([of_cycles, of_bytes]) = point.split.half_widths else { continue };
-                let ((cycles, bytes), (left, top)) = (place(point), at(point));
-                let across = ((x(cycles - of_cycles), top), (x(cycles + of_cycles), top));
-                let upright = ((left, y(bytes - of_bytes)), (left, y(bytes + of_bytes)));
+            for (series, point) in points.iter().filter(|_| is_sampled && points.len() <= MOST) {
+                let ((left, top), [cycles, bytes]) = (at(point), place(point).map(Shift::ends));
+                let across = cycles.map(|share| (x(share), top)).into();
+                let upright = bytes.map(|share| (left, y(share))).into();
                 for ends in [across, upright] {
                     whisker(canvas, ends, series_color(*series))?;
                     names_of.keep(ends);
@@ -159,4 +161,37 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
             Ok(())
         }),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::report::run::tests::sample::sweep;
+    use crate::report::sweep::data::Change;
+
+    /// Who reads which point is the fastest, reads what its interval leaves open, too.
+    #[test]
+    fn samples_have_intervals_and_what_is_exact_has_none() {
+        let mut summary = sweep();
+        let change = Change { field: "shadow_cache.count".into(), value: "2".into() };
+        let more = [1, 1].map(|at| SweepPoint { changes: vec![change.clone()], ..summary.points[at].clone() });
+        summary.points.extend(more);
+        let told = |summary: &SweepSummary| {
+            let figure = figure(summary).unwrap();
+            assert!(figure.data.rows.iter().all(|row| row.len() == figure.data.head.len()), "{:?}", figure.data.rows);
+            (figure.title.contains('\u{b1}'), figure.about.contains("intervals"), figure.data.head.len())
+        };
+        assert_eq!(told(&summary), (true, true, 7));
+        summary.points.iter_mut().for_each(|point| point.split.half_widths = None);
+        assert_eq!(told(&summary), (false, false, 5));
+    }
+
+    #[test]
+    fn without_culling_there_may_be_nothing() {
+        let mut point = sweep().points.remove(0);
+        let bytes = |point: &SweepPoint| place(point)[1].share;
+        assert!(bytes(&point).abs() < 10.0);
+        (point.split.dram[0].0, point.split.dram[2].0) = (0, 0);
+        assert_eq!(bytes(&point), 0.0, "nothing changes");
+    }
 }
