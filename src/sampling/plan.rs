@@ -64,7 +64,8 @@ impl Lengths {
     }
 
     /// The cut with these lengths. It takes a while until an empty machine behind warm tags works as one in the middle
-    /// of a frame. All windows together are off by as much (kitchen, robot, staircase, living room, `Published`):
+    /// of a frame. All windows together, each replayed by itself as `windows_by_themselves_add_up` does, are off by as
+    /// much (kitchen at 512x512, robot, staircase, living room at 256x256; `Published`):
     ///
     /// | machine | pieces before, of the window | cycles | L2 bytes | DRAM bytes |
     /// |---|---|---|---|---|
@@ -72,6 +73,7 @@ impl Lengths {
     /// | `small` | 6, 4 | 0.0 to 0.3 % | 0.0 to 0.5 % | 0.0 to 0.2 % |
     /// | `small` | 4, 4 | 0.1 to 0.6 % | 0.1 to 0.5 % | 0.0 to 0.7 % |
     /// | `desktop` | 2, 8 | 0.0 to 0.1 % | 0.1 to 0.3 % | 0.0 to 0.1 % |
+    /// | `desktop` | 2, 4 | 0.1 to 0.7 % | 0.2 to 0.5 % | 0.0 to 0.2 % |
     /// | `desktop` | 2, 2 | 0.0 to 0.4 % | 0.3 to 1.1 % | 0.1 to 0.9 % |
     ///
     /// Of L1s of 64 KiB windows need not be longer: L2 bytes are off by up to 0.8 %, most of all where hardly any are
@@ -138,13 +140,15 @@ impl Plan {
     /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points`
     /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the root of the number
     /// of points, and a quarter more is taken, since the width of an interval is itself known from a sample only. For
-    /// the same reason no more than twice as many are: a first width may be far too large. Widths of the first points
+    /// the same reason no more than twice as many are: a first width may be far too large. With fewer points than
+    /// [`TELLING`], as many are as lack. Widths of the first points
     /// shrink faster, to half with twice as many where the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2
     /// bytes with 48 windows, 2.2 % with 94). Twice as many as `most` may seem to be needed then.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;
-        let enough = if points < TELLING { twice } else { needed(share).max(now + 1) };
+        let enough =
+            if points < TELLING { (now * TELLING).div_ceil(points.max(1)) } else { needed(share).max(now + 1) };
         let believed = if points < 2 * TELLING { 2 * most } else { most };
         (enough <= believed && enough.min(twice) <= most).then_some(enough.min(twice))
     }

@@ -138,6 +138,7 @@ fn a_sample_goes_on_by_no_more_than_double() {
     let plan = Plan { draws: 0..8, ..Plan::new(0.1, cut, 0) };
     let next = |points, share, most| plan.next_draws(points, share, 0.02, most);
     assert_eq!(next(12, 0.3, 100), Some(16), "the width tells little yet");
+    assert_eq!(next(44, 0.3, 100), Some(9), "four points lack");
     assert_eq!(next(48, 0.0201, 100), Some(11));
     assert_eq!(next(48, 0.06, 100), Some(16), "not 90");
     assert_eq!(next(48, 0.06, 89), Some(16), "widths of few points shrink faster");
