@@ -25,6 +25,11 @@ def measured(command):
         return json.load(out), took
 
 
+def half_widths(stats):
+    """Half the widths of the 95 % intervals of what a sample told, as shares of the figures; nothing of other runs."""
+    return stats["accuracy"]["estimated"] if "estimated" in stats["accuracy"] else {}
+
+
 def figures(stats):
     """Cycles, and bytes of L2 and DRAM, of a replay's statistics."""
     moved = [sum(sum(classes.values()) for level, classes in stats["bytes"].items() if level.startswith(name))

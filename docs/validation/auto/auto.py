@@ -18,7 +18,7 @@ import tempfile
 HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
-from measure import FIGURES, figures, measured
+from measure import FIGURES, figures, half_widths, measured
 
 # The scenes, each with its first frame.
 SCENES = {"kitchen": 320, "robot": 320, "staircase": 20, "living_room": 20, "sponza": 20, "gas_station": 20}
@@ -79,7 +79,7 @@ def main():
                 rows = [row for row in rows if any(row[name] != value for name, value in what.items())]
                 row = {**what, "rays": rays,
                        "windows": told["choice"]["windows"], "of": told["choice"]["of"]}
-                widths = told["accuracy"]["estimated"] if "estimated" in told["accuracy"] else {}
+                widths = half_widths(told)
                 is_told, is_so = figures(told), figures(truth)
                 for name in FIGURES:
                     row[f"{name}_off_percent"] = f"{100 * (is_told[name] / is_so[name] - 1):.3f}"

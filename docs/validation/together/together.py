@@ -19,17 +19,18 @@ HERE = pathlib.Path(__file__).parent
 sys.path.insert(0, str(HERE.parent))
 
 import chart
-from measure import FIGURES, figures, seconds
+from measure import FIGURES, figures, half_widths, seconds
 
 
 def points(program, sweep, folder, level):
-    """The points of a sweep in its order, each with its fields and what was measured."""
+    """The points of a sweep in its order: the fields of each, its figures, and half the widths of their intervals."""
     plan = [program, "sweep", sweep, "--out", folder, "--fidelity", level, "--plan", "-"]
     told = subprocess.run(plan, capture_output=True, text=True, check=True).stdout
     for row in csv.DictReader(told.splitlines()):
         point = json.loads((folder / "points" / f"{row.pop('identity')}.json").read_text())
-        found = figures(point["measured"]["stats"])
-        yield {key: value for key, value in row.items() if key not in ("index", "cost")}, found
+        stats = point["measured"]["stats"]
+        what = {key: value for key, value in row.items() if key not in ("index", "cost")}
+        yield what, figures(stats), half_widths(stats)
 
 
 def main():
@@ -58,22 +59,23 @@ def main():
     times, found = [{name: of[at] for name, of in made.items()} for at in (0, 1)]
     def told(what):
         """What was told of a point. The first that has its fields has all others as its machine has them."""
-        return next(figures for fields, figures in found["sampled"] if what.items() <= fields.items())
+        return next(told for fields, *told in found["sampled"] if what.items() <= fields.items())
 
-    pairs = [(what, truth, told(what)) for what, truth in found["Event"]]
+    pairs = [(what, truth, *told(what)) for what, truth, _ in found["Event"]]
     # As long as Event would take for all of them.
     count = len(found["sampled"])
     times["Event"] *= count / len(pairs)
     baselines = {}
-    for what, truth, told in pairs:
+    for what, truth, told, _ in pairs:
         if what["role"] != "free words":
             baselines.setdefault((what["machine"], what["policy"]), (truth, told))
     table = []
-    for what, truth, told in pairs:
+    for what, truth, told, widths in pairs:
         base, row = baselines[what["machine"], what["policy"]], dict(what)
         for figure in FIGURES:
             row[figure] = truth[figure]
             row[f"{figure}_off_percent"] = f"{100 * (told[figure] / truth[figure] - 1):.3f}"
+            row[f"{figure}_half_width_percent"] = f"{100 * widths.get(figure, 0):.3f}"
             changes = [one[figure] / of[figure] for one, of in ((told, base[1]), (truth, base[0]))]
             row[f"{figure}_change_off_points"] = f"{100 * (changes[0] - changes[1]):.3f}"
         table.append(row)
@@ -87,6 +89,9 @@ def main():
         for figure in FIGURES:
             off = sorted(abs(float(row[f"{figure}_{kind}"])) for row in table)
             print(f"{figure:10} {kind:18} mean {sum(off) / len(off):.2f}  most {off[-1]:.2f}")
+    intervals = [(abs(float(row[f"{figure}_off_percent"])), float(row[f"{figure}_half_width_percent"]))
+                 for row in table for figure in FIGURES if float(row[f"{figure}_half_width_percent"]) > 0]
+    print(f"{sum(off <= width for off, width in intervals)} of {len(intervals)} intervals hold")
 
 
 if __name__ == "__main__":
