@@ -13,11 +13,11 @@ use umbrasim::stream::StreamReader;
 fn main() -> Result<(), Box<dyn Error>> {
     let stream = Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/quickstart.rays");
     for kibibytes in [4, 8, 16, 32] {
-        // Every field has a default; a field's type knows which numbers it may hold.
+        // Every field has a default. A field's type checks its range.
         let mut machine = MachineSpec { name: format!("{kibibytes} KiB"), ..MachineSpec::default() };
         machine.traversal.cache.bytes = Size::new(kibibytes * 1024)?;
         machine.dispatcher.rays = Within::new(256)?;
-        // Checks what single fields cannot: here, that sets and ways fit the size.
+        // Checks what concerns several fields: here, that sets and ways fit the size.
         machine.check()?;
 
         let header = StreamReader::open(&stream)?.header().clone();

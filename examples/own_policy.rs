@@ -1,8 +1,8 @@
-//! A culling policy of one's own: whoever saw no light in the last frame is taken to be dark.
+//! A user-defined culling policy: a primitive that no light reached when last traced counts as dark.
 //!
-//! For every primitive and light the policy keeps one bit: whether all shadow rays of the last frame were blocked. A
-//! shadow ray from such a primitive is skipped. That saves much and is wrong at the edges of moving shadows; the tracer
-//! counts both, since it traces every ray without culling beside the policy.
+//! For every primitive and light the policy keeps one bit: whether all traced shadow rays of a frame were blocked. If
+//! so, shadow rays from that primitive are skipped. This saves much work and is wrong at the edges of moving shadows.
+//! The tracer counts both: it also traces every ray without culling.
 //!
 //! Run with: `cargo run --release --example own_policy`
 
@@ -15,7 +15,7 @@ use umbrasim::ranged::Within;
 use umbrasim::scene::builtin::{self, BuiltInSpec};
 use umbrasim::tracer::{Tracer, TracerSpec};
 
-/// What a worker saw of a primitive and a light: the codes of [`Change::kind`].
+/// What a worker observed for a primitive and a light: codes of [`Change::kind`].
 const LIT: u32 = 0;
 const DARK: u32 = 1;
 
@@ -41,14 +41,13 @@ impl Policy for DarkLastFrame {
     }
 
     fn end_frame(&mut self, changes: &[Change], _steps: &mut Trail) {
-        // A primitive that was traced and blocked everywhere is dark; one ray that sees the light is enough to clear
-        // it.
+        // A primitive is dark if all its traced rays were blocked; one ray that reaches the light clears the bit.
         changes.iter().filter(|seen| seen.kind == DARK).for_each(|seen| self.dark[seen.index as usize] = true);
         changes.iter().filter(|seen| seen.kind == LIT).for_each(|seen| self.dark[seen.index as usize] = false);
     }
 }
 
-/// Decides for a band of the picture: reads the policy, and hands in what it saw.
+/// Decides for one band of rows: reads the policy, and returns its observations.
 struct Band<'a> {
     policy: &'a DarkLastFrame,
     seen: Vec<Change>,
@@ -83,7 +82,7 @@ fn main() {
     let resolution = Resolution { width: 64, height: 64 };
     let tracer = Tracer::new(&scene, &scene.animation.frame(0), resolution, TracerSpec::default());
     for number in 0..scene.frame_count {
-        // The sink would take the ray streams; this example looks at the counts alone.
+        // The sink would receive the ray streams; this example uses only the counts.
         let traced = tracer.frame(&scene.animation.frame(number), &mut policies, |_, _| Ok::<_, Infallible>(()));
         let Ok(lanes) = traced;
         let [off, own] = lanes.as_slice() else { unreachable!("two policies have two lanes") };

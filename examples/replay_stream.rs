@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let stream = paths.next().unwrap_or_else(|| root.join("traces/quickstart.rays"));
     let machine = read_machine(&paths.next().unwrap_or_else(|| root.join("configs/machines/small.ron")))?;
 
-    // The header says what the stream is of: a machine must fit it.
+    // The header describes the stream's scene and policy; the machine must fit them.
     let header = StreamReader::open(&stream)?.header().clone();
     let replay = Replay::new(&machine, &header)?;
     for fidelity in [Fidelity::Event, Fidelity::Profile] {
