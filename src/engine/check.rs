@@ -11,8 +11,7 @@ use crate::memory::cache::Past;
 use crate::memory::dram::spec::Model;
 use crate::stats::{Bounds, MachineStats, TrafficClass};
 
-/// Checks that the machine replayed of a frame what the tracer counted, and that it did nothing otherwise that its spec
-/// does not say.
+/// Checks that the machine replayed what the tracer counted for a frame, and deviated only where its spec allows it.
 pub(crate) fn frame(counts: &FrameCounts, spec: &ShadowCacheSpec) -> Result<(), RunError> {
     let FrameCounts { frame, tracer, machine, stores } = counts;
     let StoreWork {
@@ -104,7 +103,7 @@ pub(crate) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     }
     for (kind, loads) in QueueKind::ALL.into_iter().zip(&tally.queues) {
         for (index, load) in loads.iter().enumerate() {
-            // Little's law, summed over the run: at its end all queues are empty.
+            // Little's law, summed over the run; all queues are empty at its end.
             let what = || format!("places taken a cycle in the queue of {} {index} against cycles waited", kind.name());
             equal(what, load.occupied, load.waited)?;
         }
@@ -117,7 +116,7 @@ pub(crate) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     dram(tally, machine)
 }
 
-/// Lines of rays and hits against the rays that went through the FIFOs, of engines that know these.
+/// Checks lines of rays and hits against the rays through the FIFOs, for engines that count cycles by cause.
 fn host(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let (spec, line) = (&machine.traffic, machine.line_bytes.get());
     if spec.rays != RayBuffer::Dram || !tally.has_causes {
@@ -131,7 +130,7 @@ fn host(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     equal(|| "lines of hits".into(), tally.port.writes[TrafficClass::Ray as usize], hits)
 }
 
-/// Conservation between the levels, a class at a time.
+/// Checks that accesses and bytes are conserved between memory levels, class by class.
 fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     let line = machine.line_bytes.get();
     let units = || tally.units.iter().flatten();
@@ -186,7 +185,7 @@ fn dram(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
             tally.cycles, peak, spec.channels
         ));
     }
-    // Clocks begin with 0, in which no refresh is due.
+    // The first clock is 0, in which no refresh is due.
     let last = spec.clocks(mhz).first(tally.cycles) - 1;
     let due = if flat { 0 } else { last / spec.part.timing.refi.get() };
     for (index, channel) in tally.channels.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! What every engine does.
+//! The interface of every engine.
 
 use super::error::RunError;
 use super::feed::Feed;
@@ -8,20 +8,20 @@ use crate::memory::dram::command::ChannelLog;
 
 /// A way of replaying a stream.
 pub(crate) trait Engine {
-    /// Replays all items of `feed`; returns the number of cycles that the run took.
+    /// Replays all items of `feed`. Returns the number of cycles that the run took.
     ///
     /// # Errors
-    /// The feed refuses something, the stream is wrong, or nothing moves.
+    /// The feed returns an error, the stream is wrong, or no part makes progress.
     fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError>;
 
-    /// What was counted in a run of `cycles`.
+    /// The counts of a run of `cycles` cycles.
     fn tally(&self, cycles: u64) -> Tally;
 
-    /// What the parts do at the end of the cycle before `cycles`; nothing of an engine that is not looked at.
+    /// State of the parts at the end of cycle `cycles - 1`; empty if the engine cannot be observed.
     fn snapshot(&self, _cycles: u64) -> Snapshot {
         Snapshot::default()
     }
 
-    /// Requests and commands of each channel of the DRAM; none of an engine whose DRAM has no clock of its own.
+    /// Logs of requests and commands, one per DRAM channel; empty if the engine's DRAM has no clock of its own.
     fn logs(&mut self) -> Vec<&mut ChannelLog>;
 }

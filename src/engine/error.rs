@@ -19,16 +19,16 @@ pub enum RunError {
     /// The stream is wrong.
     #[error(transparent)]
     Stream(#[from] StreamFault),
-    /// The machine replayed something else than the tracer recorded.
+    /// The machine replayed something other than what the tracer recorded.
     #[error("frame {frame}: the machine replayed {machine} {what}, the tracer counted {tracer}")]
     Counts {
         /// The frame.
         frame: u32,
-        /// What was counted.
+        /// The name of the count.
         what: &'static str,
         /// The machine's count.
         machine: u64,
-        /// The tracer's.
+        /// The tracer's count.
         tracer: u64,
     },
     /// An identity that holds for every run was violated: an error in the simulator.
@@ -39,13 +39,13 @@ pub enum RunError {
     Illegal {
         /// The channel.
         channel: usize,
-        /// What was violated.
+        /// The violated rule.
         violation: Violation,
     },
-    /// Whoever watches the run has failed.
+    /// The observer of the run failed.
     #[error(transparent)]
     Observer(io::Error),
-    /// So few windows tell nothing.
+    /// The sample has too few windows.
     #[error(
         "a sample of {rate} of the stream's {windows} windows of {pixels} pixels is too small to tell anything: \
          {advice}"
@@ -55,17 +55,17 @@ pub enum RunError {
         windows: usize,
         /// Pixels of a window.
         pixels: usize,
-        /// The share that was asked for.
+        /// The share of windows that was requested.
         rate: f64,
-        /// What to do.
+        /// What to change.
         advice: String,
     },
-    /// Nothing moves.
+    /// No part makes progress.
     #[error("nothing has moved up to cycle {cycle}:\n{queues}")]
     Deadlock {
-        /// When it was noticed.
+        /// The cycle in which the watchdog noticed it.
         cycle: u64,
-        /// All queues.
+        /// The state of all queues.
         queues: String,
     },
 }

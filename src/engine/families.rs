@@ -1,18 +1,18 @@
-//! Which rays of a chunk follow from which: the next primary ray, and the children of a ray.
+//! Links between the rays of a chunk: from a primary ray to the next, and from a ray to its children.
 
 /// No ray.
 const NONE: u32 = u32::MAX;
 
-/// The rays of a chunk, or of a part of it that begins with a primary ray, by their places there.
+/// The links of a chunk's rays, or of a part of a chunk that begins with a primary ray; rays are named by index.
 #[derive(Clone, Debug)]
 pub(crate) struct Families {
     first_child: Vec<u32>,
-    /// Of a primary ray, the next primary ray; of another, the next one with the same parent.
+    /// For a primary ray, the next primary ray; for any other ray, the next child of the same parent.
     next_sibling: Vec<u32>,
 }
 
 impl Families {
-    /// Of rays with these parents, in order; a primary ray is its own.
+    /// Takes the parent of each ray, in order; a primary ray is its own parent.
     pub(crate) fn new(parents: impl DoubleEndedIterator<Item = u32> + ExactSizeIterator) -> Self {
         let (mut first_child, mut next_sibling) = (vec![NONE; parents.len()], vec![NONE; parents.len()]);
         let mut next_primary = NONE;
@@ -35,7 +35,7 @@ impl Families {
         std::iter::successors(some(self.first_child[ray as usize]), |&child| self.sibling(child))
     }
 
-    /// Whether a ray has any.
+    /// Whether a ray has children.
     #[inline]
     pub(crate) fn has_children(&self, ray: u32) -> bool {
         self.first_child[ray as usize] != NONE

@@ -1,4 +1,4 @@
-//! What an engine is fed with: the stream's items, all of them or a sample.
+//! The input of an engine: it supplies a stream's items, all of them or a sample, and receives the engine's counts.
 
 use super::error::RunError;
 use super::snapshot::Snapshot;
@@ -8,50 +8,50 @@ use super::warm::WarmCaches;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::Item;
 
-/// What can be asked of an engine at the end of a cycle.
+/// Access to an engine's state at the end of a cycle.
 #[derive(Clone, Copy)]
 pub(crate) struct CycleEnd<'a> {
-    /// What the parts do.
+    /// Computes the state of the parts.
     pub snapshot: &'a dyn Fn() -> Snapshot,
-    /// What was counted up to now.
+    /// Computes the counts of the run so far.
     pub tally: &'a dyn Fn() -> Tally,
 }
 
-/// Gives an engine the items that it replays, and is told what becomes of them.
+/// Supplies the items that an engine replays, and receives what the engine reports.
 pub(crate) trait Feed {
-    /// The next item.
+    /// The next item; `None` at the stream's end.
     fn next(&mut self) -> Result<Option<Item>, RunError>;
 
-    /// A frame is over.
+    /// A frame is over: receives its counts.
     fn frame_over(&mut self, counts: &FrameCounts) -> Result<(), RunError>;
 
-    /// Whether [`Feed::heard`] is to be called at the end of each cycle; the answer stays the same for a run.
+    /// Whether [`Feed::heard`] is to be called at the end of each cycle; constant during a run.
     fn hears(&self) -> bool {
         false
     }
 
-    /// Receives what the channels of the DRAM were asked for and given up to the end of the cycle, to be drained.
+    /// Receives the logs of all DRAM channels up to the end of the cycle, and drains them.
     fn heard(&mut self, _: &mut [&mut ChannelLog]) -> Result<(), RunError> {
         Ok(())
     }
 
-    /// `rays` rays are done.
+    /// `rays` more rays are done.
     fn rays_over(&mut self, _: usize) {}
 
-    /// Whether a frame is over of which [`Feed::frame_counted`] is to be told.
+    /// Whether a frame is over for which [`Feed::frame_counted`] is still to be called.
     fn wants_frame(&self) -> bool {
         false
     }
 
-    /// Receives what was counted up to the end of the cycle in which the frame was over.
+    /// Receives the run's counts up to the end of the cycle in which the frame was over.
     ///
     /// # Errors
-    /// Whoever watches the run fails.
+    /// The observer of the run fails.
     fn frame_counted(&mut self, _: &Tally) -> Result<(), RunError> {
         Ok(())
     }
 
-    /// Whether [`Feed::look_at`] may name a cycle; the answer stays the same for a run.
+    /// Whether [`Feed::look_at`] may name a cycle; constant during a run.
     fn looks(&self) -> bool {
         false
     }
@@ -61,10 +61,10 @@ pub(crate) trait Feed {
         u64::MAX
     }
 
-    /// Is shown the end of cycle `now`, in which all parts acted.
+    /// Receives access to the state at the end of cycle `now`, after all parts have acted.
     ///
     /// # Errors
-    /// Whoever watches the run fails, or the engine contradicts itself.
+    /// The observer of the run fails, or the engine contradicts itself.
     fn looked(&mut self, _now: u64, _end: CycleEnd<'_>) -> Result<(), RunError> {
         Ok(())
     }
@@ -74,11 +74,11 @@ pub(crate) trait Feed {
         false
     }
 
-    /// Receives a snapshot of all counters. Returns cache contents to load, at the first mark before anything is done,
-    /// or `None`.
+    /// Receives a snapshot of all counters. Returns cache contents to load, or `None`. Contents can be loaded only at
+    /// the first mark, before any work is done.
     ///
-    /// Unlike a look, a mark is not known beforehand: accesses that `Event` made ahead are counted in it, of each unit
-    /// those of as many cycles as an L2 takes at most.
+    /// Unlike the cycles of [`Feed::look_at`], a mark is not known in advance. Its counts therefore include accesses
+    /// that `Event` has made ahead, for each unit over at most the shortest L2 latency.
     fn mark(&mut self, _: &Tally) -> Option<&WarmCaches> {
         None
     }

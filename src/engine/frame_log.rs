@@ -1,4 +1,4 @@
-//! What a run counts frame by frame, and what is measured of that: all but the warm-up frames.
+//! The counts of a run frame by frame, and their sum over all frames but warm-up frames.
 
 use super::source::FrameCounts;
 use super::tally::Tally;
@@ -10,14 +10,14 @@ use crate::stream::Header;
 /// Counts at the ends of frames.
 pub(super) struct FrameLog<'a> {
     machine: &'a MachineSpec,
-    /// The frame that is over and was not counted yet.
+    /// The counts of the frame that is over, until [`FrameLog::add`] takes the run's counts.
     over: Option<FrameCounts>,
-    /// Frames that are over, each with all counts of the run up to its end.
+    /// Frames that are over, each with the run's counts up to its end.
     ends: Vec<(FrameCounts, MachineStats)>,
 }
 
 impl<'a> FrameLog<'a> {
-    /// No frame is over.
+    /// An empty log.
     pub(super) fn new(machine: &'a MachineSpec) -> Self {
         Self { machine, over: None, ends: Vec::new() }
     }
@@ -32,28 +32,28 @@ impl<'a> FrameLog<'a> {
         self.over = Some(counts);
     }
 
-    /// Whether a frame is over that was not counted.
+    /// Whether a frame is over for which [`FrameLog::add`] was not called.
     pub(super) fn is_over(&self) -> bool {
         self.over.is_some()
     }
 
-    /// The frame that is over ends with these counts of the run.
+    /// Receives the run's counts at the end of the frame that is over.
     pub(super) fn add(&mut self, tally: &Tally) {
         if let Some(counts) = self.over.take() {
             self.ends.push((counts, tally.stats(self.machine)));
         }
     }
 
-    /// What all frames of the run but warm-up frames amount to, and each frame by itself. What the machine does after
-    /// the last frame's end, until its memory is idle, counts as that frame's.
+    /// The sum over all frames of the run but warm-up frames, and the counts of each frame. What the machine does
+    /// after the last frame's end, until its memory is idle, counts for the last frame.
     ///
     /// # Errors
-    /// The frames' sum is not what the `whole` run counted: an error in the simulator.
+    /// The frames' sum differs from the counts of the `whole` run: an error in the simulator.
     pub(super) fn finish(mut self, whole: MachineStats, header: &Header) -> Result<MachineStats, String> {
         let with_energy =
             |stats: MachineStats| MachineStats { energy: energy::of(self.machine, header.structure, &stats), ..stats };
         let Some((_, last)) = self.ends.last_mut() else { return Ok(with_energy(whole)) };
-        // Of the longest latencies each frame has its own.
+        // Each frame has a longest latency of its own.
         let latency = std::mem::take(&mut last.latency);
         *last = MachineStats { latency, ..whole.clone() };
         let nothing = whole.nothing();

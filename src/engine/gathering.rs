@@ -1,4 +1,4 @@
-//! The table of hits whose updates of mode words are gathered: the last shadow ray of a hit takes all of them along.
+//! The gather table: collects the mode-word updates of a hit, which the hit's last shadow ray performs.
 
 use rustc_hash::FxHashMap;
 use smallvec::SmallVec;
@@ -6,38 +6,38 @@ use smallvec::SmallVec;
 use crate::machine::stores::Stores;
 use crate::stream::{RayKind, Step};
 
-/// A hit: its chunk by the host's number, and its place in the chunk.
+/// A hit: the host's number of its chunk, and the index in that chunk of the ray that has the hit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub(super) struct HitId {
     /// The chunk.
     pub chunk: u32,
-    /// The place of the ray that has the hit.
+    /// The index of the ray that has the hit.
     pub place: u32,
 }
 
-/// A ray that has done its path.
+/// A ray whose path is done.
 #[derive(Debug)]
 pub(super) struct Retiring<'a> {
-    /// What the ray is for.
+    /// The ray's kind.
     pub kind: RayKind,
-    /// The hit that it starts on.
+    /// The hit that the ray starts on.
     pub hit: HitId,
-    /// Traced shadow rays that start there.
+    /// Number of traced shadow rays that start on this hit.
     pub siblings: u32,
     /// The packed steps of the path, then those of the policy.
     pub steps: &'a mut Vec<u32>,
-    /// Where the policy's steps begin.
+    /// Index of the first step of the policy.
     pub path_end: usize,
 }
 
-/// Updates of a hit that take no memory of their own: most hits have one or two words.
+/// Updates of a hit that need no allocation of their own: most hits have one or two words.
 const MOST_AT_HAND: usize = 4;
 
-/// A hit with several traced shadow rays, of which some are done with their paths.
+/// A hit with several traced shadow rays, some of which are done with their paths.
 #[derive(Clone, Debug, Default)]
 struct Hit {
     retired: u32,
-    /// The updates gathered, packed, if the hit has an entry of the table.
+    /// The gathered updates, packed; `None` if the hit has no entry in the table.
     updates: Option<SmallVec<[u32; MOST_AT_HAND]>>,
 }
 
@@ -50,18 +50,18 @@ pub(super) struct Gathering {
 }
 
 impl Gathering {
-    /// An empty table of so many entries.
+    /// An empty table of `entries` entries.
     pub(super) fn new(entries: usize) -> Self {
         Self { entries, in_use: 0, hits: FxHashMap::default() }
     }
 
-    /// Whether there is one.
+    /// Whether the machine has a gather table.
     pub(super) fn is_there(&self) -> bool {
         self.entries > 0
     }
 
-    /// The ray has done its path: leaves its updates in the table, or takes along what is there. Gives how many
-    /// updates were merged with others.
+    /// Retires a ray: moves its updates to the hit's table entry, if the hit has one. The hit's last ray takes all
+    /// gathered updates along. Returns the number of updates merged with others.
     pub(super) fn retire(&mut self, ray: Retiring<'_>, stores: &Stores) -> u64 {
         if ray.kind != RayKind::Shadow || ray.siblings < 2 || !self.is_there() {
             return 0;

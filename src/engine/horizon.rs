@@ -1,15 +1,15 @@
-//! Which of the next cycles hold something: a bit a cycle, round and round. Timing wheels are made of it (Varghese and
-//! Lauck 1987).
+//! A bitmap that tells which of the next cycles hold something: one bit per cycle, as a ring. Timing wheels are built
+//! on it (Varghese and Lauck 1987).
 
-/// Words of bits.
+/// Number of 64-bit words.
 const WORDS: usize = 16;
 
-/// The cycles from one on, [`Horizon::CYCLES`] of them: each has a slot, which it shares with no other of them.
+/// A window of [`Horizon::CYCLES`] consecutive cycles, in which each cycle has a slot of its own.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Horizon([u64; WORDS]);
 
 impl Horizon {
-    /// How many cycles it spans, a power of two.
+    /// Number of cycles in the window, a power of two.
     pub(super) const CYCLES: u64 = 64 * WORDS as u64;
 
     /// The slot of cycle `at`.
@@ -18,19 +18,19 @@ impl Horizon {
         (at % Self::CYCLES) as usize
     }
 
-    /// Slot `slot` holds something.
+    /// Marks slot `slot` as filled.
     #[inline]
     pub(super) fn fill(&mut self, slot: usize) {
         self.0[slot / 64] |= 1 << (slot % 64);
     }
 
-    /// Slot `slot` holds nothing any more.
+    /// Marks slot `slot` as empty.
     #[inline]
     pub(super) fn clear(&mut self, slot: usize) {
         self.0[slot / 64] &= !(1 << (slot % 64));
     }
 
-    /// The first cycle from `now` on that holds something, and its slot.
+    /// The first filled cycle from `now` on, and its slot.
     #[inline]
     pub(super) fn next(&self, now: u64) -> Option<(u64, usize)> {
         let start = Self::slot(now);
@@ -44,7 +44,7 @@ impl Horizon {
         if first != 0 {
             return Some(start / 64 * 64 + first.trailing_zeros() as usize);
         }
-        // The last word is the first again, for the slots before that of `now`.
+        // The last word of the search is the first one again, for the slots before the slot of `now`.
         let word = (1..=WORDS).map(|step| (start / 64 + step) % WORDS).find(|&word| self.0[word] != 0)?;
         Some(word * 64 + self.0[word].trailing_zeros() as usize)
     }

@@ -1,5 +1,5 @@
-//! The host: the stream's rays as they become known, and which one comes next. A dispatcher takes them from it, and
-//! gives it their results. [`super::cycle`] has its own, on purpose.
+//! The host: keeps the rays of the stream that are known, and chooses the next ray to hand out. A dispatcher takes
+//! rays from it and returns their results. [`super::cycle`] has its own host, on purpose.
 
 use std::sync::Arc;
 
@@ -9,24 +9,24 @@ use crate::machine::layout::Layout;
 use crate::memory::ring::Ring;
 use crate::stream::{Chunk, Decision, FrameInfo, Item, Ray, RayKind, Totals};
 
-/// A ray of a chunk in memory.
+/// A ray, by its chunk and its index there.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Place {
-    /// The chunk, by the host's number.
+    /// The host's number of the chunk.
     pub chunk: u32,
-    /// The ray's place in it.
+    /// The ray's index in the chunk.
     pub index: u32,
 }
 
-/// A chunk of which some rays are not done.
+/// A chunk with rays that are not done.
 #[derive(Clone, Debug)]
 struct Active {
     chunk: Arc<Chunk>,
     families: Families,
-    /// Of each ray the traced shadow rays that start at its hit.
+    /// For each ray, the number of traced shadow rays that start on its hit.
     traced_shadows: Vec<u32>,
     left: usize,
-    /// Whether all steps exist. If not, the ray that has the first that does not is refused when it is handed over.
+    /// Whether all steps exist. If not, each ray is checked when it is handed over.
     sound: bool,
 }
 
@@ -44,14 +44,14 @@ impl Active {
     }
 }
 
-/// What the stream gave when no ray was left to hand out.
+/// What [`Host::pull`] took from the stream.
 #[derive(Clone, Debug)]
 pub(super) enum Pulled {
-    /// A primary ray can be handed out, unless the chunk was empty.
+    /// Rays: a primary ray can be handed out, unless the chunk was empty.
     Rays,
     /// A frame began.
     Frame(FrameInfo),
-    /// A frame has no more rays; its end's steps follow when all are done.
+    /// The frame has no more rays; its end-of-frame steps follow when all rays are done.
     End(Arc<Vec<u32>>, Totals),
     /// The stream is at its end.
     Nothing,
@@ -64,13 +64,13 @@ pub(super) struct Host {
     /// The next primary ray.
     next_primary: Option<Place>,
     ready: Ring<Place>,
-    /// Parents being shaded, and until when.
+    /// Parents being shaded, each with the cycle in which its shading ends.
     shading: Ring<(u64, Place)>,
     in_frame: bool,
 }
 
 impl Host {
-    /// Takes the stream's next item, in a frame with this layout. No primary ray is left to hand out.
+    /// Takes the stream's next item, in a frame with this layout. To be called when [`Host::wants_rays`].
     pub(super) fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut (impl FnMut() -> Result<Option<Item>, E> + ?Sized),
@@ -118,7 +118,7 @@ impl Host {
         self.next_primary = Some(Place { chunk: place as u32, index: 0 });
     }
 
-    /// Whether more of the stream is needed for another primary ray.
+    /// Whether the next primary ray needs another item of the stream.
     pub(super) fn wants_rays(&self) -> bool {
         self.next_primary.is_none()
     }
@@ -138,13 +138,14 @@ impl Host {
         self.active(place).chunk.ray(place.index as usize)
     }
 
-    /// The place of the hit that a ray starts on, `back` rays back, and how many traced shadow rays start there.
+    /// The index of the hit that the ray at `place` starts on (the ray `back` places earlier has the hit), and the
+    /// number of traced shadow rays that start there.
     pub(super) fn siblings(&self, place: Place, back: u32) -> (u32, u32) {
         let hit = place.index - back;
         (hit, self.active(place).traced_shadows[hit as usize])
     }
 
-    /// What the policy decided of a ray that is not done.
+    /// The policy's decision for a ray that is not done.
     #[inline]
     pub(super) fn decision(&self, place: Place) -> Decision {
         self.active(place).chunk.head(place.index as usize).decision
@@ -170,7 +171,7 @@ impl Host {
         })
     }
 
-    /// The ray is done; if it has children, they are ready in cycle `at`.
+    /// The ray is done; its children, if any, are ready in cycle `at`.
     pub(super) fn done(&mut self, place: Place, at: u64) {
         if self.active(place).families.has_children(place.index) {
             self.shading.push_back((at, place));
@@ -178,7 +179,7 @@ impl Host {
         self.are_done(place, 1);
     }
 
-    /// So many rays of a ray's chunk are done.
+    /// `rays` rays of the chunk of `place` are done; drops the chunk after its last ray.
     fn are_done(&mut self, place: Place, rays: usize) {
         let active = self.active_mut(place);
         active.left -= rays;
@@ -187,8 +188,9 @@ impl Host {
         }
     }
 
-    /// Children whose parents' shading is over in cycle `now` are ready, but for those that `answered` says are done at
-    /// once: if those have children, they are ready in cycle `at`. Returns how many are done.
+    /// Handles the children of parents whose shading is over in cycle `now`. A child for which `answered` is true is
+    /// done at once, and its own children are ready in cycle `at`; other children are ready now. Returns the number of
+    /// children done at once.
     pub(super) fn shade<E>(
         &mut self,
         now: u64,
@@ -218,17 +220,17 @@ impl Host {
         Ok(all)
     }
 
-    /// When the next shading ends.
+    /// The cycle in which the next shading ends.
     pub(super) fn shading_ends(&self) -> Option<u64> {
         self.shading.front().map(|&(at, _)| at)
     }
 
-    /// Whether no ray is known that was not handed out.
+    /// Whether all known rays have been handed out.
     pub(super) fn is_empty(&self) -> bool {
         !self.has_rays() && self.shading.is_empty()
     }
 
-    /// The state of the lists, for the report of a deadlock.
+    /// The state of the queues, for the report of a deadlock.
     pub(super) fn queues(&self) -> String {
         format!("ready {}, being shaded {}", self.ready.len(), self.shading.len())
     }

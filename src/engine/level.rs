@@ -1,4 +1,4 @@
-//! Levels that replay a stream whole.
+//! Fidelity levels that replay a stream whole.
 
 use std::fmt;
 
@@ -13,12 +13,13 @@ use super::retired::WithoutRetired;
 use crate::machine::MachineSpec;
 use crate::stream::Header;
 
-/// A level that replays a stream whole, in one pass, from the cheapest to the plainest.
+/// A fidelity level that replays a stream whole, in one pass; from the fastest to the slowest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Level {
-    /// Closed forms that no machine can beat.
+    /// Closed-form bounds, which no machine can beat.
     Bound,
-    /// Exact contents of caches in an order that stands for the machine's, and time by what is free when.
+    /// Exact cache contents for an access order that approximates the machine's, and times from when resources are
+    /// free.
     Profile,
     /// The rules of MODEL.md, fast: a part acts only in cycles in which it has something to do.
     Event,
@@ -81,7 +82,7 @@ impl<'de> Deserialize<'de> for Sampled {
     }
 }
 
-/// An engine of `level` for a stream with `header`; none of [`Level::Bound`], which has no machine in motion.
+/// An engine of `level` for a stream with `header`; `None` for [`Level::Bound`], which simulates nothing over time.
 pub(crate) fn engine(level: Level, machine: &MachineSpec, header: &Header) -> Option<Box<dyn Engine>> {
     match level {
         Level::Bound => None,

@@ -1,5 +1,5 @@
-//! The lines that a kind of cache is asked for in the order of the stream: what one cache would see if each ray were
-//! done before the next one began. It depends on the machine's memory layout, on no cache and no time.
+//! The line stream of one kind of L1: the lines that a single cache would be asked for if each ray were done before
+//! the next one began. It depends on the machine's memory layout, but not on caches or time.
 
 use super::work::{Holder, Work, entries_as_recorded, stores_as_recorded};
 use crate::machine::kinds::Kind;
@@ -9,7 +9,7 @@ use crate::machine::{MachineSpec, SpecError};
 use crate::quantity::LineAddr;
 use crate::stream::{Decision, Header, Item, RayKind, Step};
 
-/// The line stream of the L1s of one kind of units.
+/// The line stream for the L1s of one kind of units.
 #[derive(Clone, Debug)]
 pub struct LineStream {
     kind: Kind,
@@ -18,7 +18,7 @@ pub struct LineStream {
 }
 
 impl LineStream {
-    /// Of the L1s that reports call `cache`, for a stream that has not begun.
+    /// The line stream for the L1s that reports call `cache`, before the stream begins.
     ///
     /// # Errors
     /// There are no such L1s, or the machine does not access stores as the stream records it.
@@ -37,7 +37,7 @@ impl LineStream {
         Ok(Self { kind, layout: Layout::new(header, machine), silent: machine.shadow_cache.silent })
     }
 
-    /// The next item of the stream: `access` is told each line that it asks the cache for, and whether it is written.
+    /// Takes the next item of the stream. Calls `access` with each line requested, and whether it is written.
     pub fn item(&mut self, item: &Item, mut access: impl FnMut(LineAddr, bool)) {
         match item {
             Item::Frame(info) => self.layout.begin_frame(info),

@@ -1,5 +1,5 @@
-//! A run that somebody watches: what its DRAM is asked for and does, checked against the timing of its part; what its
-//! units do cycle by cycle; what it counts from time to time.
+//! Observed runs. An observer receives the requests and commands of the DRAM, checked against the timing of its part;
+//! what the units do in each cycle; and the run's counts at intervals.
 
 use std::io;
 
@@ -15,15 +15,14 @@ use crate::memory::dram::legality::TimingChecker;
 use crate::stats::{Cause, MachineStats};
 use crate::stream::Item;
 
-/// Watches a run. Each method that is left out asks for nothing, or takes what comes without looking.
+/// Watches a run. The default methods request nothing and ignore what they receive.
 pub trait Observer {
-    /// Whether [`Observer::request`] and [`Observer::command`] are to be told.
+    /// Whether [`Observer::request`] and [`Observer::command`] are to be called.
     fn wants_dram(&self) -> bool {
         false
     }
 
-    /// A request came to channel `channel`. Requests come in the order of time; in the same clock that of the lower
-    /// channel first.
+    /// Channel `channel` received a request. Requests are in the order of clocks, and of channels within a clock.
     ///
     /// # Errors
     /// The observer fails, which ends the run.
@@ -31,7 +30,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Channel `channel` was given a command, which is legal. Commands come in the order of requests.
+    /// Channel `channel` issued a command, which is legal. Commands come in the same order as requests.
     ///
     /// # Errors
     /// See [`Observer::request`].
@@ -39,12 +38,12 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Cycles after which [`Observer::counted`] is to be told what was counted, in every frame anew.
+    /// Number of cycles after which [`Observer::counted`] is to be called; the interval restarts with every frame.
     fn interval(&self) -> Option<u64> {
         None
     }
 
-    /// Cycles of `frame` have passed, and so much was counted in the run up to now.
+    /// Receives the counts of the run so far, at the end of an interval of `frame` or of the frame itself.
     ///
     /// # Errors
     /// See [`Observer::request`].
@@ -52,7 +51,7 @@ pub trait Observer {
         Ok(())
     }
 
-    /// The frame of which [`Observer::cycle`] is to be told each cycle.
+    /// The frame of which every cycle is reported to [`Observer::cycle`].
     fn watched_frame(&self) -> Option<u32> {
         None
     }
@@ -66,18 +65,18 @@ pub trait Observer {
     }
 }
 
-/// What the parts of a machine did in a cycle, in the order of [`super::Places`].
+/// The state of a machine's parts in a cycle, in the order of [`super::Places`].
 #[derive(Clone, Copy, Debug)]
 pub struct Seen<'a> {
     /// The cause of each unit's cycle.
     pub units: &'a [Cause],
-    /// Entries of each queue at the cycle's end.
+    /// Number of entries of each queue at the cycle's end.
     pub queues: &'a [u32],
-    /// Misses under way in each cache at the cycle's end.
+    /// Number of misses under way in each cache at the cycle's end.
     pub misses: &'a [u32],
 }
 
-/// Runs `engine` on `feed`, a stream of `frames`, while `observer` is told; the number of cycles.
+/// Runs `engine` on `feed`, a stream of `frames`, and reports to `observer`. Returns the number of cycles.
 pub(super) fn run(
     engine: &mut dyn Engine,
     machine: &MachineSpec,
@@ -115,28 +114,28 @@ pub(super) fn run(
     Ok(cycles)
 }
 
-/// A feed with an observer.
+/// Wraps a feed, and reports to an observer.
 struct Observed<'a> {
     feed: &'a mut dyn Feed,
     machine: &'a MachineSpec,
-    /// The frame that is replayed and those after it.
+    /// Numbers of the frame that is replayed and of those after it.
     frames: &'a [u32],
     checkers: Vec<TimingChecker>,
     observer: &'a mut dyn Observer,
     wants_dram: bool,
-    /// Of one cycle, with their channels.
+    /// Requests and commands of one cycle, each with its channel.
     requests: Vec<(usize, LoggedRequest)>,
     commands: Vec<(usize, LoggedCommand)>,
-    /// The first cycle that was not counted for the observer, and the first that it was not shown.
+    /// The first cycle not yet counted for the observer, and the first cycle not yet shown to it.
     counted_to: u64,
     looked_to: u64,
-    /// The parts at the end of the cycle before `looked_to`.
+    /// State of the parts at the end of the cycle before `looked_to`.
     before: Snapshot,
     causes: Vec<Cause>,
 }
 
 impl Observed<'_> {
-    /// The frame that is replayed. What the machine does after the last frame's end counts as that frame's.
+    /// The frame that is replayed. What the machine does after the last frame's end counts for the last frame.
     fn frame(&self) -> u32 {
         self.frames.first().copied().unwrap_or_default()
     }
@@ -154,9 +153,9 @@ impl Observed<'_> {
         Ok(())
     }
 
-    /// The last cycle of the interval that is to be counted.
+    /// The last cycle of the current interval.
     fn interval_end(&self) -> Option<u64> {
-        self.observer.interval().map(|interval| self.counted_to + interval.max(1) - 1)
+        self.observer.interval().map(|interval| self.counted_to.saturating_add(interval.max(1) - 1))
     }
 
     fn show(&mut self, now: u64, seen: Snapshot) -> Result<(), RunError> {
@@ -204,7 +203,7 @@ impl Feed for Observed<'_> {
             self.requests.extend(requests.map(|request| (channel, request)));
             self.commands.extend(commands.map(|command| (channel, command)));
         }
-        // A cycle can have several clocks.
+        // A cycle can have several DRAM clocks.
         self.requests.sort_by_key(|(_, request)| request.clock);
         self.commands.sort_by_key(|(_, command)| command.clock);
         for (channel, request) in self.requests.drain(..) {
@@ -251,7 +250,7 @@ mod tests {
         }
     }
 
-    /// Gives two activates of one bank, the second 101 clocks after the first; the default part's tRC is 102.
+    /// Issues two activates to one bank, the second 101 clocks after the first; the default part's tRC is 102.
     struct Wrong(ChannelLog);
 
     impl Engine for Wrong {

@@ -1,24 +1,24 @@
-//! Sets of parts, a bit each.
+//! Sets of parts, as bitmaps.
 
 use crate::memory::PartId;
 
-/// Parts that follow one another.
+/// A range of consecutive parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Range {
-    /// The first one.
+    /// The first part.
     pub first: u32,
-    /// The first one behind them.
+    /// The part after the last.
     pub end: u32,
-    /// Their bits, if those are in a set's first word, which is all that most machines' sets have; else none.
+    /// The range's bits in a set's first word, if the range lies there (most machines need no other word); else 0.
     in_first: u64,
-    /// Whether they are not.
+    /// Whether the range reaches beyond the first word.
     elsewhere: bool,
-    /// Their bits, if those are in one word, whichever; else none.
+    /// The range's bits, if they lie in one word of a set; else 0.
     mask: u64,
 }
 
 impl Range {
-    /// Those from `first` to before `end`.
+    /// Parts `first` to `end - 1`.
     pub(super) fn new(first: u32, end: u32) -> Self {
         let in_one_word = first < end && first / 64 == (end - 1) / 64;
         let mask = if in_one_word { (!0 << (first % 64)) & (!0 >> (63 - (end - 1) % 64)) } else { 0 };
@@ -27,7 +27,7 @@ impl Range {
     }
 }
 
-/// How many parts are in a range.
+/// How many parts of a range are in a set, and which one if it is the only one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Members {
     None,
@@ -35,7 +35,7 @@ pub(super) enum Members {
     Several,
 }
 
-/// How many bits are set in a word, and the part of the only one; the lowest bit is part `first`.
+/// Classifies the bits of a word whose lowest bit stands for part `first`.
 #[inline(always)]
 fn members(bits: u64, first: u32) -> Members {
     match bits {
@@ -45,7 +45,7 @@ fn members(bits: u64, first: u32) -> Members {
     }
 }
 
-/// The set.
+/// A set of parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct PartSet {
     first: u64,
@@ -53,12 +53,12 @@ pub(super) struct PartSet {
 }
 
 impl PartSet {
-    /// An empty set of parts below `parts`.
+    /// An empty set for parts 0 to `parts - 1`.
     pub(super) fn new(parts: usize) -> Self {
         Self { first: 0, others: vec![0; parts.div_ceil(64).saturating_sub(1)] }
     }
 
-    /// Replaces this set by the one in `words`, which is as large, and clears `words`.
+    /// Replaces this set by the one in `words`, which has the same size, and clears `words`.
     #[inline]
     pub(super) fn take_from(&mut self, words: &mut [u64]) {
         let [first, others @ ..] = words else { return };
@@ -106,7 +106,7 @@ impl PartSet {
         self.within_words(parts.first, parts.end, parts.mask)
     }
 
-    /// As [`PartSet::within`], of a range whose bits are in one word, or in any.
+    /// [`PartSet::within`] for a range beyond the first word; `mask` is 0 if the range lies in several words.
     fn within_words(&self, first: u32, end: u32, mask: u64) -> Members {
         if mask == 0 {
             return match self.next(first, end) {
@@ -118,7 +118,7 @@ impl PartSet {
         members(self.word(first as usize / 64) & mask, first / 64 * 64)
     }
 
-    /// Calls `act` for all parts from `first` to before `end`, in order.
+    /// Calls `act` for all parts of the set from `first` to `end - 1`, in order.
     #[inline]
     pub(super) fn each(&self, first: u32, end: u32, mut act: impl FnMut(u32)) {
         let mut at = first;
@@ -134,7 +134,7 @@ impl PartSet {
         }
     }
 
-    /// The first part from `from` to before `end`.
+    /// The first part of the set from `from` to `end - 1`.
     #[inline]
     pub(super) fn next(&self, from: u32, end: u32) -> Option<u32> {
         let mut word = from as usize / 64;

@@ -1,22 +1,23 @@
-//! The coalescing register in front of a shadow-cache unit: entries read last, and updates that wait to be merged.
+//! The coalescing register in front of a shadow-cache unit: holds the entries read last, and updates that wait to be
+//! merged.
 
 use std::collections::VecDeque;
 
 use crate::quantity::Addr;
 use crate::stream::Step;
 
-/// What became of an update.
+/// What becomes of an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kept {
-    /// It was merged with one that waited.
+    /// It is merged with a waiting update of the same entry.
     Merged,
-    /// It waits.
+    /// It waits in the register.
     Waits,
-    /// It waits in the place of this one, which must be performed.
+    /// It waits in the place of the oldest update, given here, which must be performed.
     InPlaceOf(Step),
 }
 
-/// The register. An entry is known by its address.
+/// The register. Entries are identified by address.
 #[derive(Clone, Debug)]
 pub(super) struct Register {
     entries: usize,
@@ -30,17 +31,17 @@ impl Register {
         Self { entries, read: VecDeque::new(), waiting: VecDeque::new() }
     }
 
-    /// Whether there is one.
+    /// Whether the machine has one.
     pub(super) fn is_there(&self) -> bool {
         self.entries > 0
     }
 
-    /// Whether a read of the entry at `addr` can be answered.
+    /// Whether the register answers a read of the entry at `addr`.
     pub(super) fn answers(&self, addr: Addr) -> bool {
         self.read.contains(&addr)
     }
 
-    /// The entry at `addr` has been read.
+    /// Records that the entry at `addr` has been read.
     pub(super) fn was_read(&mut self, addr: Addr) {
         if self.is_there() && !self.answers(addr) {
             if self.read.len() == self.entries {
@@ -60,7 +61,7 @@ impl Register {
         oldest.map_or(Kept::Waits, |(_, step)| Kept::InPlaceOf(step))
     }
 
-    /// A frame ends: forgets what was read; gives what waits, the oldest first.
+    /// Ends a frame: forgets the entries read, and returns the waiting updates, the oldest first.
     pub(super) fn drain(&mut self) -> impl Iterator<Item = Step> + '_ {
         self.read.clear();
         self.waiting.drain(..).map(|(_, step)| step)

@@ -1,12 +1,12 @@
-//! Refuses levels that older files and command lines name, with a message that says what takes their place.
+//! Refuses fidelity levels that older files and command lines name, with a message that names their replacements.
 
 use serde::de::{Deserialize, DeserializeSeed, Deserializer, EnumAccess, Error, IntoDeserializer, Visitor};
 
-/// What a config or command line that names the level `Functional` is told.
+/// The message for a config or command line that names the level `Functional`.
 pub(crate) const FUNCTIONAL: &str = "the level Functional is gone: Event is exact for about the same time, \
      Profile is faster; use Event or Profile";
 
-/// A deserializer of an enum of levels, or its visitor, or its access: `Functional` is refused.
+/// Wraps a deserializer of an enum of levels, its visitor or its enum access, and refuses `Functional`.
 pub(crate) struct WithoutRetired<T>(pub T);
 
 impl<'de, D: Deserializer<'de>> Deserializer<'de> for WithoutRetired<D> {

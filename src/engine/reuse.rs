@@ -1,4 +1,4 @@
-//! Reuse distances: what caches of all sizes would miss, in one pass.
+//! Reuse distances: the misses of caches of all sizes, in one pass.
 
 use super::error::RunError;
 use super::items::Source;
@@ -10,25 +10,25 @@ use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats, ReuseLevel};
 use crate::stream::{Header, Item, StreamError};
 
-/// Whose reuse is measured.
+/// The lines whose reuse is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ReuseOf {
-    /// All lines'.
+    /// All lines.
     Everything,
-    /// That of a share by a hash, and of so many of the hottest.
+    /// A share of the lines, chosen by a hash, and the hottest lines.
     Sample {
-        /// The share.
+        /// The share of the lines.
         rate: Share,
-        /// Lines that are in the sample whatever their hash.
+        /// Number of hottest lines, which are in the sample whatever their hash.
         hot: usize,
     },
 }
 
-/// Replays a stream as [`super::Level::Profile`] does and measures reuse distances on the way: what the machine
-/// measured, and misses of caches of all sizes. A sample reads the stream once more, to find the hottest lines.
+/// Replays a stream as [`super::Level::Profile`] does, and measures reuse distances. Returns the machine's counts, and
+/// the misses of caches of all sizes. For a sample, the stream is read once more, to find the hottest lines.
 ///
 /// # Errors
-/// The machine's stores are not accessed as recorded, or the run fails.
+/// The machine does not access stores as recorded, or the run fails.
 pub(crate) fn reuse(
     machine: &MachineSpec,
     of: ReuseOf,
@@ -52,14 +52,14 @@ pub(crate) fn reuse(
     Ok((MachineStats { accuracy: Accuracy::Bounded, ..stats }, engine.into_watch().levels()))
 }
 
-/// Rays of a frame from which the hottest lines are learned.
+/// Number of rays of a frame from which the hottest lines are found.
 const LEARNED_FROM: usize = 1 << 15;
-/// How many lines are the hottest, and the share of the others that is measured: `ladder-map` says how good that is.
+/// Number of hottest lines, and the share of the other lines that is measured: `ladder-map` reports their accuracy.
 const HOT: usize = 256;
 const SHARE: f64 = 0.05;
 
-/// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame came again and again: what
-/// caches miss that have seen the frame before.
+/// Measures the reuse distances of a sample of the lines in one frame, `items`, as if the frame were repeated: the
+/// misses of caches that have seen the frame before.
 ///
 /// # Errors
 /// See [`reuse`].
@@ -87,7 +87,7 @@ pub(crate) fn reuse_of_frame(
     Ok(curves.levels())
 }
 
-/// Refuses machines whose stores are not accessed as recorded.
+/// Refuses machines that do not access stores as recorded.
 fn check(machine: &MachineSpec) -> Result<(), SpecError> {
     let what = "reuse distances are known only with `place: Own`, `register: 0`, `frame_end: List` and no `latched: \
                 Buffers` of `shadow_cache`";

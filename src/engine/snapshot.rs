@@ -1,33 +1,33 @@
-//! What the parts of a machine do at the end of a cycle, in the order of [`Places`].
+//! State of a machine's parts at the end of a cycle, in the order of [`Places`].
 
 use super::tally::{PerCause, QueueKind, Tally};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::stats::Cause;
 
-/// What the parts hold at the end of a cycle.
+/// State of a machine's parts at the end of a cycle.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Snapshot {
-    /// Cycles by cause since the run began: of the dispatcher, then of units kind by kind, division units last.
+    /// Cycles by cause since the run began: the dispatcher's, then the units' kind by kind, division units last.
     pub causes: Vec<PerCause>,
-    /// Entries of queues, kind by kind as in [`QueueKind::ALL`].
+    /// Number of entries in each queue, kind by kind as in [`QueueKind::ALL`].
     pub queues: Vec<u32>,
-    /// Misses under way: of L1s kind by kind, then of the banks of the L2.
+    /// Number of misses under way in each cache: L1s kind by kind, then banks of the L2.
     pub misses: Vec<u32>,
 }
 
 impl Snapshot {
-    /// The causes of a tally, without queues and misses.
+    /// The causes in a tally, without queues and misses.
     pub(super) fn of(tally: &Tally) -> Self {
         let units = tally.units.iter().flatten().map(|unit| unit.causes);
         let causes = std::iter::once(tally.dispatcher).chain(units).chain(tally.divisions.iter().copied());
         Self { causes: causes.collect(), ..Self::default() }
     }
 
-    /// The cause of the one cycle that lies between `earlier` and this, for each unit.
+    /// For each unit, the cause of the one cycle between `earlier` and this snapshot; overwrites `states`.
     ///
     /// # Errors
-    /// A unit has another number of causes in it: an error in the simulator.
+    /// A unit has no cause or several for the cycle: an error in the simulator.
     pub(super) fn causes_since(&self, earlier: &Self, states: &mut Vec<Cause>) -> Result<(), String> {
         states.clear();
         for (unit, (now, before)) in self.causes.iter().zip(&earlier.causes).enumerate() {
@@ -41,23 +41,23 @@ impl Snapshot {
     }
 }
 
-/// A part of a machine, by its kind and its place among the parts of the kind.
+/// A part of a machine: its kind, and its index among the parts of this kind.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The kind, as reports name it.
+    /// The kind, as named in reports.
     pub kind: String,
-    /// The place.
+    /// The index.
     pub index: u32,
 }
 
-/// The parts that a snapshot tells of, in its order.
+/// The parts that a snapshot describes, in its order.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Places {
     /// Units, the dispatcher first.
     pub units: Vec<Place>,
-    /// Queues, by who takes from them.
+    /// Queues, named by the part that takes from them.
     pub queues: Vec<Place>,
-    /// Caches with misses under way.
+    /// Caches whose misses under way are counted.
     pub misses: Vec<Place>,
 }
 

@@ -1,37 +1,37 @@
-//! What a machine takes from a stream, what can be wrong with it, and what is counted of it.
+//! Checks of a stream's items against a machine's layout, and the counts of a replayed frame.
 
 use crate::counters::counters;
 use crate::machine::layout::{Layout, OutOfRange};
 use crate::stream::{Chunk, Decision, Ray, RayKind, Step, Totals};
 
-/// What is wrong with a stream.
+/// Why a stream is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StreamFault {
     /// Items come in a wrong order.
     #[error("the stream has {found} where {expected} belongs")]
     Order {
-        /// What came.
+        /// The item found.
         found: &'static str,
-        /// What belongs there.
+        /// The item expected.
         expected: &'static str,
     },
     /// A ray does not fit the format.
     #[error("ray {index} of a chunk {fault}")]
     Ray {
-        /// The ray's place in its chunk.
+        /// The ray's index in its chunk.
         index: usize,
-        /// What is wrong with it.
+        /// What is wrong with the ray.
         fault: &'static str,
     },
-    /// A step names something that is not there.
+    /// A step names something that does not exist.
     #[error(transparent)]
     OutOfRange(#[from] OutOfRange),
-    /// A packed step is of no kind.
+    /// A packed word is of no kind of step.
     #[error("{0:#010x} is not a step")]
     NotAStep(u32),
 }
 
-/// A frame that is over, as counted by both sides.
+/// The counts of a frame that is over, of the tracer and of the machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameCounts {
     /// The frame's number.
@@ -40,14 +40,14 @@ pub(crate) struct FrameCounts {
     pub tracer: Totals,
     /// What the machine replayed.
     pub machine: Totals,
-    /// What it did otherwise than recorded.
+    /// Store steps that the machine performed otherwise than recorded.
     pub stores: StoreWork,
 }
 
 counters! {
-    /// Steps of stores that a machine performed otherwise than recorded, so that both sides can be compared: reads are
-    /// performed, merged or raised; writes (updates included), recorded or added, are performed, merged, deferred or
-    /// covered.
+    /// Store steps that a machine performed otherwise than recorded: they reconcile the counts of both sides. Reads
+    /// are performed, merged or raised. Writes (updates included), recorded or added, are performed, merged, gathered,
+    /// dropped, deferred or covered.
     pub(crate) struct StoreWork {
         merged_reads: "reads", "reads that a register answered";
         merged_writes: "writes", "writes that a register merged with one that waited";
@@ -62,7 +62,8 @@ counters! {
     }
 }
 
-/// Whether all steps of a chunk's rays are such, are where they may be, and exist. All are looked at at once.
+/// Whether all steps of a chunk's rays are of known kinds, stand where they may, and name things that exist. Checks
+/// the chunk's extent instead of each step.
 pub(crate) fn is_sound(chunk: &Chunk, layout: &Layout) -> bool {
     let extent = chunk.extent();
     let exist = extent.outermost().all(|step| layout.check(step).is_ok());
@@ -88,7 +89,7 @@ pub(crate) fn check_ray(ray: Ray<'_>, index: u32, layout: &Layout) -> Result<(),
     ray.packed_policy().iter().try_for_each(|&word| check_step(word, layout).map(drop))
 }
 
-/// The parent of every ray of a chunk, by its place; a primary ray is its own.
+/// The parent of every ray of a chunk, by its index; a primary ray is its own parent.
 pub(crate) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
     let mut group = None;
     let parent = |(index, ray): (usize, Ray<'_>)| {
@@ -110,7 +111,7 @@ pub(crate) fn parents(chunk: &Chunk) -> Result<Vec<u32>, StreamFault> {
     chunk.rays().enumerate().map(parent).collect()
 }
 
-/// The step that `word` stands for, if it is one and what it names exists.
+/// Unpacks `word` into a step, and checks that what the step names exists.
 #[inline]
 pub(crate) fn check_step(word: u32, layout: &Layout) -> Result<Step, StreamFault> {
     let step = Step::unpack(word).ok_or(StreamFault::NotAStep(word))?;

@@ -1,5 +1,5 @@
-//! Which steps of a policy's stores a machine performs: as the stream records them, or otherwise, by the layout, the
-//! frame end and the latched copies of its spec. No step here has a time.
+//! Which steps of a policy's stores a machine performs: the recorded steps, or others, depending on the layout, the
+//! frame end and the latched copies of its spec. Nothing here is timed.
 
 use std::collections::BTreeSet;
 
@@ -10,20 +10,20 @@ use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::stream::{Header, Step, Store, StoreEntries, Totals};
 
-/// The steps of a frame, and what of them was changed.
+/// Chooses the store steps of a frame, and counts the changes.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct StoreSteps {
     spec: ShadowCacheSpec,
     entries: StoreEntries,
     static_primitives: u32,
-    /// Static primitives of which a ray has touched word or counters in this frame, where that matters.
+    /// Static primitives whose word or counters a ray has touched in this frame; kept if first touches set modes.
     touched: FxHashSet<u32>,
-    /// Entries of learned bits that rays of the frame have updated, if such bits have words of their own.
+    /// Entries of learned bits that rays of this frame have updated, if such bits have words of their own.
     learned: BTreeSet<u32>,
 }
 
 impl StoreSteps {
-    /// Of a machine's units, before a stream begins.
+    /// For a machine's units, before a stream begins.
     pub(crate) fn new(spec: &ShadowCacheSpec, header: &Header) -> Self {
         Self {
             spec: *spec,
@@ -34,7 +34,8 @@ impl StoreSteps {
         }
     }
 
-    /// Takes the steps of the policy that are not performed out of a ray's `steps`, from `policy` on, and counts them.
+    /// Replaces the policy's steps in `steps`, from index `policy` on, by the performed steps; counts the omitted
+    /// ones.
     pub(crate) fn leave_out(
         &mut self,
         steps: &mut Vec<u32>,
@@ -58,7 +59,7 @@ impl StoreSteps {
         steps.truncate(kept);
     }
 
-    /// What is performed for a step of the policy on a ray's account, if anything is.
+    /// The packed step that is performed for a policy's step of a ray; `None` if no step is.
     pub(crate) fn performed(&mut self, word: u32, layout: &Layout) -> Option<u32> {
         if !self.spec.performs(word) {
             return None;
@@ -69,7 +70,8 @@ impl StoreSteps {
         Some(learns.map_or(word, Step::pack))
     }
 
-    /// Counts a step of the policy that is not performed: an update that is dropped, or an entry that costs nothing.
+    /// Counts a step of the policy that is not performed: a dropped update, or an access to an entry that costs
+    /// nothing.
     pub(super) fn count_left_out(&self, word: u32, work: &mut StoreWork, replayed: &mut Totals) {
         if self.spec.silent.drops(word) {
             work.dropped_writes += 1;
@@ -83,8 +85,9 @@ impl StoreSteps {
         self.spec.frame_end == FrameEnd::Epoch && self.entries.pixel_counters > 0
     }
 
-    /// Changes the steps of a ray whose step `next` is a first touch that sets modes: its next steps are those that do.
-    /// Returns how many these are; none if the step is no such touch.
+    /// If step `next` of a ray is a first touch that sets modes, inserts the steps that set them at `next`. Drops the
+    /// touch itself if one of them sets the same entry. Returns the number of inserted steps, or `None` if there is no
+    /// such touch.
     pub(crate) fn first_touch(
         &mut self,
         steps: &mut Vec<u32>,
@@ -108,7 +111,7 @@ impl StoreSteps {
         Some(setting.len() as u8)
     }
 
-    /// The steps of a frame's end of which these are recorded.
+    /// The steps performed at a frame's end, for the steps `recorded` there.
     pub(crate) fn end(
         &mut self,
         recorded: &[u32],
@@ -146,7 +149,7 @@ impl StoreSteps {
         steps
     }
 
-    /// The static primitive whose counters or first word an entry is; `None` for another word.
+    /// The static primitive whose counters or first word the entry is; `None` for any other entry.
     fn set_at_the_end(&self, store: Store, index: u32, layout: &Layout) -> Option<u32> {
         let owner = layout.stores().owner(store, index)?;
         let first = store == Store::PixelCounter || index == owner * self.entries.words_per_primitive;

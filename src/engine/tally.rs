@@ -1,5 +1,5 @@
-//! All that an engine counts in a run, part by part, as plain data: engines are compared by it, and reports are made of
-//! it.
+//! All counts of a run, part by part, as plain data. Engines are compared by these counts, and reports are made of
+//! them.
 
 use std::collections::BTreeMap;
 use std::ops::AddAssign;
@@ -16,19 +16,19 @@ use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, CacheStats, Cause, DramCounts, L1Counts, MachineStats, QueueCounts, TrafficClass};
 use crate::stream::RayKind;
 
-/// Something a class of traffic, in the order of [`TrafficClass::ALL`].
+/// One value per traffic class, in the order of [`TrafficClass::ALL`].
 pub(crate) type PerClass<T> = [T; TrafficClass::ALL.len()];
-/// Cycles a cause, at the places of their discriminants.
+/// Cycles per cause, indexed by the cause's discriminant.
 pub(crate) type PerCause = [u64; Cause::ALL.len()];
 
-/// So many busy cycles; of others nothing is known.
+/// `cycles` busy cycles, and none of any other cause: for an engine that knows busy cycles only.
 pub(crate) fn busy(cycles: u64) -> PerCause {
     let mut causes = PerCause::default();
     causes[Cause::Busy as usize] = cycles;
     causes
 }
 
-/// What a unit with an L1 counted.
+/// Counts of a unit with an L1.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct UnitTally {
     /// Cycles by cause.
@@ -37,56 +37,56 @@ pub(crate) struct UnitTally {
     pub operations: u64,
     /// Accesses to its L1.
     pub cache: PerClass<CacheCounts>,
-    /// What its L1 alone counts.
+    /// Further counts, which only an L1 has.
     pub l1: PerClass<L1Counts>,
-    /// Bytes that it asked its L1 for.
+    /// Bytes that the unit requested from its L1.
     pub requested: PerClass<Bytes>,
-    /// Writes that went through its L1.
+    /// Writes that went through the L1 to the L2.
     pub written_through: PerClass<Past>,
-    /// Reads that went past its L1.
+    /// Reads that bypassed the L1.
     pub read_straight: PerClass<Past>,
-    /// Misses of marked rays; of engines that replay samples.
+    /// Misses of marked rays, in engines that replay samples.
     pub marked: PerClass<u64>,
 }
 
-/// What a bank of the L2 counted.
+/// Counts of a bank of the L2.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct BankTally {
     /// Accesses.
     pub cache: PerClass<CacheCounts>,
-    /// What it did for L1s.
+    /// Reads served to L1s, and bytes moved between L1s and the bank.
     pub served: Served,
 }
 
-/// What a channel of the DRAM counted.
+/// Counts of a channel of the DRAM.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct ChannelTally {
     /// Commands.
     pub counts: DramCounts,
     /// Bytes moved.
     pub moved: PerClass<Bytes>,
-    /// Whether a refresh was due in the last cycle and not given.
+    /// Whether a refresh was due in the last cycle and not issued.
     pub refresh_due: bool,
 }
 
-/// Lines that the host's port asked the DRAM for.
+/// Lines that the host's port requested from the DRAM.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PortTally {
-    /// Lines that are read.
+    /// Lines read.
     pub reads: PerClass<u64>,
-    /// Lines that are written.
+    /// Lines written.
     pub writes: PerClass<u64>,
 }
 
 impl PortTally {
-    /// Counts a run of lines.
+    /// Counts the lines of `run`.
     pub(crate) fn count(&mut self, run: &Run) {
         let counts = if run.write { &mut self.writes } else { &mut self.reads };
         counts[run.class as usize] += run.lines;
     }
 }
 
-/// Who takes from a queue.
+/// Kinds of queues, named by the part that takes from them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum QueueKind {
     /// The dispatcher, from the in FIFO.
@@ -124,22 +124,22 @@ impl QueueKind {
     }
 }
 
-/// What a whole run counted.
+/// The counts of a whole run.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Tally {
     /// Cycles that the run took.
     pub cycles: u64,
-    /// Whether every cycle of a unit has a cause; else the busy ones alone are counted.
+    /// Whether every cycle of every unit has a cause; if not, only busy cycles are counted.
     pub has_causes: bool,
-    /// Rays done, skipped ones not counted.
+    /// Rays done, without skipped rays.
     pub rays: u64,
     /// The dispatcher's cycles by cause.
     pub dispatcher: PerCause,
-    /// What was done with stores otherwise than recorded.
+    /// Store steps that were performed otherwise than recorded.
     pub stores: StoreWork,
-    /// How full the queues were, by who takes from them; the FIFOs to and from the host first.
+    /// The load of each queue, by the part that takes from the queue; the FIFOs from and to the host come first.
     pub queues: [Vec<Load>; QueueKind::ALL.len()],
-    /// How long rays took.
+    /// Latencies of rays.
     pub latencies: RayLatencies,
     /// Units, by kind.
     pub units: [Vec<UnitTally>; Kind::ALL.len()],
@@ -154,7 +154,7 @@ pub(crate) struct Tally {
 }
 
 impl Tally {
-    /// Cycles in which operations occupied any part: what the watchdog looks at.
+    /// Busy cycles of all units plus column commands of the DRAM: the progress that the watchdog checks.
     pub(crate) fn operations(&self) -> u64 {
         let busy = |causes: &PerCause| causes[Cause::Busy as usize];
         let columns = |channel: &ChannelTally| channel.counts.reads + channel.counts.writes;
@@ -164,7 +164,7 @@ impl Tally {
             + self.channels.iter().map(columns).sum::<u64>()
     }
 
-    /// Cycles that operations occupied units of each kind.
+    /// Busy cycles of the units of each kind.
     pub(crate) fn operations_by_kind(&self) -> [u64; Kind::ALL.len()] {
         let busy = |units: &Vec<UnitTally>| units.iter().map(|unit| unit.causes[Cause::Busy as usize]).sum();
         std::array::from_fn(|kind| busy(&self.units[kind]))
@@ -175,7 +175,7 @@ impl Tally {
         self.channels.iter().map(|channel| channel.counts).sum()
     }
 
-    /// The run as reports have it.
+    /// The counts in the form of a report.
     pub(crate) fn stats(&self, machine: &MachineSpec) -> MachineStats {
         let mut stats = MachineStats {
             cycles: Cycle(self.cycles),
@@ -195,7 +195,7 @@ impl Tally {
             stats.operations.insert(unit.into(), units.iter().map(|unit| unit.operations).sum());
             stats.unit_counts.insert(unit.into(), units.len() as u64);
         }
-        // One at a time.
+        // A unit performs one division at a time, which occupies `interval` cycles.
         let divisions = self.divisions.iter().map(|causes| causes[Cause::Busy as usize]);
         let divisions = divisions.map(|busy| busy.div_ceil(machine.division.interval.get())).sum();
         stats.operations.insert("division".into(), divisions);
@@ -207,7 +207,7 @@ impl Tally {
             let waited = loads.iter().map(|load| load.waited).sum();
             stats.queues.insert(kind.name().into(), QueueCounts { entries, waited });
         }
-        // A ray goes through both FIFOs.
+        // Every ray passes both FIFOs.
         let rays: u64 = self.queues[..2].iter().flatten().map(|load| load.entries).sum();
         if rays > 0 {
             let bytes = Bytes(rays * machine.dispatcher.ray_bytes.get());
@@ -240,20 +240,20 @@ impl Tally {
     }
 }
 
-/// The sum of what several parts counted, by class.
+/// The sum over several parts, by class.
 pub(crate) fn sum<'a, T: AddAssign + Copy + Default + 'a>(parts: impl Iterator<Item = &'a PerClass<T>>) -> PerClass<T> {
     let mut sum = PerClass::default();
     parts.for_each(|part| sum.iter_mut().zip(part).for_each(|(sum, &counted)| *sum += counted));
     sum
 }
 
-/// Accesses by class, of classes that were accessed; `l1` is what an L1 counts beside that.
+/// Accesses of the classes that were accessed; `l1` holds the further counts of an L1.
 fn cache_stats(counts: &PerClass<CacheCounts>, l1: Option<&PerClass<L1Counts>>) -> BTreeMap<TrafficClass, CacheStats> {
     let l1 = |class: TrafficClass| l1.map(|counts| counts[class as usize]);
     present(counts).into_iter().map(|(class, counts)| (class, CacheStats { counts, l1: l1(class) })).collect()
 }
 
-/// What is not zero, by class: absent is absent.
+/// The values that are not zero, by class; an absent class counts zero.
 fn present<T: Default + PartialEq + Copy>(values: &PerClass<T>) -> BTreeMap<TrafficClass, T> {
     TrafficClass::ALL.into_iter().zip(*values).filter(|(_, value)| *value != T::default()).collect()
 }

@@ -1,31 +1,31 @@
-//! Which traversal unit gets the next ray: units have their turns, the first units of all cores, then the second ones,
-//! and so on; one without a free slot is passed over.
+//! Which traversal unit gets the next ray: round robin over the first units of all cores, then the second units, and
+//! so on. A unit without a free slot is passed over.
 
 use super::part_set::PartSet;
 
-/// The turns of all traversal units.
+/// The round robin over all traversal units.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Turns {
     /// Free slots of each unit, core by core.
     free: Vec<u64>,
-    /// Places in turn of units with a free slot.
+    /// Positions, in the order of turns, of units with a free slot.
     open: PartSet,
     cores: usize,
-    /// Units of a core.
+    /// Units per core.
     a_core: usize,
-    /// The next place in turn.
+    /// The position whose turn is next.
     next: usize,
 }
 
 impl Turns {
-    /// Of so many units in so many cores, each with so many slots.
+    /// For `units` units in `cores` cores, with `slots` slots each.
     pub(crate) fn new(cores: usize, units: usize, slots: u64) -> Self {
         let mut open = PartSet::new(units);
         (0..units as u32).for_each(|turn| open.add(turn));
         Self { free: vec![slots; units], open, cores, a_core: units / cores, next: 0 }
     }
 
-    /// The place in turn of the next unit with a free slot, of a core that `has_room` for another ray.
+    /// The position of the next unit with a free slot in a core for which `has_room` is true.
     #[inline]
     pub(crate) fn next(&self, has_room: impl Fn(usize) -> bool) -> Option<usize> {
         let among = |mut from: usize, end: usize| {
@@ -40,13 +40,13 @@ impl Turns {
         among(self.next, self.free.len()).or_else(|| among(0, self.next))
     }
 
-    /// The core whose unit has a place in turn.
+    /// The core of the unit at position `turn`.
     #[inline]
     pub(crate) fn core(&self, turn: usize) -> usize {
         if self.cores == 1 { 0 } else { turn % self.cores }
     }
 
-    /// Takes a slot of the unit at a place in turn, and goes on behind it; which unit it is.
+    /// Takes a slot of the unit at position `turn`, and moves the turn past it. Returns the unit.
     #[inline]
     pub(crate) fn take(&mut self, turn: usize) -> usize {
         let unit = if self.cores == 1 { turn } else { self.core(turn) * self.a_core + turn / self.cores };
@@ -66,12 +66,12 @@ impl Turns {
         self.open.add(if cores == 1 { unit } else { unit % a_core * cores + unit / a_core } as u32);
     }
 
-    /// All free slots.
+    /// Number of free slots of all units.
     pub(crate) fn free(&self) -> u64 {
         self.free.iter().sum()
     }
 
-    /// No unit gets a ray any more.
+    /// Takes all slots, so that no unit gets a ray.
     #[cfg(test)]
     pub(crate) fn take_all(&mut self) {
         self.free.fill(0);

@@ -1,4 +1,4 @@
-//! What a ray takes at least: as if it were alone, and every line about to come.
+//! Lower bound of a ray's latency: no contention, and every missed line arrives one cycle after its access.
 
 use crate::machine::MachineSpec;
 use crate::memory::cache::CacheSpec;
@@ -6,7 +6,7 @@ use crate::memory::tags::Contents;
 use crate::stats::LatencyCounts;
 use crate::stream::{Decision, RayKind, Step, Stop};
 
-/// The least latencies of a machine, in cycles.
+/// The least latencies of a machine's parts, in cycles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unloaded {
     dispatch: u64,
@@ -17,9 +17,9 @@ pub(super) struct Unloaded {
 }
 
 impl Unloaded {
-    /// Of `machine`.
+    /// The least latencies of `machine`.
     pub(super) fn new(machine: &MachineSpec) -> Self {
-        // A line that a miss asked for earlier may come in the cycle after an access to it; a hit takes its time.
+        // An MSHR hit may get its line in the cycle after the access, sooner than a hit; an ideal cache has hits only.
         let access = |cache: &CacheSpec| match cache.contents {
             Contents::Tags => 1,
             Contents::Ideal => cache.latency.get(),
@@ -34,21 +34,21 @@ impl Unloaded {
         }
     }
 
-    /// The steps of the path of a ray of a kind, by their tags.
+    /// The least latency of each path step of a ray of kind `ray`, by the step's tag.
     pub(super) fn by_tag(&self, ray: RayKind) -> [u64; Step::TAGS] {
         std::array::from_fn(|tag| Step::of_tag(tag).map_or(0, |step| self.step(step, ray)))
     }
 
-    /// From being handed over to the traversal unit.
+    /// The least latency from hand-over to the traversal unit.
     pub(super) fn dispatch(&self) -> u64 {
         self.dispatch
     }
 
-    /// A step of the path of a ray of a kind.
+    /// The least latency of a path step of a ray of kind `ray`.
     pub(super) fn step(&self, step: Step, ray: RayKind) -> u64 {
         match step {
             Step::Node(_) => self.node,
-            // The way to the list unit is that of the test before, or one that is not counted.
+            // The way to the list unit is part of the test before, or is not counted.
             Step::List(_) => self.list,
             Step::Triangle { stop, .. } => {
                 let there_and_back = 2;
@@ -61,17 +61,17 @@ impl Unloaded {
     }
 }
 
-/// Latencies of all kinds of rays, in the order of [`RayKind::ALL`], and how many were shorter than they can be.
+/// Latencies of rays by kind, in the order of [`RayKind::ALL`], and the number of rays below their lower bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct RayLatencies {
     /// By kind.
     pub kinds: [LatencyCounts; RayKind::ALL.len()],
-    /// Rays that took less than [`Unloaded`] says: an error in the simulator.
+    /// Rays that took less than [`Unloaded`] allows: an error in the simulator.
     pub too_fast: u64,
 }
 
 impl RayLatencies {
-    /// Counts a ray that took `cycles` from being handed over to being done; one that was skipped has no path to take.
+    /// Counts a ray that took `cycles` from hand-over to its end. A skipped ray has no path and is not counted.
     pub(super) fn count(&mut self, kind: RayKind, decision: Decision, cycles: u64, unloaded: u64) {
         if decision == Decision::Skip {
             return;
@@ -84,7 +84,7 @@ impl RayLatencies {
         self.too_fast += u64::from(cycles < unloaded);
     }
 
-    /// From now on the longest latencies are those of rays to come.
+    /// Resets the longest latencies, which then hold for later rays only.
     pub(super) fn forget_longest(&mut self) {
         self.kinds.iter_mut().for_each(|counts| counts.most = 0);
     }

@@ -1,4 +1,4 @@
-//! What caches hold when something is replayed.
+//! Cache contents at the start of a replay.
 
 use std::sync::Arc;
 
@@ -8,12 +8,12 @@ use crate::memory::timeless::TimelessCache;
 /// The L1s of each kind of units, core by core.
 pub(crate) type L1s = [Vec<TimelessCache>; Kind::ALL.len()];
 
-/// What the caches of a machine hold.
+/// The contents of a machine's caches.
 #[derive(Clone, Debug)]
 pub(crate) struct WarmCaches {
-    /// Of all units but the shadow-cache units.
+    /// L1s of all units but the shadow-cache units.
     pub path: Arc<L1s>,
-    /// Of the shadow-cache units.
+    /// L1s of the shadow-cache units.
     pub words: Arc<Vec<TimelessCache>>,
     /// The banks of the L2s, core by core.
     pub banks: Arc<Vec<TimelessCache>>,
@@ -25,7 +25,7 @@ impl WarmCaches {
         if kind == Kind::ShadowCache { &self.words } else { &self.path[kind as usize] }
     }
 
-    /// What they take in memory, about.
+    /// Approximate size in memory, in bytes.
     pub(crate) fn bytes(&self) -> usize {
         let all = Kind::ALL.into_iter().flat_map(|kind| self.l1s(kind)).chain(self.banks.iter());
         all.map(TimelessCache::bytes).sum()

@@ -1,10 +1,9 @@
-//! How long a machine may stand still.
+//! The longest time that a machine may make no progress.
 
 use crate::machine::MachineSpec;
 use crate::memory::dram::spec::Model;
 
-/// Cycles in which something must begin: more than any single wait of the machine, or two that follow one another, can
-/// take.
+/// The watchdog's limit, in cycles: longer than any single wait of the machine, or two waits in a row.
 pub(crate) fn patience(spec: &MachineSpec) -> u64 {
     let caches = spec.l2.caches();
     let l2 = caches.iter().map(|(_, cache)| cache.latency.get());

@@ -1,4 +1,4 @@
-//! Replays a whole stream, within the laws that every run must keep.
+//! Replays a whole stream, and checks the identities that every run must keep.
 
 use super::bound::{self, Bound};
 use super::check;
@@ -15,9 +15,9 @@ use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::{Header, Item};
 
-/// Replays `items`, a stream with the given header, by `level`. Memory is bounded: a chunk is dropped when all its rays
-/// are done. The run's identities (counts as the tracer's, conservation of bytes between levels, one cause for every
-/// cycle of every unit, bounds) are checked, and a violation is an error.
+/// Replays `items`, a stream with the given header, at `level`. Memory is bounded: a chunk is dropped when all its
+/// rays are done. The run's identities are checked, and a violation is an error: counts equal the tracer's, bytes are
+/// conserved between memory levels, every cycle of every unit has one cause, and the bounds hold.
 ///
 /// # Errors
 /// The level refuses the machine, or the run fails.
@@ -36,10 +36,10 @@ pub(crate) fn whole(
     })
 }
 
-/// Replays everything by `engine`, within the bounds of every machine.
+/// Replays all items by `engine`, and checks the bounds that hold for every machine.
 ///
 /// # Errors
-/// The run fails, or leaves the bounds.
+/// The run fails, or violates the bounds.
 pub(crate) fn within_bounds(
     engine: &mut dyn Engine,
     machine: &MachineSpec,
@@ -59,8 +59,8 @@ pub(crate) fn within_bounds(
     Ok(MachineStats { bounds: Some(bound.bounds(&header.warmup)), ..measured })
 }
 
-/// Replays all that `feed` gives, while an observer of the frames with these numbers watches; what was counted, whose
-/// identities hold.
+/// Replays all items of `feed` under an observer, given with the stream's frame numbers. Returns the counts, of which
+/// the identities hold.
 ///
 /// # Errors
 /// The run fails, or violates an identity.
@@ -79,7 +79,7 @@ pub(super) fn fed(
     Ok(tally)
 }
 
-/// Replays `items`; what was counted, whose identities hold.
+/// Replays `items`. Returns the counts, of which the identities hold.
 #[cfg(test)]
 pub(super) fn replay(
     engine: &mut dyn Engine,
@@ -93,9 +93,9 @@ pub(super) fn replay(
 /// Feeds an engine with all items.
 pub(super) struct Whole<'m, 'i> {
     items: &'i mut ItemStream<'i>,
-    /// What is counted frame by frame.
+    /// The counts frame by frame.
     frames: FrameLog<'m>,
-    /// What was done with stores otherwise than recorded.
+    /// Store steps that were performed otherwise than recorded.
     stores: StoreWork,
 }
 

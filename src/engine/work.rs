@@ -1,5 +1,6 @@
-//! What the steps of a stream ask of the machine: which kind of unit performs a step, and which elements it fetches, an
-//! operation each. All rungs below the engines take it from here, so that a new kind of unit is told once.
+//! What a step of a stream requires of the machine: the kind of unit that performs it, and the elements that it
+//! fetches, one per operation. All levels below the engines use this module, so that a new kind of unit is defined
+//! once.
 
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
@@ -8,7 +9,7 @@ use crate::machine::shadow_cache::{FrameEnd, Place};
 use crate::machine::word_traffic::LatchedCopy;
 use crate::stream::{RayKind, Step, Stop};
 
-/// Who holds a ray while a step of it is performed, which may be by another unit.
+/// The unit that holds a ray while one of its steps is performed, possibly by another unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Holder {
     /// A traversal unit: the step is of the ray's path.
@@ -18,7 +19,7 @@ pub(crate) enum Holder {
 }
 
 impl Holder {
-    /// The kind of units that it is.
+    /// The kind of this unit.
     pub(crate) fn kind(self) -> Kind {
         match self {
             Self::Traversal => Kind::Traversal,
@@ -33,29 +34,28 @@ pub(crate) fn stores_as_recorded(machine: &MachineSpec) -> bool {
     unit.gather.get() == 0 && entries_as_recorded(machine)
 }
 
-/// Whether entries are accessed as the stream records it, but for updates gathered by hits: by the shadow-cache units'
-/// own L1s, step by step.
+/// As [`stores_as_recorded`], except that updates of a hit may be gathered.
 pub(crate) fn entries_as_recorded(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     let adds = unit.frame_end != FrameEnd::List || unit.latched == LatchedCopy::Buffers;
     unit.place == Place::Own && unit.register.get() == 0 && !adds
 }
 
-/// What a step asks for.
+/// What a step requires.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Work {
-    /// Who performs it.
+    /// The kind of unit that performs it.
     pub kind: Kind,
-    /// What is fetched for the first operation.
+    /// The element fetched for the first operation.
     pub first: Element,
-    /// What is fetched for the second, if there is one.
+    /// The element fetched for the second operation, if there is one.
     pub second: Option<Element>,
     /// Whether a division follows.
     pub divides: bool,
 }
 
 impl Work {
-    /// What `step` of a ray of kind `ray` asks for while `holder` has the ray.
+    /// The work for `step` of a ray of kind `ray`, while `holder` holds the ray.
     #[inline(always)]
     pub(crate) fn of(step: Step, holder: Holder, ray: RayKind, layout: &Layout) -> Self {
         let one = |kind, first| Self { kind, first, second: None, divides: false };
@@ -77,12 +77,12 @@ impl Work {
         }
     }
 
-    /// Operations begun for the step.
+    /// The number of operations for the step.
     pub(crate) fn operations(&self) -> u64 {
         1 + u64::from(self.second.is_some())
     }
 
-    /// The elements in order.
+    /// The elements, in order.
     pub(crate) fn elements(&self) -> impl Iterator<Item = Element> + use<> {
         [Some(self.first), self.second].into_iter().flatten()
     }

@@ -11,7 +11,7 @@ use crate::stats::TrafficClass;
 pub struct Classes(u16);
 
 impl Classes {
-    /// Whether `class` is one of them.
+    /// Whether the set contains `class`.
     pub fn contains(self, class: TrafficClass) -> bool {
         self.0 >> class as usize & 1 == 1
     }

@@ -1,4 +1,4 @@
-//! A cache of the L2, shared by all L1s, by its banks.
+//! A cache of the L2, shared by all L1s, and its banks.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ impl BankedSpec {
         }
     }
 
-    /// The tags of a bank, empty.
+    /// The empty tags of a bank.
     pub fn bank_tags(&self, line: u64) -> TagArray {
         let Self { ways, banks, replacement, .. } = self;
         let sets = || self.bytes.get() / (line * ways.get() * banks.get());
@@ -80,7 +80,7 @@ impl BankedSpec {
         }
     }
 
-    /// A bank, empty, with the number `part` in the machine.
+    /// An empty bank with the number `part` in the machine.
     pub(super) fn bank(&self, part: PartId, line: u64) -> Bank {
         let registers = MshrFile::new(self.mshrs.size(), self.targets.size());
         Bank {
@@ -104,7 +104,7 @@ impl Default for BankedSpec {
     }
 }
 
-/// What a bank did for L1s, by class in the order of [`TrafficClass::ALL`].
+/// What a bank served to L1s, per class in the order of [`TrafficClass::ALL`].
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Served {
     /// Bytes moved between L1s and the bank.
@@ -113,12 +113,12 @@ pub struct Served {
     pub reads: [u64; TrafficClass::ALL.len()],
     /// Reads that missed.
     pub missed: [u64; TrafficClass::ALL.len()],
-    /// Marked ones among these; of engines that replay samples.
+    /// Attributed misses among `missed`; only engines that replay samples use them.
     pub marked: [u64; TrafficClass::ALL.len()],
 }
 
 impl Served {
-    /// Counts a read, marked or not, of so many bytes.
+    /// Counts a read of `bytes` bytes; `marked` says whether its miss is attributed.
     pub fn read(&mut self, class: TrafficClass, bytes: Bytes, missed: bool, marked: bool) {
         let class = class as usize;
         self.moved[class] += bytes;
@@ -127,19 +127,19 @@ impl Served {
         self.marked[class] += u64::from(missed && marked);
     }
 
-    /// Counts a write of so many bytes.
+    /// Counts a write of `bytes` bytes.
     pub fn write(&mut self, class: TrafficClass, bytes: Bytes) {
         self.moved[class as usize] += bytes;
     }
 }
 
-/// A bank.
+/// A bank of the L2.
 #[derive(Clone, Debug)]
 pub struct Bank {
     part: PartId,
     cache: Cache,
     requests: Queue<Request>,
-    /// Lines from the DRAM, with the cycle from which on they are there.
+    /// Lines from the DRAM, each with the cycle from which it is available.
     fills: Ring<(u64, LineAddr)>,
     out: Ring<Request>,
     out_places: usize,
@@ -150,17 +150,17 @@ pub struct Bank {
 }
 
 impl Bank {
-    /// How full the queue of requests was.
+    /// Load of the request queue.
     pub fn load(&self) -> Load {
         self.requests.load()
     }
 
-    /// Its tags hold from now on what `tags` do.
+    /// Loads the contents of `tags`.
     pub fn hold(&mut self, tags: &TagArray) {
         self.cache.hold(tags);
     }
 
-    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    /// Puts a request into the queue in cycle `now`. Without a place, it returns false and wakes the requester later.
     pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         if !self.requests.has_room(now) {
             self.requests.wait_for_room(request.from, now, wake);
@@ -171,12 +171,12 @@ impl Bank {
         true
     }
 
-    /// A line comes from the DRAM, to be there from cycle `at` on.
+    /// A line from the DRAM is available from cycle `at` on.
     pub fn deliver(&mut self, line: LineAddr, at: u64) {
         self.fills.push_back((at, line));
     }
 
-    /// Cycle `now`. `answer` hands a line to an L1, where it is from the named cycle on.
+    /// Simulates cycle `now`. `answer(l1, line, at)` sends a line to an L1, available from cycle `at` on.
     pub fn tick(
         &mut self,
         now: u64,
@@ -192,8 +192,8 @@ impl Bank {
         let filled = self.fill(now, wake, &mut answer);
         let accessed = self.access(now, wake, &mut answer);
         let sent = self.send(now, dram, wake);
-        // A fill frees a register, a departure a place, and an access may make another line, a clean one, the next to
-        // go: whatever stalled may go on.
+        // A fill frees an MSHR; a sent request frees a place. An access can change which line is the next victim, to a
+        // clean one. Each of these can unblock a stalled part.
         let stalled_may_go_on =
             (filled || sent) && !self.requests.is_empty() || (sent || accessed) && !self.fills.is_empty();
         let more = sent && !self.out.is_empty() || accessed && !self.requests.is_empty();
@@ -259,22 +259,22 @@ impl Bank {
         self.cache.drop_from(first);
     }
 
-    /// Whether nothing is under way.
+    /// Whether no work is pending.
     pub fn is_idle(&self) -> bool {
         self.requests.is_empty() && self.fills.is_empty() && self.out.is_empty() && self.cache.misses_under_way() == 0
     }
 
-    /// Tags, registers and counts.
+    /// Tags, MSHRs and counts.
     pub fn cache(&self) -> &Cache {
         &self.cache
     }
 
-    /// Requests that wait in front of it.
+    /// Requests in the queue.
     pub fn waiting(&self) -> usize {
         self.requests.len()
     }
 
-    /// What it did for L1s.
+    /// Counts of the requests served to L1s.
     pub fn served(&self) -> &Served {
         &self.served
     }

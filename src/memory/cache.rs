@@ -1,4 +1,4 @@
-//! A non-blocking cache: tags, miss registers, counts, and the spec of the L1s.
+//! A non-blocking cache: tags, MSHRs, counts, and the spec of the L1s.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -83,12 +83,12 @@ impl CacheSpec {
         }
     }
 
-    /// Accesses that can be made in a cycle at most.
+    /// Maximum accesses in one cycle.
     pub fn accesses_per_cycle(&self) -> u64 {
         self.banks.map_or(self.ports.get(), |banks| banks.get().min(self.ports.get()))
     }
 
-    /// The tags, empty.
+    /// An empty tag array for lines of `line` bytes.
     pub fn tags(&self, line: u64) -> TagArray {
         let sets = || self.bytes.get() / (line * self.ways.get());
         match self.contents {
@@ -97,7 +97,7 @@ impl CacheSpec {
         }
     }
 
-    /// The cache, empty.
+    /// An empty cache for lines of `line` bytes.
     pub fn build(&self, line: u64) -> Cache {
         Cache::new(self.tags(line), self.no_allocate, MshrFile::new(self.mshrs.size(), self.targets.size()))
     }
@@ -109,7 +109,7 @@ impl Default for CacheSpec {
     }
 }
 
-/// Checks that size, ways and banks make whole sets, a power of two of them a bank.
+/// Checks that size, ways and banks give a power of two of whole sets in each bank.
 pub(super) fn check_geometry(
     field: &str,
     bytes: u64,
@@ -130,62 +130,62 @@ pub(super) fn check_geometry(
     Ok(())
 }
 
-/// What an access does.
+/// Kinds of accesses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Access {
-    /// It reads.
+    /// Reads the line.
     Read,
-    /// It makes its line dirty.
+    /// Writes the line and makes it dirty.
     Write,
-    /// It writes to the level below, so that its line does not become dirty.
+    /// Writes to the level below; the line does not become dirty.
     WriteThrough,
 }
 
-/// What an access met.
+/// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lookup {
-    /// The line was there.
+    /// The line was in the cache.
     Hit,
-    /// The line was on its way: a half miss.
+    /// MSHR hit: the line was on its way.
     Merged,
     /// The line must be fetched: the caller sends a request.
     Miss,
-    /// The line is not there and gets no place: the caller sends the write down.
+    /// A write to an absent line that allocates nothing: the caller sends the write down.
     Passed,
-    /// No register, target or place: nothing was counted or changed.
+    /// No MSHR, target or place in the output queue was free: nothing was counted or changed.
     Stalled,
 }
 
-/// What went past an L1, or through it: reads or writes.
+/// Counts reads or writes that bypassed an L1, or writes through it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Past {
-    /// How many.
+    /// Number of accesses.
     pub count: u64,
-    /// Their data.
+    /// Their data in bytes.
     pub bytes: Bytes,
 }
 
 impl Past {
-    /// Counts one of so many bytes.
+    /// Counts one access of `bytes` bytes.
     pub fn add(&mut self, bytes: Bytes) {
         self.count += 1;
         self.bytes += bytes;
     }
 }
 
-/// What became of a line that came.
+/// The result of a fill.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fill {
-    /// It waits, since its dirty victim has no place to go.
+    /// The fill waits: its dirty victim has no place in the output queue.
     Blocked,
-    /// It was put in; the victim, if dirty, must be written back.
+    /// The line was filled; a dirty victim must be written back.
     Done {
-        /// What was displaced.
+        /// The displaced dirty line.
         victim: Option<Victim>,
     },
 }
 
-/// Tags, miss registers and counts of one cache.
+/// Tags, MSHRs and counts of one cache.
 #[derive(Clone, Debug)]
 pub struct Cache {
     tags: TagArray,
@@ -199,8 +199,8 @@ impl Cache {
         Self { tags, no_allocate, mshrs, counts: [CacheCounts::default(); TrafficClass::ALL.len()] }
     }
 
-    /// Accesses `line`. `waiting` is woken by [`Cache::fill`] if the line is not there; `None` needs no data. `room`
-    /// says whether a request could be sent.
+    /// Accesses `line`. On a miss, [`Cache::fill`] wakes `waiting`; `None` is an access that needs no data. `room` says
+    /// whether the output queue has a place for a request.
     #[inline]
     pub fn access(
         &mut self,
@@ -213,7 +213,7 @@ impl Cache {
         if self.hit(line, class, access) { Lookup::Hit } else { self.miss(line, class, access, waiting, room) }
     }
 
-    /// Accesses `line` if it is there, and says whether it is. If not, nothing was counted or changed.
+    /// Accesses `line` if it is in the cache; returns whether it is. On a miss nothing is counted or changed.
     #[inline]
     pub fn hit(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> bool {
         let hit = self.tags.access(line, access == Access::Write);
@@ -225,7 +225,7 @@ impl Cache {
         hit
     }
 
-    /// Accesses `line`, which is not there, as [`Cache::access`] does.
+    /// Completes an access to an absent `line` as [`Cache::access`] does.
     pub fn miss(
         &mut self,
         line: LineAddr,
@@ -261,8 +261,8 @@ impl Cache {
         Lookup::Miss
     }
 
-    /// Puts in `line`, which was missed, if it is to be kept; appends who waits for it to `waiting`. `room` says
-    /// whether a dirty victim could be sent down. A dirty line that is not kept is its own victim.
+    /// Fills the missed `line` if an access to it allocates; appends the waiting accesses to `waiting`. `room` says
+    /// whether the output queue has a place for a dirty victim. A dirty line that does not allocate is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
         let register = self.mshrs.find(line).expect("only a missed line comes");
         let (class, fate) = self.mshrs.missed(register);
@@ -285,7 +285,7 @@ impl Cache {
         Fill::Done { victim }
     }
 
-    /// Its tags hold from now on what `tags` do, but for lines that are on their way.
+    /// Loads the contents of `tags`, except lines that are on their way.
     pub fn hold(&mut self, tags: &TagArray) {
         self.tags.clone_from(tags);
         self.mshrs.lines().for_each(|line| self.tags.drop_line(line));
@@ -301,16 +301,16 @@ impl Cache {
         &self.counts
     }
 
-    /// Miss registers in use.
+    /// MSHRs in use.
     pub fn misses_under_way(&self) -> usize {
         self.mshrs.len()
     }
 }
 
-/// The banks of an L1 in one cycle, and accesses that found theirs in use.
+/// Banks of an L1 that are in use in one cycle, and the bank conflicts so far.
 #[derive(Clone, Copy, Debug)]
 pub struct BanksInUse {
-    /// The number of banks, less one; `None` without banks.
+    /// The number of banks minus one; `None` without banks.
     mask: Option<u64>,
     used: u64,
     counts: [L1Counts; TrafficClass::ALL.len()],
@@ -327,7 +327,7 @@ impl BanksInUse {
         self.used = 0;
     }
 
-    /// Takes the bank of `line` for an access of `class`; false, and a conflict is counted, if it is in use.
+    /// Takes the bank of `line` for an access of `class`. If the bank is in use, counts a conflict and returns false.
     pub fn take(&mut self, line: LineAddr, class: TrafficClass) -> bool {
         let Some(mask) = self.mask else { return true };
         let bank = 1 << (line.0 & mask);
@@ -337,7 +337,7 @@ impl BanksInUse {
         free
     }
 
-    /// What was counted, by class in the order of [`TrafficClass::ALL`].
+    /// Bank conflicts by class, in the order of [`TrafficClass::ALL`].
     pub fn counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
         &self.counts
     }

@@ -1,4 +1,4 @@
-//! The L2: one cache for all classes of traffic, or several, each the home of some.
+//! The L2: one cache for all traffic classes, or several caches with some classes each.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ impl Default for L2Spec {
 }
 
 impl L2Spec {
-    /// The caches with their names in reports.
+    /// The caches with their report names.
     pub fn caches(&self) -> Vec<(String, &BankedSpec)> {
         match self {
             Self::Unified(cache) => vec![("l2".into(), cache)],
@@ -43,8 +43,7 @@ impl L2Spec {
         }
     }
 
-    /// The place in [`L2Spec::caches`] of the class's home. Of a class that goes past all caches nobody asks; the first
-    /// cache stands in.
+    /// The index in [`L2Spec::caches`] of the class's cache. Classes that bypass all caches get 0, which is never used.
     pub fn home(&self, class: TrafficClass) -> usize {
         match self {
             Self::Unified(_) => 0,
@@ -64,7 +63,7 @@ impl L2Spec {
     /// Checks what single fields cannot; `line` is the line size in bytes.
     ///
     /// # Errors
-    /// A class without a home or with two, names that no report can hold, caches of no whole set.
+    /// A class without a cache or with two, names that no report can hold, caches without a whole set.
     pub fn check(&self, line: u64) -> Result<(), String> {
         if let Self::Split(homes) = self {
             for (name, _) in homes.iter() {
@@ -99,7 +98,7 @@ impl L2Spec {
         self.caches().iter().try_for_each(|(name, cache)| cache.check(name, line))
     }
 
-    /// The banks of each class's home.
+    /// The banks of each class's cache.
     pub fn homes(&self) -> [Home; TrafficClass::ALL.len()] {
         let mut first = 0;
         let range = |(_, cache): (String, &BankedSpec)| {
@@ -111,7 +110,7 @@ impl L2Spec {
         TrafficClass::ALL.map(|class| ranges[self.home(class)])
     }
 
-    /// The L2s of `cores`, empty; their banks' numbers in the machine begin with `first`.
+    /// The empty L2s of `cores`; their banks' numbers in the machine begin with `first`.
     pub fn build(&self, first: PartId, cores: u32, line: u64) -> L2 {
         let mut banks = Vec::new();
         for (_, cache) in (0..cores).flat_map(|_| self.caches()) {
@@ -122,11 +121,11 @@ impl L2Spec {
     }
 }
 
-/// The banks of a class's home.
+/// The banks of the cache that serves a class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Home {
     first: usize,
-    /// The number of banks, less one.
+    /// The number of banks minus one.
     mask: u64,
 }
 
@@ -137,19 +136,19 @@ impl Home {
     }
 }
 
-/// All banks of all cores.
+/// All L2 banks of all cores.
 #[derive(Clone, Debug)]
 pub struct L2 {
-    /// The banks of the first core's first cache, then those of the next; then those of the next core.
+    /// Ordered by core, then by cache, then by bank.
     pub banks: Vec<Bank>,
-    /// Banks of a core.
+    /// Banks per core.
     of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
 }
 
 impl L2 {
-    /// Puts a request of a core into its bank's queue in cycle `now`; without a place, the asker is woken when there is
-    /// one.
+    /// Puts a request of a core into the queue of its bank in cycle `now`. Without a place, it returns false and wakes
+    /// the requester later.
     #[inline]
     pub fn put(&mut self, core: u32, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         self.banks[core as usize * self.of_core + self.homes[request.class as usize].bank(request.line)]

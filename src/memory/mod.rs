@@ -1,4 +1,4 @@
-//! Caches and DRAM. This room knows addresses and classes of traffic, never rays: whoever waits for data is a number.
+//! Caches and DRAM. This module knows addresses and traffic classes, never rays: a requester is a `PartId` or a number.
 
 pub(crate) mod allocation;
 pub(crate) mod bank;
@@ -17,29 +17,29 @@ pub(crate) mod timeless;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
-/// A part that can be woken and that answers are sent to, by its number in the machine.
+/// A part of the machine that can be woken or can receive answers, by its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PartId(pub u32);
 
-/// What a cache asks of the level below.
+/// A request from a cache to the level below.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Request {
     /// The line.
     pub line: LineAddr,
-    /// What it is for.
+    /// The traffic class.
     pub class: TrafficClass,
-    /// Whether data goes down; else the line is to come up.
+    /// Whether data moves down (a write); a read brings the line up.
     pub write: bool,
-    /// How much data moves.
+    /// Bytes moved.
     pub bytes: Bytes,
-    /// Who gets the answer.
+    /// The part that gets the answer.
     pub from: PartId,
-    /// Whether it is for one of those whose misses are counted apart.
+    /// Whether a read miss counts among the attributed misses (`Served::marked`).
     pub marked: bool,
 }
 
-/// Wakes parts at later cycles; the engine's scheduler is one.
+/// Wakes parts in later cycles; the engine's scheduler implements this.
 pub trait Wake {
-    /// Part `part` has, or may have, something to do in cycle `at`.
+    /// Part `part` has, or may have, work in cycle `at`.
     fn wake(&mut self, part: PartId, at: u64);
 }

@@ -1,14 +1,14 @@
-//! Miss status holding registers (Kroft 1981): lines on their way, and who waits for them.
+//! Miss status holding registers (Kroft 1981): lines on their way, and the accesses that wait for them.
 
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
-/// What becomes of a line when it comes.
+/// Fill policy of a line on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Fate {
-    /// Whether an access that waits makes it dirty.
+    /// Whether a waiting access makes the line dirty.
     pub dirty: bool,
-    /// Whether an access that waits gives it a place.
+    /// Whether a waiting access allocates the line.
     pub keep: bool,
 }
 
@@ -18,12 +18,12 @@ struct Register {
     line: LineAddr,
     class: TrafficClass,
     fate: Fate,
-    /// Accesses that wait, writes without an answer included.
+    /// Waiting accesses, including writes without an answer.
     merged: usize,
     waiting: Vec<u32>,
 }
 
-/// The registers of a cache.
+/// The MSHRs of a cache.
 #[derive(Clone, Debug)]
 pub(crate) struct MshrFile {
     registers: Vec<Register>,
@@ -31,12 +31,12 @@ pub(crate) struct MshrFile {
     targets: usize,
 }
 
-/// A register in use.
+/// An MSHR in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RegisterId(usize);
 
 impl MshrFile {
-    /// `registers` free registers, each for `targets` accesses.
+    /// Creates `registers` free MSHRs with `targets` targets each.
     pub(crate) fn new(registers: usize, targets: usize) -> Self {
         let free = Register {
             line: LineAddr(u64::MAX),
@@ -48,7 +48,7 @@ impl MshrFile {
         Self { registers: vec![free; registers], used: 0, targets }
     }
 
-    /// The register that holds `line`.
+    /// The MSHR of `line`.
     #[inline]
     pub(crate) fn find(&self, line: LineAddr) -> Option<RegisterId> {
         self.registers[..self.used].iter().position(|register| register.line == line).map(RegisterId)
@@ -59,17 +59,17 @@ impl MshrFile {
         self.registers[..self.used].iter().map(|register| register.line)
     }
 
-    /// Whether no register is free.
+    /// Whether no MSHR is free.
     pub(crate) fn is_full(&self) -> bool {
         self.used == self.registers.len()
     }
 
-    /// Registers in use.
+    /// MSHRs in use.
     pub(crate) fn len(&self) -> usize {
         self.used
     }
 
-    /// Adds an access to a line on its way; false if the register has no target left.
+    /// Adds an access to a line on its way; returns false if the MSHR has no target left.
     #[inline]
     pub(crate) fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
         let register = &mut self.registers[id.0];
@@ -83,7 +83,7 @@ impl MshrFile {
         true
     }
 
-    /// Takes a free register for `line`; the caller has asked [`MshrFile::is_full`].
+    /// Takes a free MSHR for `line`. The caller has checked [`MshrFile::is_full`].
     #[inline]
     pub(crate) fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
         let register = &mut self.registers[self.used];
@@ -93,17 +93,17 @@ impl MshrFile {
         self.used += 1;
     }
 
-    /// What the line of a register is for, and what becomes of it.
+    /// Class and fill policy of the line in an MSHR.
     #[inline]
     pub(crate) fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
         let register = &self.registers[id.0];
         (register.class, register.fate)
     }
 
-    /// Frees the register and appends who waits to `waiting`, in the order of their accesses.
+    /// Frees an MSHR and appends its waiting accesses to `waiting`, oldest first.
     #[inline]
     pub(crate) fn release(&mut self, id: RegisterId, waiting: &mut Vec<u32>) {
-        // Few wait: one by one takes fewer instructions than a copy.
+        // Waiting accesses are few: pushing one by one takes fewer instructions than a copy.
         self.registers[id.0].waiting.iter().for_each(|&who| waiting.push(who));
         self.used -= 1;
         self.registers.swap(id.0, self.used);

@@ -1,9 +1,9 @@
-//! Values by line, in memory that follows the lines that were touched and not the largest line's number.
+//! Values by line number; memory use follows the touched lines, not the largest line number.
 
-/// Values of a page.
+/// Values in a page.
 const PAGE: usize = 64;
 
-/// A value for each line; a line without one has the `empty` value.
+/// A value for each line; untouched lines have the value `empty`.
 #[derive(Clone, Debug)]
 pub(crate) struct Paged<T> {
     pages: Vec<Option<Box<[T; PAGE]>>>,
@@ -11,12 +11,12 @@ pub(crate) struct Paged<T> {
 }
 
 impl<T: Copy> Paged<T> {
-    /// No line has a value.
+    /// An array in which no line has a value.
     pub(crate) fn new(empty: T) -> Self {
         Self { pages: Vec::new(), empty }
     }
 
-    /// The value of a line, to be changed.
+    /// The mutable value of a line.
     #[inline]
     pub(crate) fn at(&mut self, line: usize) -> &mut T {
         let page = line / PAGE;
@@ -26,7 +26,7 @@ impl<T: Copy> Paged<T> {
         &mut self.pages[page].get_or_insert_with(|| Box::new([self.empty; PAGE]))[line % PAGE]
     }
 
-    /// Lines on touched pages, from `first` on, with their values, to be changed.
+    /// Lines on touched pages from `first` on, with their mutable values.
     pub(crate) fn from(&mut self, first: usize) -> impl Iterator<Item = (usize, &mut T)> {
         let pages = self.pages.iter_mut().enumerate().skip(first / PAGE);
         let values = pages.filter_map(|(number, page)| page.as_mut().map(|page| (number, page)));

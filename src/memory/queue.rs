@@ -1,10 +1,10 @@
-//! The bounded queue between two parts: every link costs a cycle, and a freed place can be used one cycle later.
+//! The bounded queue between two parts: each link takes a cycle, and a freed place is usable one cycle later.
 
 use super::ring::Ring;
 use super::{PartId, Wake};
 
-/// A first-in first-out queue with a limited number of places. Something put in cycle `t` can be taken from the cycle
-/// it is stamped with on; a place freed in cycle `t` counts as free from `t + 1` on.
+/// A first-in first-out queue with a limited number of places. An entry can be taken from its stamped cycle on. A place
+/// freed in cycle `t` is free from `t + 1` on.
 #[derive(Clone, Debug)]
 pub(crate) struct Queue<T> {
     entries: Ring<(u64, T)>,
@@ -13,18 +13,18 @@ pub(crate) struct Queue<T> {
     taken_then: usize,
     waiting: Vec<PartId>,
     load: Load,
-    /// Up to when `load` has counted places that are taken.
+    /// The cycle up to which `load.occupied` is counted.
     counted_to: u64,
 }
 
-/// How full a queue was.
+/// Load of a queue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Load {
-    /// Entries that were put in.
+    /// Entries put in.
     pub entries: u64,
-    /// Cycles from being put to being taken, summed over the entries that were taken.
+    /// Cycles from put to take, summed over the entries taken.
     pub waited: u64,
-    /// Places taken at the ends of cycles, summed.
+    /// Occupied places at the ends of cycles, summed over cycles.
     pub occupied: u64,
 }
 
@@ -42,14 +42,14 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// Whether a place can be used in cycle `now`.
+    /// Whether a place is free in cycle `now`.
     #[inline]
     pub(crate) fn has_room(&self, now: u64) -> bool {
         let freed_now = if self.last_taken == now { self.taken_then } else { 0 };
         self.entries.len() + freed_now < self.capacity
     }
 
-    /// Puts `entry` in the cycle before `at`, to be taken from then on. The caller has asked for room.
+    /// Puts `entry` in cycle `at - 1`; it can be taken from cycle `at` on. The caller has checked for room.
     #[inline]
     pub(crate) fn put(&mut self, entry: T, at: u64) {
         debug_assert!(self.entries.len() < self.capacity);
@@ -64,10 +64,10 @@ impl<T: Copy> Queue<T> {
         self.entries.front().filter(|(at, _)| *at <= now).map(|&(_, entry)| entry)
     }
 
-    /// Takes the first entry in cycle `now`, and wakes who waits for a place.
+    /// Takes the first entry in cycle `now`, and wakes the parts that wait for a place.
     #[inline(always)]
     pub(crate) fn take(&mut self, now: u64, wake: &mut impl Wake) -> Option<T> {
-        // Most queues are empty when they are asked.
+        // Inlined check: most queues are empty when polled.
         let &(at, entry) = self.entries.front().filter(|(at, _)| *at <= now)?;
         self.take_first(at, now, wake);
         Some(entry)
@@ -79,7 +79,7 @@ impl<T: Copy> Queue<T> {
         self.taken(at, now, wake);
     }
 
-    /// Takes entry `index` in cycle `now`, whatever stands before it.
+    /// Takes entry `index` in cycle `now`, ahead of the entries before it.
     pub(crate) fn take_at(&mut self, index: usize, now: u64, wake: &mut impl Wake) -> Option<T> {
         self.count_to(now);
         let (at, entry) = self.entries.remove(index)?;
@@ -87,19 +87,19 @@ impl<T: Copy> Queue<T> {
         Some(entry)
     }
 
-    /// Counts the places that were taken at the ends of the cycles before `now`.
+    /// Adds the occupied places at the ends of the cycles before `now`.
     #[inline]
     fn count_to(&mut self, now: u64) {
         self.load.occupied += self.entries.len() as u64 * (now - self.counted_to);
         self.counted_to = now;
     }
 
-    /// How full the queue was, up to the last time that something was put or taken.
+    /// The load up to the last put or take.
     pub(crate) fn load(&self) -> Load {
         self.load
     }
 
-    /// An entry that could be taken from cycle `at` on was taken in cycle `now`.
+    /// Accounts for an entry, available from cycle `at` on, that is taken in cycle `now`.
     #[inline]
     fn taken(&mut self, at: u64, now: u64, wake: &mut impl Wake) {
         self.load.waited += now + 1 - at;
@@ -110,29 +110,29 @@ impl<T: Copy> Queue<T> {
         }
     }
 
-    /// `part`, which found no room in cycle `now`, is to be woken when there is.
+    /// Wakes `part`, which found no room in cycle `now`, when a place is free.
     pub(crate) fn wait_for_room(&mut self, part: PartId, now: u64, wake: &mut impl Wake) {
         if self.entries.len() < self.capacity {
-            // A place was freed in this cycle: it can be used in the next.
+            // A place was freed in this cycle: it is usable in the next.
             wake.wake(part, now + 1);
         } else if !self.waiting.contains(&part) {
             self.waiting.push(part);
         }
     }
 
-    /// The cycle from which on the first entry can be taken.
+    /// The cycle from which the first entry can be taken.
     #[inline]
     pub(crate) fn next_at(&self) -> Option<u64> {
         self.entries.front().map(|&(at, _)| at)
     }
 
-    /// The cycle from which on the last entry can be taken.
+    /// The cycle from which the last entry can be taken.
     #[inline]
     pub(crate) fn last_at(&self) -> Option<u64> {
         self.entries.back().map(|&(at, _)| at)
     }
 
-    /// Entries that can be taken in cycle `now` in their order, with their places.
+    /// Entries that can be taken in cycle `now`, in order, with their indices.
     pub(crate) fn visible(&self, now: u64) -> impl Iterator<Item = (usize, &T)> {
         self.visible_from(0, now)
     }
@@ -144,7 +144,7 @@ impl<T: Copy> Queue<T> {
         (first..).zip(entries.map(|(_, entry)| entry))
     }
 
-    /// Whether there is an entry `index`, and it can be taken in cycle `now`.
+    /// Whether entry `index` exists and can be taken in cycle `now`.
     #[inline]
     pub(crate) fn is_visible(&self, index: usize, now: u64) -> bool {
         self.entries.get(index).is_some_and(|(at, _)| *at <= now)
@@ -155,12 +155,12 @@ impl<T: Copy> Queue<T> {
         self.entries.get(index).map(|(_, entry)| entry)
     }
 
-    /// Entry `index`, to change it.
+    /// Mutable entry `index`.
     pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {
         self.entries.get_mut(index).map(|(_, entry)| entry)
     }
 
-    /// Entries, those that cannot be taken yet included.
+    /// Number of entries, including those that cannot be taken yet.
     pub(crate) fn len(&self) -> usize {
         self.entries.len()
     }
@@ -170,7 +170,7 @@ impl<T: Copy> Queue<T> {
         self.entries.is_empty()
     }
 
-    /// Places in all.
+    /// Number of places.
     pub(crate) fn capacity(&self) -> usize {
         self.capacity
     }
@@ -199,7 +199,7 @@ mod tests {
         queue.wait_for_room(PartId(1), 5, &mut alarms);
         assert_eq!((queue.first(5), queue.take(6, &mut alarms)), (None, Some('a')));
         assert_eq!((queue.has_room(6), queue.has_room(7)), (false, true));
-        // Who comes too late in the cycle in which the place was freed is woken too.
+        // A part that asks late in the cycle in which a place is freed is woken too.
         queue.wait_for_room(PartId(2), 6, &mut alarms);
         assert_eq!(alarms.0, [(PartId(1), 7), (PartId(2), 7)]);
     }

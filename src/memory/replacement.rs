@@ -22,14 +22,14 @@ pub enum Policy {
     },
 }
 
-/// A policy's memory for one cache, besides the order of the lines in their sets.
+/// State of a policy for one cache, besides the order of the lines in their sets.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum State {
-    /// The lines of a set are kept in order, the last goes next. A fill brings a line to the front, and so does a use,
-    /// if `on_use`.
+    /// The order of the lines in a set is the state; the last line is the next victim. A fill moves a line to the
+    /// front; with `on_use` a use does so too.
     Order { on_use: bool },
-    /// A word of tree bits a set: bit `n` belongs to node `n`, the root is node 1, and points to the side that goes
-    /// next.
+    /// A word of tree bits per set. Bit `n` belongs to node `n`; the root is node 1. Each bit points to the side of the
+    /// next victim.
     Tree { bits: Vec<u64> },
     /// The number of fills.
     Random { seed: u64, fills: u64 },
@@ -45,19 +45,19 @@ impl State {
         }
     }
 
-    /// Whether a use of the first line of a set changes nothing.
+    /// Whether a use of a set's first line changes nothing.
     #[inline]
     pub(super) fn is_order(&self) -> bool {
         matches!(self, Self::Order { .. })
     }
 
-    /// Whether the lines of a set are in the order of their uses, and nothing else is kept.
+    /// Whether the state is LRU order alone.
     #[inline]
     pub(super) fn is_used_order(&self) -> bool {
         matches!(self, Self::Order { on_use: true })
     }
 
-    /// Line `way` of set number `set`, whose lines are `lines`, was used.
+    /// Line `way` of set `set`, whose lines are `lines`, was used.
     #[inline]
     pub(super) fn used(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
@@ -67,7 +67,7 @@ impl State {
         }
     }
 
-    /// Line `way` of set number `set`, whose lines are `lines`, was filled.
+    /// Line `way` of set `set`, whose lines are `lines`, was filled.
     pub(super) fn filled(&mut self, set: usize, way: usize, lines: &mut [u64]) {
         match self {
             Self::Order { .. } => to_front(lines, way),
@@ -76,7 +76,7 @@ impl State {
         }
     }
 
-    /// The way of a full set that goes next. Asking changes nothing.
+    /// The way of the next victim in a full set. Changes nothing.
     pub(super) fn victim(&self, set: usize, ways: usize) -> usize {
         match self {
             Self::Order { .. } => ways - 1,
@@ -92,7 +92,7 @@ impl State {
     }
 }
 
-/// Brings line `way` to the front. Most uses are of the first few lines.
+/// Moves line `way` to the front. Most uses are of the first few lines.
 #[inline]
 fn to_front(lines: &mut [u64], way: usize) {
     let mut next = lines[way];
@@ -101,7 +101,7 @@ fn to_front(lines: &mut [u64], way: usize) {
     }
 }
 
-/// Sets the bits on the way from the root to `way` so that they point to the other side.
+/// Sets the bits from the root to `way` so that they point to the other side.
 fn point_away(bits: &mut u64, way: usize, ways: usize) {
     let mut node = way + ways;
     while node > 1 {

@@ -1,5 +1,6 @@
-//! Reuse (stack) distances: how many other lines were touched since a line was touched last (Mattson et al. 1970). An
-//! LRU cache of `n` lines without sets hits if the distance is less than `n`, so one pass answers for all sizes.
+//! Reuse (stack) distances: the number of other lines touched since the last touch of a line (Mattson et al. 1970). A
+//! fully associative LRU cache of `n` lines hits if the distance is less than `n`: one pass gives the hits for all
+//! sizes.
 
 use std::sync::Arc;
 
@@ -8,13 +9,14 @@ use rustc_hash::FxHashSet;
 use super::paged::Paged;
 use crate::random::mix;
 
-/// Touches of a word of bits, and of a block of words.
+/// Touches per word of bits, and per block of words.
 const WORD: usize = 64;
 const BLOCK: usize = 64 * WORD;
-/// A line that was not touched.
+/// Marks an untouched line.
 const NEVER: u32 = u32::MAX;
 
-/// Of each time, whether a line was touched then last: by words and blocks of them.
+/// One bit per time: whether it is the last touch of a line. Words of bits, and the number of ones in each block of
+/// words.
 #[derive(Clone, Debug, Default)]
 struct Bits {
     words: Vec<u64>,
@@ -40,7 +42,7 @@ impl Bits {
         self.words[time / WORD] >> (time % WORD) & 1 == 1
     }
 
-    /// Bits after `time`.
+    /// Number of ones after `time`.
     fn since(&self, time: usize) -> u64 {
         let (word, block) = (time / WORD, time / BLOCK);
         let end = (block + 1) * (BLOCK / WORD);
@@ -50,12 +52,12 @@ impl Bits {
     }
 }
 
-/// The stack of one cache. Lines are of one or several groups; distances are counted group by group.
+/// The LRU stack of one cache. Lines belong to groups; distances are counted per group.
 #[derive(Clone, Debug)]
 pub(crate) struct Stack<const GROUPS: usize = 1> {
     /// The last touch of each line.
     last: Paged<u32>,
-    /// The line that was touched at each time.
+    /// The line touched at each time.
     line: Vec<u32>,
     bits: [Bits; GROUPS],
 }
@@ -67,8 +69,8 @@ impl<const GROUPS: usize> Default for Stack<GROUPS> {
 }
 
 impl<const GROUPS: usize> Stack<GROUPS> {
-    /// Touches `line`, which is of `group`; gives the other lines of each group that were touched since it was last, or
-    /// nothing if it is the first time.
+    /// Touches `line` of `group`. Returns the number of other lines of each group touched since its last touch, or
+    /// `None` at its first touch.
     pub(crate) fn touch(&mut self, line: u32, group: usize) -> Option<[u64; GROUPS]> {
         if self.line.len() == self.bits[0].words.len() * WORD {
             self.make_room();
@@ -85,8 +87,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
         distance
     }
 
-    /// Times begin anew: only those are kept, in their order, at which a line was touched last, and at least as many
-    /// are free.
+    /// Renumbers times: keeps only each line's last touch, in order. At least as many free times follow.
     fn make_room(&mut self) {
         let group = |time: usize| (0..GROUPS).find(|&group| self.bits[group].has(time));
         let kept: Vec<(u32, usize)> =
@@ -101,7 +102,7 @@ impl<const GROUPS: usize> Stack<GROUPS> {
         }
     }
 
-    /// Forgets lines from `first` on, as if they had never been touched.
+    /// Forgets the touches of lines from `first` on.
     pub(crate) fn drop_from(&mut self, first: u32) {
         for (_, last) in self.last.from(first as usize).filter(|(_, last)| **last != NEVER) {
             let time = std::mem::replace(last, NEVER) as usize;
@@ -111,8 +112,8 @@ impl<const GROUPS: usize> Stack<GROUPS> {
     }
 }
 
-/// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), beside some that are always there: the
-/// first nodes of a hierarchy are touched by every ray, and a sample that has one of them, or none, would be far off.
+/// A share of the lines, chosen by a hash (SHARDS: Waldspurger et al. 2015), plus fixed hot lines. Every ray touches
+/// the first nodes of a hierarchy: a random sample with only one or none of them has a large error.
 #[derive(Clone, Debug)]
 pub(crate) struct Sample {
     rate: f64,
@@ -120,22 +121,22 @@ pub(crate) struct Sample {
     stack: Stack<2>,
 }
 
-/// What a touch of a line in the sample stands for.
+/// A touch of a sampled line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Sampled {
-    /// The estimated distance; none for a first touch.
+    /// The estimated distance; `None` for a first touch.
     pub distance: Option<u64>,
-    /// Touches that it stands for.
+    /// The number of touches that this touch represents.
     pub weight: f64,
 }
 
 impl Sample {
-    /// A share `rate` of the lines, and all lines that `hot` marks.
+    /// Samples a share `rate` of the lines and all lines of `hot`.
     pub(crate) fn new(rate: f64, hot: Arc<FxHashSet<u32>>) -> Self {
         Self { rate, hot, stack: Stack::default() }
     }
 
-    /// Touches `line`; nothing if it is not in the sample.
+    /// Touches `line`; returns `None` if it is not in the sample.
     pub(crate) fn touch(&mut self, line: u32) -> Option<Sampled> {
         if self.hot.contains(&line) {
             return Some(Sampled { distance: self.estimate(line, 0), weight: 1.0 });
@@ -177,12 +178,12 @@ mod tests {
     }
 
     proptest! {
-        /// Against a list that is searched, with lines that are dropped on the way.
+        /// Compares with a searched list; some lines are dropped on the way.
         #[test]
         fn distances_are_those_of_a_list(touches in prop::collection::vec((0..300u32, 0..200u32), 1..12_000)) {
             let (mut stack, mut list) = (Stack::<1>::default(), Vec::new());
             for (line, dice) in touches {
-                // Half of the touches are of few lines.
+                // Half of the touches go to few lines.
                 let line = if dice % 2 == 0 { line % 8 } else { line };
                 let place = list.iter().rev().position(|&other| other == line);
                 prop_assert_eq!(stack.touch(line, 0), place.map(|place| [place as u64]));

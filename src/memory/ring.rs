@@ -1,12 +1,12 @@
-//! A queue in a buffer whose size is a power of two, so that places follow from a mask. Queues of the machine are short
-//! and their entries small: taking and putting are a few instructions each.
+//! A queue in a buffer whose size is a power of two, so that a mask gives the places. The machine's queues are short
+//! and their entries small: put and take are a few instructions each.
 
 /// A first-in first-out queue that grows when it is full.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring<T> {
-    /// A power of two of places, or none. Those that hold no entry hold what was there.
+    /// Zero or a power of two of places. Places without an entry hold stale values.
     places: Vec<T>,
-    /// Below the number of places, if there are any.
+    /// Index of the first entry, below the number of places if there are any.
     first: usize,
     len: usize,
 }
@@ -58,7 +58,7 @@ impl<T: Copy> Ring<T> {
         if index < self.len { self.places.get(self.place(index)) } else { None }
     }
 
-    /// Entry `index`, to change it.
+    /// Mutable entry `index`.
     #[inline]
     pub(crate) fn get_mut(&mut self, index: usize) -> Option<&mut T> {
         if index >= self.len {
@@ -94,7 +94,7 @@ impl<T: Copy> Ring<T> {
         Some(entry)
     }
 
-    /// Drops the first entry, which is there.
+    /// Drops the first entry, which must exist.
     #[inline]
     pub(crate) fn drop_front(&mut self) {
         debug_assert!(self.len > 0);
@@ -102,7 +102,7 @@ impl<T: Copy> Ring<T> {
         self.len -= 1;
     }
 
-    /// Takes entry `index`; the later ones move up.
+    /// Takes entry `index`; later entries move up.
     pub(crate) fn remove(&mut self, index: usize) -> Option<T> {
         let entry = *self.get_mut(index)?;
         for place in (0..index).rev() {
@@ -113,7 +113,7 @@ impl<T: Copy> Ring<T> {
         Some(entry)
     }
 
-    /// Puts `entry` behind the last one whose key is not above its own. Keys ascend.
+    /// Inserts `entry` after the last entry whose key is not greater. The keys are in ascending order.
     pub(crate) fn insert_by_key<K: PartialOrd>(&mut self, entry: T, key: impl Fn(&T) -> K) {
         self.push_back(entry);
         for index in (1..self.len).rev() {
@@ -160,7 +160,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// The queue does what the standard library's does.
+        /// The ring behaves as the standard library's queue.
         #[test]
         fn a_ring_is_a_queue(steps in prop::collection::vec((0..4u8, 0..100u32), 1..200)) {
             let (mut ring, mut queue) = (Ring::new(), VecDeque::new());

@@ -1,4 +1,5 @@
-//! The tag array of a set-associative cache: what is in it, and what goes. It knows no time; engines share it.
+//! The tag array of a set-associative cache: its lines and the replacement of lines. It has no timing; all engines use
+//! it.
 
 use std::mem::replace;
 
@@ -11,7 +12,7 @@ use crate::stats::TrafficClass;
 
 /// A way without a line.
 const EMPTY: u64 = u64::MAX;
-/// A packed line: its number above `LINE_SHIFT`, then whether it is dirty, then its class.
+/// A packed entry: the line number above `LINE_SHIFT`, then the dirty bit, then the class.
 const LINE_SHIFT: u32 = 8;
 const DIRTY: u64 = 1 << 7;
 
@@ -27,12 +28,12 @@ fn unpack(packed: u64) -> Option<Victim> {
     })
 }
 
-/// A line that goes.
+/// A line that is displaced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Victim {
     /// The line.
     pub line: LineAddr,
-    /// What it was for.
+    /// The traffic class of the line.
     pub class: TrafficClass,
     /// Whether it must be written back.
     pub dirty: bool,
@@ -49,7 +50,7 @@ pub enum Contents {
     Ideal,
 }
 
-/// A place of a tag array.
+/// A place in a tag array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Place {
     set: usize,
@@ -59,10 +60,10 @@ pub struct Place {
 /// The tags of a cache.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TagArray {
-    /// Packed lines, set by set; none of an ideal cache.
+    /// Packed lines, set by set; empty for an ideal cache.
     lines: Vec<u64>,
     state: State,
-    /// Whether sets are of two lines in the order of their uses, and a line's lowest bits tell its set, as in most L1s.
+    /// Whether each set has two lines in LRU order and the set index is the line's lowest bits, as in most L1s.
     pairs: bool,
     ways: usize,
     set_mask: u64,
@@ -70,8 +71,8 @@ pub struct TagArray {
 }
 
 impl TagArray {
-    /// An empty array of `sets` (a power of two) times `ways` lines. A line's set is its number without the low
-    /// `set_shift` bits (which chose the bank), modulo the sets.
+    /// An empty array of `sets` (a power of two) times `ways` lines. The set of a line is its number without the low
+    /// `set_shift` bits (which select the bank), modulo `sets`.
     pub fn new(sets: usize, ways: usize, set_shift: u32, policy: Policy) -> Self {
         debug_assert!(sets.is_power_of_two() && ways > 0);
         let state = State::new(policy, sets);
@@ -84,7 +85,7 @@ impl TagArray {
         Self { lines: Vec::new(), state: State::new(Policy::Lru, 0), pairs: false, ways: 0, set_mask: 0, set_shift: 0 }
     }
 
-    /// What it takes in memory, about.
+    /// Approximate memory use in bytes.
     pub fn bytes(&self) -> usize {
         size_of_val(self.lines.as_slice())
     }
@@ -102,11 +103,11 @@ impl TagArray {
         &self.lines[set * self.ways..][..self.ways]
     }
 
-    /// Uses `line`, which makes it dirty if `write`; whether it was there.
+    /// Uses `line` and makes it dirty if `write`; returns whether it was there.
     #[inline]
     pub fn access(&mut self, line: LineAddr, write: bool) -> bool {
         let dirty = if write { DIRTY } else { 0 };
-        // Most uses are of the line at the front of its set, which stays there.
+        // Most uses hit the most recently used line, whose order does not change.
         if self.pairs {
             let set = (line.0 & self.set_mask) as usize;
             let Some([front, back]) = self.lines.as_chunks_mut().0.get_mut(set) else { return false };
@@ -130,7 +131,7 @@ impl TagArray {
         self.access_behind(first, line, dirty)
     }
 
-    /// As [`TagArray::access`], of any line of the set whose lines begin at place `first`.
+    /// As [`TagArray::access`], for any way of the set whose lines begin at index `first`.
     fn access_behind(&mut self, first: usize, line: LineAddr, dirty: u64) -> bool {
         let lines = &mut self.lines[first..first + self.ways];
         let Some(way) = lines.iter().position(|&packed| packed >> LINE_SHIFT == line.0) else { return false };
@@ -139,17 +140,17 @@ impl TagArray {
         true
     }
 
-    /// Whether `line` is there; nothing changes.
+    /// Whether `line` is there. Changes nothing.
     pub fn contains(&self, line: LineAddr) -> bool {
         self.is_ideal() || self.ways(self.set(line)).iter().any(|&packed| packed >> LINE_SHIFT == line.0)
     }
 
-    /// What [`TagArray::fill`] would displace; nothing changes.
+    /// The line that [`TagArray::fill`] would displace. Changes nothing.
     pub fn victim(&self, line: LineAddr) -> Option<Victim> {
         self.at(self.place_for(line))
     }
 
-    /// Where `line`, which is not there, is put: an empty way is taken first, the lowest.
+    /// The place for an absent `line`: the lowest empty way, otherwise the victim's way.
     #[inline]
     pub fn place_for(&self, line: LineAddr) -> Place {
         debug_assert!(!self.contains(line));
@@ -158,13 +159,13 @@ impl TagArray {
         Place { set, way: empty.unwrap_or_else(|| self.state.victim(set, self.ways)) }
     }
 
-    /// What is at a place.
+    /// The line at a place.
     #[inline]
     pub fn at(&self, place: Place) -> Option<Victim> {
         unpack(self.ways(place.set)[place.way])
     }
 
-    /// Puts `line` into the place that is for it.
+    /// Puts `line` into a place from [`TagArray::place_for`].
     #[inline]
     pub fn put(&mut self, Place { set, way }: Place, line: LineAddr, class: TrafficClass, dirty: bool) {
         let lines = &mut self.lines[set * self.ways..][..self.ways];
@@ -172,7 +173,7 @@ impl TagArray {
         self.state.filled(set, way, lines);
     }
 
-    /// Puts in `line`, which is not there; returns what was displaced.
+    /// Fills the absent `line`; returns the displaced line.
     pub fn fill(&mut self, line: LineAddr, class: TrafficClass, dirty: bool) -> Option<Victim> {
         if self.pairs {
             let new = pack(line, class, dirty);
@@ -188,12 +189,12 @@ impl TagArray {
         displaced
     }
 
-    /// How many lines behind a line the next one of its set comes.
+    /// Distance in lines between neighbouring lines of the same set.
     pub fn span(&self) -> u64 {
         (self.set_mask + 1) << self.set_shift
     }
 
-    /// Each line becomes another one of its set.
+    /// Renames each line; `name` must keep the line's set.
     pub fn rename(&mut self, name: impl Fn(LineAddr) -> LineAddr) {
         for packed in self.lines.iter_mut().filter(|packed| **packed != EMPTY) {
             *packed = name(LineAddr(*packed >> LINE_SHIFT)).0 << LINE_SHIFT | *packed & ((1 << LINE_SHIFT) - 1);
@@ -278,7 +279,7 @@ mod tests {
     }
 
     proptest! {
-        /// Sets of two lines, which have code of their own, against lists of lines in the order of their uses.
+        /// Sets of two lines have code of their own: compares them with lists in LRU order.
         #[test]
         fn pairs_are_lists_in_the_order_of_uses(steps in prop::collection::vec((0..12u64, 0..8u8), 1..200)) {
             let mut tags = TagArray::new(2, 2, 0, Policy::Lru);
@@ -302,7 +303,7 @@ mod tests {
             }
         }
 
-        /// Mattson et al. 1970: what an LRU set of `n` lines holds, one of `n + 1` holds too.
+        /// Mattson et al. 1970: an LRU set of `n + 1` lines holds all lines of an LRU set of `n` lines.
         #[test]
         fn lru_sets_include_smaller_ones(lines in prop::collection::vec(0..24u64, 1..200), ways in 1..12usize, sets in 0..3u32) {
             let mut small = TagArray::new(1 << sets, ways, 0, Policy::Lru);
@@ -316,8 +317,8 @@ mod tests {
             }
         }
 
-        /// Whatever the policy: a line that was filled is there, at most `ways` lines of a set are, and the announced
-        /// victim goes.
+        /// For every policy: a filled line is there, a set holds at most `ways` lines, and the announced victim is
+        /// displaced.
         #[test]
         fn every_policy_keeps_its_word(lines in prop::collection::vec(0..64u64, 1..200), policy in 0..4usize) {
             let policy = [Policy::Lru, Policy::Fifo, Policy::TreePlru, Policy::Random { seed: 7 }][policy];

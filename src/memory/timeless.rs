@@ -1,4 +1,4 @@
-//! A cache without time: accesses go through its tags one after another, and nothing is counted.
+//! A cache without timing: accesses go through its tags one after another, and nothing is counted.
 
 use super::allocation::NoAllocate;
 use super::cache::Access;
@@ -6,7 +6,7 @@ use super::tags::{TagArray, Victim};
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
-/// Tags, and which accesses give a line a place in them. Two that are equal do alike whatever they are asked for.
+/// Tags and allocation rules. Two equal caches answer every sequence of accesses alike.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct TimelessCache {
     tags: TagArray,
@@ -14,12 +14,13 @@ pub(crate) struct TimelessCache {
 }
 
 impl TimelessCache {
-    /// A cache with these tags.
+    /// Creates a cache with these tags.
     pub(crate) fn new(tags: TagArray, no_allocate: NoAllocate) -> Self {
         Self { tags, no_allocate }
     }
 
-    /// Accesses `line`, and fills it if it is not there and is to be kept: whether it was, and a dirty line that went.
+    /// Accesses `line` and fills it after a miss that allocates. Returns whether it hit, and a dirty line to write
+    /// back.
     #[inline]
     pub(crate) fn pass(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> (bool, Option<Victim>) {
         if self.tags.access(line, access == Access::Write) {
@@ -29,7 +30,7 @@ impl TimelessCache {
         }
     }
 
-    /// Fills `line`, which is not there, if it is to be kept; a dirty line that goes.
+    /// Fills an absent `line` if the access allocates. Returns a dirty line to write back.
     fn miss(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> Option<Victim> {
         let dirty = access == Access::Write;
         let victim = if self.no_allocate.keeps(class, access != Access::Read) {
@@ -40,7 +41,7 @@ impl TimelessCache {
         victim.filter(|victim| victim.dirty)
     }
 
-    /// The same, each line of which is another one of its set.
+    /// A copy in which `name` renames each line to one of the same set.
     pub(crate) fn renamed(&self, name: impl Fn(LineAddr) -> LineAddr) -> Self {
         let mut renamed = self.clone();
         renamed.tags.rename(name);
@@ -52,7 +53,7 @@ impl TimelessCache {
         &self.tags
     }
 
-    /// What its tags take in memory, about.
+    /// Approximate memory use of the tags in bytes.
     pub(crate) fn bytes(&self) -> usize {
         self.tags.bytes()
     }

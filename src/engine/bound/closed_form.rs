@@ -1,4 +1,4 @@
-//! The bounds of what was added up, in closed form.
+//! Closed-form bounds from the sums of a stream.
 
 use super::phases::Bound;
 use super::sums::Sums;
@@ -15,20 +15,21 @@ use crate::stats::{Accuracy, Bounds, Cause, Limit, MachineStats, Range, TrafficC
 use crate::stream::Header;
 
 impl Bound {
-    /// The sum of the frames that are not among `left_out`.
+    /// The sum of all frames that are not in `left_out`.
     fn sum(&self, left_out: &[u32]) -> Sums {
         let mut sum = Sums::default();
         self.frames.iter().filter(|(frame, _)| !left_out.contains(frame)).for_each(|(_, frame)| sum += frame);
         sum
     }
 
-    /// The bounds of all frames but those of `warmup`. A line that no frame touched before is fetched in any case; a
-    /// line that was written in a frame of `warmup` may be written back later.
+    /// The bounds of all frames except those of `warmup`. A line without an earlier touch must be fetched. A line
+    /// written in a frame of `warmup` may be written back later.
     pub(in crate::engine) fn bounds(&self, warmup: &[u32]) -> Bounds {
         let (measured, all) = (self.sum(warmup), self.sum(&[]));
         let line = self.machine.line_bytes.get();
         let bytes = |bytes: &PerClass<Bytes>| bytes.iter().copied().sum::<Bytes>();
-        // An access fetches its line; a write may have to be written back, to a line that must be fetched for it.
+        // Upper bound: each access fetches its line; each write can cause a write-back, whose line must also be
+        // fetched.
         let left_out = if self.steps.stores_count { 0 } else { 2 * all.left_out };
         let (accesses, writes) = (measured.accesses.iter().sum::<u64>() + left_out, all.writes + left_out);
         let l2 = Bytes((accesses + writes) * line);
@@ -41,8 +42,8 @@ impl Bound {
         }
     }
 
-    /// Cycles of everything one after another, with `requests` to the DRAM, each of which waits for all that may come
-    /// before it.
+    /// Cycles if everything happens one after another, with `requests` requests to the DRAM. Each request waits for all
+    /// constraints that can precede it.
     fn serial_cycles(&self, sums: &Sums, left_out: u64, requests: u64) -> u64 {
         let operations: u64 = self
             .steps
@@ -65,11 +66,11 @@ impl Bound {
         let waits = [cl, cwl, rcd, rp, ras, rrd_l, faw, rtp, wr, wtr_l].map(|wait| wait.get());
         let clocks = self.machine.dram.clocks(self.machine.clock_mhz.get());
         let request = clocks.cycle_after(waits.iter().sum::<u64>() + turn.get() + rc.get() + 2 * line);
-        // Of the time between refreshes more than half can be used: the spec's check sees to it.
+        // More than half of the time between refreshes is usable: the check of the spec ensures it.
         2 * served(request) + 2 * clocks.cycle_after(refi.get() + rfc.get())
     }
 
-    /// The lower bound as what a machine would have measured that meets it.
+    /// The lower bound in the form of measured statistics.
     fn stats(&self, sums: &Sums) -> MachineStats {
         let machine = &self.machine;
         let present = |bytes: &[Bytes]| {
@@ -105,7 +106,7 @@ impl Bound {
     }
 }
 
-/// The `Bound` rung: what no machine can beat on this stream, and on one whose shadow rays' answers are all known.
+/// The `Bound` level: the bounds of a machine on this stream, and its lower bounds with all shadow rays' answers known.
 pub(in crate::engine) fn run(
     machine: &MachineSpec,
     header: &Header,

@@ -1,4 +1,4 @@
-//! The host's own lines: bytes that every machine moves, and cycles that its channels need for them.
+//! The host's own lines: the bytes that every machine moves, and the cycles that the channels need for them.
 
 use super::sums::Sums;
 use crate::machine::MachineSpec;
@@ -8,19 +8,19 @@ use crate::memory::dram::spec::Model;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stream::{FrameInfo, Ray};
 
-/// What the host asks the DRAM for in a phase.
+/// The host's requests to the DRAM in a phase.
 #[derive(Clone, Debug)]
 pub(super) struct HostWork {
     traffic: Option<HostTraffic>,
     machine: MachineSpec,
-    /// Lines of each channel.
+    /// Lines per channel.
     channels: Vec<u64>,
     /// Cycles in which the frame's dynamic part is built.
     pub building: u64,
 }
 
 impl HostWork {
-    /// Of `machine`, before a stream begins.
+    /// The host work of `machine`, before a stream begins.
     pub(super) fn new(machine: &MachineSpec) -> Self {
         Self {
             traffic: HostTraffic::new(&machine.traffic, machine.line_bytes.get()),
@@ -54,8 +54,8 @@ impl HostWork {
         }
     }
 
-    /// Cycles that the channels need at least for the host's lines of the phase and for as many `others` of each. The
-    /// last ones of the host may still be in a channel when the phase is over.
+    /// Minimum cycles of the channels for the host's lines of the phase and the `others` lines of each channel. The
+    /// host's last lines may still be in a channel when the phase is over.
     pub(super) fn least(&self, others: &[u64]) -> u64 {
         let Some((bytes, cycles)) = self.machine.dram.channel_peak(self.machine.clock_mhz.get()) else { return 0 };
         let under_way = self.machine.dram.queue.get() + self.in_transfer();
@@ -63,13 +63,13 @@ impl HostWork {
         lines.max().unwrap_or(0) * self.machine.line_bytes.get() * cycles / bytes
     }
 
-    /// Lines of a channel whose data has not passed, though their last command is given, at most.
+    /// Maximum lines of a channel whose last command is given but whose data has not passed.
     fn in_transfer(&self) -> u64 {
         let Model::Banks = self.machine.dram.model else { return 1 };
         let timing = &self.machine.dram.part.timing;
         let latency = timing.cl.get().max(timing.cwl.get());
-        // Bursts follow one another: as many as begin within the latency, the one under way, and one that a cycle of
-        // the machine ends in.
+        // Bursts follow one another: those that begin within the latency, the burst on the bus, and one for the
+        // rounding to machine cycles.
         latency.div_ceil(self.machine.dram.part.burst_clocks.get()) + 2
     }
 

@@ -1,4 +1,4 @@
-//! Lines that were touched.
+//! Touched lines.
 
 use std::ops::Range;
 
@@ -13,23 +13,23 @@ use crate::memory::tags::Contents;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
-/// The lines that units touched, and what moves at least for each line's first touch.
+/// The lines that units touched, and the minimum traffic of each line's first touch.
 #[derive(Clone, Debug)]
 pub(super) struct Lines {
-    /// Lines that each kind of units touched, and that any did.
+    /// Lines touched by each kind of units, and by any kind.
     by_kind: [FixedBitSet; Kind::ALL.len()],
     by_any: FixedBitSet,
-    /// Whether L1s of each kind, and the L2's cache for a class, are ideal.
+    /// Whether the L1s of each kind, and the L2's cache for each class, are ideal.
     ideal_l1s: [bool; Kind::ALL.len()],
     ideal_homes: PerClass<bool>,
     homes: PerClass<Home>,
-    /// Requests of the phase to banks of the L2 and to channels of the DRAM.
+    /// Requests of the phase to L2 banks and to DRAM channels.
     pub banks: Vec<u64>,
     pub channels: Vec<u64>,
 }
 
 impl Lines {
-    /// No line of `machine` was touched.
+    /// A state in which no line of `machine` is touched.
     pub(super) fn new(machine: &MachineSpec, kinds: &[KindSpec; Kind::ALL.len()]) -> Self {
         let caches = machine.l2.caches();
         Self {
@@ -43,7 +43,7 @@ impl Lines {
         }
     }
 
-    /// A unit of a kind touches an element, which lies in `lines`; what moves for that is added to `sums`.
+    /// A unit of a kind touches an element in `lines`; adds the resulting traffic to `sums`.
     pub(super) fn touch(
         &mut self,
         machine: &MachineSpec,
@@ -69,7 +69,7 @@ impl Lines {
         }
     }
 
-    /// A frame begins: lines from `first` on are new.
+    /// A frame begins: lines from `first` on are untouched again.
     pub(super) fn forget_from(&mut self, first: LineAddr) {
         self.by_kind.iter_mut().chain([&mut self.by_any]).for_each(|lines| forget_from(lines, first.0 as usize));
     }
@@ -81,18 +81,18 @@ impl Lines {
     }
 }
 
-/// Takes members from `first` on out of a set.
+/// Removes members from `first` on from a set.
 pub(super) fn forget_from(set: &mut FixedBitSet, first: usize) {
     if first < set.len() {
         set.remove_range(first..);
     }
 }
 
-/// Puts a line into a set; whether it is new.
+/// Adds a line to a set; returns whether it is new.
 fn is_first(lines: &mut FixedBitSet, line: u64) -> bool {
     let line = line as usize;
     if line >= lines.len() {
-        // Twice as much: growing copies.
+        // Doubles the size: growing copies the set.
         lines.grow((line + 1).next_power_of_two());
     }
     !lines.put(line)

@@ -1,5 +1,5 @@
-//! Bounds that no machine of a spec can beat on a stream, in closed form: what must be done at least, over what can be
-//! done a cycle at most. And an upper bound: everything missed, one thing after another.
+//! Bounds of a stream on a machine, in closed form. Lower bound: the minimum work over the maximum rate of each
+//! resource. Upper bound: all accesses miss, and everything happens one after another.
 
 mod closed_form;
 mod host;

@@ -1,4 +1,4 @@
-//! Frames and their ends follow one another: each is a phase, and the bounds of phases add up.
+//! Frames and end-of-frame updates follow one another: each is a phase, and the bounds of phases add up.
 
 use super::host::HostWork;
 use super::steps::{StepWork, Steps};
@@ -8,27 +8,27 @@ use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::stream::{Chunk, Decision, Header, Item, RayKind};
 
-/// Adds up a stream's bounds.
+/// Sums the bounds of a stream.
 #[derive(Clone, Debug)]
 pub(in crate::engine) struct Bound {
     pub(super) machine: MachineSpec,
-    /// Whether all shadow rays' answers are known for nothing.
+    /// Whether the answers of all shadow rays are known at no cost.
     oracle: bool,
     pub(super) steps: StepWork,
-    // Of the phase.
+    // Of the current phase:
     rays: u64,
     pool_held: u64,
     slots_held: u64,
     longest: u64,
     host: HostWork,
     primitives: u64,
-    /// The frame under way, and those that are over.
+    /// The number of the current frame; `frames` has the completed frames.
     number: u32,
     pub(super) frames: Vec<(u32, Sums)>,
 }
 
 impl Bound {
-    /// Bounds of a stream that has not begun.
+    /// The bounds of a stream before it begins.
     pub(in crate::engine) fn new(machine: &MachineSpec, header: &Header, oracle: bool) -> Self {
         Self {
             oracle,
@@ -45,13 +45,13 @@ impl Bound {
         }
     }
 
-    /// The stream's next item. What is wrong with it is for others to find.
+    /// Adds the stream's next item. Other parts report invalid items.
     pub(in crate::engine) fn add(&mut self, item: &Item) {
         match item {
             Item::Frame(info) => {
                 self.steps.begin_frame(info);
                 self.host.begin_frame(info, &self.steps.layout, &mut self.steps.sums);
-                // A sweep sets words and counters of all.
+                // A sweep sets the words and counters of all primitives.
                 self.steps.sums.left_out += 2 * self.primitives;
                 self.number = info.number;
             }
@@ -72,7 +72,7 @@ impl Bound {
     fn chunk(&mut self, chunk: &Chunk) {
         let Ok(parents) = parents(chunk) else { return };
         let (latency, shading) = (self.machine.dispatcher.latency.get(), self.machine.dispatcher.shading_cycles.get());
-        // From the first hand-over of a ray's group to the ray being done, at least.
+        // Minimum cycles from the first hand-over in a ray's group to the ray's completion.
         let mut done = vec![0; chunk.len()];
         for index in 0..chunk.len() {
             let ray = chunk.ray(index);
@@ -109,12 +109,12 @@ impl Bound {
             let parent = parents[index] as usize;
             done[index] = slot + policy + if parent == index { 0 } else { done[parent] + shading };
             self.longest = self.longest.max(done[index]);
-            // One thing after another: a few cycles from part to part beside what was counted.
+            // Serial time: some cycles from part to part in addition to the counted cycles.
             self.steps.sums.serial += slot + policy + latency + shading + 16;
         }
     }
 
-    /// All rays of a frame, or all steps of its end, are known: none of what follows can overlap them.
+    /// Ends a phase: no later work can overlap the rays of a frame or the steps of an end-of-frame update.
     fn end_phase(&mut self) {
         self.steps.settle();
         let mut least = self.longest;
@@ -137,7 +137,7 @@ impl Bound {
             let line = self.machine.line_bytes.get();
             lines.channels.iter().for_each(|&lines| at_least(lines * line * cycles / bytes, 1));
         }
-        // The frame's rays wait until its dynamic part is built, which the host's lines do not.
+        // The frame's rays wait until its dynamic part is built; the host's lines do not.
         let building = self.host.building;
         self.steps.sums.cycles += self.host.least(&lines.channels).max(least + building);
         self.steps.sums.serial += building;

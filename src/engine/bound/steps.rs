@@ -1,5 +1,5 @@
-//! What steps ask for. Steps with one tag differ only in which element they name: how many there are is counted, and
-//! what they ask for is worked out once a phase. Only an element that was not named yet touches lines.
+//! The work of steps. Steps with the same tag differ only in their element: they are counted, and their work is
+//! computed once per phase. Only an element's first use touches lines.
 
 use fixedbitset::FixedBitSet;
 
@@ -13,21 +13,21 @@ use crate::memory::tags::Contents;
 use crate::quantity::Bytes;
 use crate::stream::{FrameInfo, Header, RayKind, Step};
 
-/// Whose steps.
+/// The origin of steps.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Steps {
-    /// Those of a ray's path that wants to know where a triangle is hit.
+    /// Steps of a path that needs the position of the hit.
     Path,
-    /// Those of a shadow ray's path.
+    /// Steps of a shadow ray's path.
     ShadowPath,
-    /// A policy's.
+    /// Steps of a policy.
     Policy,
 }
 
 impl Steps {
     const ALL: [Self; 3] = [Self::Path, Self::ShadowPath, Self::Policy];
 
-    /// Whose elements are touched together.
+    /// The group of steps that share a set of touched elements.
     #[inline]
     fn group(self) -> usize {
         match self {
@@ -36,7 +36,7 @@ impl Steps {
         }
     }
 
-    /// What a step asks for.
+    /// The work of a step.
     fn work(self, step: Step, layout: &Layout) -> Work {
         let (holder, ray) = match self {
             Self::Path => (Holder::Traversal, RayKind::Primary),
@@ -47,22 +47,22 @@ impl Steps {
     }
 }
 
-/// The group of entries, after those of [`Steps::group`].
+/// The group of entries, after the groups of [`Steps::group`].
 const ENTRIES: usize = 2;
 
-/// The largest line, and so the most elements after which their places in lines repeat.
+/// The largest line in bytes: the maximum number of elements after which positions in lines repeat.
 const PERIOD: usize = 128;
 
-/// What each step with a tag asks for, as far as all steps need it.
+/// The properties of all steps with a tag that every step needs.
 #[derive(Clone, Copy, Debug)]
 struct Tag {
-    /// Cycles that the ray stays at least.
+    /// Minimum cycles of a ray in the step.
     stay: u64,
-    /// Whether how many lines it accesses hangs on its place.
+    /// Whether the number of accessed lines depends on the element's position.
     by_place: bool,
 }
 
-/// The rest of what each step with a tag asks for.
+/// The other properties of all steps with a tag.
 #[derive(Clone, Copy, Debug)]
 struct Detail {
     /// The first element of the dynamic part.
@@ -70,31 +70,31 @@ struct Detail {
     lines: LinesOf,
 }
 
-/// How many lines the elements of a step lie in that names an array's element.
+/// Number of lines of the array elements of a step.
 #[derive(Clone, Copy, Debug)]
 enum LinesOf {
-    /// As many, whichever it names.
+    /// The same number for each element.
     All(u8),
-    /// By the element's number from the beginning of its array's static or dynamic part on.
+    /// By the element's number in the static or dynamic part of its array.
     ByPlace([u8; PERIOD]),
-    /// The tag does not tell it.
+    /// The tag does not determine it.
     Unknown,
 }
 
-/// A tag that is of no step, or of steps that are left out: nothing is known without looking at the step.
+/// The properties of a tag without steps, or whose steps are left out: each step must be examined.
 const NOTHING: (Tag, Detail) =
     (Tag { stay: 0, by_place: false }, Detail { dynamic: u32::MAX, lines: LinesOf::Unknown });
 
 impl Detail {
-    /// How many lines element `index` lies in, where that hangs on its place.
+    /// Number of lines of element `index`, if it depends on the position.
     fn lines_at(&self, index: u32) -> u64 {
         let place = index - if index < self.dynamic { 0 } else { self.dynamic };
         if let LinesOf::ByPlace(lines) = &self.lines { lines[place as usize % PERIOD].into() } else { 0 }
     }
 }
 
-/// What is counted of a kind of units in a phase: operations, accesses to lines, cycles that rays hold contexts at
-/// least.
+/// Work of a kind of units in a phase: operations, accesses to lines, and the minimum cycles for which rays hold
+/// contexts.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct KindWork {
     pub operations: u64,
@@ -102,7 +102,7 @@ pub(super) struct KindWork {
     pub held: u64,
 }
 
-/// Steps of a phase with a tag, and the lines that they access.
+/// Number of steps of a phase with a tag, and of the lines that they access.
 #[derive(Clone, Copy, Debug, Default)]
 struct Count {
     steps: u64,
@@ -119,20 +119,21 @@ pub(super) struct StepWork {
     tags: [[Tag; Step::TAGS]; Steps::ALL.len()],
     details: [[Detail; Step::TAGS]; Steps::ALL.len()],
     counts: [[Count; Step::TAGS]; Steps::ALL.len()],
-    /// Elements whose lines were touched, by the tag of the step that named them: those of paths, those of policies,
-    /// and entries, of which each step is looked at.
+    /// Elements whose lines were touched, by the tag of the step: of paths, of policies, and entries. Each step of an
+    /// entry is examined.
     touched: [[FixedBitSet; Step::TAGS]; ENTRIES + 1],
     pub work: [KindWork; Kind::ALL.len()],
     /// Divisions of the phase.
     pub divisions: u64,
-    /// Whether steps of stores are performed as recorded; else they are left out of what must be done, and may be done.
+    /// Whether store steps are performed as recorded. If not, the lower bound omits them and the upper bound includes
+    /// them.
     pub stores_count: bool,
-    /// Of the frame.
+    /// Sums of the frame.
     pub sums: Sums,
 }
 
 impl StepWork {
-    /// Of a stream that has not begun.
+    /// The counters of a stream before it begins.
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let kinds = Kind::ALL.map(|kind| kind.spec(machine));
         let mut work = Self {
@@ -167,8 +168,8 @@ impl StepWork {
             Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => 0,
         };
         let work = steps.work(first, &self.layout);
-        // Arrays begin at multiples of a page: where their elements lie in lines repeats after as many as a line has
-        // bytes.
+        // Arrays begin at page boundaries: the positions of elements in lines repeat after as many elements as a line
+        // has bytes.
         let lines = |place: usize| {
             let of = |element: Element| self.layout.lines(&self.layout.places_on(&element, first, place as u64)).1;
             work.elements().map(of).sum::<u64>() as u8
@@ -179,16 +180,16 @@ impl StepWork {
             None if lines.iter().all(|&it| it == lines[0]) => LinesOf::All(lines[0]),
             None => LinesOf::ByPlace(lines),
         };
-        // There and back; of a list entry the way on is that of its triangle.
+        // To the unit and back. A list entry's way on is counted with its triangle.
         let way = if work.kind == Kind::Intersection { 2 } else { 0 };
         let by_place = matches!(lines, LinesOf::ByPlace(_));
         (Tag { stay: self.held(&work) + way, by_place }, Detail { dynamic, lines })
     }
 
-    /// Cycles that a step holds who performs it at least.
+    /// Minimum cycles of a step at its unit, including a division.
     fn held(&self, work: &Work) -> u64 {
         let unit = &self.kinds[work.kind as usize];
-        // An access to a line that is about to come has its data a cycle later, however long a hit takes.
+        // A line that is about to come delivers its data one cycle after the access, also with a longer hit latency.
         let access = match unit.cache.contents {
             Contents::Tags => 1,
             Contents::Ideal => unit.cache.latency.get(),
@@ -210,7 +211,7 @@ impl StepWork {
         }
     }
 
-    /// Counts packed steps; cycles that a ray takes for them at least.
+    /// Counts packed steps; returns the minimum cycles of a ray for them.
     pub(super) fn add(&mut self, words: &[u32], steps: Steps) -> u64 {
         let mut stay = 0;
         for &word in words {
@@ -228,12 +229,12 @@ impl StepWork {
         stay
     }
 
-    /// Counts what the tag of a step does not tell.
+    /// Counts what the tag of a step does not determine.
     #[inline(never)]
     fn look_at(&mut self, word: u32, steps: Steps) {
         let Some(step) = Step::unpack(word) else { return };
         if step.entry().is_some() && !self.stores_count {
-            // Learned bits may be read and taken over beside it.
+            // The machine may also read and fold learned bits.
             self.sums.left_out += 3;
             return;
         }
@@ -242,14 +243,14 @@ impl StepWork {
         if let LinesOf::Unknown = lines {
             let lines = work.elements().map(|element| self.layout.lines(&element).1).sum::<u64>();
             self.counts[steps as usize][Step::tag(word) as usize].lines += lines;
-            // An entry's size may hang on where it lies.
+            // The size of an entry can depend on its position.
             let requested = &mut self.sums.requested[work.kind as usize];
             work.elements().for_each(|element| requested[element.class as usize] += Bytes(element.bytes));
         }
         let group = if let LinesOf::Unknown = lines { ENTRIES } else { steps.group() };
         let (set, index) = (&mut self.touched[group][Step::tag(word) as usize], (word & Step::MAX_INDEX) as usize);
         if index >= set.len() {
-            // Twice as much: growing copies.
+            // Doubles the size: growing copies the set.
             set.grow((index + 1).next_power_of_two());
         }
         if !set.put(index) {
@@ -261,13 +262,13 @@ impl StepWork {
         }
     }
 
-    /// A shadow-cache unit decides, without data.
+    /// A shadow-cache unit makes a decision, without data.
     pub(super) fn decide(&mut self) {
         self.work[Kind::ShadowCache as usize].operations += 1;
         self.sums.operations[Kind::ShadowCache as usize] += 1;
     }
 
-    /// All steps of the phase are known: what their tags tell is worked out.
+    /// Computes the work of all steps of the phase from the counts per tag.
     pub(super) fn settle(&mut self) {
         for steps in Steps::ALL {
             let counts = std::mem::take(&mut self.counts[steps as usize]);

@@ -1,4 +1,4 @@
-//! What bounds add up, frame by frame.
+//! Sums that the bounds are computed from, per frame.
 
 use std::ops::AddAssign;
 
@@ -6,35 +6,35 @@ use crate::engine::tally::PerClass;
 use crate::machine::kinds::Kind;
 use crate::quantity::Bytes;
 
-/// What is added up over frames.
+/// Sums over frames.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sums {
-    /// Cycles that the frame takes at least.
+    /// Minimum cycles of the frame.
     pub cycles: u64,
-    /// Cycles of its rays, one after another.
+    /// Cycles of its rays if they run one after another.
     pub serial: u64,
-    /// Rays that are traced.
+    /// Traced rays.
     pub traced: u64,
-    /// Rays that are answered, traced or not.
+    /// Answered rays, traced or not.
     pub answered: u64,
-    /// Lines that the host reads and writes.
+    /// Lines that the host reads and writes; lines that it reads.
     pub host_lines: u64,
     pub host_reads: u64,
-    /// Lines that nothing touched before.
+    /// Lines touched for the first time.
     pub first_touches: u64,
-    /// Accesses to lines that write.
+    /// Write accesses to lines.
     pub writes: u64,
-    /// Steps of stores that are left out of what must be done.
+    /// Store steps that the lower bound omits.
     pub left_out: u64,
     /// Operations of each kind of units.
     pub operations: [u64; Kind::ALL.len()],
     /// Accesses of each kind of units to lines.
     pub accesses: [u64; Kind::ALL.len()],
-    /// Bytes that each kind of units asks its L1s for.
+    /// Bytes that each kind of units requests from its L1s.
     pub requested: [PerClass<Bytes>; Kind::ALL.len()],
-    /// Bytes between the L1s and the L2, at least.
+    /// Minimum bytes between the L1s and the L2.
     pub l2: PerClass<Bytes>,
-    /// Bytes of the DRAM, at least.
+    /// Minimum bytes of the DRAM.
     pub dram: PerClass<Bytes>,
 }
 

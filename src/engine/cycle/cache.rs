@@ -1,11 +1,11 @@
-//! A non-blocking cache as the rules say: tags, miss registers with their targets, counts.
+//! A non-blocking cache as in the rules: tags, MSHRs with their targets, counts.
 
 use crate::memory::allocation::NoAllocate;
 use crate::memory::tags::{TagArray, Victim};
 use crate::quantity::LineAddr;
 use crate::stats::{CacheCounts, TrafficClass};
 
-/// A line on its way. `W` says who waits.
+/// A line on its way. `W` identifies a waiting access.
 #[derive(Clone, Debug)]
 struct Register<W> {
     line: LineAddr,
@@ -26,15 +26,15 @@ pub(super) struct Asked {
     pub needs_data: bool,
 }
 
-/// What an access met.
+/// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Met {
     Hit,
     HalfMiss,
     Miss,
-    /// A write that allocates no line: it is to go down.
+    /// A write that does not allocate its line: the caller sends it down.
     Passes,
-    /// Something is missing that the access needs: nothing was done.
+    /// The access lacks an MSHR, a target or a place in the output queue: nothing was done.
     Stop,
 }
 
@@ -43,7 +43,7 @@ pub(super) enum Met {
 pub(super) struct Filled<W> {
     /// The dirty line that it displaced.
     pub dirty_victim: Option<Victim>,
-    /// Who waited, in the order of their accesses.
+    /// The waiting accesses, oldest first.
     pub waited: Vec<W>,
 }
 
@@ -63,7 +63,7 @@ impl<W> Cache<W> {
         Self { tags, no_allocate, registers: Vec::new(), most_registers, most_targets, counts: Default::default() }
     }
 
-    /// An access for `who`. `room` says whether a request can be sent down.
+    /// An access for `who`. `room` says whether the output queue has a place.
     pub(super) fn access(&mut self, asked: Asked, room: bool, who: W) -> Met {
         let Asked { line, class, write, dirties, needs_data } = asked;
         let unallocated = if write { self.no_allocate.writes } else { self.no_allocate.reads };
@@ -99,8 +99,8 @@ impl<W> Cache<W> {
         met
     }
 
-    /// Puts in a line that was missed; `None`, and nothing done, if a dirty line would have to go and there is no
-    /// `room`. A line that is not to be kept is not put in, and goes down itself if it was written.
+    /// Fills a missed line. Returns `None` and does nothing if the victim is dirty and there is no `room`. A line that
+    /// is not allocated is not filled; if it was written, it goes down itself.
     pub(super) fn fill(&mut self, line: LineAddr, room: bool) -> Option<Filled<W>> {
         let index = self.registers.iter().position(|register| register.line == line);
         let index = index.expect("only a line that was missed comes");
@@ -119,7 +119,7 @@ impl<W> Cache<W> {
         Some(Filled { dirty_victim, waited: self.registers.remove(index).targets })
     }
 
-    /// A frame begins: lines from `first` on go.
+    /// A frame begins: drops lines from `first` on.
     pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.tags.drop_from(first);
     }

@@ -1,5 +1,4 @@
-//! A channel of the DRAM: remembers when each command was last given, and asks of every command whether it is legal
-//! now.
+//! A channel of the DRAM: stores when each command was last given, and checks in each clock which commands are legal.
 
 use std::collections::VecDeque;
 
@@ -12,7 +11,7 @@ use crate::memory::dram::spec::{DramSpec, Model, Page};
 use crate::quantity::Bytes;
 use crate::stats::{DramCounts, TrafficClass};
 
-/// When something last happened in a bank, in clocks of the DRAM.
+/// The last events in a bank, in clocks of the DRAM.
 #[derive(Clone, Debug, Default)]
 struct BankState {
     open: Option<u64>,
@@ -20,11 +19,11 @@ struct BankState {
     precharge: Option<u64>,
     read: Option<u64>,
     write_data_end: Option<u64>,
-    /// The bank closes by itself as soon as it may; for requests it is closed already.
+    /// The bank closes by itself as soon as it may; requests see it as closed.
     closes_itself: bool,
 }
 
-/// When something last happened in a bank group.
+/// The last events in a bank group.
 #[derive(Clone, Debug, Default)]
 struct GroupState {
     activate: Option<u64>,
@@ -41,25 +40,25 @@ pub(super) struct Channel {
     mhz: u64,
     machine_mhz: u64,
     bursts: u64,
-    /// The next clock to act in.
+    /// The next clock to simulate.
     clock: u64,
     banks: Vec<BankState>,
     groups: Vec<GroupState>,
-    /// All activates in the last tFAW clocks.
+    /// Activates in the last tFAW clocks.
     activates: Vec<u64>,
     refresh: Option<u64>,
-    /// When the data bus is free.
+    /// The first clock in which the data bus is free.
     bus_free: u64,
-    /// Whether its last burst was written.
+    /// Whether the last burst on the bus was written.
     bus_writes: bool,
-    /// Lines with the clock in which their data ends.
+    /// Requests with the clock in which their data ends.
     transfers: VecDeque<(u64, Request)>,
     pub counts: DramCounts,
     pub moved: [Bytes; TrafficClass::ALL.len()],
     log: ChannelLog,
 }
 
-/// Whether in clock `now` at least `wait` clocks have passed since an event, if there was one.
+/// Whether at least `wait` clocks have passed between an event, if there was one, and clock `now`.
 fn passed(event: Option<u64>, wait: u64, now: u64) -> bool {
     event.is_none_or(|event| now >= event + wait)
 }
@@ -102,7 +101,7 @@ impl Channel {
             && end * self.machine_mhz <= cycle * mhz
         {
             self.transfers.pop_front();
-            // The host's port comes after all banks: its lines are gone from the machine.
+            // The host's port has an index after all banks: its lines need no answer.
             if !request.write
                 && let Some(bank) = wires.from_dram.get_mut(request.from)
             {
@@ -110,7 +109,7 @@ impl Channel {
             }
         }
         if self.log.is_kept() {
-            // What was put in the last cycle came before the first clock that begins in this one or later.
+            // A request put in the last cycle came before the first clock that begins in this cycle or later.
             let came = wires.to_channel[self.index].came(cycle).map(|entry| entry.request);
             came.for_each(|request| self.log.put(self.clock - 1, request.line, request.write));
         }
@@ -140,7 +139,7 @@ impl Channel {
         }
     }
 
-    /// Whether a refresh was due in the last clock that was acted in, and was not given.
+    /// Whether a refresh that was due by the last simulated clock has not been given.
     pub(super) fn refresh_is_due(&self) -> bool {
         self.flat.is_none() && self.clock > (self.counts.refreshes + 1) * self.part.timing.refi.get()
     }
@@ -173,7 +172,7 @@ impl Channel {
             && passed(bank.write_data_end, self.part.timing.wr.get(), now)
     }
 
-    /// Whether an event of its kind is long enough ago in all groups: `long` in the group of bank `bank`, `short` in
+    /// Whether an event is long enough ago in all groups: `waits.1` in the group of bank `bank`, `waits.0` in the
     /// others.
     fn groups_allow(&self, bank: usize, event: fn(&GroupState) -> Option<u64>, waits: (u64, u64), now: u64) -> bool {
         let (short, long) = waits;
@@ -203,7 +202,7 @@ impl Channel {
             && self.groups_allow(number, |group| group.activate, (timing.rrd_s.get(), timing.rrd_l.get()), now)
     }
 
-    /// Gives the command that the requests in the queue ask for, if one is legal.
+    /// Gives the first legal command for the queued requests: column commands, then activates, then precharges.
     fn serve(&mut self, now: u64, cycle: u64, wires: &mut Wires) {
         let queue: Vec<DramRequest> = wires.to_channel[self.index].entries(cycle).map(|entry| *entry).collect();
         let bank = |entry: &DramRequest| &self.banks[entry.place.bank];
@@ -286,7 +285,7 @@ impl Channel {
         self.moved[request.class as usize] += request.bytes;
     }
 
-    /// Requests and commands, if they are kept; of a flat channel there are none.
+    /// The log of requests and commands; `None` for a flat channel.
     pub(super) fn log(&mut self) -> Option<&mut ChannelLog> {
         self.flat.is_none().then_some(&mut self.log)
     }

@@ -1,4 +1,4 @@
-//! The machine in motion, and its cycle.
+//! The machine and its cycle loop.
 
 use super::division::Division;
 use super::dram::Channel;
@@ -37,7 +37,7 @@ pub(crate) struct Cycle {
     patience: u64,
 }
 
-/// The numbers below `count`, in the order in which their parts act in cycle `now`.
+/// The numbers below `count` in the order in which parts act in cycle `now`: the first part rotates.
 fn in_turn(count: usize, now: u64) -> impl Iterator<Item = usize> {
     let first = (now % count as u64) as usize;
     (0..count).map(move |step| (first + step) % count)

@@ -1,4 +1,4 @@
-//! The data bus of a flat channel, which moves so many bytes in each cycle.
+//! The data bus of a flat channel, which moves a fixed number of bytes per cycle.
 
 use super::link::Link;
 use super::request::{DramRequest, Request};
@@ -7,15 +7,15 @@ pub(super) struct Bus {
     latency: u64,
     rate: Option<u64>,
     line: u64,
-    /// The request whose line is moved, and the bytes that are left of it.
+    /// The request whose line is being moved, and its remaining bytes.
     moving: Option<(Request, u64)>,
 }
 
-/// What the bus did in a cycle.
+/// Transfers in a cycle.
 pub(super) struct Moved {
     /// Requests whose transfer began.
     pub begun: Vec<Request>,
-    /// Those whose line has passed, and when they are over.
+    /// Requests whose line has passed, each with the cycle in which it completes.
     pub passed: Vec<(u64, Request)>,
 }
 
@@ -24,7 +24,7 @@ impl Bus {
         Self { latency, rate, line, moving: None }
     }
 
-    /// Takes what can be moved in cycle `now`.
+    /// Moves lines in cycle `now`, as many bytes as the rate allows.
     pub(super) fn act(&mut self, now: u64, queue: &mut Link<DramRequest>) -> Moved {
         let (mut begun, mut passed) = (Vec::new(), Vec::new());
         let Some(mut bytes) = self.rate else {

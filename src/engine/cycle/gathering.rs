@@ -1,4 +1,4 @@
-//! Updates of mode words of the shadow rays of one hit, gathered until the last of them has done its path.
+//! Gathers updates of mode words from the shadow rays of a hit, until the last of these rays has ended its path.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::rc::Rc;
@@ -7,16 +7,16 @@ use super::ray::Ray;
 use crate::machine::layout::Layout;
 use crate::stream::{Decision, RayKind, Step};
 
-/// The table.
+/// The table of gathered updates.
 pub(super) struct Gathering {
     places: usize,
-    /// Of each hit some of whose shadow rays are done, how many.
+    /// Shadow rays of each hit that have ended their path; absent for none.
     done: BTreeMap<Key, usize>,
-    /// The updates of hits that have a place.
+    /// Gathered updates of hits that have a place in the table.
     table: BTreeMap<Key, VecDeque<Step>>,
 }
 
-/// A hit: its group, which stays where it is while rays of it are under way, and its place there.
+/// A hit: the address of its group, which does not move while its rays are in flight, and its index there.
 type Key = (usize, usize);
 
 impl Gathering {
@@ -24,7 +24,7 @@ impl Gathering {
         Self { places, done: BTreeMap::new(), table: BTreeMap::new() }
     }
 
-    /// A ray has done its path; how many updates are merged thereby.
+    /// A ray has ended its path; returns the number of updates merged.
     pub(super) fn path_done(&mut self, ray: &mut Ray, layout: &Layout) -> u64 {
         let Some(origin) = ray.origin.as_ref().filter(|_| self.places > 0 && ray.kind == RayKind::Shadow) else {
             return 0;

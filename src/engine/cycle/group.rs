@@ -1,10 +1,10 @@
-//! A chunk of the stream that is under way.
+//! A chunk of the stream that is in use.
 
 use std::sync::Arc;
 
 use crate::stream::Chunk;
 
-/// A chunk of which somebody still needs a ray.
+/// A chunk with rays that are still needed.
 #[derive(Debug)]
 pub(super) struct Group {
     pub chunk: Arc<Chunk>,

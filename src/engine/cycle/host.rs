@@ -14,12 +14,12 @@ use crate::machine::dispatcher::DispatcherSpec;
 use crate::stats::Cause;
 use crate::stream::{Chunk, Decision, Item, RayKind, Step, Totals};
 
-/// Where the dispatcher stands in the stream.
+/// The dispatcher's position in the stream.
 #[derive(Debug)]
 enum Phase {
     Between,
     InFrame,
-    /// No more rays of the frame come.
+    /// The frame has no further rays in the stream.
     AllKnown {
         end: Arc<Vec<u32>>,
         totals: Totals,
@@ -42,14 +42,14 @@ pub(super) struct Host {
     free_entries: VecDeque<Id>,
     free_slots: Vec<u64>,
     last_in_turn: usize,
-    /// Rays done, skipped ones not counted.
+    /// Completed rays, without skipped rays.
     pub rays: u64,
     pub causes: [u64; Cause::ALL.len()],
     unloaded: Unloaded,
     pub latencies: RayLatencies,
 }
 
-/// What the dispatcher's cycle means for others.
+/// Events of the dispatcher's cycle that concern other parts.
 #[derive(Default)]
 pub(super) struct HostCycle {
     pub frame_over: Option<FrameCounts>,
@@ -145,7 +145,7 @@ impl Host {
         Ok(cycle)
     }
 
-    /// Reads the stream until a primary ray is known or the frame has no more; whether a frame began.
+    /// Reads the stream until a primary ray is known or the frame has no more; returns whether a frame began.
     fn read_on<E: From<StreamFault>>(
         &mut self,
         now: u64,
@@ -201,8 +201,8 @@ impl Host {
         Ok(())
     }
 
-    /// Hands over the next ray, if there is one and nothing is missing; whether that was so. `to_core` says how many
-    /// each core got in this cycle.
+    /// Hands over the next ray if all it needs is free; returns whether it did. `to_core` counts the rays that each
+    /// core got in this cycle.
     fn hand_over(&mut self, now: u64, to_core: &mut [u64], wires: &mut Wires) -> Result<bool, StreamFault> {
         let Some(origin) = wires.in_fifo.first(now).cloned() else { return Ok(false) };
         if !wires.port_lets_in(now) {
@@ -217,7 +217,7 @@ impl Host {
             wires.send_to_policy(now, id);
         } else {
             let units = self.free_slots.len();
-            // In turn: the first units of all cores, then the second ones.
+            // Round robin: the first units of all cores, then the second units.
             let place = |turn: usize| (turn % self.cores, turn % self.cores * (units / self.cores) + turn / self.cores);
             let mut after_the_last = (1..=units).map(|step| (self.last_in_turn + step) % units);
             let can_take = |&turn: &usize| {
@@ -270,7 +270,7 @@ impl Host {
         }
     }
 
-    /// Step 5.
+    /// Step 5: begins the end-of-frame update.
     fn begin_end(&mut self, now: u64, wires: &mut Wires) {
         let Phase::AllKnown { end, totals } = &self.phase else { return };
         let rays_to_come = !self.primaries.is_empty() || !self.ready.is_empty() || !self.shading.is_empty();
@@ -303,13 +303,13 @@ impl Host {
     }
 }
 
-/// Recorded steps of the policy that a ray does not perform.
+/// Recorded policy steps that a ray does not perform.
 struct LeftOut {
     /// Updates that are dropped.
     dropped: u64,
-    /// Steps that cost nothing.
+    /// Steps without cost.
     free: VecDeque<Step>,
-    /// What it performs otherwise: entries of learned bits that it updates.
+    /// Entries of learned bits that the ray updates instead.
     learned: Vec<u32>,
 }
 
@@ -321,7 +321,7 @@ impl LeftOut {
     }
 }
 
-/// Answers a skipped ray of which nothing is left to perform, if decisions fall with the hit; whether that was so.
+/// Answers a skipped ray without remaining steps, if decisions are made at the hit; returns whether it did.
 fn answered(origin: &Origin, wires: &mut Wires) -> Result<bool, StreamFault> {
     let decision = origin.group.chunk.head(origin.index).decision;
     if decision != Decision::Skip {
@@ -338,7 +338,7 @@ fn answered(origin: &Origin, wires: &mut Wires) -> Result<bool, StreamFault> {
     Ok(true)
 }
 
-/// The ray as the machine has it, and what it leaves out.
+/// The ray as the machine performs it, and the recorded steps that it leaves out.
 fn read_ray(origin: Origin, wires: &Wires) -> Result<(Ray, LeftOut), StreamFault> {
     let source = origin.group.chunk.ray(origin.index);
     let spec = &wires.words.spec;

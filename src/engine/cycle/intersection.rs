@@ -12,7 +12,7 @@ use crate::stream::{RayKind, Step, Stop};
 pub(super) struct Intersection {
     index: usize,
     pub unit: Unit,
-    /// Rays that leave for division.
+    /// Rays that leave for a division unit.
     leaving: VecDeque<Id>,
     contexts: usize,
     in_work: usize,

@@ -15,7 +15,7 @@ pub(super) struct Bank {
     spec: BankedSpec,
     dram: DramSpec,
     line: u64,
-    /// Of an access that waits: the L1 that gets the line, `None` for a write.
+    /// Target of a waiting access: the L1 that gets the line, `None` for a write.
     cache: Cache<Option<usize>>,
     answers: VecDeque<(u64, usize, LineAddr)>,
     out: VecDeque<Request>,

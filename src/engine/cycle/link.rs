@@ -1,19 +1,20 @@
-//! What lies between two parts, in two phases: parts put and take, then the cycle's end settles what they did.
+//! A queue between two parts, in two phases: parts put and take during a cycle; `settle` applies the effects at its
+//! end.
 
 use std::collections::VecDeque;
 
 use crate::memory::queue::Load;
 
-/// A queue. What is put in can be taken `latency` cycles later; a place that is freed can be used in the next cycle.
+/// A queue. An entry can be taken `latency` cycles after its put; a freed place is usable in the next cycle.
 #[derive(Clone, Debug)]
 pub(super) struct Link<T> {
     places: usize,
     latency: u64,
     entries: VecDeque<(u64, T)>,
     put: Vec<(u64, T)>,
-    /// Places that were free when the cycle began.
+    /// Free places at the beginning of the cycle.
     free: usize,
-    /// The cycle.
+    /// The current cycle.
     now: u64,
     load: Load,
 }
@@ -24,12 +25,12 @@ impl<T> Link<T> {
         Self { places, latency, entries: VecDeque::new(), put: Vec::new(), free: places, now: 0, load: Load::default() }
     }
 
-    /// An empty queue with a place for everything that can come.
+    /// An empty queue without a limit of places.
     pub(super) fn unbounded() -> Self {
         Self::new(usize::MAX, 1)
     }
 
-    /// Whether there is a place.
+    /// Whether a place is free.
     pub(super) fn has_room(&self) -> bool {
         self.put.len() < self.free
     }
@@ -51,24 +52,24 @@ impl<T> Link<T> {
         self.remove(0)
     }
 
-    /// Entries in order that can be taken in cycle `now`.
+    /// Entries that can be taken in cycle `now`, in order.
     pub(super) fn entries(&mut self, now: u64) -> impl Iterator<Item = &mut T> {
         self.entries.iter_mut().filter(move |(at, _)| *at <= now).map(|(_, entry)| entry)
     }
 
-    /// Entries in order that can be taken in cycle `now` and not before.
+    /// Entries that can be taken from cycle `now` on, not earlier, in order.
     pub(super) fn came(&self, now: u64) -> impl Iterator<Item = &T> {
         self.entries.iter().filter(move |(at, _)| *at == now).map(|(_, entry)| entry)
     }
 
-    /// Takes entry `index`, whatever stands before it.
+    /// Takes entry `index`, ahead of the entries before it.
     pub(super) fn remove(&mut self, index: usize) -> Option<T> {
         let (at, entry) = self.entries.remove(index)?;
         self.load.waited += self.now - (at - self.latency);
         Some(entry)
     }
 
-    /// The cycle ends: what was put is there, what was taken has left its place.
+    /// Ends the cycle: entries that were put become part of the queue; places that were freed become usable.
     pub(super) fn settle(&mut self) {
         self.load.entries += self.put.len() as u64;
         self.entries.extend(self.put.drain(..));
@@ -77,17 +78,17 @@ impl<T> Link<T> {
         self.free = self.places - self.entries.len();
     }
 
-    /// How full it was.
+    /// Load of the queue.
     pub(super) fn load(&self) -> Load {
         self.load
     }
 
-    /// Whether nothing is there or was put.
+    /// Whether the queue has no entry, including entries put in this cycle.
     pub(super) fn is_empty(&self) -> bool {
         self.entries.is_empty() && self.put.is_empty()
     }
 
-    /// How many are there, for the report of a deadlock.
+    /// Number of entries, for the report of a deadlock.
     pub(super) fn len(&self) -> usize {
         self.entries.len() + self.put.len()
     }

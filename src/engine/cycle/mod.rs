@@ -1,7 +1,7 @@
-//! The plain engine: every part acts in every cycle, as MODEL.md says, and nothing else. It is slow, and the truth that
-//! the event-driven engine is held to: the two share specs, memory layout and tag arrays, no scheduling and no unit.
+//! The cycle engine: every part acts in every cycle, strictly as in MODEL.md. It is slow. It is the reference for the
+//! event-driven engine: both share specs, memory layout and tag arrays, but no scheduling and no units.
 //!
-//! A cycle has two phases: all parts act on what was there when the cycle began; then all links settle.
+//! A cycle has two phases: all parts act on the state at the beginning of the cycle; then all links settle.
 
 mod cache;
 mod division;

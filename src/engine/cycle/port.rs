@@ -17,18 +17,18 @@ pub(super) struct Port {
     dram: DramSpec,
     clock_mhz: u64,
     line: Bytes,
-    /// Its number as one who asks the DRAM: it comes after all banks.
+    /// Its number as a requester of the DRAM, after all banks.
     index: usize,
     traffic: HostTraffic,
-    /// Lines with the cycles from which on they can go to their channels.
+    /// Lines, each with the cycle from which it can go to its channel.
     lines: VecDeque<(u64, Request)>,
-    /// The cycle from which on the frame's dynamic part is there.
+    /// The cycle from which the frame's dynamic part is available.
     built_at: u64,
     pub counts: PortTally,
 }
 
 impl Port {
-    /// The port of `machine`, which has so many banks; none if its host has no traffic of its own.
+    /// The port of `machine`, which has `banks` banks; `None` if its host has no traffic of its own.
     pub(super) fn new(machine: &MachineSpec, banks: usize) -> Option<Self> {
         let traffic = HostTraffic::new(&machine.traffic, machine.line_bytes.get())?;
         Some(Self {
@@ -50,7 +50,7 @@ impl Port {
         built.for_each(|run| self.put(now, run));
     }
 
-    /// A ray is handed over.
+    /// The dispatcher hands a ray over.
     pub(super) fn hand_over(&mut self, now: u64) {
         let ray = self.traffic.ray();
         ray.into_iter().for_each(|run| self.put(now, run));
@@ -75,12 +75,12 @@ impl Port {
         self.is_built(now) && (self.lines.len() as u64) < self.spec.queue.get()
     }
 
-    /// Whether the frame's end can begin.
+    /// Whether the end-of-frame update can begin.
     pub(super) fn lets_end(&self, now: u64) -> bool {
         self.is_built(now) && self.lines.is_empty()
     }
 
-    /// Whether the frame's dynamic part is there.
+    /// Whether the frame's dynamic part is available.
     pub(super) fn is_built(&self, now: u64) -> bool {
         now >= self.built_at
     }

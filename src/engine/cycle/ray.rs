@@ -1,4 +1,4 @@
-//! A ray in the machine, or a step of a frame's end.
+//! A ray in the machine, or an end-of-frame step.
 
 use std::collections::VecDeque;
 use std::rc::Rc;
@@ -6,17 +6,17 @@ use std::rc::Rc;
 use super::group::Group;
 use crate::stream::{Decision, RayKind, Step};
 
-/// The number of a pool entry, or, from the pool's size on, of an entry for a step of a frame's end.
+/// The number of a pool entry; numbers from the pool's size on are entries for end-of-frame steps.
 pub(super) type Id = usize;
 
-/// Who has a slot or a context for a ray, and gets it back from other units.
+/// The unit that holds a slot or a context for a ray, and gets the ray back from other units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Sender {
     Traversal(usize),
     ShadowCache(usize),
 }
 
-/// Where a ray is in the stream.
+/// Position of a ray in the stream.
 #[derive(Clone, Debug)]
 pub(super) struct Origin {
     pub group: Rc<Group>,
@@ -28,31 +28,31 @@ pub(super) struct Origin {
 pub(super) struct Ray {
     pub kind: RayKind,
     pub decision: Decision,
-    /// Steps of the path that are not performed yet.
+    /// Steps of the path not yet performed.
     pub path: VecDeque<Step>,
-    /// Steps of the policy that are not performed yet.
+    /// Steps of the policy not yet performed.
     pub policy: VecDeque<Step>,
-    /// Whether the decision of a skipped ray is still to be made.
+    /// Whether the decision of a skipped ray is not yet made.
     pub undecided: bool,
-    /// Whether the triangle test under way is at the edges.
+    /// Whether the current triangle test has reached the edges.
     pub at_edges: bool,
-    /// How many of the next steps set modes: at a first touch, or a frame's end.
+    /// Number of the next steps that set modes, at a first touch or in the end-of-frame update.
     pub setting: usize,
     /// Whether an intersection unit has accessed the entry of the next step.
     pub accessed: bool,
     pub sender: Sender,
-    /// The list unit that has a context for it.
+    /// The list unit that holds a context for the ray.
     pub list: Option<usize>,
-    /// When it was handed over, and the least that it takes from then on.
+    /// Cycles of hand-over and completion, and the lower bound of the latency between them in cycles.
     pub handed_over: u64,
     pub done: u64,
     pub unloaded: u64,
-    /// `None` for a step of a frame's end.
+    /// `None` for an end-of-frame step.
     pub origin: Option<Origin>,
 }
 
 impl Ray {
-    /// The step that an intersection unit is to perform.
+    /// The remaining steps whose first step an intersection unit is to perform.
     pub(super) fn tested_step(&mut self) -> &mut VecDeque<Step> {
         match self.sender {
             Sender::Traversal(_) => &mut self.path,

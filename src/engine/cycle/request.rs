@@ -1,17 +1,17 @@
-//! What is asked of the L2 and of the DRAM.
+//! Requests to the L2 and to the DRAM.
 
 use crate::memory::dram::mapping::Place;
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::TrafficClass;
 
-/// What a cache asks of the level below.
+/// A request from a cache to the level below.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
     pub line: LineAddr,
     pub class: TrafficClass,
     pub write: bool,
     pub bytes: Bytes,
-    /// The L1, the bank of the L2 or, after all banks, the host's port that asks.
+    /// The requester: an L1, a bank of the L2 or, after all banks, the host's port.
     pub from: usize,
 }
 

@@ -18,23 +18,23 @@ pub(super) struct ShadowCache {
     /// Rays that wait for the out FIFO.
     done: VecDeque<Id>,
     in_work: usize,
-    /// Entries of the dispatcher's pool; those for a frame's end follow.
+    /// Entries of the dispatcher's pool; the entries for end-of-frame steps follow.
     pool: usize,
     free_entries: VecDeque<Id>,
-    /// The register: addresses of entries read, and updates that wait, both the oldest first.
+    /// The register: addresses of entries read, and waiting updates, both oldest first.
     read: Vec<u64>,
     waiting: Vec<Step>,
-    /// Steps of the frame's end that are not taken on yet, each with whether it sets modes, and how many are not done,
-    /// while there is a frame's end.
+    /// End-of-frame steps not yet begun, each with whether it sets modes. `end_left` counts the steps not yet done
+    /// during an end-of-frame update.
     end_steps: VecDeque<(Step, bool)>,
     end_left: Option<usize>,
 }
 
-/// What the register makes of a step.
+/// What the register does with a step.
 enum Registered {
-    /// It is done for now.
+    /// The register takes the step: nothing is to be performed.
     Done,
-    /// This is to be performed.
+    /// This step is to be performed.
     Perform(Step),
 }
 
@@ -127,7 +127,7 @@ impl ShadowCache {
         self.go_on(id, now, wires);
     }
 
-    /// Takes on one new ray, or step of a frame's end; whether there was one.
+    /// Begins a new ray or end-of-frame step; returns whether there was one.
     fn take_on(&mut self, now: u64, wires: &mut Wires) -> bool {
         if let Some(id) = wires.retired[self.index].take(now) {
             self.in_work += 1;
@@ -164,7 +164,7 @@ impl ShadowCache {
         }
     }
 
-    /// The ray does what comes next.
+    /// Continues with the ray's next step.
     fn go_on(&mut self, id: Id, now: u64, wires: &mut Wires) {
         while let Some(&step) = wires.ray(id).policy.front() {
             match step {
@@ -254,7 +254,7 @@ impl ShadowCache {
         self.look_at_the_end(now, wires);
     }
 
-    /// Reports when this unit's part of the frame's end is done.
+    /// Reports when this unit's part of the end-of-frame update is done.
     fn look_at_the_end(&mut self, now: u64, wires: &mut Wires) {
         if self.end_left == Some(0) {
             self.end_left = None;

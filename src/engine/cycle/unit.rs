@@ -1,4 +1,4 @@
-//! What traversal, intersection and shadow-cache units have in common: steps 1 to 7 of their cycles.
+//! Common parts of traversal, list, intersection and shadow-cache units: steps 1 to 7 of their cycles.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -19,13 +19,13 @@ struct Fetch {
     element: Element,
     /// Lines that are not accessed yet.
     to_access: VecDeque<LineAddr>,
-    /// Lines that were accessed and have not come.
+    /// Accessed lines that have not come.
     to_come: usize,
-    /// Whether it goes to the L2, past the L1.
+    /// Whether the fetch bypasses the L1.
     past_l1: bool,
 }
 
-/// How long an operation takes, from one to the next, and how many begin in a cycle.
+/// Latency of an operation, cycles from one to the next, and how many can begin in one cycle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Pace {
     pub latency: u64,
@@ -45,16 +45,16 @@ pub(super) struct Unit {
     writes: WritePolicy,
     cache: Cache<Id>,
     out: VecDeque<Request>,
-    /// Fetches of all rays that fetch or wait for data.
+    /// Fetches of all rays that access or wait for lines.
     fetches: BTreeMap<Id, Fetch>,
     fetch_queue: VecDeque<Id>,
     hits: VecDeque<(u64, Id)>,
-    /// Rays with all their data, and what that is.
+    /// Rays with all their data, and the element fetched.
     ready: VecDeque<(Id, Option<Element>)>,
     stages: VecDeque<(u64, Id)>,
-    /// Rays of registers whose lines have come, which get them one by one.
+    /// Rays whose line has come and that get it one by one (`Release::OneByOne`).
     in_rows: VecDeque<Id>,
-    /// Lines asked for past the L1, the oldest first.
+    /// Reads that bypass the L1, oldest first: the line and the ray.
     asked: Vec<(LineAddr, Id)>,
     pub tally: UnitTally,
 }
@@ -93,18 +93,18 @@ impl Unit {
         self.fetch_queue.push_back(id);
     }
 
-    /// A ray begins to fetch `element` from the L2.
+    /// A ray begins to fetch `element` from the L2, bypassing the L1.
     pub(super) fn fetch_past_l1(&mut self, id: Id, element: Element, layout: &Layout) {
         self.fetch(id, element, layout);
         self.fetches.entry(id).and_modify(|fetch| fetch.past_l1 = true);
     }
 
-    /// A ray is to have an operation on `element` without a fetch.
+    /// Makes a ray ready for an operation on `element` without a fetch.
     pub(super) fn ready_with(&mut self, id: Id, element: Element) {
         self.ready.push_back((id, Some(element)));
     }
 
-    /// A ray is to have an operation without a fetch.
+    /// Makes a ray ready for an operation without data.
     pub(super) fn ready_without_fetch(&mut self, id: Id) {
         self.ready.push_back((id, None));
     }
@@ -154,14 +154,14 @@ impl Unit {
         }
     }
 
-    /// Step 3: the ray whose operation ends.
+    /// Step 3: returns the ray whose operation ends.
     pub(super) fn leave(&mut self, now: u64) -> Option<Id> {
         let &(_, id) = self.stages.front().filter(|&&(at, _)| at == now)?;
         self.stages.pop_front();
         Some(id)
     }
 
-    /// Step 5: whether operations began.
+    /// Step 5: returns whether operations began.
     pub(super) fn begin(&mut self, now: u64, layout: &Layout) -> bool {
         if self.is_occupied(now) {
             return false;
@@ -174,7 +174,7 @@ impl Unit {
         began > 0
     }
 
-    /// The first ray of the ready list begins its operation, if nothing is missing.
+    /// Begins the operation of the first ready ray, if the output queue has a place for its write-through.
     fn begin_one(&mut self, now: u64, layout: &Layout) -> bool {
         let Some(&(id, element)) = self.ready.front() else { return false };
         if let Some(element) = element.filter(|element| element.write && self.writes.go_through(element.class)) {
@@ -192,7 +192,7 @@ impl Unit {
         true
     }
 
-    /// Whether an operation that began keeps others from beginning in cycle `now`.
+    /// Whether an earlier operation prevents others from beginning in cycle `now`.
     fn is_occupied(&self, now: u64) -> bool {
         self.last_began.is_some_and(|began| now - began < self.pace.interval)
     }
@@ -263,8 +263,8 @@ impl Unit {
         }
     }
 
-    /// The cycle's cause: `began` is what step 5 said, `leaving` whether a ray waits to go to another unit,
-    /// `passed_by` whether rays had to wait because the unit took as many as it can.
+    /// Accounts the cycle to a cause. `began`: an operation began in step 5. `leaving`: a ray waits to go to another
+    /// unit. `passed_by`: rays wait because the unit took on its maximum.
     pub(super) fn account(&mut self, now: u64, began: bool, leaving: bool, passed_by: bool) {
         let memory = !self.fetches.is_empty();
         let pipeline = !self.stages.is_empty();
@@ -285,12 +285,12 @@ impl Unit {
         self.tally.causes[cause as usize] += 1;
     }
 
-    /// A frame begins: lines from `first` on go.
+    /// A frame begins: drops lines from `first` on.
     pub(super) fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);
     }
 
-    /// Whether nothing is on its way to or from memory.
+    /// Whether no line is on its way to or from memory.
     pub(super) fn memory_is_empty(&self) -> bool {
         self.out.is_empty() && self.cache.on_their_way() == 0 && self.asked.is_empty()
     }
@@ -300,7 +300,7 @@ impl Unit {
         self.cache.on_their_way()
     }
 
-    /// What was counted.
+    /// Counts of the unit and of its L1.
     pub(super) fn tally(&self) -> UnitTally {
         UnitTally { cache: self.cache.counts, ..self.tally.clone() }
     }

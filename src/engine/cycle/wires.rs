@@ -1,4 +1,4 @@
-//! All links between the parts, and what all parts can see.
+//! All links between the parts, and the state that all parts share.
 
 use super::gathering::Gathering;
 use super::link::Link;
@@ -20,16 +20,16 @@ fn put_if_room(queue: &mut Link<Id>, now: u64, id: Id) -> bool {
     room
 }
 
-/// Links and common knowledge.
+/// Links and shared state.
 pub(super) struct Wires {
     cores: usize,
     pool: usize,
-    /// The rays in the machine, by their entries.
+    /// The rays in the machine, by pool entry.
     pub rays: Vec<Option<Ray>>,
     pub layout: Layout,
     pub words: Words,
     gathering: Gathering,
-    /// What was replayed of the frame so far.
+    /// Replayed work of the current frame.
     pub replayed: Totals,
     /// From the dispatcher to each traversal unit.
     pub dispatched: Vec<Link<Id>>,
@@ -41,25 +41,25 @@ pub(super) struct Wires {
     pub back_in_traversal: Vec<Link<Id>>,
     pub back_in_list: Vec<Link<Id>>,
     pub back_in_policy: Vec<Link<Id>>,
-    /// To each list and intersection unit: a ray that was elsewhere has left its context.
+    /// To each list and intersection unit: a ray that was elsewhere has released its context.
     pub list_left: Vec<Link<()>>,
     pub test_left: Vec<Link<()>>,
-    /// Retired and skipped rays, and those of other such units, to each shadow-cache unit.
+    /// To each shadow-cache unit: retired and skipped rays, and rays from other shadow-cache units.
     pub retired: Vec<Link<Id>>,
-    /// A frame's end and its steps to each shadow-cache unit.
+    /// To each shadow-cache unit: its steps of the end-of-frame update.
     pub frame_end: Vec<Link<Vec<Step>>>,
-    /// From the host to the dispatcher, and, of rays that are done, to the host.
+    /// From the host to the dispatcher; and completed rays to the host.
     pub in_fifo: Link<Origin>,
     pub out_fifo: Link<Id>,
-    /// To the dispatcher: units in which a slot was freed.
+    /// To the dispatcher: traversal units in which a slot was freed.
     pub freed_slots: Link<usize>,
     /// To the dispatcher: the frame is over.
     pub frame_over: Link<()>,
-    /// From L1s to each bank of all L2s, and how many of them a core has.
+    /// From L1s to each L2 bank, ordered by core.
     pub to_bank: Vec<Link<Request>>,
     /// The core of each L1.
     core_of_l1: Vec<usize>,
-    /// The banks that are the home of each class: the first, and how many.
+    /// The banks of each class's cache: the first and their number.
     homes: [(usize, u64); TrafficClass::ALL.len()],
     /// From the L2 to each L1: traversal units', list units', intersection units', shadow-cache units'.
     pub to_l1: Vec<Link<LineAddr>>,
@@ -157,7 +157,7 @@ impl Wires {
         self.port.as_ref().is_none_or(|port| port.lets_in(now))
     }
 
-    /// Whether it lets the frame's end begin.
+    /// Whether the host's port lets the end-of-frame update begin.
     pub(super) fn port_lets_end(&self, now: u64) -> bool {
         self.port.as_ref().is_none_or(|port| port.lets_end(now))
     }
@@ -175,7 +175,7 @@ impl Wires {
         self.rays[id].as_mut().expect("an entry that is under way holds a ray")
     }
 
-    /// The core of whoever has a slot or a context for the ray.
+    /// The core of the unit that holds a slot or a context for the ray.
     fn core_of(&mut self, id: Id) -> usize {
         match self.ray(id).sender {
             Sender::Traversal(unit) => unit * self.cores / self.dispatched.len(),
@@ -183,14 +183,14 @@ impl Wires {
         }
     }
 
-    /// Of `units` of a kind, that of the ray's core which the ray's home names.
+    /// The unit for a ray, among `units` units of a kind: in the ray's core, by the number of its entry.
     fn unit_of(&mut self, id: Id, units: usize) -> usize {
         let number = if id < self.pool { id } else { id - self.pool };
         let a_core = units / self.cores;
         self.core_of(id) * a_core + number % a_core
     }
 
-    /// The intersection unit of the ray's tests.
+    /// The intersection unit that tests for the ray.
     pub(super) fn test_unit(&mut self, id: Id) -> usize {
         self.unit_of(id, self.tests.len())
     }
@@ -219,12 +219,12 @@ impl Wires {
         put_if_room(&mut self.divisions[unit], now, id)
     }
 
-    /// What a ray was at an intersection unit for is done: a test, or an access to an entry.
+    /// A ray's work at an intersection unit is done: a test, or an access to an entry.
     pub(super) fn test_is_over(&mut self, now: u64, id: Id) {
         let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
         let tested = matches!(ray.tested_step().front(), Some(Step::Triangle { .. }));
         if !tested {
-            // Only the access was made here.
+            // Only the access was made here; the operation follows at the shadow-cache unit.
             ray.accessed = true;
             return self.give_back(now, id);
         }
@@ -245,13 +245,13 @@ impl Wires {
         }
     }
 
-    /// The ray has done its path.
+    /// The ray has ended its path.
     pub(super) fn path_done(&mut self, id: Id) {
         let ray = self.rays[id].as_mut().expect("an entry that is under way holds a ray");
         self.words.work.gathered_writes += self.gathering.path_done(ray, &self.layout);
     }
 
-    /// A ray is done and goes to the out FIFO, if that has a place.
+    /// Sends a completed ray to the out FIFO, if that has a place.
     pub(super) fn send_out(&mut self, now: u64, id: Id) -> bool {
         let room = self.out_fifo.has_room();
         if room {
@@ -261,7 +261,7 @@ impl Wires {
         room
     }
 
-    /// A ray goes back to the traversal or shadow-cache unit that has a place for it.
+    /// Sends a ray back to the traversal or shadow-cache unit that holds a place for it.
     pub(super) fn give_back(&mut self, now: u64, id: Id) {
         match self.ray(id).sender {
             Sender::Traversal(unit) => self.back_in_traversal[unit].put(now, id),
@@ -269,7 +269,7 @@ impl Wires {
         }
     }
 
-    /// Sends a ray to the shadow-cache unit where it begins.
+    /// Sends a ray to its first shadow-cache unit: the owner of its first entry, or the unit by the ray's number.
     pub(super) fn send_to_policy(&mut self, now: u64, id: Id) {
         let ray = self.rays[id].as_ref().expect("an entry that is under way holds a ray");
         let first = if ray.undecided { None } else { ray.policy.front() };
@@ -278,7 +278,7 @@ impl Wires {
         self.retired[unit].put(now, id);
     }
 
-    /// A frame's end of these steps begins.
+    /// Begins an end-of-frame update with these steps.
     pub(super) fn begin_end(&mut self, now: u64, steps: Vec<Step>) {
         let (steps, free) = self.words.without_free(steps);
         self.replayed.count_policy(free.into_iter());
@@ -293,14 +293,14 @@ impl Wires {
         }
     }
 
-    /// The queue of the bank that `request` of an L1 goes to.
+    /// The queue of the bank for `request` of an L1.
     pub(super) fn bank_of(&mut self, request: &Request) -> &mut Link<Request> {
         let (first, banks) = self.homes[request.class as usize];
         let before = self.core_of_l1[request.from] * (self.to_bank.len() / self.cores);
         &mut self.to_bank[before + first + (request.line.0 % banks) as usize]
     }
 
-    /// Whether nothing is between L1s, L2 and DRAM.
+    /// Whether no request or line is between L1s, L2 and DRAM.
     pub(super) fn memory_is_empty(&self) -> bool {
         self.to_bank.iter().all(Link::is_empty)
             && self.to_l1.iter().all(Link::is_empty)

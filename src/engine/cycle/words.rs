@@ -1,4 +1,4 @@
-//! What shadow-cache units must know of mode words and counters together: homes, first touches, the frame's end.
+//! State of mode words and counters shared by shadow-cache units: owner units, first touches, the end-of-frame update.
 
 use std::collections::BTreeSet;
 
@@ -17,7 +17,7 @@ pub(super) struct Words {
     /// Entries of learned bits that rays have updated in this frame.
     pub learned: BTreeSet<u32>,
     pub work: StoreWork,
-    /// Units whose part of the frame's end is not done.
+    /// Units whose part of the end-of-frame update is not done.
     pub ending: usize,
 }
 
@@ -33,14 +33,14 @@ impl Words {
         Self { spec: *spec, units, header: header.clone(), touched, learned, work, ending: 0 }
     }
 
-    /// The unit that a step must be performed in; `None` if any will do.
+    /// The owner unit of a step's entry; `None` if any unit can perform the step.
     pub(super) fn home(&self, step: Step, layout: &Layout) -> Option<usize> {
         let (store, index) = step.entry()?;
         let (line, _) = layout.lines(&layout.entry(store, index, false));
         Some(line.0 as usize % self.units)
     }
 
-    /// The static primitive that a word or a pair of counters belongs to, and whether it is the first word or the
+    /// The static primitive of a word or of a pair of counters, and whether the step accesses the first word or the
     /// counters.
     fn of_static(&self, step: Step) -> Option<(u32, bool)> {
         let stores = &self.header.stores;
@@ -69,7 +69,7 @@ impl Words {
         updates
     }
 
-    /// If a ray's step is a first touch: the steps that stand in its place, of which all but `own` set modes.
+    /// If a ray's step is a first touch: the steps that replace it; all but `own` set modes.
     pub(super) fn first_touch(&mut self, step: Step, layout: &Layout) -> Option<FirstTouch> {
         if self.spec.frame_end != FrameEnd::Epoch || self.header.stores.pixel_counters == 0 {
             return None;
@@ -89,18 +89,18 @@ impl Words {
         Some(FirstTouch { setting, own: (!one_of_them).then_some(step) })
     }
 
-    /// The policy's steps without those that cost nothing, and these.
+    /// Splits the policy's steps into those with cost and those without.
     pub(super) fn without_free<S: Default + Extend<Step> + IntoIterator<Item = Step>>(&self, steps: S) -> (S, S) {
         let free = self.spec.place == Place::Free;
         steps.into_iter().partition(|step| !free || step.entry().is_none())
     }
 
-    /// Whether updates can wait in registers.
+    /// Whether updates can wait in a register.
     pub(super) fn registers_are_there(&self) -> bool {
         self.spec.register.get() > 0 && self.spec.place != Place::Free
     }
 
-    /// The steps of a frame's end, from the recorded ones.
+    /// The steps of an end-of-frame update, from the recorded steps.
     pub(super) fn end(&mut self, recorded: &[u32], layout: &Layout) -> Vec<Step> {
         self.touched.clear();
         let free = self.spec.place == Place::Free;
@@ -129,10 +129,10 @@ impl Words {
     }
 }
 
-/// A first touch.
+/// The steps of a first touch.
 pub(super) struct FirstTouch {
     /// The updates that set modes.
     pub setting: Vec<Step>,
-    /// The ray's own step, if it is none of them.
+    /// The ray's own step, unless one of the updates accesses its entry.
     pub own: Option<Step>,
 }

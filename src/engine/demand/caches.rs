@@ -1,4 +1,4 @@
-//! The caches of many machines, which are asked for what one pass asks its own for, in the same order.
+//! The caches of many machines, which get the accesses of one pass in the same order.
 
 use fixedbitset::FixedBitSet;
 use rayon::prelude::*;
@@ -17,10 +17,10 @@ use crate::stats::TrafficClass;
 use crate::stream::Header;
 
 const CLASSES: usize = TrafficClass::ALL.len();
-/// Accesses that are taken through all caches at once: few enough to lie in a processor's L2.
+/// Accesses that go through all caches at once: few enough to fit into a processor's L2.
 const BLOCK: usize = 1 << 16;
 
-/// Misses of a machine's caches, by class.
+/// Misses of a machine's caches by class.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Misses {
     pub(super) l1: [[f64; CLASSES]; Kind::ALL.len()],
@@ -28,12 +28,12 @@ pub(super) struct Misses {
     pub(super) end: End,
 }
 
-/// Of [`Misses`], those at frames' ends, when no ray is in flight.
+/// The share of [`Misses`] in end-of-frame updates, when no ray is in flight.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct End {
     /// Steps that access caches.
     pub(super) accesses: f64,
-    /// Accesses that the L1s miss, or that go past them.
+    /// Accesses that miss or bypass the L1s.
     pub(super) l1: f64,
     pub(super) l2: f64,
 }
@@ -44,20 +44,20 @@ struct Access {
     line: LineAddr,
     class: TrafficClass,
     core: u16,
-    /// The unit among those of its kind in its core.
+    /// The unit's number among the units of its kind in its core.
     unit: u16,
-    /// The ray's entry of the pool.
+    /// The ray's pool entry.
     home: u32,
-    /// Whether it is a step of a frame's end.
+    /// Whether the access is of an end-of-frame step.
     ends: bool,
 }
 
-/// Whether a class is that of entries of a policy's stores, which have owner units.
+/// Whether a class is for entries of a policy's stores, which have owner units.
 fn is_entry(class: TrafficClass) -> bool {
     matches!(class, TrafficClass::ModeWord | TrafficClass::PixelCounter | TrafficClass::OccluderId)
 }
 
-/// What the L1s of a kind are in a machine. Machines with the same share them.
+/// The properties of the L1s of a kind in a machine. Machines with equal shapes share the simulated L1s.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Shape {
     kind: usize,
@@ -74,18 +74,18 @@ struct Shape {
 #[derive(Debug)]
 struct L1s {
     shape: Shape,
-    /// Whether they are dealt as those of the pass are.
+    /// Whether accesses are assigned to units as in the pass.
     as_in_pass: bool,
     units: Vec<Filling>,
-    /// Accesses of the block that missed.
+    /// The block's accesses that missed.
     missed: FixedBitSet,
     misses: [u64; CLASSES],
     end: u64,
 }
 
 impl L1s {
-    /// The unit that makes an access. Homes say it (rules R2 and S2 of `docs/model`), but for traversal units, which
-    /// get rays in turn: the homes that they free are taken by the next.
+    /// The unit that makes an access. Pool entries determine it (rules R2 and S2 of `docs/model`), except for traversal
+    /// units. These get rays in turn; the next rays take the entries that they free.
     fn unit(&self, access: &Access, owners: bool) -> usize {
         let of_core = self.shape.of_core;
         if owners && is_entry(access.class) {
@@ -109,12 +109,12 @@ impl L1s {
     }
 }
 
-/// What is below a machine's L1s.
+/// The memory below a machine's L1s.
 #[derive(Debug)]
 struct Below {
-    /// The places of its L1s.
+    /// The indices of its L1s.
     l1s: [usize; Kind::ALL.len()],
-    /// Banks of a core after those of another.
+    /// L2 banks of all cores, ordered by core.
     banks: Vec<TagArray>,
     of_core: usize,
     homes: [Home; CLASSES],
@@ -140,13 +140,13 @@ impl Below {
     }
 }
 
-/// Accesses that follow one another.
+/// Consecutive accesses.
 #[derive(Debug)]
 struct Block {
     accesses: Vec<Access>,
-    /// Places of those of each kind of units.
+    /// Indices of the accesses by kind of units.
     of_kind: [Vec<u32>; Kind::ALL.len()],
-    /// Those that go past all L1s.
+    /// Accesses that bypass all L1s.
     past: FixedBitSet,
     measures: bool,
 }
@@ -157,29 +157,29 @@ pub(super) struct Caches {
     block: Block,
     l1s: Vec<L1s>,
     machines: Vec<Below>,
-    /// Of each unit of the pass its kind, its core, and its place among those of its kind in its core.
+    /// For each unit of the pass: its kind, its core, and its number among the units of its kind in its core.
     units: Vec<(usize, u16, u16)>,
     home: u32,
     /// Whether entries have owner units.
     owners: bool,
-    /// Whether accesses to entries go past all L1s.
+    /// Whether accesses to entries bypass all L1s.
     past: bool,
-    /// Of each frame to come, the last one first, whether it is measured.
+    /// Whether each frame to come is measured, the last frame first.
     frames: Vec<bool>,
     frame_ends: bool,
-    /// Accesses at frames' ends, and those of them that go past all L1s.
+    /// Accesses in end-of-frame updates, and those of them that bypass all L1s.
     end: u64,
     end_past: u64,
 }
 
-/// What the tags of a machine's L2s take in memory.
+/// Memory of the tags of a machine's L2s in bytes.
 pub(super) fn bytes(machine: &MachineSpec) -> u64 {
     let lines = machine.l2.caches().iter().map(|(_, cache)| cache.bytes.get() / machine.line_bytes.get()).sum::<u64>();
     machine.cores.get() * lines * size_of::<LineAddr>() as u64
 }
 
 impl Caches {
-    /// The empty caches of `machines`, which are asked for what a pass of a stream on `reference` asks for.
+    /// The empty caches of `machines`, which get the accesses of a pass of a stream on `reference`.
     pub(super) fn new(reference: &MachineSpec, header: &Header, machines: &[&MachineSpec]) -> Self {
         let cores = reference.cores.get();
         let units_of = |kind: Kind| {
@@ -211,7 +211,7 @@ impl Caches {
     fn add(&mut self, reference: &MachineSpec, machine: &MachineSpec) {
         let (line, cores) = (machine.line_bytes.get(), machine.cores.get());
         let l2 = machine.l2.caches();
-        // A unit that is busy makes an access a cycle.
+        // A busy unit makes one access per cycle.
         let delay = l2.iter().map(|(_, cache)| cache.latency.get()).max().unwrap_or_default() + 2;
         let l1s = Kind::ALL.map(|kind| {
             let (spec, pass) = (kind.spec(machine), kind.spec(reference));
@@ -241,7 +241,7 @@ impl Caches {
         });
     }
 
-    /// A unit of a kind makes an access, or nobody where it goes past all L1s.
+    /// Records an access by a unit of a kind; `None` for an access that bypasses all L1s.
     fn access(&mut self, kind: Option<usize>, (core, unit): (u16, u16), line: LineAddr, class: TrafficClass) {
         let at = self.block.accesses.len();
         match kind {
@@ -257,7 +257,7 @@ impl Caches {
         }
     }
 
-    /// Takes the block through all caches.
+    /// Sends the block through all caches.
     fn take(&mut self) {
         let Self { block, l1s, machines, owners, .. } = self;
         l1s.par_iter_mut().for_each(|l1s| l1s.take(block, *owners));
@@ -267,7 +267,7 @@ impl Caches {
         block.past.clear();
     }
 
-    /// What the caches of each machine missed.
+    /// The misses of each machine's caches.
     pub(super) fn finish(mut self) -> Vec<Misses> {
         self.take();
         let counted = |misses: &[u64; CLASSES]| misses.map(|count| count as f64);

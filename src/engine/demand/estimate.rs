@@ -1,4 +1,4 @@
-//! What a machine takes for a stream, roughly: what each of its resources is asked for, over what it can do.
+//! A rough estimate of a machine's cycles for a stream: the demand on each resource over its rate.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,32 +12,32 @@ use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheStats, MachineStats, TrafficClass};
 use crate::stream::Structure;
 
-/// How sharply the busiest resource counts more than others: they overlap, but not wholly. Assumed: 1 adds all up, and
-/// a large one leaves the busiest alone. A surrogate learns what it misses.
+/// Exponent of the norm over resources: the busiest resource counts most, since resources overlap, but not wholly.
+/// Assumed. 1 adds all resources; a large value leaves only the busiest. A surrogate learns the error.
 const SHARPNESS: f64 = 3.0;
 
-/// What a machine takes for a stream, roughly.
+/// A rough estimate of a machine's cost for a stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Estimate {
     /// Cycles.
     pub cycles: f64,
-    /// Bytes of the DRAM.
+    /// Bytes moved to and from the DRAM.
     pub dram_bytes: f64,
-    /// Energy in J; absent where that of the DRAM is not known.
+    /// Energy in J; `None` if the energy of the DRAM is unknown.
     pub joules: Option<f64>,
-    /// Cycles that each resource is busy for at least; in the same order for all machines.
+    /// Minimum busy cycles of each resource, in the same order for all machines.
     pub resources: Vec<f64>,
 }
 
-/// What a pass found of its own machine.
+/// Results of a pass for its own machine.
 #[derive(Clone, Debug)]
 pub(super) struct Demand<'a> {
     /// The machine of the pass.
     pub(super) reference: &'a MachineSpec,
     pub(super) structure: Structure,
-    /// What the pass measured.
+    /// The statistics of the pass.
     pub(super) stats: MachineStats,
-    /// What the tags of the machine missed.
+    /// The misses of the machine's tags in the timeless simulation.
     pub(super) misses: Misses,
 }
 
@@ -46,7 +46,7 @@ fn total(of: &[f64]) -> f64 {
 }
 
 impl Demand<'_> {
-    /// What `machine` takes, roughly, whose tags missed so much.
+    /// Estimates `machine`, whose tags had the misses `tags`.
     pub(super) fn estimate(&self, machine: &MachineSpec, tags: Misses) -> Estimate {
         let misses = self.misses(tags);
         let (mut resources, end) = (self.resources(machine, &misses), self.end(machine, &misses));
@@ -59,7 +59,8 @@ impl Demand<'_> {
         Estimate { cycles, dram_bytes, joules, resources }
     }
 
-    /// Misses of a machine whose tags missed so much: scaled by what the machine of the pass is known to have missed.
+    /// The misses of a machine: its tags' misses, scaled by the ratio of measured to tags' misses of the machine of the
+    /// pass.
     fn misses(&self, tags: Misses) -> Misses {
         let mut found = tags;
         for kind in Kind::ALL {
@@ -85,7 +86,7 @@ impl Demand<'_> {
         classes.filter(|(class, _)| class.is_of_host()).map(|(_, bytes)| bytes.0).sum()
     }
 
-    /// Accesses and misses that the pass counted in a cache, by class.
+    /// Accesses and misses of a cache in the pass, by class.
     fn counted(&self, cache: &str) -> [(f64, f64); TrafficClass::ALL.len()] {
         let classes = self.stats.caches.get(cache);
         TrafficClass::ALL.map(|class| {
@@ -94,13 +95,13 @@ impl Demand<'_> {
         })
     }
 
-    /// Cycles that each resource is busy for.
+    /// Busy cycles of each resource.
     fn resources(&self, machine: &MachineSpec, found: &Misses) -> Vec<f64> {
         let cores = machine.cores.get() as f64;
         let l2 = L2::of(&machine.l2);
         let dram = dram_latency(machine);
         let (asked, fetched): (f64, f64) = (found.l1.iter().map(|kind| total(kind)).sum(), total(&found.l2));
-        // What an L1 waits for the lines that it misses: some of each class come from the DRAM.
+        // Wait of an L1 for its missed lines: a share of each class's lines comes from the DRAM.
         let from_dram = TrafficClass::ALL.map(|class| {
             let asked: f64 = found.l1.iter().map(|kind| kind[class as usize]).sum();
             if asked > 0.0 { found.l2[class as usize] / asked } else { 0.0 }
@@ -115,7 +116,7 @@ impl Demand<'_> {
             let mut operations = self.stats.operations.get(kind.names().0).copied().unwrap_or(0) as f64;
             let mut accesses: f64 = self.counted(kind.names().1).iter().map(|(accesses, _)| accesses).sum();
             if kind == Kind::ShadowCache {
-                // Those of frames' ends come when the others are done.
+                // End-of-frame steps run after all others: their share is subtracted.
                 let without = |all: f64, end: f64| (all - end).max(0.0);
                 operations = without(operations, found.end.accesses);
                 accesses = without(accesses, found.end.accesses);
@@ -146,7 +147,7 @@ impl Demand<'_> {
         busy
     }
 
-    /// Cycles that frames' ends take, when nothing else is done.
+    /// Cycles of end-of-frame updates, when nothing else runs.
     fn end(&self, machine: &MachineSpec, found: &Misses) -> f64 {
         let spec = Kind::ShadowCache.spec(machine);
         let (End { accesses, l1, l2 }, count) = (found.end, spec.count as f64);
@@ -157,7 +158,7 @@ impl Demand<'_> {
         begun.max(asked).max(stay / (count * spec.contexts.unwrap_or(u64::MAX) as f64))
     }
 
-    /// Lines that the host reads and writes, which do not follow what caches miss.
+    /// Lines that the host reads and writes, which do not depend on cache misses.
     fn host_lines(&self) -> (u64, u64) {
         let all = self.host_bytes() / self.reference.line_bytes.get();
         let caches = self.reference.l2.caches();
@@ -166,7 +167,7 @@ impl Demand<'_> {
         (reads, all - reads)
     }
 
-    /// Lines that caches write to the DRAM: as many for a missed line of each class as the pass counted.
+    /// Lines that caches write to the DRAM: per missed line of each class, as in the pass.
     fn written(&self, misses: &Misses) -> f64 {
         let known = (self.stats.dram.writes - self.host_lines().1) as f64;
         let (mut reference, mut found) = (0.0, 0.0);
@@ -180,7 +181,7 @@ impl Demand<'_> {
         if reference > 0.0 { known * found / reference } else { known }
     }
 
-    /// What the pass measured, with the misses and the cycles of `machine`.
+    /// The statistics of the pass with the misses and the cycles of `machine`.
     fn stats_of(&self, machine: &MachineSpec, misses: &Misses, cycles: f64) -> MachineStats {
         let mut stats = self.stats.clone();
         (stats.cycles, stats.clock_mhz) = (Cycle(cycles as u64), machine.clock_mhz.get() as f64);
@@ -214,12 +215,12 @@ impl Demand<'_> {
     }
 }
 
-/// `found` times what `known` is of `reference`; as it is where that says nothing.
+/// `found` times the ratio of `known` to `reference`; unchanged if `reference` is 0.
 fn scale(found: f64, reference: f64, known: f64) -> f64 {
     if reference > 0.0 { found * known / reference } else { found }
 }
 
-/// Sets a class's misses in a cache, and its accesses if they are others; write-backs follow the misses.
+/// Sets the misses of a class in a cache, and its accesses if given; write-backs scale with the misses.
 fn set(cache: &mut CacheStats, accesses: Option<f64>, misses: f64) {
     let counts = &mut cache.counts;
     counts.write_backs = scale(counts.write_backs as f64, counts.misses as f64, misses) as u64;
@@ -227,7 +228,7 @@ fn set(cache: &mut CacheStats, accesses: Option<f64>, misses: f64) {
     counts.misses = misses as u64;
 }
 
-/// What all caches of a core's L2 are together.
+/// All caches of a core's L2 together.
 struct L2 {
     latency: f64,
     banks: f64,
@@ -246,7 +247,7 @@ impl L2 {
     }
 }
 
-/// Cycles from a request to an idle DRAM to its data, if its row must be opened.
+/// Cycles from a request to an idle DRAM to its data, including an activate.
 fn dram_latency(machine: &MachineSpec) -> f64 {
     let (dram, timing) = (&machine.dram, &machine.dram.part.timing);
     match dram.model {

@@ -1,4 +1,4 @@
-//! An L1 whose lines come some time after they were asked for, as tags without time.
+//! An L1 whose lines come some time after their requests, simulated as tags without timing.
 
 use std::collections::VecDeque;
 
@@ -6,12 +6,12 @@ use crate::memory::tags::TagArray;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
-/// The tags of a unit's L1. A line that it asks for comes some accesses later. Until then it displaces nothing, and
-/// whoever wants it waits for it.
+/// The tags of a unit's L1. A requested line comes some accesses later. Until then it displaces nothing, and accesses
+/// to it wait for it.
 #[derive(Clone, Debug)]
 pub(super) struct Filling {
     tags: TagArray,
-    /// Lines that were asked for, what for, and after how many accesses they come.
+    /// Requested lines: the line, its class, and the access number at which it comes.
     coming: VecDeque<(LineAddr, TrafficClass, u64)>,
     accesses: u64,
     delay: u64,
@@ -19,12 +19,12 @@ pub(super) struct Filling {
 }
 
 impl Filling {
-    /// An empty L1 whose lines come `delay` accesses after they were asked for, and `most` of which are under way.
+    /// An empty L1 whose lines come `delay` accesses after their requests; at most `most` are on their way.
     pub(super) fn new(tags: TagArray, delay: u64, most: usize) -> Self {
         Self { tags, coming: VecDeque::with_capacity(most), accesses: 0, delay, most }
     }
 
-    /// Accesses `line`. Returns whether the L1 asks for it.
+    /// Accesses `line`. Returns whether the L1 requests it.
     pub(super) fn misses(&mut self, line: LineAddr, class: TrafficClass) -> bool {
         self.accesses += 1;
         while self.coming.front().is_some_and(|&(.., at)| at <= self.accesses) {

@@ -1,9 +1,8 @@
-//! What a stream asks of machines, from one pass: what each resource of any machine like the one of the pass is asked
-//! for, without a replay of its own.
+//! The demand of a stream on machines, from one pass: the load on each resource of any machine similar to that of the
+//! pass, without a replay of its own.
 //!
-//! The pass is a replay by [`super::Level::Profile`] that is watched by the caches of all machines. What each part of a
-//! machine is then asked for is counted against what it can do. An [`Estimate`] is rough: its errors are what a
-//! surrogate learns.
+//! The pass is a replay by [`super::Level::Profile`]; the caches of all machines watch it. The load on each part of a
+//! machine is then compared with its rate. An [`Estimate`] is rough: a surrogate learns its errors.
 
 mod caches;
 mod estimate;

@@ -9,14 +9,14 @@ use crate::engine::whole::within_bounds;
 use crate::machine::MachineSpec;
 use crate::stream::Header;
 
-/// What the tags of a pass take in memory at most, if they are more than one machine's.
+/// Maximum memory in bytes of the tags in a pass, unless one machine alone needs more.
 const MOST_BYTES: u64 = 1 << 28;
 
-/// What each of `machines` takes for a stream, roughly, by passes on `reference`. They may differ from it in sizes,
-/// numbers and times.
+/// Rough estimates of each of `machines` for a stream, from passes on `reference`. The machines may differ from it in
+/// sizes, numbers and times.
 ///
 /// # Errors
-/// The stream cannot be read, or a law that every run keeps is violated.
+/// The stream cannot be read, or violates a law that holds for every run.
 pub(crate) fn estimates(
     reference: &MachineSpec,
     header: &Header,

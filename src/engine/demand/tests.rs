@@ -1,4 +1,4 @@
-//! Estimates against replays: what is known exactly, and how far the rest is off.
+//! Estimates compared with replays: exact quantities, and the error of the others.
 
 use super::estimate::Estimate;
 use super::pass::estimates;
@@ -19,7 +19,7 @@ fn known<const N: usize>(
     estimates(reference, header, source, machines).unwrap().try_into().unwrap()
 }
 
-/// `machine` with L1s of so many times the bytes.
+/// `machine` with L1s of `times` times the bytes.
 fn grown(machine: &MachineSpec, times: u64) -> MachineSpec {
     let mut grown = machine.clone();
     grown.traversal.cache.bytes = Size::new(times * grown.traversal.cache.bytes.get()).unwrap();
@@ -31,7 +31,7 @@ fn close(found: f64, is: f64, tolerance: f64, what: &str) {
     assert!((found / is - 1.0).abs() < tolerance, "{what}: {found} for {is}");
 }
 
-/// The machine of the pass was measured: an estimate of it gives back what was counted.
+/// The pass measures its own machine: the estimate of it returns the counted bytes.
 #[test]
 fn bytes_of_the_machine_of_the_pass_are_those_counted() {
     let (header, stream) = quickstart();
@@ -43,8 +43,8 @@ fn bytes_of_the_machine_of_the_pass_are_those_counted() {
     }
 }
 
-/// What a change of the machine does to the cycles; DRAM bytes are within 3 %. The estimate itself is low, 0.49 to 0.76
-/// of `Event`'s: waiting for each other is left out of it.
+/// The effect of a change on the cycles; DRAM bytes are within 3 %. The estimate itself is low, 0.49 to 0.76 of
+/// `Event`'s cycles: it omits waiting between resources.
 #[test]
 fn what_a_change_does_is_told_within_a_seventh() {
     let (header, stream) = quickstart();
@@ -63,8 +63,8 @@ fn what_a_change_does_is_told_within_a_seventh() {
     }
 }
 
-/// A small L2 sees what L1s miss, and no more: L1s as large as it is leave it other lines to hold. Without that, this
-/// L2's misses were told as 1.7 times what they are.
+/// A small L2 sees only the misses of the L1s. L1s as large as the L2 leave it other lines to hold. Without that
+/// effect, the estimate of this L2's misses is 1.7 times the actual number.
 #[test]
 fn an_l2_below_large_l1s_is_told_within_a_tenth() {
     let (header, stream) = quickstart();
@@ -77,7 +77,7 @@ fn an_l2_below_large_l1s_is_told_within_a_tenth() {
     close(estimate.dram_bytes, event.moved("dram").0 as f64, 0.1, "DRAM bytes");
 }
 
-/// Machines that share a pass are told of as each would be alone.
+/// Machines that share a pass get the same estimates as alone.
 #[test]
 fn machines_share_a_pass() {
     let (header, stream) = quickstart();
@@ -90,13 +90,13 @@ fn machines_share_a_pass() {
     }
 }
 
-/// Caches that hold more miss less.
+/// Larger caches miss less.
 #[test]
 fn larger_caches_miss_less() {
     let (header, stream) = quickstart();
     let base = shipped("small");
     let machines = [1, 2, 4, 8, 16].map(|times| grown(&base, times));
-    // Of the last four: requests to the L2, its misses, the bus, and frames' ends.
+    // The last four resources: requests to the L2, its misses, the bus, and end-of-frame updates.
     let asked = known(&base, &machines, &header, &stream).map(|it| it.resources[it.resources.len() - 4]);
     assert!(asked.is_sorted_by(|smaller, larger| larger <= smaller), "asked of the L2: {asked:?}");
     assert!(asked[4] < 0.9 * asked[0], "L1s of 16 times the bytes save a tenth: {asked:?}");

@@ -1,12 +1,12 @@
-//! Why each cycle of a unit went as it did, counted at changes: a part that is not looked at does not change.
+//! Counts a unit's cycles by cause, at changes only: while a unit does not act, its cause stays the same.
 
 use crate::memory::ring::Ring;
 use crate::stats::Cause;
 
-/// Cycles that operations occupy, one right after another: from the first to before the second.
+/// Cycles that operations occupy without a gap: the first cycle, and the cycle after the last.
 type Run = (u64, u64);
 
-/// Runs that have passed may stay in the list up to this length.
+/// Past runs are dropped from the list when it has this length, or when the cause changes.
 const MOST_RUNS: usize = 16;
 
 /// A unit's cycles by cause.
@@ -14,19 +14,19 @@ const MOST_RUNS: usize = 16;
 pub(crate) struct Causes {
     /// Idle cycles before `from`, by cause.
     totals: [u64; Cause::ALL.len()],
-    /// The cause of the cycles from `from` on in which the unit is not busy, until something happens.
+    /// The cause of idle cycles from `from` on, until something happens.
     idle: Cause,
     from: u64,
-    /// Cycles that operations occupy, those that are still to come included.
+    /// Number of busy cycles, including those still to come.
     busy: u64,
-    /// How many of them lie before `from`.
+    /// Number of busy cycles before `from`.
     busy_before: u64,
-    /// Those that may not have passed, in order, but for the last, and how many cycles these are.
+    /// Runs that may not have passed, in order, without the last one; and the number of their cycles.
     runs: Ring<Run>,
     listed: u64,
     last: Run,
-    /// A cycle to come in which the last of the operations begins that are known to, [`u64::MAX`] if none is, and the
-    /// cause of those after it.
+    /// A cycle to come, in which the last known operation begins ([`u64::MAX`] if none is known), and the cause of
+    /// idle cycles after it.
     ahead_at: u64,
     ahead_idle: Cause,
 }
@@ -50,7 +50,7 @@ impl Default for Causes {
 }
 
 impl Causes {
-    /// An operation begins in cycle `at`, after all others, and occupies its entry for so many cycles.
+    /// An operation begins in cycle `at`, after all others, and occupies its entry for `cycles` cycles.
     #[inline]
     pub(crate) fn begin(&mut self, at: u64, cycles: u64) {
         self.busy += cycles;
@@ -63,7 +63,7 @@ impl Causes {
         }
     }
 
-    /// Cycle `now` has passed: in it, and in those after it until something happens, `idle` is the cause if no
+    /// Cycle `now` has passed. `idle` is the cause of this cycle, and of later ones until something happens, where no
     /// operation occupies the unit.
     #[inline]
     pub(crate) fn cycle(&mut self, now: u64, idle: Cause) {
@@ -79,7 +79,7 @@ impl Causes {
         self.cycle_that_changes(now, idle);
     }
 
-    /// As [`Causes::cycle`], where the cause may be another one than before.
+    /// [`Causes::cycle`] where the cause may change.
     fn cycle_that_changes(&mut self, now: u64, idle: Cause) {
         self.drop_runs(self.ahead_at.min(now));
         if self.ahead_at <= now {
@@ -89,28 +89,26 @@ impl Causes {
         self.change(now, idle);
     }
 
-    /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation
-    /// began: it is lost at the intake if no earlier operation occupies it. Later cycles are `idle`'s as after
-    /// [`Causes::cycle`].
+    /// Cycle `now` has passed, in which the unit took as many rays as it can, others waited, and no operation began.
+    /// Its cause is the intake, unless an earlier operation occupies it. Later idle cycles have the cause `idle`.
     pub(crate) fn passed_by(&mut self, now: u64, idle: Cause) {
         self.cycle(now, Cause::Intake);
         self.change(now + 1, idle);
     }
 
-    /// Whether operations occupy all cycles from `at` to the last that is known to be busy.
+    /// Whether operations occupy all cycles from `at` to the last cycle known to be busy.
     #[inline]
     pub(crate) fn is_busy_from(&self, at: u64) -> bool {
         self.last.0 <= at && at < self.last.1
     }
 
-    /// From cycle `at` on, which is to come and in which the last operation begins that is known to, `idle` is the
-    /// cause.
+    /// Sets the cause of idle cycles from `at` on: a cycle to come, in which the last known operation begins.
     #[inline]
     pub(crate) fn ahead(&mut self, at: u64, idle: Cause) {
         (self.ahead_at, self.ahead_idle) = (at, idle);
     }
 
-    /// From cycle `now` on, `idle` is the cause.
+    /// Sets the cause of idle cycles from `now` on.
     #[inline]
     fn change(&mut self, now: u64, idle: Cause) {
         if idle != self.idle {
@@ -119,7 +117,7 @@ impl Causes {
         }
     }
 
-    /// Forgets runs that end before cycle `now`.
+    /// Drops runs that end before cycle `now`.
     #[inline]
     fn drop_runs(&mut self, now: u64) {
         while let Some(&(from, until)) = self.runs.front().filter(|run| run.1 <= now) {
@@ -128,10 +126,10 @@ impl Causes {
         }
     }
 
-    /// Counts the idle cycles before `now`.
+    /// Adds the idle cycles before `now` to `totals`.
     fn settle(&mut self, now: u64) {
         self.drop_runs(now);
-        // Of the runs in the list, only the first may have begun.
+        // Of the listed runs, only the first may have begun.
         let begun = self.runs.front().map_or(0, |run| now.saturating_sub(run.0));
         let last = self.last.1.saturating_sub(self.last.0.max(now));
         let busy_before = self.busy - (self.listed - begun + last);
@@ -139,17 +137,17 @@ impl Causes {
         (self.from, self.busy_before) = (now, busy_before);
     }
 
-    /// Cycles in which an operation occupied the unit, so far as is known.
+    /// Number of busy cycles, including known cycles to come.
     pub(crate) fn busy(&self) -> u64 {
         self.busy
     }
 
-    /// Cycles by cause, in a run of `cycles`; of a unit that is ahead of them, of those up to where it is. Of an
-    /// operation that is known to begin in the last one, its ray still waits.
+    /// Cycles by cause in a run of `cycles`; for a unit that is ahead, in the cycles up to where it is. If a known
+    /// operation begins in the last cycle, that cycle still counts as waiting.
     pub(crate) fn until(&self, cycles: u64) -> [u64; Cause::ALL.len()] {
         let cycles = cycles.max(self.from);
         let mut end = self.clone();
-        // Saturating: no cycle is known ahead.
+        // Saturates if no cycle is known ahead.
         let known = self.ahead_at.saturating_add(1);
         if known < cycles {
             end.change(self.ahead_at, self.ahead_idle);

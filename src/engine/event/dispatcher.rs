@@ -1,4 +1,4 @@
-//! The ray dispatcher: takes rays from the host, hands them over to the units, and gives their results back.
+//! The ray dispatcher: takes rays from the host, hands them over to the units, and returns their results.
 
 use std::sync::Arc;
 
@@ -19,18 +19,18 @@ use crate::memory::ring::Ring;
 use crate::stats::Cause;
 use crate::stream::{Decision, Item, RayKind, Step, Totals};
 
-/// What happened in a cycle that concerns others.
+/// Events of a cycle that concern other parts.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Events {
-    /// A frame began: dynamic lines go from all caches.
+    /// A frame began: all caches drop their dynamic lines.
     pub frame_began: bool,
-    /// A frame is over.
+    /// The counts of a frame that is over.
     pub frame_over: Option<Box<FrameCounts>>,
-    /// Rays that were done.
+    /// Number of rays done.
     pub rays_over: usize,
 }
 
-/// Where the stream stands.
+/// The state of the stream.
 #[derive(Clone, Debug)]
 enum Phase {
     /// Before a frame.
@@ -39,7 +39,7 @@ enum Phase {
     Open,
     /// All of the frame's rays are known.
     Closing(Arc<Vec<u32>>, Totals),
-    /// The end's steps are under way, or done in this cycle.
+    /// The end-of-frame steps are under way, or done in this cycle.
     Ending(Totals),
     /// After the last frame.
     Finished,
@@ -58,13 +58,13 @@ pub(crate) struct Dispatcher {
     waiting: Queue<Place>,
     free: Ring<RayId>,
     turns: Turns,
-    /// Rays that each core got in this cycle.
+    /// Number of rays that each core got in this cycle.
     handed_over: Vec<u64>,
     rays: u64,
-    /// The least that the hand-over, and steps of each tag of the path of a ray of each kind, take.
+    /// Lower bounds, in cycles, of the hand-over and of path steps, by kind of ray and tag of the step.
     least_dispatch: u64,
     least_by_tag: [[u64; Step::TAGS]; RayKind::ALL.len()],
-    /// How long rays took.
+    /// Latencies of rays.
     pub latencies: RayLatencies,
     /// The unit's cycles.
     pub causes: Causes,
@@ -92,7 +92,7 @@ impl Dispatcher {
         }
     }
 
-    /// Cycle `now`. `next` gives the stream's items.
+    /// Acts in cycle `now`; `next` returns the stream's items.
     pub(crate) fn tick<E: From<StreamFault>>(
         &mut self,
         now: u64,
@@ -152,9 +152,9 @@ impl Dispatcher {
         Ok(events)
     }
 
-    /// Announces the cycles in which there is something to do.
+    /// Wakes the dispatcher for the cycles in which it has something to do.
     fn wake(&self, now: u64, busy: bool, links: &mut Links) {
-        // What was put now can be taken next; places freed now can be used next.
+        // Entries put and places freed in this cycle can be used from the next cycle on.
         let put = self.waiting.last_at().is_some_and(|at| at > now);
         let more = busy && (!self.waiting.is_empty() || self.host.has_rays());
         if put || more || self.host.has_rays() && self.waiting.has_room(now + 1) || !links.done.is_empty() {
@@ -170,8 +170,8 @@ impl Dispatcher {
         }
     }
 
-    /// Takes items from the stream until a primary ray can be handed out, or the frame has no more; whether a frame
-    /// began.
+    /// Takes items from the stream until a primary ray can be handed out or the frame has no more. Returns whether a
+    /// frame began.
     fn pull<E: From<StreamFault>>(
         &mut self,
         next: &mut impl FnMut() -> Result<Option<Item>, E>,
@@ -192,7 +192,7 @@ impl Dispatcher {
         Ok(began)
     }
 
-    /// Hands over the next ray; whether there was one, and a place for it.
+    /// Hands over the next ray. Returns whether there was a ray, and a place for it.
     fn hand_over(&mut self, now: u64, links: &mut Links) -> Result<bool, StreamFault> {
         let Some(which) = self.waiting.first(now) else { return Ok(false) };
         if !links.port_lets_in(now) {
@@ -255,7 +255,7 @@ impl Dispatcher {
         self.host.done(ray.place, now + self.spec.shading_cycles.get());
     }
 
-    /// Begins the frame's end when all its rays are done.
+    /// Begins the end-of-frame update when all rays of the frame are done.
     fn close(&mut self, now: u64, links: &mut Links) {
         let Phase::Closing(steps, totals) = &self.phase else { return };
         if !self.host.is_empty() || !self.waiting.is_empty() || self.in_flight() > 0 || !links.port_lets_end(now) {
@@ -273,7 +273,7 @@ impl Dispatcher {
         self.pool - self.free.len()
     }
 
-    /// No unit gets a ray any more.
+    /// Takes all slots, so that no unit gets a ray.
     #[cfg(test)]
     pub(crate) fn take_all_slots(&mut self) {
         self.turns.take_all();
@@ -284,7 +284,7 @@ impl Dispatcher {
         matches!(self.phase, Phase::Finished)
     }
 
-    /// Rays done so far, skipped ones not counted.
+    /// Number of rays done so far, without skipped rays.
     pub(crate) fn rays(&self) -> u64 {
         self.rays
     }
@@ -294,7 +294,7 @@ impl Dispatcher {
         self.waiting.len()
     }
 
-    /// How full the in FIFO was.
+    /// The load of the in FIFO.
     pub(crate) fn load(&self) -> Load {
         self.waiting.load()
     }

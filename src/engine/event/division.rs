@@ -37,7 +37,7 @@ impl Division {
         }
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         if let Some(id) = take(&mut self.stages, now) {
             let unit = links.parts.intersection_of(self.core, (id & !(GONE | FREES_LIST)).into());

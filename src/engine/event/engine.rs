@@ -1,4 +1,4 @@
-//! The engine itself: the machine in motion, and whose turn it is.
+//! The engine: holds all parts, and lets the due parts act.
 
 use super::super::contract::Engine;
 use super::super::error::RunError;
@@ -28,7 +28,7 @@ use crate::memory::dram::command::ChannelLog;
 use crate::memory::queue::Queue;
 use crate::stream::Header;
 
-/// Lets those of a kind that are due act: number `now` modulo their count first.
+/// Lets the due parts of a kind act, beginning with number `now` modulo their count (round robin).
 #[inline]
 fn each_due(parts: Range, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) {
     let Range { first, end, .. } = parts;
@@ -44,7 +44,7 @@ fn each_due(parts: Range, due: &PartSet, now: u64, mut tick: impl FnMut(usize)) 
     }
 }
 
-/// Kinds of parts that act after the dispatcher, in the order in which they do.
+/// The parts that act after the dispatcher, kind by kind in the order in which the kinds act.
 #[derive(Clone, Copy, Debug)]
 struct Groups {
     traversal: Range,
@@ -76,7 +76,7 @@ impl Groups {
     }
 }
 
-/// The machine in motion.
+/// The event-driven engine.
 pub(in crate::engine) struct Event {
     pub(in crate::engine) dispatcher: Dispatcher,
     pub(in crate::engine) traversal: Vec<Traversal>,
@@ -86,11 +86,11 @@ pub(in crate::engine) struct Event {
     pub(in crate::engine) shadow_cache: Vec<ShadowCache>,
     pub(in crate::engine) links: Links,
     groups: Groups,
-    /// Operations begun when the watchdog last looked, when it looks again, and how long it waits.
+    /// Progress at the watchdog's last check, the cycle of its next check, and its limit in cycles.
     progress: u64,
     watch_at: u64,
     patience: u64,
-    /// Wakes all parts in all cycles: slow, and must change nothing.
+    /// Whether all parts are woken in all cycles: slow, and must change no result.
     #[cfg(test)]
     pub(in crate::engine) eager: bool,
 }
@@ -124,7 +124,7 @@ impl Event {
         }
     }
 
-    /// The common parts of the units that work on rays, kind by kind.
+    /// The pipelines of the units that work on rays, kind by kind.
     fn pipelines(&self) -> [Vec<&Pipeline>; Kind::ALL.len()] {
         [
             self.traversal.iter().map(|unit| &unit.pipeline).collect(),
@@ -143,7 +143,7 @@ impl Event {
         traversal.chain(list).chain(intersection).chain(shadow_cache)
     }
 
-    /// Lets all parts that are due act, but for the dispatcher.
+    /// Lets all due parts but the dispatcher act.
     #[inline]
     fn tick_parts(&mut self, now: u64, due: &PartSet) {
         let Self { groups, traversal, list, intersection, division, shadow_cache, links, .. } = self;
@@ -164,7 +164,7 @@ impl Event {
         self.pipelines_mut().for_each(|pipeline| pipeline.drop_from(first));
     }
 
-    /// All caches hold from now on what the warm ones do.
+    /// Loads the contents of the warm caches into all caches.
     fn hold(&mut self, warm: &WarmCaches) {
         let l1 = |kind: Kind, index: usize| warm.l1s(kind)[index].tags();
         self.traversal.iter_mut().enumerate().for_each(|(i, unit)| unit.pipeline.hold(l1(Kind::Traversal, i)));
@@ -218,7 +218,7 @@ impl Engine for Event {
     fn run(&mut self, feed: &mut dyn Feed) -> Result<u64, RunError> {
         let (hears, looks) = (feed.hears(), feed.looks());
         let mut due = PartSet::new(self.links.parts.count());
-        // Only what the dispatcher does makes a feed ask for counts.
+        // A feed asks for a mark only after the dispatcher has acted.
         let mut asks = false;
         if looks {
             self.links.looked_at = feed.look_at();

@@ -19,14 +19,14 @@ pub(crate) struct Intersection {
     leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
-    /// Operations in the pipeline, the first ones, of which it is known what becomes of their rays.
+    /// Number of operations, from the pipeline's front on, that [`Intersection::send_back`] has handled.
     known: usize,
-    /// When those of them end after which others are to hear of it.
+    /// End cycles of handled operations at whose end the unit must act: the ray goes on, or frees a list context.
     heard: Ring<u64>,
 }
 
 impl Intersection {
-    /// Unit `index`, empty; `writes` says what becomes of writes to entries of stores, if they come this way.
+    /// Unit `index`, empty; `writes` is the policy for writes to entries of stores, if they come this way.
     pub(crate) fn new(spec: &IntersectionSpec, writes: WritePolicy, memory: Memory, index: u32, links: &Links) -> Self {
         let part = links.parts.intersection(index);
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: 1 };
@@ -41,7 +41,7 @@ impl Intersection {
         }
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         self.free += std::mem::take(&mut links.freed_tests[self.index]);
         while self.pipeline.left_before(now) {
@@ -68,7 +68,7 @@ impl Intersection {
         if sent && !self.leaving.is_empty() {
             next = now + 1;
         }
-        // When the last operation ends, the cause of idle cycles is another one.
+        // The cause of idle cycles changes when the last operation ends.
         let ends = self.heard.front().copied().unwrap_or_else(|| self.pipeline.drains_at());
         if let Some(at) = links.tests[self.index].next_at() {
             let free_at = if self.free > 0 { now + 1 } else { self.pipeline.ends_at().saturating_add(1) };
@@ -88,7 +88,7 @@ impl Intersection {
         self.pipeline.fetch(id, &element, now, links);
     }
 
-    /// A ray leaves the pipeline: one that was sent back ahead of time, or one of which the operation has ended.
+    /// A ray leaves the pipeline: one that was sent back ahead of time, or one whose operation has ended.
     fn leave(&mut self, id: RayId, now: u64, links: &mut Links) {
         self.known -= 1;
         if id & (GONE | FREES_LIST) != GONE {
@@ -101,7 +101,7 @@ impl Intersection {
         links.left(id, self.pipeline.core(), now);
     }
 
-    /// Sends rays back, of which the test ends with the operation that they have begun.
+    /// Sends back rays whose test ends with the operation that they have begun.
     fn send_back(&mut self, links: &mut Links) {
         let part = self.pipeline.part();
         while let Some((ends, id)) = self.pipeline.operation(self.known) {

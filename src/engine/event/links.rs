@@ -1,5 +1,5 @@
-//! What lies between the parts of the machine: rays in flight, queues between units, the shared memory, and the alarm
-//! clock that wakes parts.
+//! State that the parts share: rays in flight, queues between units, the shared memory, and the timing wheel that
+//! wakes parts.
 
 use super::memory::Memory;
 use super::port::Port;
@@ -20,10 +20,10 @@ use crate::memory::{PartId, Wake};
 use crate::quantity::{LineAddr, NodeId};
 use crate::stream::{Chunk, FrameInfo, Header, Step, Totals};
 
-/// A queue with a place for everything that can come.
+/// An unbounded queue of entries, each with the cycle in which it arrives.
 pub(super) type Inbox<T> = Ring<(u64, T)>;
 
-/// Takes the first of `inbox` if it is there in cycle `now`.
+/// Takes the first entry of `inbox` if it has arrived by cycle `now`.
 #[inline]
 pub(super) fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
     let &(at, entry) = inbox.front()?;
@@ -34,12 +34,12 @@ pub(super) fn take<T: Copy>(inbox: &mut Inbox<T>, now: u64) -> Option<T> {
     Some(entry)
 }
 
-/// A ray that comes back to its traversal unit.
+/// A ray that returns to its traversal unit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Back {
-    /// The cycle from which on it is there.
+    /// The cycle in which it arrives.
     pub at: u64,
-    /// Which unit sends it: its place in turn in the cycle before. Rays of a cycle come in this order.
+    /// The sending unit's position in the round robin of the cycle before, which orders the arrivals of a cycle.
     turn: u32,
     /// The ray.
     pub ray: RayId,
@@ -48,72 +48,71 @@ pub(crate) struct Back {
 /// A line from the L2.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Answer {
-    /// The cycle from which on it is there.
+    /// The cycle in which it arrives.
     pub at: u64,
-    /// Which bank sends it: its place in turn in the cycle before. Answers of a cycle come in this order.
+    /// The sending bank's position in the round robin of the cycle before, which orders the arrivals of a cycle.
     turn: u32,
     /// The line.
     pub line: LineAddr,
 }
 
-/// What the parts share.
+/// The state that the parts share.
 #[derive(Clone, Debug)]
 pub(crate) struct Links {
     /// The parts' numbers.
     pub parts: Parts,
-    /// The pool's rays, then the steps of a frame's end.
+    /// Rays of the pool, then entries for end-of-frame steps.
     pub rays: Vec<Ray>,
-    /// Addresses.
+    /// The memory layout.
     pub layout: Layout,
     /// Rays from the dispatcher to each traversal unit.
     pub dispatched: Vec<Inbox<RayId>>,
-    /// Rays from list, intersection and division units back to each traversal unit, known since their last operations
-    /// there began.
+    /// Rays that return from list, intersection and division units to each traversal unit. Each is known from the
+    /// cycle in which its last operation there begins.
     pub returned: Vec<Ring<Back>>,
-    /// What comes to a traversal unit and is not known in a cycle comes more than so many cycles later.
+    /// The lookahead: what comes to a traversal unit, and is not yet known, is more than this number of cycles away.
     horizon: u64,
-    /// The next cycle that somebody looks at.
+    /// The next cycle that the feed observes.
     pub looked_at: u64,
-    /// The next cycle in which each traversal unit acts for sure.
+    /// The next cycle in which each traversal unit is sure to act.
     pub wakes: Vec<u64>,
     /// Rays to each list unit.
     pub lists: Vec<Queue<RayId>>,
-    /// Rays from intersection and division units back to each list unit.
+    /// Rays that return from intersection and division units to each list unit.
     pub listed: Vec<Inbox<RayId>>,
-    /// Contexts of each list unit that others freed.
+    /// Number of contexts of each list unit that other units freed.
     pub freed_lists: Vec<usize>,
     /// Rays to each intersection unit.
     pub tests: Vec<Queue<RayId>>,
-    /// Contexts of each intersection unit that division units freed.
+    /// Number of contexts of each intersection unit that division units freed.
     pub freed_tests: Vec<usize>,
     /// Rays to each division unit.
     pub divisions: Vec<Queue<RayId>>,
-    /// Rays back from intersection units to each shadow-cache unit.
+    /// Rays that return from intersection units to each shadow-cache unit.
     pub back_in_policy: Vec<Inbox<RayId>>,
-    /// Retired and skipped rays, and those of other units, to each shadow-cache unit.
+    /// Rays to each shadow-cache unit: retired and skipped rays, and rays from other shadow-cache units.
     pub retired: Vec<Inbox<RayId>>,
-    /// The out FIFO: rays that are done, to the host.
+    /// The out FIFO: rays that are done, on their way to the host.
     pub done: Queue<RayId>,
-    /// Traversal units in which a slot was freed, to the dispatcher.
+    /// Traversal units that freed a slot, for the dispatcher.
     pub freed: Vec<u32>,
-    /// The frame's end, to each shadow-cache unit: from when on, and its steps.
+    /// The end-of-frame update of each shadow-cache unit: its first cycle, and its steps.
     pub frame_end: Vec<Option<(u64, Vec<Step>)>>,
-    /// Units whose part of the frame's end is not done.
+    /// Number of units whose share of the end-of-frame update is not done.
     pub units_at_the_end: u32,
-    /// Whether the frame's end is done, to the dispatcher.
+    /// Whether the end-of-frame update is done, for the dispatcher.
     pub frame_over: bool,
-    /// Which steps of the policy's stores are performed.
+    /// Chooses the store steps of the policy that are performed.
     store_steps: StoreSteps,
-    /// The shortest latency of what comes to a traversal unit, and that of a list unit.
+    /// The shortest latency towards a traversal unit other than through a list unit, and the latency of a list unit.
     latencies: (u64, u64),
-    /// What was done with stores otherwise than recorded.
+    /// Store steps that were performed otherwise than recorded.
     pub stores: StoreWork,
-    /// Hits whose updates are gathered.
+    /// The gather table.
     pub gathering: Gathering,
     /// The shadow-cache units' spec.
     pub shadow_cache: ShadowCacheSpec,
-    /// Lines from the L2, to the L1 of each part: those that a bank has, with the cycles in which their latency is
-    /// over.
+    /// Lines that banks of the L2 send to the L1 of each part, each with the cycle in which it arrives.
     pub lines: Vec<Ring<Answer>>,
     /// The L2.
     pub l2: L2,
@@ -121,9 +120,9 @@ pub(crate) struct Links {
     pub port: Option<Port>,
     /// The DRAM.
     pub dram: Dram,
-    /// What was replayed of the frame so far.
+    /// Counts of what was replayed of the frame so far.
     pub replayed: Totals,
-    /// Wakes parts.
+    /// The timing wheel that wakes parts.
     pub clock: Wheel,
 }
 
@@ -173,14 +172,14 @@ impl Links {
         }
     }
 
-    /// Takes the steps of the policy that are not performed out of a ray that is handed over, and counts them.
+    /// Removes the policy's steps that are not performed from a ray that is handed over, and counts them.
     pub(crate) fn leave_out(&mut self, ray: RayId) {
         let Self { rays, layout, store_steps, stores, replayed, .. } = self;
         let ray = &mut rays[ray as usize];
         ray.steps.change(|steps, policy, _| store_steps.leave_out(steps, policy, layout, (stores, replayed)));
     }
 
-    /// Answers a skipped ray of which no step is left, if decisions fall with the hit; whether that was so.
+    /// With `decide: Hit`, answers a skipped ray that has no step to perform. Returns whether it did.
     pub(crate) fn answer(&mut self, chunk: &Chunk, index: usize) -> Result<bool, StreamFault> {
         let spec = &self.shadow_cache;
         if !spec.decide.answers(chunk.head(index).decision, 0) {
@@ -201,7 +200,7 @@ impl Links {
         Ok(true)
     }
 
-    /// The ray has done its path.
+    /// The path of a ray is done: gathers its updates.
     pub(crate) fn retire(&mut self, ray: RayId) {
         let Ray { kind, place, hit, siblings, ref mut steps, .. } = self.rays[ray as usize];
         self.stores.gathered_writes += steps.change(|steps, path_end, _| {
@@ -210,7 +209,7 @@ impl Links {
         });
     }
 
-    /// A fetch of a node, not begun yet.
+    /// A fetch of a node, not begun.
     #[inline]
     pub(crate) fn node_fetch(&self, node: NodeId) -> Fetch {
         match self.layout.node_lines() {
@@ -219,14 +218,14 @@ impl Links {
         }
     }
 
-    /// The entry of a ray's next step.
+    /// The entry that a ray's next step accesses.
     pub(crate) fn entry_element(&self, ray: RayId) -> Element {
         let step = self.rays[ray as usize].step().expect("the ray has a step of an entry");
         let (store, index) = step.entry().expect("the step is of an entry");
         self.layout.entry(store, index, step.writes())
     }
 
-    /// Whether a ray's next step is a first touch that sets modes: then the ray's next steps are those that do.
+    /// Inserts the steps that set modes if a ray's next step is a first touch. Returns whether it was one.
     pub(crate) fn first_touch(&mut self, ray: RayId) -> bool {
         let Self { rays, layout, store_steps, stores, .. } = self;
         let ray = &mut rays[ray as usize];
@@ -236,7 +235,7 @@ impl Links {
         true
     }
 
-    /// A frame's end with these recorded steps begins; whether there is anything to do.
+    /// Begins the end-of-frame update, given its recorded steps. Returns whether there is anything to do.
     pub(crate) fn begin_end(&mut self, recorded: &[u32], now: u64) -> bool {
         let spec = self.shadow_cache;
         let Self { layout, store_steps, stores, replayed, .. } = self;
@@ -258,20 +257,20 @@ impl Links {
         true
     }
 
-    /// The first cycle beyond those that a unit which works in cycle `now` may work ahead to. A unit ahead counts a
-    /// cycle beyond its work where rays get a line one by one: it stops two cycles before one that is looked at.
+    /// The first cycle that a unit acting in cycle `now` may not work ahead into. Where rays get a line one by one, a
+    /// unit that works ahead counts one cycle beyond its work. It therefore stops two cycles before an observed cycle.
     #[inline]
     pub(crate) fn reach(&self, now: u64) -> u64 {
         now + self.horizon.min(self.looked_at.saturating_sub(now + 2)) + 1
     }
 
-    /// A shadow-cache unit's steps of a frame's end that has begun.
+    /// Takes a shadow-cache unit's steps of an end-of-frame update that has begun by cycle `now`.
     pub(crate) fn hear_of_the_end(&mut self, unit: u32, now: u64) -> Option<Vec<Step>> {
         let part = &mut self.frame_end[unit as usize];
         part.take_if(|(at, _)| *at <= now).map(|(_, steps)| steps)
     }
 
-    /// A frame begins: lines of the dynamic part go from the L2.
+    /// A frame begins: the L2 drops lines of the dynamic part.
     pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
         self.layout.begin_frame(frame);
         let (shortest, list) = self.latencies;
@@ -289,19 +288,19 @@ impl Links {
         self.port.as_ref().is_none_or(|port| port.lets_in(now))
     }
 
-    /// Whether it lets the frame's end begin in cycle `now`.
+    /// Whether the host's port lets the frame's end begin in cycle `now`.
     pub(crate) fn port_lets_end(&self, now: u64) -> bool {
         self.port.as_ref().is_none_or(|port| port.lets_end(now))
     }
 
-    /// A ray comes back to traversal unit `unit`, from an operation of part `from` that ends in cycle `ends`.
+    /// Sends a ray back to traversal unit `unit`, from an operation of part `from` that ends in cycle `ends`.
     pub(crate) fn send_back(&mut self, ray: RayId, unit: u32, from: PartId, ends: u64) {
         let (at, turn) = (ends + 1, self.parts.turn(from, ends));
         self.returned[unit as usize].insert_by_key(Back { at, turn, ray }, |back| (back.at, back.turn));
         self.post(unit, at);
     }
 
-    /// Something comes to traversal unit `unit` in cycle `at`.
+    /// Wakes traversal unit `unit` for cycle `at`, in which something arrives there.
     #[inline]
     pub(crate) fn post(&mut self, unit: u32, at: u64) {
         let wakes = &mut self.wakes[unit as usize];
@@ -311,7 +310,7 @@ impl Links {
         }
     }
 
-    /// Cycle `now` of bank `index` of the L2.
+    /// Bank `index` of the L2 acts in cycle `now`.
     #[inline]
     pub(crate) fn tick_bank(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, lines, .. } = self;
@@ -322,7 +321,7 @@ impl Links {
         });
     }
 
-    /// Cycle `now` of the host's port to the DRAM.
+    /// The host's port to the DRAM acts in cycle `now`.
     pub(crate) fn tick_port(&mut self, now: u64) {
         let Self { port, dram, clock, .. } = self;
         if let Some(port) = port {
@@ -330,13 +329,13 @@ impl Links {
         }
     }
 
-    /// Cycle `now` of channel `index` of the DRAM.
+    /// Channel `index` of the DRAM acts in cycle `now`.
     #[inline]
     pub(crate) fn tick_channel(&mut self, index: usize, now: u64) {
         let Self { parts, l2, dram, clock, .. } = self;
         let first = parts.bank(0).0;
         dram.tick(index, now, clock, |to, line| {
-            // What comes for the host's port, whose number is after the banks', is gone from the machine.
+            // A line for the host's port, whose number follows the banks', leaves the machine.
             if let Some(bank) = l2.banks.get_mut((to.0 - first) as usize) {
                 bank.deliver(line, now + 1);
             }

@@ -1,4 +1,4 @@
-//! The list unit: reads the entries of the primitive lists in a kd-tree's leaves, and sends their triangles to be
+//! The list unit: reads the entries of primitive lists in the leaves of a kd-tree, and sends their triangles to be
 //! tested.
 
 use super::links::{Links, take};
@@ -20,7 +20,7 @@ pub(crate) struct List {
     leaving: Ring<RayId>,
     contexts: usize,
     free: usize,
-    /// Operations in the pipeline, the first ones, of which it is known what becomes of their rays.
+    /// Number of operations, from the pipeline's front on, that [`List::send_back`] has handled.
     known: usize,
 }
 
@@ -39,7 +39,7 @@ impl List {
         }
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let index = self.index as usize;
         self.free += std::mem::take(&mut links.freed_lists[index]);
@@ -82,7 +82,7 @@ impl List {
         links.clock.wake_if(part, next.min(self.pipeline.ends_at()));
     }
 
-    /// Sends rays back that have begun to read the last entry of their list.
+    /// Sends back rays that have begun to read the last entry of their list.
     fn send_back(&mut self, links: &mut Links) {
         let part = self.pipeline.part();
         while let Some((ends, id)) = self.pipeline.operation(self.known) {

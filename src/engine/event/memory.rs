@@ -1,4 +1,4 @@
-//! What lies below the L1s, as far as units know it.
+//! The memory below the L1s, as far as units know it.
 
 use crate::machine::MachineSpec;
 

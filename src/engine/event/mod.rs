@@ -1,4 +1,4 @@
-//! The event-driven engine: a part acts only in cycles for which something woke it; in all others it would do nothing.
+//! The event-driven engine: a part acts only in cycles for which it was woken; in all others it would do nothing.
 
 mod causes;
 mod dispatcher;

@@ -20,19 +20,19 @@ pub(crate) struct Port {
     spec: TrafficSpec,
     clock_mhz: u64,
     line: Bytes,
-    /// Lines that it puts into the DRAM's queues in a cycle.
+    /// Number of lines that it can put into the DRAM's queues in a cycle.
     width: usize,
     traffic: HostTraffic,
-    /// Runs of lines with the cycles from which on they can be put, and how many lines they have.
+    /// Runs of lines, each with the first cycle in which it can be put; and the number of lines in all runs.
     runs: Ring<(u64, Run)>,
     waiting: u64,
-    /// The cycle from which on the frame's dynamic part is there.
+    /// The cycle in which the frame's dynamic part is built.
     built_at: u64,
     counts: PortTally,
 }
 
 impl Port {
-    /// The idle port of `machine`; none if its host has no traffic of its own.
+    /// The idle port of `machine`; `None` if its host has no traffic of its own.
     pub(crate) fn new(machine: &MachineSpec, parts: &Parts) -> Option<Self> {
         Some(Self {
             part: parts.port(),
@@ -85,12 +85,12 @@ impl Port {
         now >= self.built_at && self.waiting == 0
     }
 
-    /// The cycle from which on the frame's dynamic part is there.
+    /// The cycle in which the frame's dynamic part is built.
     pub(crate) fn built_at(&self) -> u64 {
         self.built_at
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, dram: &mut Dram, clock: &mut Wheel) {
         let before = self.waiting;
         let mut finds_room = true;
@@ -117,7 +117,7 @@ impl Port {
         }
     }
 
-    /// What it asked the DRAM for.
+    /// Lines that it requested from the DRAM.
     pub(crate) fn counts(&self) -> &PortTally {
         &self.counts
     }

@@ -10,18 +10,18 @@ use crate::stream::{Decision, RayKind, Step, Stop};
 /// The number of a pool entry. Steps of a frame's end have entries of their own, after the pool's.
 pub(super) type RayId = u32;
 
-/// Marks the number of a ray in a pipeline that is on its way to its traversal unit already: it leaves behind the place
-/// that it had in the unit.
+/// Flag in the number of a ray in a pipeline: the ray is already on its way back to its traversal unit, and only keeps
+/// its place in this unit until its operation ends.
 pub(super) const GONE: RayId = 1 << 31;
-/// Marks the number of such a ray that leaves behind its context in a list unit, too.
+/// Flag beside [`GONE`]: the ray also keeps its context in a list unit until then.
 pub(super) const FREES_LIST: RayId = 1 << 30;
 
-/// Who works on a ray.
+/// The unit that works on a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Owner {
-    /// Traversal unit so-and-so.
+    /// The traversal unit with this number.
     Traversal(u32),
-    /// Shadow-cache unit so-and-so.
+    /// The shadow-cache unit with this number.
     ShadowCache(u32),
 }
 
@@ -30,56 +30,56 @@ pub(crate) enum Owner {
 pub(crate) struct Fetch {
     /// The next line to access.
     pub line: LineAddr,
-    /// Lines to access from there on.
+    /// Number of lines still to access, from `line` on.
     pub left: u8,
-    /// Lines accessed that have not come yet.
+    /// Number of lines accessed that have not arrived.
     pub missing: u8,
     /// Whether the element is written.
     pub write: bool,
-    /// Whether it is fetched from the L2, past the L1.
+    /// Whether the fetch bypasses the L1.
     pub straight: bool,
-    /// What it is for.
+    /// The traffic class.
     pub class: TrafficClass,
-    /// Its size.
+    /// Size in bytes.
     pub bytes: u32,
 }
 
-/// A ray of the pool. It fills two lines of the host's cache, which processors fetch together.
+/// A ray of the pool. It fills two adjacent cache lines of the simulating processor, which fetches them together.
 #[derive(Clone, Debug)]
 #[repr(align(128))]
 pub(crate) struct Ray {
     /// Its steps.
     pub steps: Steps,
-    /// What it is for.
+    /// Its kind.
     pub kind: RayKind,
-    /// What the policy decided.
+    /// The policy's decision.
     pub decision: Decision,
-    /// Whether what it asks for is counted apart.
+    /// Whether its requests are also counted separately.
     pub marked: bool,
-    /// Where it is in the stream.
+    /// Its chunk, and its index there.
     pub place: Place,
-    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    /// The index of the hit that it starts on, and the number of traced shadow rays there; 0 without a gather table.
     pub hit: u32,
     pub siblings: u32,
-    /// When it was handed over.
+    /// The cycle in which it was handed over.
     pub handed_over: u64,
-    /// When it was done.
+    /// The cycle in which it was done.
     pub done: u64,
-    /// The least that it takes from being handed over on.
+    /// Lower bound of its latency from hand-over on, in cycles.
     pub unloaded: u64,
-    /// Who works on it.
+    /// The unit that works on it.
     pub owner: Owner,
     /// The list unit that has a context for it.
     pub list: Option<u32>,
-    /// Whether the shadow-cache unit's decision is still to come.
+    /// Whether the shadow-cache unit's decision is still to be made.
     pub undecided: bool,
-    /// Whether its triangle test is at the edges.
+    /// Whether its triangle test has reached the edges.
     pub at_edges: bool,
-    /// How many of its next steps are those of a first touch.
+    /// Number of its next steps that set modes on a first touch.
     pub evaluating: u8,
-    /// Whether an update goes down as an operand, so that no data is needed for it.
+    /// Whether its update is sent down as an operand, which needs no data.
     pub operand: bool,
-    /// Whether its entry has been accessed by an intersection unit, so that only the operation is left.
+    /// Whether an intersection unit has accessed its entry, so that only the operation is left.
     pub fetched: bool,
     /// The fetch under way.
     pub fetch: Fetch,
@@ -133,7 +133,7 @@ impl Ray {
         self.steps.path_step()
     }
 
-    /// Whether the ray, which has a context of a list unit, keeps it behind its next step.
+    /// Whether the ray, which has a context in a list unit, still needs it after its next step.
     #[inline]
     pub(crate) fn stays_in_list(&self) -> bool {
         matches!(self.steps.path_step_behind(), Some(Step::List(_) | Step::Triangle { .. }))
@@ -147,7 +147,7 @@ impl Ray {
 }
 
 impl Fetch {
-    /// A fetch of `element`, not begun yet.
+    /// A fetch of `element`, not begun.
     #[inline]
     pub(crate) fn of(element: &Element, layout: &Layout) -> Self {
         let (line, lines) = layout.lines(element);
@@ -162,14 +162,14 @@ impl Fetch {
         }
     }
 
-    /// A fetch of a node that is a line, not begun yet.
+    /// A fetch of a node that lies in one line, not begun.
     #[inline]
     pub(crate) fn of_node(line: LineAddr, bytes: u64) -> Self {
         let (class, bytes) = (TrafficClass::Node, bytes as u32);
         Self { line, left: 1, missing: 0, write: false, straight: false, class, bytes }
     }
 
-    /// The line of an element that lies in one, whether it was accessed or not.
+    /// The line of an element that lies in one line, before or after the access.
     pub(crate) fn only_line(&self) -> LineAddr {
         LineAddr(self.line.0 - u64::from(self.left == 0))
     }

@@ -1,5 +1,5 @@
-//! The shadow-cache units: do what the culling policy recorded (reads and writes of its stores, occlusion tests), and
-//! the decisions for skipped rays.
+//! The shadow-cache units: perform the recorded steps of the culling policy (reads and writes of its stores, occlusion
+//! tests), and the decisions for skipped rays.
 
 use crate::memory::ring::Ring;
 use std::collections::VecDeque;
@@ -15,10 +15,10 @@ use crate::machine::writes::WritePolicy;
 use crate::memory::Wake;
 use crate::stream::{Step, Store};
 
-/// A unit's part of a frame's end under way.
+/// A unit's share of an end-of-frame update that is under way.
 #[derive(Clone, Debug)]
 struct Ending {
-    /// Steps to begin, and whether they go down as operands.
+    /// Steps to begin; the flag says whether the step is sent down as an operand.
     steps: VecDeque<(Step, bool)>,
     left: usize,
 }
@@ -37,9 +37,9 @@ pub(crate) struct ShadowCache {
     done: Ring<RayId>,
     contexts: usize,
     free: usize,
-    /// Rays that it takes a cycle.
+    /// Number of rays that it can take in a cycle.
     width: usize,
-    /// The first entry after the pool's: steps of a frame's end use the entries from here on.
+    /// The first entry after the pool's; end-of-frame steps use the entries from here on.
     first_entry: RayId,
     free_entries: Ring<RayId>,
     ending: Option<Ending>,
@@ -55,7 +55,7 @@ impl ShadowCache {
         let own_entries = first_entry + index * contexts;
         let stages = Stages { latency: spec.latency.get(), interval: spec.interval.get(), width: spec.width.get() };
         let mut pipeline = Pipeline::new(part, links.parts.core(part), &spec.cache, stages, writes, memory);
-        // Decisions, and entries that intersection units accessed, get ready without a fetch.
+        // Decisions, and entries that intersection units accessed, become ready without a fetch.
         pipeline.foresee_nothing();
         Self {
             index,
@@ -73,7 +73,7 @@ impl ShadowCache {
         }
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let free_at_start = self.free;
         self.pipeline.arrive(now, links);
@@ -136,13 +136,13 @@ impl ShadowCache {
         }
     }
 
-    /// Whether a ray that has come, or a step of a frame's end, waits in front of the unit.
+    /// Whether a ray that has arrived, or an end-of-frame step, waits in front of the unit.
     fn more_wait(&self, now: u64, links: &Links) -> bool {
         links.retired[self.index as usize].front().is_some_and(|&(at, _)| at <= now)
             || self.ending.as_ref().is_some_and(|ending| !ending.steps.is_empty())
     }
 
-    /// Takes on a ray, or a step of a frame's end; whether there was one.
+    /// Takes on a ray or an end-of-frame step. Returns whether there was one.
     fn take_on(&mut self, now: u64, links: &mut Links) -> bool {
         if let Some(id) = take(&mut links.retired[self.index as usize], now) {
             self.free -= 1;
@@ -191,7 +191,7 @@ impl ShadowCache {
         self.route(id, now, links);
     }
 
-    /// Performs what the ray does next.
+    /// Starts the next step of a ray; steps that the register answers or keeps are done at once.
     fn route(&mut self, id: RayId, now: u64, links: &mut Links) {
         loop {
             let Some(step) = links.rays[id as usize].step() else { return self.finish(id, now, links) };

@@ -1,23 +1,23 @@
-//! The steps of a ray in the machine, and how far it has come.
+//! The steps of a ray, and its progress through them.
 
 use crate::quantity::NodeId;
 use crate::stream::Step;
 
-/// What is behind the last step: no step has its tag.
+/// Stands after the last step; no step has this tag.
 const END: u32 = u32::MAX;
 
 /// Packed steps: those of a path, then those of the policy.
 ///
-/// The next two are kept beside the list. They are read when the ray goes on, and not when somebody asks for them, who
-/// would have to wait until they come from the host's memory.
+/// The next two steps are copied out of the list when the ray advances. Later reads then need not wait for main
+/// memory.
 #[derive(Clone, Debug)]
 pub(crate) struct Steps {
     packed: Vec<u32>,
-    /// Where the policy's steps begin.
+    /// Index of the policy's first step.
     path_end: u32,
-    /// The place of the next step.
+    /// Index of the next step.
     next: u32,
-    /// The next step, and the one behind it.
+    /// The next step, and the step after it.
     word: u32,
     behind: u32,
 }
@@ -29,7 +29,7 @@ impl Default for Steps {
 }
 
 impl Steps {
-    /// From now on, they are these, and none is done.
+    /// Replaces the steps; none of the new ones is done.
     pub(crate) fn begin(&mut self, path: &[u32], policy: &[u32]) {
         self.packed.clear();
         self.packed.extend_from_slice(path);
@@ -42,19 +42,19 @@ impl Steps {
         self.look();
     }
 
-    /// The next step; `None` behind the last.
+    /// The next step; `None` after the last.
     #[inline]
     pub(crate) fn step(&self) -> Option<Step> {
         Step::unpack(self.word)
     }
 
-    /// The next step of the path; `None` behind its last.
+    /// The next step of the path; `None` after its last.
     #[inline]
     pub(crate) fn path_step(&self) -> Option<Step> {
         if self.next < self.path_end { Step::unpack(self.word) } else { None }
     }
 
-    /// The step of the path behind the next one, if there is one.
+    /// The step of the path after the next one, if there is one.
     #[inline]
     pub(crate) fn path_step_behind(&self) -> Option<Step> {
         if self.next + 1 < self.path_end { Step::unpack(self.behind) } else { None }
@@ -66,13 +66,13 @@ impl Steps {
         if self.next < self.path_end { Step::node(self.word) } else { None }
     }
 
-    /// The node of the path's step behind the next one, if that is a node.
+    /// The node of the path's step after the next one, if that is a node.
     #[inline]
     pub(crate) fn node_behind(&self) -> Option<NodeId> {
         if self.next + 1 < self.path_end { Step::node(self.behind) } else { None }
     }
 
-    /// The next step is done.
+    /// Moves past the next step.
     #[inline]
     pub(crate) fn advance(&mut self) {
         self.next += 1;
@@ -90,7 +90,8 @@ impl Steps {
         &self.packed[..self.path_end as usize]
     }
 
-    /// The packed steps, to change those of the policy that are to come; where these begin, and the place of the next.
+    /// Lets `change` modify the policy's steps that are to come. `change` receives the packed steps, the index of the
+    /// policy's first step, and the index of the next step.
     pub(crate) fn change<T>(&mut self, change: impl FnOnce(&mut Vec<u32>, usize, usize) -> T) -> T {
         let changed = change(&mut self.packed, self.path_end as usize, self.next as usize);
         self.look();
@@ -115,7 +116,7 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// What is kept beside the list is what the list says, wherever a ray is and whatever changed behind it.
+        /// The copies of the next two steps agree with the list at every position, and after every change behind it.
         #[test]
         fn the_next_two_steps_are_those_of_the_list(
             path in prop::collection::vec(0u32..5, 0..6), policy in prop::collection::vec(0u32..16, 0..6),

@@ -21,22 +21,22 @@ pub(crate) struct Traversal {
     leaving: Ring<RayId>,
     /// Rays that are done and wait for the out FIFO.
     done: Ring<RayId>,
-    /// Of all cycles before this one is known what happens in the unit alone, and it has happened.
+    /// All work before this cycle that concerns the unit alone is done.
     worked_to: u64,
 }
 
-/// The first ray that comes to a unit.
+/// The first ray to arrive at a unit.
 #[derive(Clone, Copy, Debug)]
 struct Coming {
-    /// When; [`u64::MAX`] if none is known to come.
+    /// The cycle in which it arrives; [`u64::MAX`] if none is known to come.
     at: u64,
     ray: RayId,
-    /// Whether it comes back from another unit; else it comes from the dispatcher.
+    /// Whether it returns from another unit; if not, it comes from the dispatcher.
     returns: bool,
 }
 
 impl Coming {
-    /// To unit `index`. Of a cycle, those that come back are first.
+    /// The first ray to arrive at unit `index`. In the same cycle, rays that return come first.
     #[inline]
     fn first(links: &Links, index: usize) -> Self {
         let (at, ray) = links.dispatched[index].front().copied().unwrap_or((u64::MAX, 0));
@@ -46,7 +46,7 @@ impl Coming {
         }
     }
 
-    /// It has come to unit `index`.
+    /// Removes it from its queue at unit `index`.
     #[inline]
     fn take(self, links: &mut Links, index: usize) {
         if self.returns {
@@ -67,7 +67,7 @@ impl Traversal {
         Self { index, pipeline, leaving: Ring::new(), done: Ring::new(), worked_to: 0 }
     }
 
-    /// Cycle `now`.
+    /// Acts in cycle `now`.
     pub(crate) fn tick(&mut self, now: u64, links: &mut Links) {
         let (part, index) = (self.pipeline.part(), self.index as usize);
         if now < self.worked_to {
@@ -110,9 +110,9 @@ impl Traversal {
         links.clock.wake_if(part, next);
     }
 
-    /// After cycle `now`, does what concerns the unit alone: lines come, rays come back and fetch nodes, and their
-    /// operations begin and end. Returns the first cycle in which something else happens, or in which something may
-    /// come that is not known yet; [`u64::MAX`] if nothing is known.
+    /// Does the work after cycle `now` that concerns the unit alone: lines arrive, rays return and fetch nodes, and
+    /// their operations begin and end. Returns the first cycle in which something else happens, or in which something
+    /// unknown may arrive; [`u64::MAX`] if nothing is known.
     fn work_ahead(&mut self, now: u64, links: &mut Links) -> u64 {
         let index = self.index as usize;
         let end = links.reach(now);
@@ -128,7 +128,7 @@ impl Traversal {
             if at >= bound {
                 line = match self.pipeline.take_line_ahead(line, end, links) {
                     Ok(line) => line,
-                    // Where nothing is known ahead, an access that could be made by now is made in the next cycle.
+                    // If nothing is known ahead, an access that is possible by now is made in the next cycle.
                     Err(next) => return next.min(at).max(now + 1),
                 };
                 bound = self.pipeline.bound(line);
@@ -154,7 +154,7 @@ impl Traversal {
         }
     }
 
-    /// The first ray that leaves goes to a list or an intersection unit; whether it found a place.
+    /// Sends the first leaving ray to a list or an intersection unit. Returns whether it found a place.
     fn send(&mut self, now: u64, links: &mut Links) -> bool {
         let (core, part) = (self.pipeline.core(), self.pipeline.part());
         let sent = self.leaving.front().is_some_and(|&id| match links.rays[id as usize].path_step() {

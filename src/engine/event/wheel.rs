@@ -1,33 +1,34 @@
-//! A timing wheel whose slots are sets of parts: what is due in a cycle, in the parts' order, each part once.
+//! A timing wheel whose slots are sets of parts: the parts due in a cycle, each once and in their order.
 
 use crate::engine::horizon::Horizon;
 use crate::engine::part_set::PartSet;
 use crate::memory::{PartId, Wake};
 
-/// The wheel. An alarm beyond its horizon rings at its edge, and the part, finding nothing to do, sets it again.
+/// The wheel. An alarm beyond its horizon rings at the horizon; the part then finds nothing to do and sets it again.
 #[derive(Clone, Debug)]
 pub(crate) struct Wheel {
     now: u64,
-    /// Words of a set.
+    /// Words per set.
     words: usize,
-    /// A set a slot.
+    /// One set per slot.
     sets: Vec<u64>,
     occupied: Horizon,
 }
 
 impl Wheel {
-    /// An empty wheel for parts below `parts`, before cycle 0.
+    /// An empty wheel for parts 0 to `parts - 1`, before cycle 0.
     pub(crate) fn new(parts: usize) -> Self {
         let words = parts.div_ceil(64);
         Self { now: 0, words, sets: vec![0; words * Horizon::CYCLES as usize], occupied: Horizon::default() }
     }
 
-    /// The cycle that the wheel is turned to.
+    /// The current cycle of the wheel.
     pub(crate) fn now(&self) -> u64 {
         self.now
     }
 
-    /// Turns to the first cycle in which a part is due and puts the parts into `due`; `None` if no part is.
+    /// Turns to the first cycle in which a part is due, and moves the due parts into `due`. Returns `None` if no part
+    /// is due.
     #[inline]
     pub(crate) fn turn(&mut self, due: &mut PartSet) -> Option<u64> {
         let (now, slot) = self.occupied.next(self.now)?;
@@ -37,7 +38,7 @@ impl Wheel {
         Some(now)
     }
 
-    /// As [`Wake::wake`]; [`u64::MAX`] is no cycle.
+    /// [`Wake::wake`], unless `at` is [`u64::MAX`].
     #[inline]
     pub(crate) fn wake_if(&mut self, part: PartId, at: u64) {
         if at != u64::MAX {

@@ -1,5 +1,5 @@
-//! Who acts in which cycle: each of a few numbered ones has at most one appointment. A wheel of lists, threaded through
-//! the numbers, with a heap for what lies beyond.
+//! A scheduler of numbered actors, each with at most one appointment. A timing wheel of lists, linked through the
+//! actors' numbers, and a heap for appointments beyond the wheel.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -12,18 +12,18 @@ const NONE: u32 = u32::MAX;
 #[derive(Clone, Debug)]
 pub(super) struct Agenda {
     now: u64,
-    /// The first and the last of a cycle.
+    /// The first and the last actor of each cycle.
     lists: Vec<(u32, u32)>,
-    /// Who comes after each.
+    /// The actor that follows each actor in its list.
     next: Vec<u32>,
     occupied: Horizon,
-    /// When, the how-manieth, who.
+    /// (cycle, insertion number, actor)
     later: BinaryHeap<Reverse<(u64, u64, u32)>>,
     put: u64,
 }
 
 impl Agenda {
-    /// Empty, in cycle 0, for numbers below `count`.
+    /// An empty agenda in cycle 0 for actors below `count`.
     pub(super) fn new(count: usize) -> Self {
         Self {
             now: 0,
@@ -35,7 +35,7 @@ impl Agenda {
         }
     }
 
-    /// `who`, who has no appointment, acts in cycle `at`, which is not over.
+    /// Actor `who`, who has no appointment, acts in cycle `at`, which is not over.
     #[inline]
     pub(super) fn put(&mut self, at: u64, who: u32) {
         debug_assert!(at >= self.now);
@@ -55,7 +55,7 @@ impl Agenda {
         *last = who;
     }
 
-    /// The next who acts in this cycle.
+    /// The next actor of the current cycle.
     #[inline]
     pub(super) fn take(&mut self) -> Option<u32> {
         let slot = Horizon::slot(self.now);
@@ -71,7 +71,7 @@ impl Agenda {
         Some(who)
     }
 
-    /// Goes on to the next cycle in which anyone acts; `None` if nobody does.
+    /// Advances to the next cycle with an appointment; `None` if there is none.
     pub(super) fn turn(&mut self) -> Option<u64> {
         let near = self.occupied.next(self.now).map(|(at, _)| at);
         let far = self.later.peek().map(|&Reverse((at, ..))| at);

@@ -1,7 +1,7 @@
-//! Issue queues: how rays go from unit to unit, without cycles. Each unit sends one ray a cycle and takes one on, has
-//! contexts, and a queue in front of them. A full queue blocks the first ray that leaves another unit and all behind it
-//! (head-of-line blocking). Which unit's ray comes next decides which rays run together, and so what the first-level
-//! caches miss.
+//! Issue queues: how rays move from unit to unit, without a simulation of each cycle. Each unit sends one ray per cycle
+//! and takes one on; it has contexts and a queue in front of them. A full queue blocks the head of the sender's output
+//! queue and all behind it (head-of-line blocking). The order of rays decides which rays run together, and so what the
+//! L1s miss.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -10,35 +10,35 @@ use crate::engine::part_set::PartSet;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 
-/// A unit takes a ray on.
+/// A ray that a unit takes on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Taken {
     /// The ray.
     pub ray: u32,
     /// The unit.
     pub unit: usize,
-    /// When.
+    /// The cycle.
     pub at: u64,
 }
 
-/// A unit as others see it.
+/// The interface of a unit to other units.
 #[derive(Clone, Debug)]
 struct Gate {
-    /// Contexts that are free; many where they are not limited.
+    /// Free contexts; `u64::MAX` at first if they are not limited.
     contexts: u64,
-    /// Rays that wait for one, and how many can.
+    /// Rays that wait for a context, and the places of that queue.
     queue: VecDeque<u32>,
     places: usize,
-    /// When the next ray can come in, when the next can be sent on.
+    /// The first cycles in which the next ray can come in, and the next can be sent.
     arrive_at: u64,
     send_at: u64,
-    /// Rays that can come in a cycle, and how many did in cycle `came_at`.
+    /// Rays that can come in per cycle, and the number that came in cycle `came_at`.
     width: u64,
     came: u64,
     came_at: u64,
-    /// Rays that leave, and where to.
+    /// Rays that leave, each with its destination.
     leaving: VecDeque<(u32, u32)>,
-    /// Units whose first ray that leaves waits for a place here.
+    /// Units whose first leaving ray waits for a place here.
     waiting: PartSet,
 }
 
@@ -52,7 +52,7 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
-    /// The units of `machine`, kind by kind and core by core.
+    /// The units of `machine`, ordered by kind, then by core.
     pub(super) fn new(machine: &MachineSpec) -> Self {
         let specs = Kind::ALL.map(|kind| kind.spec(machine));
         let units = specs.iter().map(|spec| spec.count as usize).sum();
@@ -93,19 +93,19 @@ impl Crossing {
         (unit - units.start) * self.cores / units.len()
     }
 
-    /// The unit of a kind that works for ray number `home` of unit `from`, in its core.
+    /// The unit of a kind in the core of unit `from` that works for the ray with number `home`.
     pub(super) fn performer(&self, kind: Kind, from: usize, home: usize) -> usize {
         let units = self.of_kind(kind);
         let a_core = units.len() / self.cores;
         units.start + self.core(from) * a_core + home % a_core
     }
 
-    /// The next ray that was taken on.
+    /// The next ray that a unit has taken on.
     pub(super) fn taken(&mut self) -> Option<Taken> {
         self.taken.pop_front()
     }
 
-    /// A ray comes to a unit in cycle `at`; there is room.
+    /// A ray comes to a unit in cycle `at`. The caller has checked for room.
     pub(super) fn arrive(&mut self, ray: u32, unit: usize, at: u64) {
         let gate = &mut self.gates[unit];
         if gate.contexts == 0 {
@@ -132,7 +132,7 @@ impl Crossing {
         }
     }
 
-    /// The first rays that leave a unit go, as long as there are places for them, one a cycle.
+    /// Sends the first leaving rays of a unit, one per cycle, while there are places for them.
     fn send_on(&mut self, from: usize, now: u64) {
         while let Some(&(ray, to)) = self.gates[from].leaving.front() {
             let gate = &mut self.gates[to as usize];
@@ -147,7 +147,7 @@ impl Crossing {
         }
     }
 
-    /// A context of a unit is free in cycle `now`.
+    /// A context of a unit becomes free in cycle `now`.
     pub(super) fn leave(&mut self, unit: usize, now: u64) {
         self.gates[unit].contexts += 1;
         let Some(next) = self.gates[unit].queue.pop_front() else { return };
@@ -159,8 +159,7 @@ impl Crossing {
         }
     }
 
-    /// The unit whose ray gets a place that is free in cycle `at`: units of a kind act in turn, beginning with another
-    /// in each cycle.
+    /// The unit whose ray gets a place that is free in cycle `at`: units of a kind act in rotating order.
     fn next_sender(&self, unit: usize, at: u64) -> Option<u32> {
         let waiting = &self.gates[unit].waiting;
         Kind::ALL.into_iter().find_map(|kind| {
@@ -185,8 +184,8 @@ mod tests {
         machine.intersection.queue = const { Within::literal(1) };
         let mut crossing = Crossing::new(&machine);
         let first = crossing.of_kind(Kind::Intersection).start;
-        // Rays 0 and 1 fill the first unit; 2 and 3 wait for it in both traversal units, and 4, which could go to the
-        // second, behind 2.
+        // Rays 0 and 1 fill the first unit. Rays 2 and 3 wait for it, one in each traversal unit. Ray 4 is for the
+        // second unit but waits behind ray 2.
         for (ray, from, to) in [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 1, 0), (4, 0, 1)] {
             crossing.send(ray, from, first + to, 10);
         }

@@ -1,4 +1,4 @@
-//! Misses of caches of all sizes at once, from the reuse distances of what each of a machine's caches is asked for.
+//! Misses of caches of all sizes at once, from the reuse distances of the requests to each cache of a machine.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::quantity::LineAddr;
 use crate::stats::{ReuseCurve, ReuseLevel, TrafficClass};
 use crate::stream::{Header, Item, RayKind, Step};
 
-/// Distances by their number of bits: a cache of `2^n` lines hits those of `n` bits and less.
+/// Distances by their number of bits: a cache of `2^n` lines hits distances of up to `n` bits.
 const BITS: usize = 33;
 
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl Distances {
     }
 }
 
-/// What a class's accesses met.
+/// Results of a class's accesses.
 #[derive(Clone, Copy, Debug)]
 struct Met {
     accesses: u64,
@@ -51,7 +51,7 @@ struct Met {
     in_sets: f64,
 }
 
-/// A line that a cache was first asked for, and how.
+/// The first touch of a line in a cache.
 #[derive(Clone, Copy, Debug)]
 struct First {
     cache: usize,
@@ -60,7 +60,7 @@ struct First {
     weight: f64,
 }
 
-/// Caches of a kind.
+/// The caches of a level.
 #[derive(Clone, Debug)]
 struct Level {
     name: String,
@@ -69,7 +69,7 @@ struct Level {
     firsts: Vec<First>,
     bytes: u64,
     ways: u64,
-    /// By distance, the share of lines that a set of the cache as it is still holds.
+    /// By distance, the probability that a set of the cache in its present size still holds the line.
     held: Vec<f64>,
     met: [Met; TrafficClass::ALL.len()],
 }
@@ -112,8 +112,8 @@ impl Level {
         self.caches.iter_mut().for_each(|cache| cache.drop_from(first.0 as u32));
     }
 
-    /// See [`Curves::repeat`]. Between the last touch of a line and its first one in the repetition lie the lines that
-    /// were touched after the one, and those that are first touched before the other.
+    /// See [`Curves::repeat`]. Two kinds of lines lie between a line's last touch and its first touch in the
+    /// repetition: lines touched after that last touch, and lines whose first touch precedes the line's first touch.
     fn repeat(&mut self, dropped: LineAddr) {
         let firsts = std::mem::take(&mut self.firsts);
         self.drop_from(dropped);
@@ -149,11 +149,11 @@ impl Level {
     }
 }
 
-/// By distance, the probability that less than `ways` of so many other lines fell into a line's own of `sets` sets
-/// (Smith 1978; Hill and Smith 1989), as far as there is any.
+/// By distance `d`, the probability that fewer than `ways` of `d` other lines map to the line's own set of `sets` sets
+/// (Smith 1978; Hill and Smith 1989). Ends where the probability is negligible.
 fn held(sets: u64, ways: u64) -> Vec<f64> {
     let into = 1.0 / sets as f64;
-    // Of the lines so far, the probability that 0, 1, ... fell into the set.
+    // The probability that 0, 1, ... of the lines so far map to the set.
     let mut fell = vec![0.0; ways as usize];
     fell[0] = 1.0;
     let mut held = Vec::new();
@@ -170,13 +170,13 @@ fn held(sets: u64, ways: u64) -> Vec<f64> {
     }
 }
 
-/// Watches all caches of a machine. Each is given what the caches above it, as the machine has them, ask for.
+/// Watches all caches of a machine. Each cache gets the requests of the machine's caches above it.
 #[derive(Clone, Debug)]
 pub(crate) struct Curves {
     line: u64,
     /// L1s by kind, then the caches of the L2.
     levels: Vec<Level>,
-    /// Of each unit of all, its kind and its number in that.
+    /// For each unit of the machine: its kind and its number in that kind.
     units: Vec<(usize, usize)>,
     homes: [usize; TrafficClass::ALL.len()],
     /// Lines from here on are new in every frame.
@@ -184,7 +184,7 @@ pub(crate) struct Curves {
 }
 
 impl Curves {
-    /// The caches of `machine`; with `sample`, a share of the lines, and those that the second marks.
+    /// The caches of `machine`. With `sample`: a share of the lines, and the lines of the given set.
     pub(crate) fn new(machine: &MachineSpec, sample: Option<(f64, Arc<FxHashSet<u32>>)>) -> Self {
         let line = machine.line_bytes.get();
         let distances = match sample {
@@ -206,13 +206,13 @@ impl Curves {
         Self { line, levels, units, homes, dropped: LineAddr(u64::from(u32::MAX)) }
     }
 
-    /// Takes the frame as one of many equal ones: a line's first touch comes after its last in the frame before.
+    /// Treats the frame as one of many equal frames: a line's first touch follows its last touch in the previous frame.
     pub(crate) fn repeat(&mut self) {
         let dropped = self.dropped;
         self.levels.iter_mut().for_each(|level| level.repeat(dropped));
     }
 
-    /// What was found.
+    /// The curves of all levels with accesses.
     pub(crate) fn levels(&self) -> Vec<ReuseLevel> {
         self.levels.iter().map(|level| level.curves(self.line)).filter(|level| !level.classes.is_empty()).collect()
     }
@@ -234,7 +234,7 @@ impl Watch for Curves {
     }
 }
 
-/// How often a stream asks for each line.
+/// How often a stream accesses each line.
 #[derive(Clone, Debug)]
 pub(crate) struct Heat {
     layout: Layout,
@@ -242,12 +242,12 @@ pub(crate) struct Heat {
 }
 
 impl Heat {
-    /// Of a stream that has not begun.
+    /// The counters of a stream before it begins.
     pub(crate) fn new(machine: &MachineSpec, header: &Header) -> Self {
         Self { layout: Layout::new(header, machine), touches: Paged::new(0) }
     }
 
-    /// The stream's next item.
+    /// Counts the stream's next item.
     pub(crate) fn add(&mut self, item: &Item) {
         match item {
             Item::Frame(info) => self.layout.begin_frame(info),
@@ -274,7 +274,7 @@ impl Heat {
         *touches = touches.saturating_add(1);
     }
 
-    /// The `count` lines that are asked for most often; of equals the first.
+    /// The `count` lines with the most accesses; among equals the lowest numbers.
     pub(crate) fn hottest(mut self, count: usize) -> Arc<FxHashSet<u32>> {
         let touched = self.touches.from(0).filter(|(_, touches)| **touches > 0);
         let mut lines: Vec<(u32, u32)> = touched.map(|(line, &mut touches)| (line as u32, touches)).collect();
@@ -294,7 +294,7 @@ mod tests {
         assert_eq!(held(2, 2)[..4], [1.0, 1.0, 0.75, 0.5]);
     }
 
-    /// A frame that is repeated is as the second of two.
+    /// A repeated frame has the reuse of the second of two equal frames.
     #[test]
     fn a_repeated_frame_has_the_reuse_of_the_next_one() {
         let class = TrafficClass::Node;

@@ -1,4 +1,4 @@
-//! Untimed dispatcher: the in FIFO, rays in flight, and which ray, or which end-of-frame step, goes to which unit next.
+//! Untimed dispatcher: the in FIFO, rays in flight; picks the next ray or end-of-frame step and its unit.
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
@@ -19,26 +19,26 @@ use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Step, Totals};
 
-/// What comes next.
+/// The dispatcher's next output.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Given {
-    /// A frame begins; the layout is that of the frame.
+    /// A frame begins; the layout is already that of the frame.
     Frame(FrameInfo),
-    /// The ray comes to its traversal unit in that cycle.
+    /// The ray comes to its traversal unit in the given cycle.
     Traced(u32, u64),
-    /// The ray, which is not traced, comes to a shadow-cache unit in that cycle.
+    /// The ray, which is not traced, comes to a shadow-cache unit in the given cycle.
     Skipped(u32, u64),
-    /// The step of a frame's end comes to a shadow-cache unit in that cycle.
+    /// The end-of-frame step comes to a shadow-cache unit in the given cycle.
     Ending(u32, u64),
 }
 
-/// Where the stream stands.
+/// Position in the stream.
 #[derive(Clone, Debug)]
 enum Phase {
     Between,
     Open,
     Closing(Arc<Vec<u32>>, Totals),
-    /// The end's steps to begin, each with whether it is an operand, and how many are not done.
+    /// End-of-frame steps to begin, each with whether it is an operand; the number of steps not done.
     Ending(VecDeque<(Step, bool)>, Totals, usize),
     Finished,
 }
@@ -49,36 +49,36 @@ pub(crate) struct Dispatch {
     spec: DispatcherSpec,
     words: ShadowCacheSpec,
     host: Host,
-    /// The in FIFO, and how long it is.
+    /// The in FIFO and its number of places.
     waiting: VecDeque<Place>,
     places: usize,
     phase: Phase,
     frame: u32,
-    /// The pool, then the entries for steps of a frame's end.
+    /// The pool, then the entries for end-of-frame steps.
     pub flights: Vec<Flight>,
     pool: usize,
     free: VecDeque<u32>,
     free_entries: VecDeque<u32>,
     turns: Turns,
     cores: usize,
-    /// The cycle of the last hand-over, and how many were made in it.
+    /// The cycle of the last hand-over, and the number of hand-overs in it.
     last_at: u64,
     given_then: u64,
-    /// The first cycles in which the host's port lets a ray be handed over, and the frame's end begin.
+    /// The first cycles in which the host's port lets a ray be handed over, and the end-of-frame update begin.
     pub lets_in_at: u64,
     pub lets_end_at: u64,
     /// Cycles with a hand-over.
     pub busy: u64,
-    /// What was performed since the frame began.
+    /// Work performed since the frame began.
     pub replayed: Totals,
-    /// The policy's stores since then.
+    /// The policy's stores since the frame began.
     entries: Entries,
     gathering: Gathering,
-    /// Rays done, skipped ones not counted.
+    /// Completed rays, without skipped rays.
     pub rays_done: u64,
-    /// Rays that were done, to be told.
+    /// Completed rays to be reported to the feed.
     rays_over: usize,
-    /// Whether something may be given that could not be.
+    /// Whether a resource was freed, so that more may be handed out.
     pub freed: bool,
 }
 
@@ -115,12 +115,12 @@ impl Dispatch {
         }
     }
 
-    /// Whether a skipped ray takes an operation for its decision.
+    /// Whether a skipped ray needs an operation for its decision.
     pub(crate) fn units_decide(&self) -> bool {
         self.words.decide.takes_an_operation(Decision::Skip)
     }
 
-    /// Entries of the pool: flights of higher numbers are steps of a frame's end.
+    /// Entries of the pool; flights of higher numbers are end-of-frame steps.
     pub(crate) fn pool(&self) -> usize {
         self.pool
     }
@@ -130,7 +130,7 @@ impl Dispatch {
         self.pool() - self.free.len()
     }
 
-    /// What can be given in cycle `at`, if anything can: the stream is read on as far as that takes.
+    /// The next output in cycle `at`, if there is one. Reads on in the stream as far as necessary.
     pub(crate) fn next(
         &mut self,
         at: u64,
@@ -229,7 +229,7 @@ impl Dispatch {
         }))
     }
 
-    /// What the host's port lets happen, and when.
+    /// Takes over from the host's port when rays and end-of-frame updates can begin.
     pub(super) fn heed(&mut self, port: &Port) {
         (self.lets_in_at, self.lets_end_at) = (port.lets_in_at(), port.lets_end_at());
     }
@@ -239,7 +239,7 @@ impl Dispatch {
         self.last_at
     }
 
-    /// The flight's next step was performed.
+    /// The flight's next step has been performed.
     #[inline]
     pub(crate) fn performed(&mut self, id: u32) {
         let flight = &mut self.flights[id as usize];
@@ -247,12 +247,12 @@ impl Dispatch {
         flight.evaluating = flight.evaluating.saturating_sub(1);
     }
 
-    /// How an access to the entry of the flight's next step, at its owner `unit`, goes.
+    /// Result of an access to the entry of the flight's next step, at its owner `unit`.
     pub(crate) fn access(&mut self, id: u32, unit: usize, layout: &Layout) -> EntryAccess {
         self.entries.access(&mut self.flights[id as usize], (id as usize) < self.pool, unit, layout)
     }
 
-    /// The ray has done its path: it leaves updates in the table of hits, or takes along what is there.
+    /// The ray has ended its path: it leaves its updates in the table of hits, or takes along the gathered updates.
     pub(crate) fn retire(&mut self, id: u32, layout: &Layout) {
         let Flight { kind, place, hit, siblings, ref mut steps, path_end, .. } = self.flights[id as usize];
         let ray = Retiring { kind, hit: HitId { chunk: place.chunk, place: hit }, siblings, steps, path_end };
@@ -265,7 +265,7 @@ impl Dispatch {
         self.freed = true;
     }
 
-    /// The flight is over in cycle `now`: a ray with all that it does, or a step of the frame's end.
+    /// The flight ends in cycle `now`: a ray with all its steps, or an end-of-frame step.
     pub(crate) fn done(&mut self, id: u32, now: u64) {
         self.freed = true;
         self.flights[id as usize].count(&mut self.replayed);
@@ -281,22 +281,22 @@ impl Dispatch {
         self.replayed.count_ray(flight.kind, flight.decision);
         self.rays_done += u64::from(flight.decision != Decision::Skip);
         self.rays_over += 1;
-        // A cycle in each FIFO.
+        // One cycle in each FIFO.
         self.host.done(flight.place, now + 2 + self.spec.shading_cycles.get());
     }
 
-    /// No unit gets a ray any more.
+    /// Takes all slots: no unit gets a ray any more.
     #[cfg(test)]
     pub(crate) fn take_all_slots(&mut self) {
         self.turns.take_all();
     }
 
-    /// When the next parent's shading ends.
+    /// The cycle in which the next parent's shading ends.
     pub(crate) fn next_shaded(&self) -> Option<u64> {
         self.host.shading_ends()
     }
 
-    /// Children whose parents' shading is over in cycle `now` can be given, but for those that are answered at once.
+    /// Makes the children of parents shaded by cycle `now` ready, except those that are answered at once.
     pub(crate) fn shaded(&mut self, now: u64) {
         let Self { spec, host, words, entries: Entries { steps, work, .. }, replayed, .. } = self;
         let answered = |chunk: &Chunk, index: usize| {
@@ -316,7 +316,7 @@ impl Dispatch {
         self.freed = true;
     }
 
-    /// Whether the stream is at its end and all is done.
+    /// Whether the stream has ended and all work is done.
     pub(crate) fn is_over(&self) -> bool {
         matches!(self.phase, Phase::Finished)
     }

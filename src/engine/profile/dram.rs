@@ -1,5 +1,5 @@
-//! Channels of the DRAM whose banks and bus are times from which on they are free. Requests to a bank are served as
-//! they come, but for those to a row that was not left yet.
+//! DRAM channels whose banks and bus have times from which they are free. Requests to a bank are served in arrival
+//! order, except requests to a row that has not been left yet.
 
 use super::slots::Slots;
 use crate::engine::tally::{ChannelTally, PerClass};
@@ -13,10 +13,10 @@ use crate::stats::{DramCounts, TrafficClass};
 #[derive(Clone, Copy, Debug, Default)]
 struct Row {
     open: Option<u64>,
-    /// The row that is or was open before it, which can still be read up to this clock.
+    /// The row that was open before; it can still be read up to this clock.
     before: Option<u64>,
     leaves_at: u64,
-    /// When a column command, a precharge and an activate are legal.
+    /// The earliest clocks of a column command, a precharge and an activate.
     column_at: u64,
     precharge_at: u64,
     activate_at: u64,
@@ -25,12 +25,12 @@ struct Row {
 #[derive(Clone, Debug)]
 struct Channel {
     rows: Vec<Row>,
-    /// Of data; the last write's and the last read's column command, with the end of its data.
+    /// The data bus. `written`, `read`: the clock of the last column command of this kind, and the end of its data.
     bus: Slots,
     written: (u64, u64),
     read: (u64, u64),
     activates: Slots,
-    /// Refreshes so far.
+    /// Number of refreshes so far.
     refreshed: u64,
     settled_at: u64,
     counts: DramCounts,
@@ -43,16 +43,16 @@ pub(super) struct Dram {
     spec: DramSpec,
     clocks: Clocks,
     line: Bytes,
-    /// Clocks that a line takes on the bus.
+    /// Clocks of a line on the bus; for a flat channel, bytes.
     transfer: u64,
     channels: Vec<Channel>,
 }
 
 impl Dram {
-    /// The DRAM, idle, beside a machine of `machine_mhz` with lines of `line` bytes.
+    /// The idle DRAM of a machine of `machine_mhz` with lines of `line` bytes.
     pub(super) fn new(spec: &DramSpec, machine_mhz: u64, line: u64) -> Self {
         let DramPart { timing, banks, burst_clocks, .. } = &spec.part;
-        // Of a flat channel, transfers are measured in bytes, of which a cycle has as many as the bus moves in it.
+        // The bus time of a flat channel is in bytes: a cycle has as many bytes as the bus moves in it.
         let transfer = match spec.model {
             Model::Banks => spec.part.bursts(line) * burst_clocks.get(),
             Model::Flat { .. } => line,
@@ -77,7 +77,7 @@ impl Dram {
         }
     }
 
-    /// A request that is put in cycle `at`; gives the cycle in which its data has passed.
+    /// Serves a request put in cycle `at`; returns the cycle in which its data has passed.
     pub(super) fn request(&mut self, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> u64 {
         let Place { channel, bank, row, .. } = self.spec.place(line);
         let timing = &self.spec.part.timing;
@@ -93,7 +93,7 @@ impl Dram {
         let mut clock = self.clocks.first(at + 1);
         let due = clock / timing.refi.get();
         if due > channel.refreshed {
-            // All rows are closed, and nothing begins before the refresh is over.
+            // All rows are closed, and no command is legal before the refresh is over.
             channel.refreshed = due;
             let over = due * timing.refi.get() + timing.rp.get() + timing.rfc.get();
             for row in &mut channel.rows {
@@ -123,8 +123,8 @@ impl Dram {
                 clock += timing.rcd.get();
             }
         }
-        // The bus turns round between reads and writes. A command that comes in before the last one does not wait for
-        // that.
+        // The bus turns between reads and writes. A command before the last command of the other direction does not
+        // wait for that.
         let (latency, (other, turned)) = if write {
             let (read, end) = channel.read;
             (timing.cwl.get(), (read, (end + timing.turn.get()).saturating_sub(timing.cwl.get())))
@@ -155,7 +155,7 @@ impl Dram {
         self.clocks.cycle_after(end)
     }
 
-    /// When everything under way has come to its end.
+    /// The cycle in which all pending work ends.
     pub(super) fn settled_at(&self) -> u64 {
         let last = self.channels.iter().map(|channel| channel.settled_at).max().unwrap_or(0);
         match self.spec.model {
@@ -164,7 +164,7 @@ impl Dram {
         }
     }
 
-    /// What the channels counted in a run of `cycles`.
+    /// The channels' counts in a run of `cycles`.
     pub(super) fn tally(&self, cycles: u64) -> Vec<ChannelTally> {
         let refreshes = match self.spec.model {
             Model::Banks => (self.clocks.first(cycles) - 1) / self.spec.part.timing.refi.get(),

@@ -1,4 +1,4 @@
-//! The machine, simplified.
+//! The simplified machine.
 
 use super::agenda::Agenda;
 use super::crossing::{Crossing, Taken};
@@ -22,10 +22,10 @@ use crate::machine::shadow_cache::Place;
 use crate::memory::dram::command::ChannelLog;
 use crate::stream::{Header, Step};
 
-/// The machine, simplified.
+/// The simplified machine.
 pub(crate) struct Profile<W = ()> {
     division: DivisionSpec,
-    /// Which way accesses to stores go.
+    /// Where the policy's stores are placed, which decides how accesses go.
     place: Place,
     cores: usize,
     layout: Layout,
@@ -34,15 +34,15 @@ pub(crate) struct Profile<W = ()> {
     /// Units, as the crossing numbers them.
     units: Vec<Unit>,
     crossing: Crossing,
-    /// Of each division unit, when it can begin the next operation, and how many it began.
+    /// For each division unit: when it can begin the next operation, and its number of operations.
     divisions: Vec<(u64, u64)>,
     memory: Memory<W>,
     /// The host's port to the DRAM.
     port: Option<Port>,
     agenda: Agenda,
-    /// When the last two frames were over: the run is no shorter than the one before its last.
+    /// The cycles in which the last two frames were over. A run never ends before the earlier of them.
     frames_over: [u64; 2],
-    /// Whether the end of shading is on the agenda, under the number after all rays'.
+    /// Whether the end of shading is on the agenda, under the number after all rays.
     shading: bool,
 }
 
@@ -53,7 +53,7 @@ impl Profile {
 }
 
 impl<W: Watch> Profile<W> {
-    /// The machine, whose accesses `watch` is told of.
+    /// The machine; `watch` receives all accesses.
     pub(crate) fn watched(machine: &MachineSpec, header: &Header, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let crossing = Crossing::new(machine);
@@ -83,7 +83,7 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The shadow-cache unit of a ray's next step: the home of its entry, or by the ray's number.
+    /// The shadow-cache unit of a ray's next step: the owner of its entry, or by the ray's number.
     fn shadow_cache(&self, id: u32) -> usize {
         let units = self.crossing.of_kind(Kind::ShadowCache);
         if units.len() == 1 {
@@ -111,7 +111,7 @@ impl<W: Watch> Profile<W> {
         self.take_on_all();
     }
 
-    /// The holder looks at the ray's next step.
+    /// The ray's holder performs the next step or sends the ray on.
     fn step(&mut self, id: u32, now: u64) {
         let ray = &mut self.rays[id as usize];
         ray.stage = Stage::Step;
@@ -150,7 +150,7 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The ray's next step is an entry, and shadow-cache unit `holder` has the ray.
+    /// The ray's next step accesses an entry, and shadow-cache unit `holder` has the ray.
     fn entry(&mut self, id: u32, holder: usize, now: u64) {
         if self.shadow_cache(id) != holder {
             self.crossing.leave(holder, now + 1);
@@ -166,7 +166,7 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The ray's shadow-cache unit accesses the entry of its next step.
+    /// The ray's shadow-cache unit accesses the entry of the next step.
     fn access(&mut self, id: u32, now: u64) {
         let element = self.work_away(id).first;
         let ray = &mut self.rays[id as usize];
@@ -190,8 +190,8 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// The ray has an operation performed by a unit; when that ends, or nothing if it must wait for its turn: it acts
-    /// again then.
+    /// A unit performs an operation for the ray; returns the cycle of its end. `None` if the ray must wait for its
+    /// turn; it then acts again.
     #[inline]
     fn perform(&mut self, id: u32, unit: usize, element: &Element, way: Way, at: u64) -> Option<u64> {
         let Self { units, memory, layout, agenda, dispatch, .. } = self;
@@ -249,7 +249,7 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// What the ray's step asks for, away from its holder.
+    /// The work of the ray's step away from its holder.
     fn work_away(&self, id: u32) -> Work {
         let (flight, holder) = (&self.dispatch.flights[id as usize], self.rays[id as usize].holder);
         let step = flight.step(holder).expect("a ray that was sent away has a step");
@@ -279,7 +279,7 @@ impl<W: Watch> Profile<W> {
 
     fn go_back(&mut self, id: u32, work: &Work, mut end: u64) {
         let ray = &mut self.rays[id as usize];
-        // A test is done then; an entry's operation follows at its owner.
+        // A test is done then; an entry's operation follows at its owner unit.
         ray.fetched = work.kind == Kind::ShadowCache;
         if !ray.fetched {
             self.dispatch.performed(id);
@@ -295,7 +295,7 @@ impl<W: Watch> Profile<W> {
         self.agenda.put(end + 1, id);
     }
 
-    /// The ray has no more steps where it is.
+    /// The ray has no more steps at its holder.
     fn leave_holder(&mut self, id: u32, now: u64) {
         let ray = &mut self.rays[id as usize];
         match ray.holder {
@@ -332,7 +332,7 @@ impl<W: Watch> Profile<W> {
         }
     }
 
-    /// Hands out what can be in cycle `at`, and goes on in the stream.
+    /// Hands out all that is possible in cycle `at`, and reads on in the stream.
     fn hand_out(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
         self.hand_out_all(at, feed)?;
         if feed.marks() {
@@ -376,7 +376,7 @@ impl<W: Watch> Profile<W> {
         self.tell_frame(at, feed)
     }
 
-    /// Tells what was counted up to cycle `at` if a frame is over.
+    /// Reports the counts up to cycle `at` if a frame is over.
     fn tell_frame(&mut self, at: u64, feed: &mut dyn Feed) -> Result<(), RunError> {
         if feed.wants_frame() {
             self.frames_over = [self.frames_over[1], at + 1];
@@ -385,12 +385,12 @@ impl<W: Watch> Profile<W> {
         Ok(())
     }
 
-    /// Who was told of accesses.
+    /// The receiver of accesses.
     pub(crate) fn into_watch(self) -> W {
         self.memory.watch
     }
 
-    /// Everything under way comes to its end; gives when that is.
+    /// Lets all pending work end; returns the cycle of its end.
     fn settle(&mut self, now: u64) -> u64 {
         let units = self.units.iter().map(Unit::settled_at).max().unwrap_or(0);
         self.units.iter_mut().for_each(|unit| unit.settle(u64::MAX, &mut self.memory));

@@ -1,4 +1,4 @@
-//! Entries of a policy's stores: which steps are performed, and what first touches and registers make of them.
+//! Entries of a policy's stores: which steps are performed, and the effects of first touches and registers.
 
 use super::flight::Flight;
 use crate::engine::register::{Kept, Register};
@@ -8,12 +8,12 @@ use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
 use crate::stream::{Header, Step, Store};
 
-/// How the entry of a step is accessed.
+/// The result of an access to a step's entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EntryAccess {
-    /// Not at all: a register took the step.
+    /// No access: a register took the step.
     Taken,
-    /// By an operation.
+    /// An operation performs the access.
     Performed {
         /// Whether an update sets modes, and so needs the entry's data.
         sets_modes: bool,
@@ -25,14 +25,14 @@ pub(crate) enum EntryAccess {
 pub(super) struct Entries {
     /// Which steps are performed.
     pub steps: StoreSteps,
-    /// What was done otherwise than recorded.
+    /// Differences from the recorded steps.
     pub work: StoreWork,
-    /// Of each shadow-cache unit.
+    /// One register per shadow-cache unit.
     registers: Vec<Register>,
 }
 
 impl Entries {
-    /// Of a machine's units, before a stream begins.
+    /// The entries of a machine's units, before a stream begins.
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         let units = machine.cores.size() * machine.shadow_cache.count.size();
         Self {
@@ -42,12 +42,12 @@ impl Entries {
         }
     }
 
-    /// A frame ends: what waits in the registers, the oldest of each first.
+    /// A frame ends: returns the updates that wait in the registers, oldest first per register.
     pub(super) fn drain(&mut self) -> impl Iterator<Item = Step> + '_ {
         self.registers.iter_mut().flat_map(Register::drain)
     }
 
-    /// How an access to the entry of a flight's next step, at its owner `unit`, goes.
+    /// Result of an access to the entry of a flight's next step, at its owner `unit`.
     pub(super) fn access(&mut self, flight: &mut Flight, is_ray: bool, unit: usize, layout: &Layout) -> EntryAccess {
         let Self { steps, work, registers } = self;
         let first = if is_ray { steps.first_touch(&mut flight.steps, flight.next, layout, work) } else { None };

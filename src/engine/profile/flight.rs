@@ -5,30 +5,30 @@ use crate::engine::work::Holder;
 use crate::quantity::NodeId;
 use crate::stream::{Decision, RayKind, Step, Totals};
 
-/// A ray in flight, or a step of a frame's end.
+/// A ray in flight, or an end-of-frame step.
 #[derive(Clone, Debug)]
 pub(crate) struct Flight {
-    /// The packed steps of the path, then those of the policy, all of them checked.
+    /// The packed steps of the path, then those of the policy, all checked.
     pub steps: Vec<u32>,
-    /// Where the policy's steps begin.
+    /// Index of the policy's first step.
     pub path_end: usize,
-    /// The next step.
+    /// Index of the next step.
     pub next: usize,
-    /// What it is for.
+    /// The kind of ray.
     pub kind: RayKind,
-    /// What the policy decided.
+    /// The policy's decision.
     pub decision: Decision,
-    /// Whether what it asks for is counted apart.
+    /// Whether its misses are attributed.
     pub marked: bool,
     /// The traversal unit that holds it.
     pub unit: u32,
-    /// How many of its next steps set modes at a first touch.
+    /// Number of its next steps that set modes at a first touch.
     pub evaluating: u8,
-    /// Whether it is an update that waited in a register, so that no data is needed for it.
+    /// Whether it is an update that waited in a register and so needs no data.
     pub operand: bool,
-    /// Where it is in the stream.
+    /// Its position in the stream.
     pub(super) place: Place,
-    /// The place of the hit that it starts on, and that hit's traced shadow rays; 0 where nobody asks.
+    /// The place of the hit where the ray starts, and the number of traced shadow rays of that hit; 0 if unused.
     pub hit: u32,
     pub siblings: u32,
 }
@@ -49,20 +49,20 @@ impl Flight {
         siblings: 0,
     };
 
-    /// The node that the path's next step visits, if it does.
+    /// The node that the path's next step visits, if it visits one.
     #[inline]
     pub(super) fn visit(&self) -> Option<NodeId> {
         if self.next < self.path_end { Step::node(self.steps[self.next]) } else { None }
     }
 
-    /// The next step of what `holder` does; `None` after the last.
+    /// The next step of those that `holder` performs; `None` after the last.
     #[inline]
     pub(super) fn step(&self, holder: Holder) -> Option<Step> {
         let end = if holder == Holder::Traversal { self.path_end } else { self.steps.len() };
         (self.next < end).then(|| Step::unpack(self.steps[self.next]).expect("steps are checked at hand-over"))
     }
 
-    /// Counts the steps that were performed.
+    /// Counts the performed steps.
     pub(super) fn count(&self, totals: &mut Totals) {
         let performed = &self.steps[..self.next];
         let (path, policy) = performed.split_at(self.path_end.min(self.next));
@@ -78,7 +78,7 @@ impl Flight {
         totals.count_policy(Step::unpack_all(policy));
     }
 
-    /// Whether the policy has steps on the ray's account.
+    /// Whether the ray has policy steps.
     pub(super) fn has_policy(&self) -> bool {
         self.path_end < self.steps.len()
     }

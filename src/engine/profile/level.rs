@@ -1,4 +1,4 @@
-//! A cache whose lines on their way are known by when they come: everything is decided at the moment of an access.
+//! A cache in which each line on its way has an arrival cycle: an access is decided at once.
 
 use crate::engine::tally::PerClass;
 use crate::memory::allocation::NoAllocate;
@@ -15,20 +15,20 @@ struct Coming {
     at: u64,
     class: TrafficClass,
     fate: Fate,
-    /// Accesses that wait for it.
+    /// Accesses that wait for the line.
     targets: usize,
 }
 
-/// What an access met.
+/// The result of an access.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Found {
-    /// The line.
+    /// The line is there.
     Hit,
-    /// A register that holds it; the access gets it then.
+    /// MSHR hit: the access gets the line in this cycle.
     Coming(u64),
-    /// Nothing: the caller says with [`Level::expect`] when the line comes.
+    /// Miss: the caller says with [`Level::expect`] when the line comes.
     Missing,
-    /// Nothing, and the line gets no place: the caller sends the write down.
+    /// A write that does not allocate its line: the caller sends it down.
     Passed,
 }
 
@@ -38,7 +38,7 @@ pub(super) struct Level {
     tags: TagArray,
     no_allocate: NoAllocate,
     coming: Vec<Coming>,
-    /// When the first of them does.
+    /// The earliest arrival in `coming`.
     next_at: u64,
     registers: usize,
     targets: usize,
@@ -48,7 +48,7 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// An empty cache with `registers` miss registers for `targets` accesses each, which get a line that has come
+    /// An empty cache with `registers` MSHRs of `targets` targets each. The waiting accesses get a line that has come
     /// `apart` cycles after each other.
     pub(super) fn new(tags: TagArray, no_allocate: NoAllocate, registers: u64, targets: u64, apart: u64) -> Self {
         Self {
@@ -63,9 +63,9 @@ impl Level {
         }
     }
 
-    /// Accesses `line` in cycle `at`, or as soon as a register or target is free; gives when, and what was met. Whether
-    /// the access `waits` for data says whether a line that gets no place must come all the same. Dirty lines that had
-    /// to go by then are passed to `gone`, with the cycle.
+    /// Accesses `line` in cycle `at`, or as soon as an MSHR or target is free. Returns the cycle and the result.
+    /// `waits` says whether the access needs data, so that a line is fetched even if it is not allocated. Dirty victims
+    /// up to then are passed to `gone`, with their cycle.
     #[inline]
     pub(super) fn access(
         &mut self,
@@ -84,7 +84,7 @@ impl Level {
         self.miss(line, class, access, waits, at, gone)
     }
 
-    /// Accesses `line` if it is there, and says whether it is. What comes has come.
+    /// Accesses `line` if it is there; returns whether it is. The caller has called `arrive`.
     #[inline]
     pub(super) fn hit(&mut self, line: LineAddr, class: TrafficClass, access: Access) -> bool {
         let hit = self.tags.access(line, access == Access::Write);
@@ -96,7 +96,7 @@ impl Level {
         hit
     }
 
-    /// The access when the line is not there at first.
+    /// Completes an access to a line that is not there at first.
     #[inline(never)]
     fn miss(
         &mut self,
@@ -136,7 +136,7 @@ impl Level {
         }
     }
 
-    /// Until when an access to `line` must wait for a register, if it must. What comes has come.
+    /// Until when an access to `line` must wait for an MSHR, if it must. The caller has called `arrive`.
     #[inline]
     pub(super) fn full_until(&self, line: LineAddr) -> Option<u64> {
         let free = self.coming.len() < self.registers
@@ -145,7 +145,7 @@ impl Level {
         (!free).then_some(self.next_at)
     }
 
-    /// The line that was just missed comes in cycle `at`.
+    /// The line just missed comes in cycle `at`.
     pub(super) fn expect(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
         let fate = self.fate(class, access);
         self.coming.push(Coming { line, at, class, fate, targets: 1 });
@@ -156,13 +156,13 @@ impl Level {
         Fate { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) }
     }
 
-    /// Whether a line comes up to cycle `at`, which is not put in yet.
+    /// Whether a line that comes up to cycle `at` is not filled yet.
     #[inline]
     pub(super) fn comes_by(&self, at: u64) -> bool {
         self.next_at <= at
     }
 
-    /// All lines that come up to cycle `at` are put in.
+    /// Fills all lines that come up to cycle `at`.
     #[inline]
     pub(super) fn arrive(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
         if self.comes_by(at) {
@@ -188,12 +188,12 @@ impl Level {
         }
     }
 
-    /// When the last line comes.
+    /// The cycle of the last arrival.
     pub(super) fn settled_at(&self) -> u64 {
         self.coming.iter().map(|coming| coming.at).max().unwrap_or(0)
     }
 
-    /// Holds from now on what `tags` do, but for lines that are on their way.
+    /// Loads the contents of `tags`, except lines that are on their way.
     pub(super) fn hold(&mut self, tags: &TagArray) {
         self.tags.clone_from(tags);
         self.coming.iter().for_each(|coming| self.tags.drop_line(coming.line));

@@ -1,4 +1,4 @@
-//! The L2: banks with real tags that take an access a cycle, in front of the DRAM.
+//! The L2 and the DRAM: banks with real tags that take one access per cycle.
 
 use super::dram::Dram;
 use super::level::{Found, Level};
@@ -20,24 +20,24 @@ struct Bank {
     level: Level,
     latency: u64,
     accesses: Slots,
-    /// Until when the first of its queue waits for a register or target, and all behind it.
+    /// Until when the head of the bank's queue, and all behind it, wait for an MSHR or target.
     stalled_until: u64,
     served: Served,
 }
 
-/// What came of an access: the bank, when it has the line, and whether it had to ask for it.
+/// Result of an access: the bank, the cycle in which it has the line, and whether it missed.
 struct Accessed {
     bank: usize,
     ready: u64,
     missed: bool,
 }
 
-/// Everything below the L1s.
+/// The memory below the L1s.
 #[derive(Clone, Debug)]
 pub(super) struct Memory<W> {
-    /// Is told of every access.
+    /// Receives every access.
     pub watch: W,
-    /// Banks of all cores, and how many a core has.
+    /// Banks of all cores, and the number of banks per core.
     banks: Vec<Bank>,
     of_core: usize,
     homes: [Home; TrafficClass::ALL.len()],
@@ -45,7 +45,7 @@ pub(super) struct Memory<W> {
 }
 
 impl<W: Watch> Memory<W> {
-    /// The memory of `machine`, empty.
+    /// The empty memory of `machine`.
     pub(super) fn new(machine: &MachineSpec, watch: W) -> Self {
         let line = machine.line_bytes.get();
         let bank = |spec: &BankedSpec| Bank {
@@ -67,8 +67,8 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// A unit of core `core` asks for so many bytes of a line in cycle `at`, for a ray that is marked or not; gives
-    /// when they come.
+    /// A unit of core `core` reads `bytes` bytes of a line in cycle `at`; `marked` says whether its miss is attributed.
+    /// Returns the cycle in which they come.
     pub(super) fn read(
         &mut self,
         core: usize,
@@ -119,17 +119,17 @@ impl<W: Watch> Memory<W> {
         Accessed { bank: index, ready, missed: found == Found::Missing }
     }
 
-    /// A line that goes past all caches is asked for in cycle `at`; gives when its data has passed.
+    /// Requests a line that bypasses all caches in cycle `at`; returns the cycle in which its data has passed.
     pub(super) fn ask_dram(&mut self, line: LineAddr, class: TrafficClass, write: bool, at: u64) -> u64 {
         self.dram.request(line, class, write, at)
     }
 
-    /// The L2s hold from now on what `banks` do.
+    /// Loads the contents of `banks` into the L2s.
     pub(super) fn hold(&mut self, banks: &[TimelessCache]) {
         self.banks.iter_mut().zip(banks).for_each(|(bank, cache)| bank.level.hold(cache.tags()));
     }
 
-    /// What comes up to cycle `at` has come.
+    /// Fills all lines that come up to cycle `at`.
     pub(super) fn settle(&mut self, at: u64) {
         let Self { banks, dram, .. } = self;
         for bank in banks {
@@ -139,26 +139,26 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// When everything under way has come to its end.
+    /// The cycle in which all pending work ends.
     pub(super) fn settled_at(&self) -> u64 {
         let banks = self.banks.iter().map(|bank| bank.level.settled_at().max(bank.accesses.end()));
         banks.max().unwrap_or(0).max(self.dram.settled_at())
     }
 
-    /// A frame begins in cycle `at`: lines from `first` on go.
+    /// A frame begins in cycle `at`: drops lines from `first` on.
     pub(super) fn drop_from(&mut self, first: LineAddr, at: u64) {
         self.settle(at);
         self.watch.drop_from(first);
         self.banks.iter_mut().for_each(|bank| bank.level.drop_from(first));
     }
 
-    /// What the banks counted.
+    /// The banks' counts.
     pub(super) fn banks(&self) -> Vec<BankTally> {
         let tally = |bank: &Bank| BankTally { cache: *bank.level.counts(), served: bank.served.clone() };
         self.banks.iter().map(tally).collect()
     }
 
-    /// What the channels counted in a run of `cycles`.
+    /// The channels' counts in a run of `cycles`.
     pub(super) fn channels(&self, cycles: u64) -> Vec<ChannelTally> {
         self.dram.tally(cycles)
     }

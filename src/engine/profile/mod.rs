@@ -1,11 +1,11 @@
-//! The profile rung: exact contents of all caches, accessed in an order that stands for the machine's, and time by what
-//! is free when.
+//! The profile level: exact contents of all caches, accessed in an order that approximates the machine's. Timing
+//! follows from the cycles in which resources are free.
 //!
-//! A ray's step is one event, at which everything is decided: when a unit is free, which levels have the line, when it
-//! comes, and so when the ray goes on. Rays in flight are limited as in the machine and overtake each other where they
-//! wait for lines, which is what the order of accesses hangs on. Left out of MODEL.md's rules: fills that wait for
-//! room, one fill a cycle, and most of the order within a cycle. An operation takes its place in the pipeline when it
-//! asks for data, not when it has them. The DRAM serves requests to a bank nearly in the order in which they come.
+//! Each step of a ray is one event, which decides everything: when a unit is free, which levels have the line, when the
+//! line comes, and so when the ray continues. Rays in flight are limited as in the machine. They overtake each other
+//! while they wait for lines, which determines the order of accesses. Omitted from MODEL.md's rules: fills that wait
+//! for room, one fill per cycle, and most of the order within a cycle. An operation takes its place in the pipeline
+//! when it requests its data, not when the data comes. The DRAM serves requests to a bank nearly in arrival order.
 
 mod agenda;
 mod crossing;

@@ -1,5 +1,5 @@
-//! The host's port to the DRAM, without a queue of its own: its lines are asked for at once, and rays wait until so
-//! many are done that the others find room in the queues.
+//! The host's port to the DRAM, without a queue of its own: its lines are requested at once. Rays wait until the lines
+//! not yet moved fit into the queues.
 
 use std::collections::VecDeque;
 
@@ -18,19 +18,19 @@ pub(super) struct Port {
     spec: TrafficSpec,
     clock_mhz: u64,
     traffic: HostTraffic,
-    /// Lines that queues hold: the port's, and those of all channels.
+    /// Lines that the queues hold: the port's queue and the queues of all channels.
     places: usize,
-    /// When the last lines, as many as there are places, have passed.
+    /// When each of the last `places` lines has passed.
     passed: VecDeque<u64>,
     /// When all lines so far have passed.
     empty_at: u64,
     built_at: u64,
-    /// What it asked the DRAM for.
+    /// The requests to the DRAM.
     pub counts: PortTally,
 }
 
 impl Port {
-    /// The idle port of `machine`; none if its host has no traffic of its own.
+    /// The idle port of `machine`; `None` if its host has no traffic of its own.
     pub(super) fn new(machine: &MachineSpec) -> Option<Self> {
         Some(Self {
             spec: machine.traffic,
@@ -88,7 +88,7 @@ impl Port {
         self.built_at.max(oldest.copied().unwrap_or(0))
     }
 
-    /// The first cycle in which the frame's end can begin, or the frame be over.
+    /// The first cycle in which the end-of-frame update can begin, or the frame be over.
     pub(super) fn lets_end_at(&self) -> u64 {
         self.built_at.max(self.empty_at)
     }

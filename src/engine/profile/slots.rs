@@ -1,16 +1,15 @@
-//! Something that serves one at a time, asked in nearly the order of time: its next times, taken or free.
+//! A resource that serves one request at a time, with requests in nearly ascending time: its free and taken slots.
 
 use std::collections::VecDeque;
 
-/// Words of slots that are kept: who asks for an earlier time than they reach back to is served as if he had asked for
-/// that.
+/// Words of slots that are kept. A request for an earlier time is served as if it were for the first kept slot.
 const WORDS: usize = 16;
 
 /// Slots of equal length.
 #[derive(Clone, Debug)]
 pub(super) struct Slots {
     length: u64,
-    /// The number of the first slot of the first word, and a bit for each slot that is taken.
+    /// The number of the first slot of the first word; then one bit per slot, set if taken.
     first: u64,
     taken: VecDeque<u64>,
     end: u64,
@@ -22,7 +21,7 @@ impl Slots {
         Self { length, first: 0, taken: vec![0; WORDS].into(), end: 0 }
     }
 
-    /// Takes the first free slot from time `at` on; gives when it begins, or `at` if that lies in it.
+    /// Takes the first free slot from time `at` on; returns its beginning, or `at` if `at` lies in it.
     pub(super) fn take(&mut self, at: u64) -> u64 {
         let wanted = (at / self.length).max(self.first);
         let (mut word, mut mask) = (((wanted - self.first) / 64) as usize, !0 << ((wanted - self.first) % 64));
@@ -46,7 +45,7 @@ impl Slots {
         }
     }
 
-    /// When all is done.
+    /// The end of the last taken slot.
     pub(super) fn end(&self) -> u64 {
         self.end
     }

@@ -1,4 +1,4 @@
-//! A unit as a time from which on it is free: an operation takes its place in the pipeline when it asks for its data.
+//! A unit as a time from which it is free: an operation takes its place in the pipeline when it requests its data.
 
 use std::collections::VecDeque;
 
@@ -20,13 +20,13 @@ use crate::quantity::{Bytes, LineAddr};
 pub(super) struct Unit {
     level: Level,
     line: Bytes,
-    /// Cycles that each access takes from the ports when its line has come.
+    /// Port cycles per access when its line comes: 1 with `Release::OneByOne`, otherwise 0.
     released_in: u64,
     ports: u64,
     hit_latency: u64,
     latency: u64,
     interval: u64,
-    /// Operations that can begin at once, each with a port, and how many did in the last cycle with one.
+    /// Operations that can begin in one cycle, each with a port; the number begun in cycle `last_begun`.
     width: u64,
     begun: u64,
     last_begun: u64,
@@ -34,12 +34,12 @@ pub(super) struct Unit {
     number: usize,
     writes: WritePolicy,
     free_at: u64,
-    /// Rays that wait for a miss register, that one first which is on the agenda.
+    /// Rays that wait for an MSHR; the first ray is on the agenda.
     pub stalled: VecDeque<u32>,
     operations: u64,
     requested: PerClass<Bytes>,
     written_through: PerClass<Past>,
-    /// When the lines of reads past the L1 come, and how many can be under way.
+    /// Arrival cycles of reads that bypass the L1, and the maximum number of such reads under way.
     past: Vec<u64>,
     most_past: usize,
     read_past: PerClass<Past>,
@@ -47,7 +47,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    /// Unit `number` of all, of a kind in core `core`, empty.
+    /// The empty unit `number` of all units, in core `core`.
     pub(super) fn new(spec: &KindSpec, number: usize, core: usize, line: u64) -> Self {
         let CacheSpec { no_allocate, mshrs, targets, .. } = spec.cache;
         let released_in = u64::from(spec.cache.release == Release::OneByOne);
@@ -77,8 +77,8 @@ impl Unit {
         }
     }
 
-    /// An operation on `element` for a ray, marked or not, asked for in cycle `at`; gives when it ends, or when it is
-    /// to be asked for again, since a miss register is free only then.
+    /// Performs an operation on `element`, requested in cycle `at`; `marked` says whether its misses are attributed.
+    /// Returns the cycle of its end, or as an error the cycle to try again, when an MSHR is free.
     pub(super) fn perform<W: Watch>(
         &mut self,
         element: &Element,
@@ -94,7 +94,7 @@ impl Unit {
         let (size, core) = (self.line, self.core);
         let mut gone = |victim: Victim, at| memory.write(core, victim.line, victim.class, size, at);
         self.level.arrive(at, &mut gone);
-        // Most are of one line, which is there.
+        // Fast path: most operations need one line, which is there.
         if lines == 1 && access != Access::WriteThrough && self.level.hit(first, class, access) {
             memory.watch.l1(self.number, first, class);
             self.began(at, self.interval);
@@ -132,7 +132,7 @@ impl Unit {
         Ok(data_at + self.latency)
     }
 
-    /// As [`Self::perform`] of a ray that reads one line, which is there, as most do; `None` where that is not so.
+    /// As [`Self::perform`] for the most common case, a read of one line that is there; `None` in all other cases.
     #[inline]
     pub(super) fn visit<W: Watch>(
         &mut self,
@@ -152,7 +152,7 @@ impl Unit {
         Some(at + self.hit_latency + self.latency)
     }
 
-    /// As [`Self::perform`] with data from the L2, past the L1, that are not kept.
+    /// As [`Self::perform`] with data from the L2 that bypass the L1.
     pub(super) fn perform_past<W: Watch>(
         &mut self,
         element: &Element,
@@ -179,7 +179,7 @@ impl Unit {
         Ok(comes + self.latency)
     }
 
-    /// An operation that sends what it writes to the L2 and needs no data; gives when it ends.
+    /// An operation that writes to the L2 and needs no data; returns the cycle of its end.
     pub(super) fn write_past<W: Watch>(
         &mut self,
         element: &Element,
@@ -195,15 +195,15 @@ impl Unit {
         at + self.latency
     }
 
-    /// An operation without data; gives when it ends.
+    /// An operation without data; returns the cycle of its end.
     pub(super) fn decide(&mut self, at: u64) -> u64 {
         let at = at.max(self.free_at);
         self.began(at, self.interval);
         at + self.latency
     }
 
-    /// An operation began in cycle `at` that takes the unit for so many cycles, if it is the last that can begin
-    /// beside others.
+    /// Counts an operation begun in cycle `at`. It occupies the unit for `cycles` cycles, unless more operations can
+    /// begin in the same cycle.
     fn began(&mut self, at: u64, cycles: u64) {
         self.operations += 1;
         self.begun = if at == self.last_begun { self.begun + 1 } else { 1 };
@@ -212,34 +212,34 @@ impl Unit {
         self.free_at = if more { at } else { at + cycles };
     }
 
-    /// The core that the unit is of.
+    /// The unit's core.
     pub(super) fn core(&self) -> usize {
         self.core
     }
 
-    /// What comes up to cycle `at` has come.
+    /// Fills all lines that come up to cycle `at`.
     pub(super) fn settle<W: Watch>(&mut self, at: u64, memory: &mut Memory<W>) {
         let (size, core) = (self.line, self.core);
         self.level.arrive(at, &mut |victim, at| memory.write(core, victim.line, victim.class, size, at));
     }
 
-    /// The L1 holds from now on what `tags` do.
+    /// Loads the contents of `tags` into the L1.
     pub(super) fn hold(&mut self, tags: &TagArray) {
         self.level.hold(tags);
     }
 
-    /// When the last line under way comes.
+    /// The cycle of the last arrival or operation.
     pub(super) fn settled_at(&self) -> u64 {
         self.level.settled_at().max(self.free_at)
     }
 
-    /// A frame begins in cycle `at`: lines from `first` on go.
+    /// A frame begins in cycle `at`: drops lines from `first` on.
     pub(super) fn drop_from<W: Watch>(&mut self, first: LineAddr, at: u64, memory: &mut Memory<W>) {
         self.settle(at, memory);
         self.level.drop_from(first);
     }
 
-    /// What was counted: no cause but `Busy` is known.
+    /// The unit's counts; `Busy` is the only known cause.
     pub(super) fn tally(&self) -> UnitTally {
         UnitTally {
             causes: busy((self.operations * self.interval).div_ceil(self.width)),

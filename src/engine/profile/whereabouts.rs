@@ -1,40 +1,40 @@
-//! Where a ray is, and what it does next.
+//! Position of a ray in the machine, and its next action.
 
 use crate::engine::work::Holder;
 
-/// What a ray does when it acts next.
+/// A ray's next action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stage {
-    /// Its holder looks at its next step.
+    /// Its holder looks at the next step.
     Step,
-    /// The first operation of its step begins, at a unit that its holder sent it to.
+    /// The first operation of the step begins, at a unit to which the holder sent the ray.
     First,
-    /// The second does.
+    /// The second operation begins there.
     Second,
-    /// It comes back from a unit that its holder sent it to.
+    /// The ray comes back from a unit to which its holder sent it.
     Back,
-    /// It comes to a shadow-cache unit.
+    /// The ray comes to a shadow-cache unit.
     Policy,
-    /// Its shadow-cache unit, which owns the entry of its next step, accesses that.
+    /// Its shadow-cache unit, which owns the entry of the next step, accesses the entry.
     Entry,
 }
 
-/// Where a ray is.
+/// Position of a ray.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Whereabouts {
-    /// What it does next.
+    /// Its next action.
     pub stage: Stage,
-    /// Who holds it.
+    /// Its holder.
     pub holder: Holder,
     /// The shadow-cache unit that holds it.
     pub policy_unit: u32,
-    /// The unit that it was sent to.
+    /// The unit to which it was sent.
     pub away: u32,
-    /// Whether the shadow-cache unit's decision is still to come.
+    /// Whether the decision of the shadow-cache unit is not yet made.
     pub undecided: bool,
     /// Whether an update of the next step's entry sets modes.
     pub sets_modes: bool,
-    /// Whether an intersection unit has accessed that entry, and the shadow-cache unit's operation is still to come.
+    /// Whether an intersection unit has accessed the entry and the operation of the shadow-cache unit is still to come.
     pub fetched: bool,
 }
 
@@ -55,8 +55,8 @@ impl Whereabouts {
 pub(super) enum Way {
     /// Through its L1.
     Cached,
-    /// From the L2, past the L1.
+    /// From the L2, bypassing the L1.
     Past,
-    /// Not at all: what is written goes down with the operation.
+    /// No read: the written data goes down with the operation.
     Operand,
 }

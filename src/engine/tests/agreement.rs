@@ -1,4 +1,4 @@
-//! Both engines give the same numbers.
+//! `Event` and `Cycle` give the same numbers.
 
 use std::path::Path;
 use std::sync::Mutex;
@@ -28,7 +28,7 @@ fn counted(
     Ok((tally, engine.logs().into_iter().map(|log| log.clone()).collect()))
 }
 
-/// What both engines counted, or where they differ.
+/// The counts of both engines, or the first difference or violation.
 pub(crate) fn agree(
     machine: &MachineSpec,
     header: &Header,
@@ -58,8 +58,8 @@ pub(crate) fn agree(
     Ok(event)
 }
 
-/// Bytes of stack for a test of random machines: without optimisation the generators' own frames take more than a
-/// thread has.
+/// Stack in bytes for a test of random machines: without optimisation, the generators need more than a thread's default
+/// stack.
 const STACK: usize = 64 << 20;
 
 /// Whether the long suite runs.
@@ -67,8 +67,8 @@ pub(crate) fn is_long() -> bool {
     std::env::var_os("UMBRASIM_LONG").is_some()
 }
 
-/// Checks `test` on `cases` values, always the same; with the environment variable `UMBRASIM_LONG`, on twenty times as
-/// many, always others. The message of a failure is short.
+/// Checks `test` on `cases` values, the same in every run. With the environment variable `UMBRASIM_LONG`: on 20 times
+/// as many values, different in every run. Failures give a short message.
 pub(crate) fn check_many<S: Strategy>(
     cases: u32,
     strategy: impl Fn() -> S + Sync,
@@ -109,13 +109,13 @@ fn engines_agree_on_any_machine_and_stream() {
             Ok(())
         },
     );
-    // The random cases must reach every count, or their agreement says little.
+    // The random cases must reach every count; otherwise their agreement says little.
     let all = all.into_inner().unwrap();
     for cause in Cause::ALL {
         for kind in Kind::ALL {
             let has = |tally: &&Tally| tally.units[kind as usize].iter().any(|unit| unit.causes[cause as usize] > 0);
             let reached = all.iter().filter(has).count();
-            // An intersection unit waits for a place at a division unit only if all rays hit at once: see below.
+            // An intersection unit waits for a division unit only if all rays hit at once: another test covers it.
             let rare = (kind, cause) == (Kind::Intersection, Cause::Blocked);
             let never = cause == Cause::Intake && kind != Kind::ShadowCache;
             assert!(if never { reached == 0 } else { reached > 4 || rare }, "{kind:?}: {cause:?}");
@@ -178,8 +178,8 @@ fn first_l2(machine: &MachineSpec) -> BankedSpec {
     *machine.l2.caches()[0].1
 }
 
-/// Stores under pressure: fills that wait for the place of a dirty line go on when a hit makes another line the next to
-/// go.
+/// Stores under pressure. A fill that waits for a place for its dirty victim continues when a hit makes another line
+/// the next victim.
 #[test]
 fn engines_agree_where_fills_wait() {
     check_many(
@@ -207,7 +207,8 @@ fn engines_agree_where_fills_wait() {
     );
 }
 
-/// Units whose hits `Event` foresees: one access and one operation a cycle. Lines are many or few, hits fast or slow.
+/// Units whose hits `Event` computes ahead: one access and one operation per cycle. Few or many lines; fast or slow
+/// hits.
 #[test]
 fn engines_agree_where_hits_are_foreseen() {
     check_many(
@@ -228,7 +229,7 @@ fn engines_agree_where_hits_are_foreseen() {
     );
 }
 
-/// The same with rays that go the ways of others, so that many wait for a line, which comes to all or to one by one.
+/// As above with rays that share paths, so that many wait for a line. The line goes to all at once or one by one.
 #[test]
 fn engines_agree_where_rays_share_lines() {
     let caches = (1..4u64, 1..9u64, 1..6u64, any::<bool>(), 0..4u32);
@@ -254,8 +255,8 @@ pub(super) fn without_lists() -> Header {
     Header { static_list_entries: 0, ..header() }
 }
 
-/// Machines whose units work far ahead of each other, on streams without lists: nothing comes back soon. Lines come to
-/// all or one by one, queues to the L2 are short or long.
+/// Machines whose units work far ahead of each other, on streams without lists: rays return late. Lines go to all
+/// waiting rays at once or one by one; queues to the L2 are short or long.
 pub(super) fn far_ahead() -> impl Strategy<Value = (MachineSpec, Vec<Item>)> {
     let units = (1..4u64, 1..9u64, 1..6u64, any::<bool>(), 0..4u32, 1..5u64);
     let latencies = (1..40u64, 1..40u64, 1..40u64, 1..12u64);
@@ -283,7 +284,7 @@ fn engines_agree_where_units_work_ahead() {
     check_many(400, far_ahead, |(machine, stream)| agree(&machine, &without_lists(), &stream).map(drop));
 }
 
-/// What was recorded of the quickstart, on the shipped machines.
+/// The recorded quick start on the shipped machines.
 #[test]
 fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -296,7 +297,7 @@ fn engines_agree_on_the_shipped_machines_and_a_recorded_stream() {
     }
 }
 
-/// The same result when all parts act in all cycles.
+/// The result does not change when all parts act in all cycles.
 #[test]
 fn waking_more_often_changes_nothing() {
     check_many(

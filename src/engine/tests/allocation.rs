@@ -1,4 +1,4 @@
-//! Accesses that allocate no line, and writes that go through, by class of traffic.
+//! Accesses that do not allocate, and write-through, by traffic class.
 
 use super::*;
 use crate::memory::allocation::{Classes, NoAllocate};
@@ -10,7 +10,7 @@ fn only(class: TrafficClass) -> Classes {
 
 const NOTHING: Classes = NoAllocate::NONE.reads;
 
-/// The default machine with another L2, and one context in its shadow-cache unit.
+/// The default machine with a changed L2 and one context in its shadow-cache unit.
 fn machine(l2: NoAllocate) -> MachineSpec {
     let mut machine = MachineSpec::default();
     machine.shadow_cache.contexts = num(1);
@@ -18,7 +18,7 @@ fn machine(l2: NoAllocate) -> MachineSpec {
     machine
 }
 
-/// Updates of the sixteen words of a line.
+/// Updates of the 16 words in a line.
 fn updates() -> Vec<Item> {
     let end: Vec<_> = (0..16).map(|index| Step::Update { store: Store::ModeWord, index }).collect();
     frame(FrameInfo::default(), &[], &end, 1)
@@ -43,7 +43,7 @@ fn a_class_that_allocates_nowhere_is_fetched_every_time() {
 
 #[test]
 fn a_class_does_not_displace_those_that_allocate() {
-    // The L1 holds two lines of a set: node 0 stays while others stream past it.
+    // The L1 holds two lines of a set: node 0 stays while other lines stream past it.
     let mut machine = MachineSpec::default();
     let cache = &mut machine.shadow_cache.cache;
     (cache.bytes, cache.ways) = (size(128), num(2));
@@ -64,7 +64,7 @@ fn a_write_that_does_not_allocate_goes_down_at_once() {
     let l1 = stats.caches["l1_shadow_cache"][&ModeWord];
     assert_eq!((l1.hits, l1.misses, l1.write_backs), (0, 16, 16));
     assert_eq!((stats.moved("l2").0, stats.dram.reads), (32 * 64, 1));
-    // Through in place of back, a write takes its bytes down, and the line comes all the same.
+    // With write-through instead of write-back, a write sends its bytes down; the line is still fetched.
     machine.shadow_cache.writes = WritePolicy::Through;
     let stats = replayed(&machine, updates());
     assert_eq!((stats.moved("l2").0, stats.dram.reads), (16 * (64 + 4), 1));
@@ -75,7 +75,7 @@ fn writes_pass_an_l2_that_gives_them_no_place() {
     let unallocated = NoAllocate { reads: only(ModeWord), writes: only(ModeWord) };
     for (l2, passed, dram) in [
         (NoAllocate::NONE, 0, (1, 0)),
-        // Reads leave the line there for writes to hit.
+        // Reads allocate the line, so that writes hit.
         (NoAllocate { reads: NOTHING, writes: only(ModeWord) }, 0, (1, 0)),
         (unallocated, 16, (1, 16)),
     ] {

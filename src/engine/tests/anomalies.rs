@@ -1,5 +1,5 @@
-//! Timing anomalies: changes of a machine that look like improvements and can make it slower, and the laws that hold
-//! all the same. `docs/model/anomalies.md` has the table that these tests print with `--nocapture`.
+//! Timing anomalies: changes of a machine that look like improvements but can make it slower, and the laws that hold
+//! nevertheless. `docs/model/anomalies.md` has the table that these tests print with `--nocapture`.
 
 use std::sync::{Arc, Mutex};
 
@@ -18,9 +18,9 @@ use crate::stream::{Chunk, Totals};
 /// A change of a machine.
 struct Change {
     what: &'static str,
-    /// Whether one ray finds its lines in the same order.
+    /// Whether the change keeps the order of a single ray's accesses.
     is_orderly: bool,
-    /// Changes the machine, and says whether it is another one then.
+    /// Changes the machine; returns whether it differs then.
     make: fn(&mut MachineSpec) -> bool,
 }
 
@@ -32,7 +32,7 @@ const fn orderly(what: &'static str, make: fn(&mut MachineSpec) -> bool) -> Chan
     Change { what, is_orderly: true, make }
 }
 
-/// Random machines, each with a stream. The table in the book is of these.
+/// Random machines, each with a stream. The table in the book has this many.
 const CASES: u32 = 200;
 
 const CHANGES: [Change; 12] = [
@@ -117,7 +117,7 @@ fn l2s(machine: &mut MachineSpec, mut change: impl FnMut(&mut BankedSpec)) {
     }
 }
 
-/// Cycles after a change over those before it, of machines whose cycles changed.
+/// Ratios of cycles after a change to cycles before it.
 #[derive(Default)]
 struct Found {
     cases: usize,
@@ -130,7 +130,7 @@ impl Found {
     }
 
     fn row(mut self, what: &str) -> String {
-        // Threads find them in any order; a sum depends on it.
+        // Threads finish in any order, and a floating-point sum depends on the order.
         self.ratios.sort_by(f64::total_cmp);
         let worst = self.ratios.last().copied().unwrap_or(1.0).max(1.0);
         let mean = (self.ratios.iter().map(|ratio| ratio.ln()).sum::<f64>() / self.cases as f64).exp();
@@ -175,8 +175,8 @@ fn what_looks_better_can_be_slower() {
     assert!(others.is_empty(), "docs/model/anomalies.md has other rows than these:\n{}", others.join("\n"));
 }
 
-/// No change of timing changes what traversal, list and intersection units do, words by way of intersection units
-/// apart.
+/// A change of timing does not change the work of traversal, list and intersection units, except accesses to words in
+/// intersection units.
 fn check_work(before: &MachineStats, after: &MachineStats, machine: &MachineSpec) -> Result<(), String> {
     let of_words = machine.shadow_cache.place == Place::Triangle;
     let is_work = |name: &str| !(name.contains("shadow_cache") || of_words && name.contains("intersection"));
@@ -193,9 +193,9 @@ fn check_work(before: &MachineStats, after: &MachineStats, machine: &MachineSpec
     if before == after { Ok(()) } else { Err(format!("{before} becomes {after}")) }
 }
 
-/// True LRU keeps all that a cache of the same sets and fewer ways keeps (Mattson et al. 1970): the same accesses never
-/// miss more in more ways. Rays in another order are other accesses, so the law is one of a line stream, not of a
-/// machine.
+/// True LRU keeps all lines that a cache with the same sets and fewer ways keeps (Mattson et al. 1970): the same
+/// accesses never miss more with more ways. Another order of rays gives other accesses: the law holds for a line
+/// stream, not for a machine.
 #[test]
 fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
     let compared = Mutex::new(0);
@@ -239,10 +239,9 @@ fn more_ways_of_lru_miss_no_more_of_the_same_accesses() {
     assert!(compared > 40, "more ways matter in {compared} cases only");
 }
 
-/// A ray that is alone in a machine on a flat DRAM, without traffic of the host and shaded in a cycle, only gains by
-/// what leaves the order of its accesses. (Another unit's L1 is cold. More miss registers bring the lines of one fetch
-/// in another order. Banks have rows that an earlier request finds open or closed. What is long shaded beside the next
-/// ray may come in another order.)
+/// One ray at a time on a flat DRAM, without host traffic and with shading in one cycle: changes that keep the order of
+/// accesses never make it slower. (Another unit has a cold L1. More MSHRs reorder the lines of a fetch. DRAM banks have
+/// rows that an earlier request left open or closed. Rays in long shading may be reordered with the next ray.)
 #[test]
 fn one_ray_at_a_time_knows_no_anomaly() {
     check_many(
@@ -270,7 +269,7 @@ fn one_ray_at_a_time_knows_no_anomaly() {
     );
 }
 
-/// The stream without what the policy does, which goes on beside the next ray.
+/// The stream without the policy's steps, which run beside the next ray.
 pub(super) fn without_policy(stream: &[Item]) -> Vec<Item> {
     let mut counted = Totals::default();
     let without = |item: &Item| match item {

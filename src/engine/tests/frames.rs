@@ -1,4 +1,4 @@
-//! Frames by themselves, and warm-up frames.
+//! Counts per frame, and warm-up frames.
 
 use super::agreement::check_many;
 use super::random::{machines, streams};
@@ -6,7 +6,7 @@ use super::synthetic::{bvh_like, frame, header};
 use super::*;
 use crate::stats::{Bounds, FrameStats};
 
-/// The stream with its frames numbered from 0 on, and its header, whose first `warmup` frames warm up.
+/// The stream with frames numbered from 0, and its header with the first `warmup` frames as warm-up.
 pub(crate) fn numbered(stream: &[Item], warmup: u32) -> (Header, Vec<Item>) {
     let mut frames = 0;
     let number = |item: &Item| match item {
@@ -40,7 +40,7 @@ fn both_engines_count_the_same_in_every_frame() {
     );
 }
 
-/// A stream whose frames ask for the same lines, and those of the first alone.
+/// Three frames that access the same lines; the first is a warm-up frame.
 fn twice() -> (Header, Vec<Item>) {
     let rays = bvh_like(7, 200, 9, 1);
     let frames = [0, 1, 2].map(|number| frame(FrameInfo { number, ..FrameInfo::default() }, &rays, &[], 64));
@@ -71,7 +71,7 @@ fn warm_up_frames_are_told_and_left_out() {
         assert_eq!(sum(&|frame| frame.cycles.0, &warm, false), warm.cycles.0, "{level}");
         assert_eq!(sum(&|frame| frame.bytes["dram"].0, &warm, false), warm.moved("dram").0, "{level}");
         assert_eq!(sum(&|frame| frame.rays, &warm, false), warm.rays, "{level}");
-        // Lines that the first frame brought are there.
+        // Lines that the first frame fetched are still in the caches.
         assert!(warm.frames[1].bytes["dram"] < warm.frames[0].bytes["dram"], "{level}");
         let Bounds { cycles, dram_bytes, .. } = warm.bounds.unwrap();
         assert!((cycles.least..=cycles.most).contains(&warm.cycles), "{level}");

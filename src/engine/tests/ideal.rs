@@ -1,4 +1,4 @@
-//! Ideal caches and flat DRAM, against closed forms.
+//! Ideal caches and flat DRAM, compared with closed forms.
 
 use super::*;
 use crate::memory::cache::CacheSpec;
@@ -17,14 +17,14 @@ fn ideal(latency: u64) -> MachineSpec {
     machine
 }
 
-/// On every rung that runs a whole stream; `Event`'s.
+/// Compares all fidelity levels that run a whole stream; returns the statistics of `Event`.
 fn on_all_rungs(machine: &MachineSpec, stream: &[Item]) -> MachineStats {
     let on = |rung| run(machine, rung, &header(), stream).unwrap_or_else(|error| panic!("{error}"));
     let [event, cycle, profile] = [Level::Event, Level::Cycle, Level::Profile].map(on);
     assert_eq!(event, cycle);
     let bound = on(Level::Bound);
     assert_eq!((bound.accuracy, bound.bounds), (Accuracy::Bounded, event.bounds));
-    // `Profile` knows no banks of L1s.
+    // `Profile` does not model L1 banks.
     let accesses = |stats: &MachineStats| {
         let classes = stats.caches["l1_traversal"].iter();
         classes.map(|(&class, cache)| (class, cache.counts)).collect::<Vec<_>>()
@@ -41,20 +41,20 @@ fn a_ray_on_ideal_l1s_takes_hits_and_operations_alone() {
         let expected = frame_latency(&machine) + 30 * (latency + machine.traversal.latency.get());
         assert_eq!(stats.cycles.0, expected);
         assert_eq!((stats.moved("l1_traversal").0, stats.moved("l2").0, stats.moved("dram").0), (30 * 64, 0, 0));
-        // All but what it takes to hand the ray over and hear of its end is in the bound.
+        // The bound includes everything except the hand-over and the report of the end.
         let bound = stats.bounds.unwrap().cycles.least.0;
         assert_eq!(expected - bound, frame_latency(&machine) - machine.dispatcher.latency.get());
     }
 }
 
-/// The least latency that every ray is held to is what a ray takes that is alone: one cycle less would be seen.
+/// The lower bound of a ray's latency is exactly the latency of a ray that is alone.
 #[test]
 fn a_ray_alone_takes_its_least_latency() {
     for latency in [1, 5] {
         let machine = ideal(latency);
         let tests = [Stop::Plane, Stop::Edges, Stop::Hit].map(|stop| triangle(3, stop));
         let nodes = nodes(0..3);
-        // The way to a list unit is not counted.
+        // The bound does not count the way to a list unit.
         let paths = [(nodes.clone(), 0), (tests.to_vec(), 0), ([&nodes[..], &tests].concat(), 0), (leaf(0, 4), 1)];
         for (path, more) in paths {
             let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(path.clone())]));
@@ -64,7 +64,7 @@ fn a_ray_alone_takes_its_least_latency() {
     }
 }
 
-/// Lines of 32 B: a node is two accesses. One port gives a unit a node every other cycle, two give one a cycle.
+/// Lines of 32 B: a node needs two accesses. With one port a unit gets a node every other cycle, with two every cycle.
 #[test]
 fn ports_limit_an_ideal_l1() {
     let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();
@@ -88,7 +88,7 @@ fn a_miss_to_an_ideal_l2_is_there_and_back() {
     machine.traversal.cache = CacheSpec::DEFAULT;
     let L2Spec::Unified(l2) = machine.l2 else { panic!("the machine's L2 is split") };
     let stats = on_all_rungs(&machine, &one_frame(&[SyntheticRay::primary(nodes([0]))]));
-    // A cycle there, one back.
+    // One cycle to the L2, one back.
     assert_eq!(stats.cycles.0, frame_latency(&machine) + 2 + l2.latency.get() + machine.traversal.latency.get());
     assert_eq!((stats.moved("l2").0, stats.moved("dram").0), (64, 0));
 }
@@ -108,7 +108,7 @@ fn a_miss_to_a_flat_dram_takes_the_transfer_and_the_latency() {
     }
 }
 
-/// Every level ideal but a write that must go down: none does.
+/// With ideal caches at every level, no write goes down.
 #[test]
 fn writes_end_in_an_ideal_cache() {
     let end: Vec<_> = (0..500).map(|index| Step::Update { store: Store::ModeWord, index: 8 * index }).collect();
@@ -123,7 +123,7 @@ fn writes_end_in_an_ideal_cache() {
     assert_eq!(stats.moved("dram").0, 0);
 }
 
-/// Two rays whose nodes are accessed in one cycle. Lines of 64 B: a node each.
+/// Bank conflicts in the traversal units' L1s: two rays access their nodes in one cycle, and a line of 64 B is a node.
 fn bank_conflicts(stats: &MachineStats) -> u64 {
     stats.caches["l1_traversal"][&TrafficClass::Node].l1.unwrap().bank_conflicts
 }
@@ -144,7 +144,7 @@ fn accesses_of_a_cycle_to_one_bank_conflict() {
     }
 }
 
-/// Of the two lines of a node, two banks hold one each, and one bank both.
+/// A node has two lines: two banks hold one each, one bank holds both.
 #[test]
 fn banks_limit_ports() {
     let rays: Vec<_> = (0..100).map(|ray| SyntheticRay::primary(nodes((0..50).map(|node| ray + node)))).collect();

@@ -1,4 +1,4 @@
-//! Bounds against machines that reach them: nothing between is lost, and nothing is counted twice.
+//! Bounds compared with machines that reach them: no traffic is omitted, and none is counted twice.
 
 use super::agreement::check_many;
 use super::anomalies::{l1s, without_policy};
@@ -7,7 +7,7 @@ use super::*;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::memory::tags::Contents;
 
-/// A machine of one unit a kind, whose caches hold all that the stream asks for: each line comes once.
+/// A machine with one unit per kind, whose caches hold the whole stream: each line is fetched once.
 fn roomy(machine: &mut MachineSpec) {
     machine.cores = num(1);
     machine.shadow_cache = ShadowCacheSpec::default();
@@ -27,7 +27,7 @@ fn roomy(machine: &mut MachineSpec) {
     });
 }
 
-/// Paths alone: a policy's words are written, too, and what a frame's end writes is no line that is asked for.
+/// Paths only: a policy's words are also written, and an end-of-frame update writes lines that no access requests.
 #[test]
 fn one_unit_with_caches_that_hold_everything_moves_the_least_bytes() {
     check_many(

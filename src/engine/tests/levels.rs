@@ -1,4 +1,4 @@
-//! `Profile`: what it must share with `Event` on any machine, and how far it is off on the recorded stream.
+//! `Profile`: the counts that it must share with `Event` on any machine, and its error on the recorded stream.
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::tags::Contents;
 use crate::stream::{Chunk, StoreEntries, Totals};
 
-/// What does not hang on time: rays, operations, accesses, bytes asked for. The run itself checks counts, conservation
-/// and bounds.
+/// Work that does not depend on timing: rays, operations, accesses, requested bytes. The run itself checks counts,
+/// conservation and bounds.
 #[test]
 fn profile_does_the_same_work_as_event_on_any_machine() {
     check_many(
@@ -23,9 +23,9 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
         |(mut machine, stream)| {
             let unit = &mut machine.shadow_cache;
             (unit.place, unit.register, unit.frame_end) = (Place::Own, num(0), FrameEnd::List);
-            // What is gathered hangs on time.
+            // Gathering depends on timing.
             (unit.gather, unit.latched) = (num(0), LatchedCopy::Free);
-            // Of operations that begin at once, one cycle is busy.
+            // Operations that begin together make one cycle busy.
             unit.width = num(1);
             if unit.cache.contents == Contents::Ideal {
                 unit.writes = WritePolicy::Back;
@@ -47,11 +47,11 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
     );
 }
 
-/// On any machine, marked rays change nothing, and of all misses each is that of one ray: those of marked rays and
-/// those of the others are all.
+/// On any machine, marks on rays change nothing, and each miss is attributed to one ray: the misses of marked rays and
+/// of the other rays sum to all misses.
 #[test]
 fn misses_are_those_of_the_rays_that_ask() {
-    /// Cycles, and misses of L1s and of the L2 by reads: all and those of marked rays.
+    /// Cycles; then misses of the L1s and read misses of the L2: all misses and those of marked rays.
     fn missed(engine: &mut dyn Engine, machine: &MachineSpec, items: &[Item]) -> (u64, [[PerClass<u64>; 2]; 2]) {
         let tally = replay(engine, machine, &mut items.iter().cloned().map(Ok), None).unwrap();
         let units = || tally.units.iter().flatten();
@@ -69,9 +69,9 @@ fn misses_are_those_of_the_rays_that_ask() {
         100,
         || (machines(), streams()),
         |(mut machine, stream)| {
-            // Steps of a frame's end are no ray's: there are none.
+            // End-of-frame steps belong to no ray: the streams have none.
             (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
-            // Every other chunk, and the others.
+            // Marks every other chunk, then the other chunks.
             let marked = |odd: usize| -> Vec<Item> {
                 let mut totals = Totals::default();
                 let mark = |(at, item): (usize, &Item)| match item {
@@ -95,7 +95,7 @@ fn misses_are_those_of_the_rays_that_ask() {
             let profile = |items: &Vec<Item>| missed(&mut Profile::new(&machine, &header), &machine, items);
             by.push(("Profile", streams.each_ref().map(profile)));
             for (engine, [(cycles, levels), (as_many, same_levels)]) in by {
-                // A register writes entries of stores out for no ray.
+                // A write from a register belongs to no ray.
                 let of_scene = [TrafficClass::Node, TrafficClass::List, TrafficClass::Triangle];
                 let is_right = |class: TrafficClass, all: u64, sum: u64| {
                     sum == all || machine.shadow_cache.register.get() > 0 && !of_scene.contains(&class) && sum < all
@@ -115,7 +115,7 @@ fn misses_are_those_of_the_rays_that_ask() {
     );
 }
 
-/// A policy that keeps nothing records nothing of it.
+/// A policy without stores records no accesses to stores.
 #[test]
 fn every_level_replays_a_stream_without_stores() {
     let (machine, header) = (MachineSpec::default(), Header { stores: StoreEntries::default(), ..header() });

@@ -1,4 +1,4 @@
-//! Marks, which windows are measured between: what a mark counts beside a look at the end of the same cycle.
+//! Marks, between which windows are measured: compares the counts of a mark with those at the end of the same cycle.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -11,16 +11,16 @@ use crate::engine::source::FrameCounts;
 use crate::engine::tally::Tally;
 use crate::engine::warm::WarmCaches;
 
-/// Where the counts of a run are taken.
+/// When the counts of a run are taken.
 #[derive(Clone, Copy)]
 enum At {
-    /// The cycle in which so many rays are done, which is not known before.
+    /// The cycle in which this number of rays is done, which is not known in advance.
     Mark(usize),
-    /// A cycle.
+    /// A given cycle.
     Look(u64),
 }
 
-/// Takes counts once.
+/// Takes the counts once.
 struct Once {
     items: VecDeque<Item>,
     at: At,
@@ -70,13 +70,13 @@ fn counts(machine: &MachineSpec, header: &Header, stream: &[Item], at: At) -> Re
     Ok(feed.found)
 }
 
-/// How many units are ahead of a mark in the middle of a stream. Banks and channels are not. A unit may be by what it
-/// does in as many cycles as the L2 takes at least, and has one cause for each of its cycles.
+/// Number of units that are ahead of a mark in the middle of a stream. Banks and channels are never ahead. A unit may
+/// be ahead by at most its work in the minimum latency of the L2, and has one cause for each of its cycles.
 fn ahead(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Result<usize, String> {
     let rays = |item: &Item| if let Item::Rays(chunk) = item { chunk.len() } else { 0 };
     let middle = stream.iter().map(rays).sum::<usize>().div_ceil(2).max(1);
     let Some(mark) = counts(machine, header, stream, At::Mark(middle))? else { return Ok(0) };
-    // Units have not acted in the mark's own cycle.
+    // Units have not acted in the cycle of the mark.
     let Some(before) = mark.cycles.checked_sub(2) else { return Ok(0) };
     let look = counts(machine, header, stream, At::Look(before))?.ok_or("nothing to look at")?;
     let below = |tally: &Tally| {

@@ -57,7 +57,7 @@ pub(crate) fn items(items: Vec<Item>) -> impl Iterator<Item = Result<Item, Strea
     items.into_iter().map(Ok)
 }
 
-/// Replays `stream` by a level, as every run does.
+/// Replays `stream` at a fidelity level.
 fn run(machine: &MachineSpec, level: Level, header: &Header, stream: &[Item]) -> Result<MachineStats, RunError> {
     crate::replay::Replay::new(machine, header)?.fidelity(OnePass::Whole(level)).run(items(stream.to_vec()))
 }
@@ -70,7 +70,7 @@ fn one_frame(rays: &[SyntheticRay]) -> Vec<Item> {
     frame(FrameInfo::default(), rays, &[], 64)
 }
 
-/// The machine with other lines, and as many of them in a row of the DRAM.
+/// The machine with another line size and the same number of lines in a DRAM row.
 fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
     let row = &mut machine.dram.part.row_bytes;
     *row = pow_size(row.get() / machine.line_bytes.get() * line);
@@ -78,14 +78,14 @@ fn with_line(mut machine: MachineSpec, line: u64) -> MachineSpec {
     machine
 }
 
-/// The default machine with a DRAM whose clock is its own: all its times are whole cycles.
+/// The default machine with a DRAM of the same clock: all DRAM times are whole cycles.
 fn in_step() -> MachineSpec {
     let mut machine = MachineSpec::default();
     machine.dram.part.clock_mhz = num(machine.clock_mhz.get());
     machine
 }
 
-/// Cycles from a miss in an L1 to the fill, in a machine at rest that is in step with its DRAM.
+/// Cycles from a miss in an L1 to its fill, in an idle machine whose DRAM has the machine's clock.
 fn miss_latency(machine: &MachineSpec) -> u64 {
     let part = &machine.dram.part;
     let bursts = part.bursts(machine.line_bytes.get());
@@ -96,7 +96,7 @@ fn miss_latency(machine: &MachineSpec) -> u64 {
 }
 
 /// Cycles before the first ray is at its unit, and from its retirement to the end of the run: through both FIFOs, to
-/// the frame's end, and the last cycle itself.
+/// the end-of-frame update, and the last cycle itself.
 fn frame_latency(machine: &MachineSpec) -> u64 {
     machine.dispatcher.latency.get() + 4
 }
@@ -139,10 +139,10 @@ fn a_leaf_goes_between_list_and_intersection_units_without_traversal() {
     let list = machine.list.latency.get();
     let test = machine.intersection.latency.get();
     let hit = machine.list.cache.latency.get() + machine.intersection.cache.latency.get();
-    // Both entries share a line, and so do the planes of both triangles, in another bank of the DRAM.
+    // Both entries share a line; both triangles' planes share a line in another bank of the DRAM.
     let first = miss_latency(&machine) + list + miss_latency(&machine) + test;
     let second = hit + list + test;
-    // To the list unit, to and fro twice, to the traversal unit.
+    // To the list, intersection, list, intersection and traversal unit.
     let ways = 5;
     let rays = [SyntheticRay::primary(leaf(32, 2))];
     let tally = agreement::agree(&machine, &header(), &one_frame(&rays)).unwrap().0;
@@ -177,7 +177,8 @@ fn rays_of_a_row_leave_it_one_a_cycle_and_nobody_accesses_meanwhile() {
         machine.traversal.cache.release = release;
         agreement::agree(&machine, &header(), &one_frame(&rays)).unwrap().0.cycles
     });
-    // In both the four begin one after another; the first waits for step 6, which comes after beginning.
+    // In both cases the four operations begin one after another. `OneByOne` releases the first ray in step 6, after
+    // step 5 begins operations.
     assert_eq!(one_by_one, together + 1);
 }
 
@@ -195,7 +196,7 @@ fn cores_share_the_rays_and_have_an_l2_each() {
         four.units[Kind::Traversal as usize].iter().map(|unit| unit.causes[Cause::Busy as usize]).collect();
     assert_eq!((busy, one.operations_by_kind()[0]), (vec![5000; 4], 20_000));
     assert!((3.8..4.0).contains(&(one.cycles as f64 / four.cycles as f64)), "{} {}", one.cycles, four.cycles);
-    // Each core fetches the node for itself.
+    // Each core fetches the node for its own L2.
     assert_eq!((one.commands().reads, four.commands().reads), (1, 4));
 }
 
@@ -205,7 +206,7 @@ fn a_skipped_ray_costs_one_operation_and_no_traversal() {
     let primary = SyntheticRay::primary(nodes([0]));
     let alone = replayed(&machine, one_frame(std::slice::from_ref(&primary)));
     let stats = replayed(&machine, one_frame(&[primary, SyntheticRay::shadow(1, Decision::Skip, Vec::new())]));
-    // Through the out FIFO, shaded, through the in FIFO, to the unit.
+    // Through the out FIFO, through the in FIFO, to the unit; shading is added below.
     let ways = 3;
     let child = machine.dispatcher.shading_cycles.get() + ways + machine.shadow_cache.latency.get();
     assert_eq!(stats.cycles.0, alone.cycles.0 + child);
@@ -219,7 +220,7 @@ fn children_wait_for_the_policy_of_their_parent() {
     let primary = SyntheticRay::primary(nodes([0]));
     let shadow = SyntheticRay::shadow(1, Decision::Trace, nodes([0]));
     let plain = replayed(&machine, one_frame(&[primary.clone(), shadow.clone()]));
-    // Word 32 lies in another bank of the DRAM than node 0.
+    // Word 32 lies in a different DRAM bank from node 0.
     let read = Step::Read { store: Store::ModeWord, index: 32 };
     let stats = replayed(&machine, one_frame(&[primary.with_policy(vec![read]), shadow]));
     let policy = 1 + miss_latency(&machine) + machine.shadow_cache.latency.get();
@@ -235,7 +236,7 @@ fn a_saturated_unit_begins_one_operation_a_cycle() {
     let busy = stats.units["traversal"][&Cause::Busy];
     assert_eq!(busy, 200 * 50);
     let idle = stats.cycles.0 - busy;
-    // Rays that miss together start together: the unit is idle at the beginning, and while the last rays end.
+    // Rays that miss together start together: the unit is idle at the beginning and while the last rays end.
     let (begin, end) = (frame_latency(&machine) + miss_latency(&machine), 9 * 50);
     assert!(idle < begin + end, "idle for {idle} cycles");
 }
@@ -260,7 +261,7 @@ fn a_node_over_two_lines_needs_both() {
     assert_eq!(stats.bytes["l1_traversal"][&TrafficClass::Node].0, 64);
 }
 
-/// A split L2 counts each class in its home, and answers each class as a unified one does.
+/// A split L2 counts each class in its own cache, and answers with the same timing as a unified L2.
 #[test]
 fn classes_go_to_their_homes() {
     let mut machine = in_step();

@@ -1,4 +1,4 @@
-//! `Profile` on machines that access a policy's stores otherwise than recorded: how far it is off `Event`.
+//! `Profile` on machines that access a policy's stores differently from the recording: its error against `Event`.
 
 use super::agreement::check_many;
 use super::random::{machines, streams};
@@ -9,7 +9,7 @@ use crate::machine::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use crate::machine::word_traffic::LatchedCopy;
 use crate::stats::Accuracy;
 
-/// Any machine is replayed within the laws that every run keeps: counts as recorded, bytes conserved between levels,
+/// The replay of any machine satisfies the laws of every run: counts as recorded, bytes conserved between levels,
 /// bounds.
 #[test]
 fn profile_replays_any_machine_within_the_laws() {
@@ -26,7 +26,7 @@ fn profile_replays_any_machine_within_the_laws() {
 struct Change {
     what: &'static str,
     make: fn(&mut ShadowCacheSpec),
-    /// How far the cycles of `Profile` are off `Event`'s on `small` and on `desktop`, in %, as measured.
+    /// The measured error of `Profile`'s cycles against `Event` on `small` and on `desktop`, in %.
     cycles: [f64; 2],
 }
 
@@ -54,8 +54,8 @@ const CHANGES: [Change; 9] = [
     },
 ];
 
-/// What the recorded stream takes on machines of one change each. On `small` the DRAM's bus is busy for six tenths of
-/// the time here: that is where `Profile` is weakest.
+/// The recorded stream on machines with one change each. On `small` the DRAM's bus is busy for six tenths of the time:
+/// `Profile` is least accurate there.
 #[test]
 fn profile_is_as_close_as_known_wherever_words_are_and_whatever_sets_them() {
     let (header, stream) = quickstart();

@@ -1,4 +1,4 @@
-//! Random machines, from small to smallest, and random streams.
+//! Random small machines and random streams.
 
 use proptest::prelude::*;
 
@@ -23,7 +23,7 @@ use crate::quantity::{ListId, NodeId};
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, Effect, FrameInfo, Item, RayKind, Step, Stop, Store};
 
-/// A latency: mostly small, one now and then, or as long as `most`.
+/// A latency: mostly small, sometimes 1, sometimes `most`.
 fn latency(most: u64) -> impl Strategy<Value = u64> {
     prop_oneof![2 => Just(1), 6 => 1..10u64.min(most), 2 => 1..=60u64.min(most), 1 => Just(most)]
 }
@@ -85,13 +85,13 @@ fn banked(line: u64) -> impl Strategy<Value = BankedSpec> {
     })
 }
 
-/// One cache for all classes, or up to three that share them in any way that every layout of words allows.
+/// One cache for all classes, or three caches with a random split that every layout of words allows.
 fn l2(line: u64) -> impl Strategy<Value = L2Spec> {
     let shares = prop::collection::vec(0..3usize, TrafficClass::ALL.len());
     let banked = banked(line).boxed();
     let split = (banked.clone(), banked.clone(), banked.clone(), shares).prop_map(|(a, b, c, shares)| {
         let home = |(index, cache): (usize, BankedSpec)| {
-            // Classes that may share lines share a home.
+            // Classes that may share lines are in the same cache.
             let share = |class| match class {
                 TrafficClass::ModeWord | TrafficClass::PixelCounter => shares[TrafficClass::Triangle as usize],
                 other => shares[other as usize],
@@ -136,7 +136,7 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
             timing.rc = num(waits[3] + waits[4] + waits[9] / 4);
             timing.rfc = num(waits[10]);
             (timing.faw, timing.turn) = (num(waits[11]), num(waits[12] - 1));
-            // What is longer within a group than between groups, if there are groups.
+            // Times can be longer within a group than between groups, if there are groups.
             let longer = |wait: u64| if groups > 0 { wait / 4 } else { 0 };
             let ccd = burst_clocks + waits[13] / 16;
             (timing.ccd_s, timing.ccd_l) = (num(ccd), num(ccd + longer(waits[14])));
@@ -163,7 +163,7 @@ fn dram(line: u64) -> impl Strategy<Value = DramSpec> {
     )
 }
 
-/// What shadow-cache units do with words, their cache apart.
+/// Options of shadow-cache units for words, without their cache.
 fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     let place =
         prop_oneof![3 => Just(Place::Own), 2 => Just(Place::Triangle), 2 => Just(Place::L2), 1 => Just(Place::Free)];
@@ -207,7 +207,7 @@ fn words() -> impl Strategy<Value = ShadowCacheSpec> {
     )
 }
 
-/// The host's own traffic: as often off as on.
+/// The host's own traffic, off in half of the cases.
 fn traffic() -> impl Strategy<Value = TrafficSpec> {
     let rays = prop_oneof![Just(RayBuffer::Free), Just(RayBuffer::OnChip), Just(RayBuffer::Dram)];
     let bytes = || prop_oneof![Just(0), 1..40u64, 1..400u64];
@@ -227,7 +227,7 @@ fn traffic() -> impl Strategy<Value = TrafficSpec> {
     prop_oneof![Just(TrafficSpec::default()), on]
 }
 
-/// Lights of a scene: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
+/// Number of lights: modes that fill a nibble, a byte, a word, and more, with room for the frame's number.
 pub(crate) fn lights() -> impl Strategy<Value = u32> {
     prop_oneof![Just(1), Just(2), Just(6), Just(8), Just(9), Just(14), Just(20), Just(40)]
 }
@@ -236,7 +236,7 @@ pub(crate) fn lights() -> impl Strategy<Value = u32> {
 fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
     let counts = (1..4u64, 1..6u64, 1..5u64, 1..5u64, 1..4u64, 1..20u64, 1..7u64);
     let latencies = (latency(300), latency(300), latency(300), latency(300), latency(300), latency(2000));
-    // Boxed: the stack does not hold what all of them try together.
+    // Boxed: the combined strategies would overflow the stack.
     let cache = || cache(line).boxed();
     let caches = (cache(), cache(), cache(), cache(), l2(line).boxed());
     let intervals = prop::collection::vec(prop_oneof![3 => Just(1), 1 => 1..40u64], 5);
@@ -247,7 +247,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
         move |(counts, latencies, caches, dram, (clock, words, refi, (intervals, more, list_latency), traffic))| {
             let mut machine =
                 MachineSpec { clock_mhz: num(clock), line_bytes: pow_size(line), dram, ..MachineSpec::default() };
-            // About the shortest interval of refreshes that is allowed, and a little more.
+            // An interval of refreshes slightly above the shortest that is allowed.
             let mut interval = 100;
             machine.dram.part.timing.refi = num(interval);
             while machine.dram.check(line).is_err() {
@@ -279,7 +279,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
             machine.shadow_cache.cache = caches.2;
             machine.list.cache = caches.3;
             machine.l2 = caches.4;
-            // No longer than the latency.
+            // At most the latency.
             let interval = |unit: usize, latency: u64| num(intervals[unit].min(latency));
             machine.traversal.interval = interval(0, latencies.1);
             machine.list.interval = interval(1, list_latency);
@@ -290,7 +290,7 @@ fn machine(line: u64) -> impl Strategy<Value = MachineSpec> {
                 machine.cores = num(1);
             }
             if machine.check().is_err() {
-                // Nothing goes through an ideal cache.
+                // An ideal cache allows no write-through.
                 machine.shadow_cache.writes = WritePolicy::Back;
             }
             machine
@@ -303,7 +303,7 @@ pub(crate) fn machines() -> impl Strategy<Value = MachineSpec> {
     prop_oneof![machine(32), machine(64), machine(128)]
 }
 
-/// Any stream of a scene of [`super::synthetic::header`].
+/// Any stream for a scene of [`super::synthetic::header`].
 pub(crate) fn streams() -> impl Strategy<Value = Vec<Item>> {
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
     let store = (0..3usize, prop_oneof![2 => 0..STATIC, 2 => 0..64u32, 3 => 0..3u32], 0..3u8).prop_map(
@@ -322,7 +322,7 @@ pub(crate) fn streams() -> impl Strategy<Value = Vec<Item>> {
     let traversal = traversal.boxed();
     let path = prop::collection::vec(traversal.clone(), 0..12);
     let step = prop_oneof![2 => store, 1 => traversal];
-    // An update of a mode word has any effect.
+    // An update of a mode word has a random effect.
     let effect = prop_oneof![Just(Effect::Changes), Just(Effect::Repeats), Just(Effect::Silent)];
     let packed = (step.clone(), effect).prop_map(|(step, effect)| match step {
         Step::Update { store: Store::ModeWord, index } => Step::pack_word_update(index, effect),
@@ -357,7 +357,7 @@ pub(crate) fn streams() -> impl Strategy<Value = Vec<Item>> {
     prop::collection::vec(frames, 1..3).prop_map(|frames| frames.concat())
 }
 
-/// A hit with several traced shadow rays, which update few words.
+/// A hit with several traced shadow rays that update few words.
 fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
     let update = (0..3u32, any::<bool>()).prop_map(|(index, silent)| {
         Step::pack_word_update(index, if silent { Effect::Silent } else { Effect::Changes })
@@ -373,7 +373,7 @@ fn fans() -> impl Strategy<Value = Vec<SyntheticRay>> {
     })
 }
 
-/// Streams of a frame's end alone, with stores of a few lines.
+/// Streams with only an end-of-frame update, on stores of a few lines.
 pub(crate) fn sweeps() -> impl Strategy<Value = Vec<Item>> {
     let step = (0..96u32, 0..10u8).prop_map(|(index, kind)| match kind {
         0..7 => Step::Read { store: Store::ModeWord, index },

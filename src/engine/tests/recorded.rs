@@ -1,4 +1,4 @@
-//! The recorded stream and the shipped machines, for tests.
+//! The recorded stream and the shipped machines for tests.
 
 use std::path::Path;
 

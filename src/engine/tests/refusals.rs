@@ -1,4 +1,4 @@
-//! What is refused, what stops, and what is told of it.
+//! Refused inputs, stopped runs, and their error messages.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn an_error_of_the_source_comes_through() {
     assert!(matches!(found, Err(RunError::Source(error)) if error.to_string() == fire().to_string()));
 }
 
-/// A machine with everything as small as it can be.
+/// A machine with minimum sizes and counts.
 fn tiny() -> MachineSpec {
     let mut machine = MachineSpec::default();
     (machine.dispatcher.rays, machine.dispatcher.in_fifo, machine.dispatcher.out_fifo) = (num(1), num(1), num(1));
@@ -108,7 +108,7 @@ fn chunks_are_dropped_when_their_rays_are_done() {
         Ok(item)
     });
     whole(Level::Event, &MachineSpec::default(), &header(), &mut watched, None).unwrap();
-    // 128 rays are in flight and hits are shaded: some 400 rays are begun and not done, of 64 a chunk.
+    // 128 rays are in flight and hits are shaded: about 400 rays are begun and not done, 64 per chunk.
     assert!(total > 60 && most <= 10, "{most} of {total} chunks at once");
 }
 
@@ -123,7 +123,7 @@ fn a_machine_that_does_not_move_is_reported_with_its_queues() {
     assert!(error.contains("dram channel 0: queue 0/32"), "{error}");
 }
 
-/// `Profile` too, which has no watchdog: nothing is due any more while the stream is not at its end.
+/// `Profile` has no watchdog: it reports a deadlock when no event is due but the stream has not ended.
 #[test]
 fn a_machine_that_does_not_move_is_reported_by_profile() {
     let machine = MachineSpec::default();

@@ -1,4 +1,4 @@
-//! Streams built by hand, for tests.
+//! Hand-built streams for tests.
 
 use std::sync::Arc;
 
@@ -13,8 +13,8 @@ pub(crate) const STATIC: u32 = 4096;
 /// Static primitives of [`header`].
 const STATIC_PRIMITIVES: u32 = 48;
 
-/// The header of a scene with one light, [`STATIC`] static nodes, list entries, slots and primitives each, few of them
-/// static.
+/// The header of a scene with one light and [`STATIC`] static nodes, list entries and slots; few of its [`STATIC`]
+/// primitives are static.
 pub(crate) fn header() -> Header {
     Header {
         scene: "synthetic".into(),
@@ -42,7 +42,7 @@ pub(crate) fn header() -> Header {
     }
 }
 
-/// The same with more lights, whose modes take more words.
+/// The same header with more lights, whose modes take more words.
 pub(crate) fn header_of(lights: u32) -> Header {
     let header = header();
     let words_per_primitive = 1 + lights.saturating_sub(15).div_ceil(16);
@@ -57,7 +57,7 @@ pub(crate) struct SyntheticRay {
     pub decision: Decision,
     pub parent: u32,
     pub path: Vec<Step>,
-    /// Packed.
+    /// Packed steps.
     pub policy: Vec<u32>,
 }
 
@@ -119,7 +119,7 @@ pub(crate) fn triangle(slot: u32, stop: Stop) -> Step {
     Step::Triangle { slot: TriangleSlot(slot), stop }
 }
 
-/// A small generator of numbers for streams (xorshift64, Marsaglia 2003).
+/// A small generator of pseudo-random numbers for streams (xorshift64, Marsaglia 2003).
 pub(crate) struct Numbers(pub u64);
 
 impl Numbers {
@@ -132,8 +132,8 @@ impl Numbers {
     }
 }
 
-/// A path that goes down a tree of `depth` levels, `descents` times, from the root or a node near it, with a triangle
-/// test at each leaf: the upper levels are shared by all rays, the lower ones by rays of the same `region`.
+/// A path that descends a tree of `depth` levels `descents` times, from the root or a node near it, with a triangle
+/// test at each leaf. All rays share the upper levels; rays of the same `region` share the lower levels.
 pub(crate) fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: u32) -> Vec<Step> {
     let mut path = Vec::new();
     for descent in 0..descents {
@@ -151,8 +151,8 @@ pub(crate) fn descent(numbers: &mut Numbers, region: u32, depth: u32, descents: 
     path
 }
 
-/// A frame like a BVH's: `pixels` primary rays, each with a policy's read of a word, a shadow ray, and an update of a
-/// counter; neighbouring pixels go to the same region. The tree has `depth` levels.
+/// A frame similar to that of a BVH: `pixels` primary rays, each with a policy's read of a word, a shadow ray, and an
+/// update of a counter. Neighbouring pixels go to the same region. The tree has `depth` levels.
 pub(crate) fn bvh_like(seed: u64, pixels: u32, depth: u32, descents: u32) -> Vec<SyntheticRay> {
     let mut numbers = Numbers(seed);
     let mut rays = Vec::new();

@@ -5,7 +5,7 @@ use crate::machine::traffic::{Build, RayBuffer, TrafficSpec};
 use crate::machine::word_traffic::Decide;
 use crate::memory::dram::spec::Model;
 
-/// Both engines' tally.
+/// The tally of both engines.
 fn tally(machine: &MachineSpec, stream: &[Item]) -> Tally {
     agreement::agree(machine, &header(), stream).unwrap_or_else(|why| panic!("{why}")).0
 }
@@ -16,7 +16,7 @@ fn rays_in_dram() -> MachineSpec {
     MachineSpec { traffic, ..MachineSpec::default() }
 }
 
-/// Lines of 64 bytes that the DRAM moved, of some classes.
+/// Lines of 64 bytes that the DRAM moved, per class.
 fn lines<const N: usize>(tally: &Tally, classes: [TrafficClass; N]) -> [u64; N] {
     classes.map(|class| tally.channels.iter().map(|channel| channel.moved[class as usize].0 / 64).sum())
 }
@@ -34,7 +34,7 @@ fn elements_share_lines_and_have_classes_of_their_own() {
     let few = tally(&machine, &one_frame(&[group.clone(), group.clone(), group.clone(), group.clone()].concat()));
     assert_eq!(lines(&few, [Ray, FrameBuffer, Texture]), [6 + 3, 1, 1]);
     assert_eq!((few.port.reads[Ray as usize], few.port.writes[Ray as usize]), (6, 3));
-    // One more begins a line of each, but of the frame buffer.
+    // One more group begins new lines in each array except the frame buffer.
     let more = tally(&machine, &one_frame(&vec![group; 5].concat()));
     assert_eq!(lines(&more, [Ray, FrameBuffer, Texture]), [8 + 4, 1, 2]);
 }
@@ -54,9 +54,9 @@ fn answered_rays_move_nothing() {
     assert_eq!([moved(Decide::Unit), moved(Decide::Hit)], [[4], [2]]);
 }
 
-/// H4, H5, H8: the port puts a line a cycle into a channel that takes all; ten rays have 64 each, and three lines of
-/// hits come between them. Ray after ray with an empty port, or with lines in it, so that the eight between cost no
-/// cycle.
+/// H4, H5, H8: the port puts one line per cycle into a channel that never refuses. Ten rays have 64 lines each, with
+/// three lines of hits between them. With `queue: 1` a ray is handed over only to an empty port. With a longer queue
+/// the port still has lines, so that the eight hand-overs between cost no cycle.
 #[test]
 fn a_full_port_holds_rays_back() {
     let mut machine = rays_in_dram();
@@ -70,7 +70,7 @@ fn a_full_port_holds_rays_back() {
     assert_eq!([1, 64, 65, 1000].map(held_back), [9 * 64 + 3, 9 * 64 + 3 - 8 - 63, 9 * 64 + 3 - 8 - 64, 0]);
 }
 
-/// H6, H7: 100 triangles at a million a second are 50,000 cycles of 500 MHz.
+/// H6, H7: 100 triangles at a million per second take 50,000 cycles at 500 MHz.
 #[test]
 fn rays_and_the_frames_end_wait_for_the_builder() {
     let mut machine = MachineSpec::default();
@@ -84,11 +84,11 @@ fn rays_and_the_frames_end_wait_for_the_builder() {
     assert_eq!(built.dispatcher[Cause::Memory as usize], 49_999);
     assert_eq!(tally(&machine, &frame(info, &[], &[], 1)).cycles, 50_002);
     machine.traffic = TrafficSpec { build: Build::Written, ..TrafficSpec::default() };
-    // Four nodes of 64 bytes and 100 records of 48, from the begin of a line on.
+    // Four nodes of 64 bytes and 100 records of 48 bytes, aligned to a line.
     assert_eq!(lines(&tally(&machine, &stream), [TrafficClass::Build]), [4 + 75]);
 }
 
-/// What an on-chip buffer holds is counted, and nothing else changes.
+/// Traffic of an on-chip buffer is counted; nothing else changes.
 #[test]
 fn a_buffer_on_the_chip_counts_and_costs_nothing() {
     let stream = one_frame(&[SyntheticRay::primary(nodes([0])), SyntheticRay::primary(nodes([1]))]);

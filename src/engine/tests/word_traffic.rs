@@ -1,4 +1,4 @@
-//! What the options of silent updates, decisions, width, gathering and latched copies do, in exact numbers.
+//! Effects of the options for silent updates, decisions, width, gathering and latched copies, in exact numbers.
 
 use super::*;
 use crate::machine::word_traffic::{Decide, LatchedCopy, SilentUpdates};
@@ -14,7 +14,7 @@ fn shadow(index: u32, effect: Effect, parent: u32) -> SyntheticRay {
     SyntheticRay { policy: vec![Step::pack_word_update(index, effect)], ..ray }
 }
 
-/// Both engines' tally of one frame.
+/// The tally of both engines for one frame.
 fn tally(machine: &MachineSpec, rays: &[SyntheticRay]) -> Tally {
     agreement::agree(machine, &header(), &one_frame(rays)).unwrap_or_else(|why| panic!("{why}")).0
 }
@@ -23,7 +23,7 @@ fn operations(tally: &Tally) -> u64 {
     tally.units[Kind::ShadowCache as usize].iter().map(|unit| unit.operations).sum()
 }
 
-/// A hit that reads word 3, and shadow rays of it whose updates have all effects.
+/// A hit that reads word 3, and its shadow rays, whose updates have all effects.
 fn hit() -> Vec<SyntheticRay> {
     let primary = SyntheticRay::primary(nodes([0])).with_policy(vec![read(3)]);
     let effects = [Effect::Changes, Effect::Repeats, Effect::Silent, Effect::Silent];
@@ -54,7 +54,7 @@ fn updates_of_one_hit_are_sent_once() {
     };
     assert_eq!(gathered(0, &hit()), (0, 5));
     assert_eq!(gathered(1, &hit()), (3, 2));
-    // Of two hits at a time, one entry serves the first.
+    // With two hits at a time, a single entry serves only the first.
     let both = [hit(), hit()].concat();
     assert_eq!(gathered(1, &both), (3, 7));
     assert_eq!(gathered(2, &both), (6, 4));
@@ -84,7 +84,7 @@ fn a_skipped_ray_with_steps_is_sent_without_an_operation_of_its_own() {
     assert_eq!((tally.stores.answered_rays, operations(&tally)), (0, 1));
 }
 
-/// Rays whose updates the register merges at once: no operation begins, and the intake alone limits the unit.
+/// The register merges all updates at once: no operation begins, and only the intake limits the unit.
 #[test]
 fn cycles_lost_at_the_intake_are_not_starved() {
     let by = |width| {
@@ -108,7 +108,7 @@ fn cycles_lost_at_the_intake_are_not_starved() {
     assert!(narrow.0 > wide.0 + 100, "{narrow:?} {wide:?}");
 }
 
-/// What a second copy of the words costs: a read and an update of each word that was learned.
+/// The cost of a second copy of the words: a read and an update of each learned word.
 #[test]
 fn learned_bits_in_a_buffer_are_folded_at_the_frames_end() {
     let folded = |latched| {
@@ -122,7 +122,7 @@ fn learned_bits_in_a_buffer_are_folded_at_the_frames_end() {
     assert_eq!(folded(LatchedCopy::Buffers), (1, 1, 7));
 }
 
-/// A unit that begins several operations at once is busy for fewer cycles, and does the same work with the same energy.
+/// A unit that begins several operations at once is busy for fewer cycles, with the same work and energy.
 #[test]
 fn a_wider_unit_begins_as_many_operations() {
     let rays: Vec<_> = (0..32).flat_map(|_| hit()).collect();

@@ -1,4 +1,4 @@
-//! What placements, layouts, the register and the frame's end do to the accesses of the shadow-cache units, in exact
+//! Effects of placement, layout, register and end-of-frame update on the accesses of shadow-cache units, in exact
 //! numbers.
 
 use super::*;
@@ -17,19 +17,19 @@ fn count(index: u32) -> Step {
     Step::Update { store: Store::PixelCounter, index }
 }
 
-/// Pixels one after another, each with these steps.
+/// One pixel after another, each with the given steps.
 fn pixels(steps: impl IntoIterator<Item = Vec<Step>>) -> Vec<SyntheticRay> {
     steps.into_iter().map(|steps| SyntheticRay::primary(vec![]).with_policy(steps)).collect()
 }
 
-/// A machine on which one ray follows another.
+/// A machine with one ray in flight: rays are strictly sequential.
 fn in_order() -> MachineSpec {
     let mut machine = MachineSpec::default();
     machine.dispatcher.rays = num(1);
     machine
 }
 
-/// Both engines' tally of one frame.
+/// The tally of both engines for one frame.
 fn tally(machine: &MachineSpec, rays: &[SyntheticRay], end: &[Step]) -> Tally {
     let stream = frame(FrameInfo::default(), rays, end, 64);
     agreement::agree(machine, &header(), &stream).unwrap_or_else(|why| panic!("{why}")).0
@@ -43,11 +43,11 @@ fn accesses(tally: &Tally, kind: Kind, class: TrafficClass) -> u64 {
 fn a_register_merges_runs_of_one_primitive() {
     let mut machine = in_order();
     machine.shadow_cache.register = num(2);
-    // Ten pixels of primitive 3, then ten of primitive 4: words and counters of one primitive fit.
+    // Ten pixels of primitive 3, then ten of primitive 4: the register holds the word and counters of one primitive.
     let rays = pixels((0..20).map(|pixel| vec![read(3 + pixel / 10), count(3 + pixel / 10), or(3 + pixel / 10)]));
     let tally = tally(&machine, &rays, &[]);
     assert_eq!((tally.stores.merged_reads, tally.stores.merged_writes), (18, 36));
-    // A read and an update of each primitive; those of the second wait until the frame's end.
+    // A read and an update of each primitive; the updates of the second wait until the end of the frame.
     assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 4);
     assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::PixelCounter), 2);
 }
@@ -68,7 +68,7 @@ fn straight_to_the_l2_only_the_entry_moves_and_updates_need_no_data() {
     let tally = tally(&machine, &pixels([vec![read(0), or(0), count(0)]]), &[or(0)]);
     let [words, counters] = [TrafficClass::ModeWord, TrafficClass::PixelCounter].map(|class| class as usize);
     let unit = &tally.units[Kind::ShadowCache as usize][0];
-    // The read of the ray, and that of the frame's end, which sets modes.
+    // The ray's read, and the read of the end-of-frame update, which sets modes.
     assert_eq!((unit.read_straight[words].count, unit.read_straight[words].bytes.0), (2, 8));
     assert_eq!((unit.written_through[words].count, unit.written_through[words].bytes.0), (2, 8));
     assert_eq!((unit.read_straight[counters].count, unit.written_through[counters].bytes.0), (0, 8));
@@ -109,7 +109,7 @@ fn a_sweep_sets_every_static_primitive_once() {
     let end = [count(5), or(5), or(4000)];
     let swept = tally(&machine, &[], &end);
     assert_eq!((swept.stores.covered_writes, swept.stores.added_writes), (2, 2 * statics));
-    // Word 4000 is of a dynamic primitive.
+    // Word 4000 belongs to a dynamic primitive.
     assert_eq!(accesses(&swept, Kind::ShadowCache, TrafficClass::ModeWord), statics + 1);
     machine.shadow_cache.layout = StoreLayout::Tagged;
     let swept = tally(&machine, &[], &end);

@@ -1,4 +1,4 @@
-//! A channel, scheduled first-ready, first-come-first-served (Rixner et al. 2000).
+//! A DRAM channel with first-ready, first-come-first-served scheduling (FR-FCFS; Rixner et al. 2000).
 
 use super::command::{ChannelLog, Column, Command};
 use super::mapping::Place;
@@ -10,7 +10,7 @@ use crate::memory::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
 
-/// What was done for a request before its first column command.
+/// Row commands given for a request before its first column command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Prepared {
     Nothing,
@@ -23,14 +23,14 @@ struct Pending {
     request: Request,
     place: Place,
     prepared: Prepared,
-    /// Bursts that had their column command.
+    /// Column commands given so far.
     done: u64,
 }
 
-/// The first clocks in which a bank allows each command, as far as the bank alone decides.
+/// The earliest clock in which a bank allows each command, by the bank's own constraints alone.
 #[derive(Clone, Copy, Debug, Default)]
 struct BankState {
-    /// The number of its group.
+    /// The bank group.
     group: usize,
     open: Option<u64>,
     activate_at: u64,
@@ -38,7 +38,7 @@ struct BankState {
     precharge_at: u64,
 }
 
-/// The first clocks in which a bank group, or the whole channel, allows each command.
+/// The earliest clock in which a bank group, or the whole channel, allows each command.
 #[derive(Clone, Copy, Debug, Default)]
 struct Earliest {
     activate: u64,
@@ -46,15 +46,15 @@ struct Earliest {
     read: u64,
 }
 
-/// A line whose last burst has had its column command.
+/// A line whose last column command has been given.
 #[derive(Clone, Copy, Debug)]
 struct Transfer {
-    /// The first cycle in which all its data has passed.
+    /// The first cycle that begins after all data of the line has passed.
     at: u64,
     request: Request,
 }
 
-/// One channel. Times are clocks of the DRAM where nothing else is said.
+/// One channel. Times are clocks of the DRAM unless stated otherwise.
 #[derive(Clone, Debug)]
 pub(super) struct Channel {
     part: PartId,
@@ -67,23 +67,23 @@ pub(super) struct Channel {
     groups: Vec<Earliest>,
     any: Earliest,
     transfers: Ring<Transfer>,
-    /// When the data bus is free.
+    /// The first clock in which the data bus is free.
     bus_free: u64,
-    /// Whether the bus was used last for a read.
+    /// Whether the last burst on the bus was read.
     bus_reads: bool,
-    /// The last four activates, the last first.
+    /// The clocks of the last four activates, newest first.
     activates: [Option<u64>; 4],
     refresh_due: u64,
     /// No command can be given before this clock.
     command_at: u64,
-    /// What was found to come next; nothing, if that is to be found anew.
+    /// The next planned command; `None` if it must be planned again.
     plan: Option<Planned>,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
     log: ChannelLog,
 }
 
-/// Kinds of commands for a request, those that go first in front.
+/// Kinds of commands for a request, highest priority first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum What {
     Column,
@@ -95,26 +95,26 @@ impl What {
     const ALL: [Self; 3] = [Self::Column, Self::Activate, Self::Precharge];
 }
 
-/// The next command, if no refresh is due before.
+/// The next command, unless a refresh is due earlier.
 #[derive(Clone, Copy, Debug)]
 struct Planned {
     clock: u64,
     what: What,
-    /// The place of its request in the queue.
+    /// The index of its request in the queue.
     index: usize,
-    /// How many requests were looked at, the first of the queue.
+    /// Number of requests examined, from the front of the queue.
     looked_at: usize,
-    /// The banks that have a row open which one of these wants, a bit each.
+    /// Banks whose open row one of the examined requests needs; one bit per bank.
     wanted: u64,
 }
 
-/// What of the channel's state commands of all requests have to heed, from a clock on.
+/// Channel-wide constraints on the commands of all requests, from a clock on.
 #[derive(Clone, Copy, Debug)]
 struct Ahead {
     clock: u64,
-    /// When the bus takes a column command that reads, and one that writes.
+    /// The earliest clock for a read, and for a write, by the constraints of the bus.
     bus: [u64; 2],
-    /// When an activate is legal.
+    /// The earliest clock for an activate.
     activate: u64,
 }
 
@@ -147,7 +147,7 @@ impl Channel {
         }
     }
 
-    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    /// Puts a request into the queue in cycle `now`. Without a place, it returns false and wakes the requester later.
     pub(super) fn put(&mut self, request: Request, place: Place, now: u64, wake: &mut impl Wake) -> bool {
         if !self.queue.has_room(now) {
             self.queue.wait_for_room(request.from, now, wake);
@@ -161,7 +161,7 @@ impl Channel {
         true
     }
 
-    /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
+    /// Simulates cycle `now`. `answer` sends a line to the L2 bank that requested it.
     pub(super) fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
         while let Some(&Transfer { request, .. }) = self.transfers.front().filter(|transfer| transfer.at <= now) {
             self.transfers.pop_front();
@@ -174,7 +174,7 @@ impl Channel {
         while self.command_at < end {
             self.command_at = self.command(self.command_at, now, wake);
         }
-        // A request that was put in this cycle, before the channel acted, cannot be seen yet.
+        // A request put in this cycle, before the channel acted, is not visible yet.
         if self.queue.last_at().is_some_and(|at| at > now) {
             self.command_at = end;
         }
@@ -184,7 +184,7 @@ impl Channel {
         }
     }
 
-    /// Gives at most one command in clock `clock` of cycle `now`; returns before which clock none can follow, if no
+    /// Gives at most one command in clock `clock` of cycle `now`. Returns the earliest clock of a further command if no
     /// request comes.
     fn command(&mut self, clock: u64, now: u64, wake: &mut impl Wake) -> u64 {
         if self.refresh_due <= clock {
@@ -209,15 +209,15 @@ impl Channel {
         clock + 1
     }
 
-    /// The next command from clock `clock` on, if no refresh is due: the first that is legal. Of those that are legal
-    /// first, a column command goes before an activate, an activate before a precharge, and then the oldest.
+    /// Plans the first legal command from clock `clock` on, ignoring refreshes. Among commands that are legal at the
+    /// same clock, a column command precedes an activate, an activate a precharge; then the oldest request wins.
     fn plan(&self, clock: u64, now: u64) -> Option<Planned> {
         let mut wanted = 0u64;
         for (_, Pending { place, .. }) in self.queue.visible(now) {
             wanted |= u64::from(self.banks[place.bank].open == Some(place.row)) << place.bank;
         }
         let ahead = self.ahead(clock);
-        // When the first command of each kind is legal, and for which request.
+        // Per kind: the first clock in which a command is legal, and its request.
         let mut first = [(u64::MAX, 0); 3];
         let mut looked_at = 0;
         for (index, pending) in self.queue.visible(now) {
@@ -232,8 +232,8 @@ impl Channel {
         (clock < u64::MAX).then_some(Planned { clock, what, index, looked_at, wanted })
     }
 
-    /// The plan with requests that have come since, from clock `clock` on, before which it has no command. Nothing if
-    /// its command is a precharge of a row that one of them wants.
+    /// Extends `plan` with the requests that have come since; `plan` has no command before clock `clock`. Returns
+    /// `None` if the planned command would precharge a row that a new request needs.
     fn plan_on(&self, mut plan: Planned, clock: u64, now: u64) -> Option<Planned> {
         if self.queue.is_visible(plan.looked_at, now) {
             let ahead = self.ahead(clock);
@@ -260,7 +260,8 @@ impl Channel {
         Ahead { clock, bus, activate: self.any.activate.max(window).max(clock) }
     }
 
-    /// The next command for a request, and when it is legal; nothing if its bank has another row open that is `wanted`.
+    /// The next command for a request and its first legal clock; `None` if its bank has another open row that is
+    /// `wanted`.
     #[inline]
     fn next_for(&self, pending: &Pending, wanted: u64, ahead: &Ahead) -> Option<(What, u64)> {
         let Place { bank: number, row, .. } = pending.place;
@@ -279,7 +280,7 @@ impl Channel {
         }
     }
 
-    /// When the bus is free for data.
+    /// The first clock in which the bus is free for data of this direction.
     fn bus_free_for(&self, write: bool) -> u64 {
         self.bus_free + if write && self.bus_reads { self.dram.timing.turn.get() } else { 0 }
     }
@@ -288,7 +289,7 @@ impl Channel {
         if write { self.dram.timing.cwl.get() } else { self.dram.timing.cl.get() }
     }
 
-    /// The first clock in which a column command's data would find the bus free.
+    /// The first clock of a column command whose data finds the bus free.
     fn bus_at(&self, write: bool) -> u64 {
         self.bus_free_for(write).saturating_sub(self.latency(write))
     }
@@ -384,7 +385,7 @@ impl Channel {
         clock + 1
     }
 
-    /// Whether nothing is under way.
+    /// Whether no request or transfer is pending.
     pub(super) fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.transfers.is_empty()
     }
@@ -394,7 +395,7 @@ impl Channel {
         self.refresh_due
     }
 
-    /// What was done.
+    /// Counts of commands and requests.
     pub(super) fn counts(&self) -> &DramCounts {
         &self.counts
     }
@@ -404,7 +405,7 @@ impl Channel {
         &self.moved
     }
 
-    /// Requests and commands, if they are kept.
+    /// The log of requests and commands, empty unless it is kept.
     pub(super) fn log(&mut self) -> &mut ChannelLog {
         &mut self.log
     }
@@ -414,7 +415,7 @@ impl Channel {
         self.queue.len()
     }
 
-    /// How full the queue was.
+    /// Load of the queue.
     pub(super) fn load(&self) -> Load {
         self.queue.load()
     }
@@ -427,7 +428,7 @@ impl Channel {
 }
 
 impl BankState {
-    /// The row is closed from clock `clock` on.
+    /// Closes the row from clock `clock` on.
     fn close(&mut self, clock: u64, timing: &Timing) {
         self.open = None;
         self.activate_at = self.activate_at.max(clock + timing.rp.get());

@@ -1,4 +1,4 @@
-//! The commands that a DRAM channel is given, and a log of them.
+//! The commands of a DRAM channel, and a log of them.
 
 use crate::quantity::LineAddr;
 
@@ -27,16 +27,16 @@ pub enum Command {
     Refresh,
 }
 
-/// What a column command names.
+/// The operands of a column command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Column {
     /// The bank.
     pub bank: usize,
     /// The row.
     pub row: u64,
-    /// The burst's place in the row.
+    /// Index of the burst in the row.
     pub column: u64,
-    /// Whether the bank closes the row afterwards by itself.
+    /// Whether the bank closes the row by itself afterwards.
     pub auto_precharge: bool,
 }
 
@@ -49,10 +49,10 @@ pub struct LoggedCommand {
     pub command: Command,
 }
 
-/// A request and when it came.
+/// A request and its arrival.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LoggedRequest {
-    /// The clock of the DRAM in which it came: commands for it can be given from the next one on.
+    /// The clock of the DRAM in which it arrived; its commands can be given from the next clock on.
     pub clock: u64,
     /// The line.
     pub line: LineAddr,
@@ -60,7 +60,7 @@ pub struct LoggedRequest {
     pub write: bool,
 }
 
-/// What a channel was asked for and which commands it was given, each in order, kept if somebody wants them.
+/// Requests to a channel and commands given to it, each in order. Logging is off by default.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ChannelLog {
     is_kept: bool,
@@ -69,36 +69,36 @@ pub struct ChannelLog {
 }
 
 impl ChannelLog {
-    /// From now on all is kept.
+    /// Turns logging on.
     pub fn keep(&mut self) {
         self.is_kept = true;
     }
 
-    /// Whether it is kept.
+    /// Whether logging is on.
     pub fn is_kept(&self) -> bool {
         self.is_kept
     }
 
-    /// A request came in clock `clock`.
+    /// Logs a request that arrives in clock `clock`.
     pub fn put(&mut self, clock: u64, line: LineAddr, write: bool) {
         if self.is_kept {
             self.requests.push(LoggedRequest { clock, line, write });
         }
     }
 
-    /// `command` is given in clock `clock`.
+    /// Logs `command`, given in clock `clock`.
     pub fn give(&mut self, clock: u64, command: Command) {
         if self.is_kept {
             self.commands.push(LoggedCommand { clock, command });
         }
     }
 
-    /// The commands that were kept.
+    /// The logged commands.
     pub fn commands(&self) -> &[LoggedCommand] {
         &self.commands
     }
 
-    /// Takes out the requests and commands that were kept up to now.
+    /// Removes and returns the requests and commands logged so far.
     pub fn drain(&mut self) -> (impl Iterator<Item = LoggedRequest>, impl Iterator<Item = LoggedCommand>) {
         (self.requests.drain(..), self.commands.drain(..))
     }

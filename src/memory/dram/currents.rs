@@ -1,4 +1,4 @@
-//! What a DRAM part's file says of its energy: the currents of its data sheet, or a published figure a bit.
+//! The energy data in a DRAM part's file: data-sheet currents, or a published energy per bit.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -49,5 +49,5 @@ pub struct Currents {
     pub io_pj_per_bit: Spread,
 }
 
-/// A file holds finite values.
+/// `f64` fields allow `Eq` here: files hold finite values only.
 impl Eq for Currents {}

@@ -1,4 +1,4 @@
-//! A flat channel: a data bus that moves lines one after another, and a latency.
+//! A flat channel: a data bus that moves one line after another, and a fixed latency.
 
 use std::collections::VecDeque;
 
@@ -12,13 +12,13 @@ use crate::stats::{DramCounts, TrafficClass};
 pub(super) struct Channel {
     part: PartId,
     latency: u64,
-    /// Bytes that the bus moves a cycle; without it, transfers take no time.
+    /// Bytes that the bus moves per cycle; `None`: transfers take no time.
     rate: Option<u64>,
     line: u64,
     queue: Queue<Request>,
-    /// When the bus is free, in the time that it takes to move a byte.
+    /// When the bus is free, in units of the time to move one byte.
     bus_free: u64,
-    /// Requests that have begun, and when they are over.
+    /// Requests whose transfer has begun, each with the cycle in which it completes.
     transfers: VecDeque<(u64, Request)>,
     counts: DramCounts,
     moved: [Bytes; TrafficClass::ALL.len()],
@@ -40,7 +40,7 @@ impl Channel {
         }
     }
 
-    /// Puts a request into the queue in cycle `now`; without a place, the asker is woken when there is one.
+    /// Puts a request into the queue in cycle `now`. Without a place, it returns false and wakes the requester later.
     pub(super) fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         if !self.queue.has_room(now) {
             self.queue.wait_for_room(request.from, now, wake);
@@ -51,7 +51,7 @@ impl Channel {
         true
     }
 
-    /// Cycle `now`. `answer` hands a line to the bank of the L2 that asked for it.
+    /// Simulates cycle `now`. `answer` sends a line to the L2 bank that requested it.
     pub(super) fn tick(&mut self, now: u64, wake: &mut impl Wake, mut answer: impl FnMut(PartId, LineAddr)) {
         while let Some(&(_, request)) = self.transfers.front().filter(|&&(at, _)| at <= now) {
             self.transfers.pop_front();
@@ -75,18 +75,18 @@ impl Channel {
         next.into_iter().chain(over).for_each(|at| wake.wake(self.part, at));
     }
 
-    /// When, on the bus, a transfer would end that begins in cycle `now`, if one can.
+    /// The end, in bus time, of a transfer that begins in cycle `now`; `None` if the bus is busy all cycle.
     fn transfer_ends(&self, now: u64) -> Option<u64> {
         let Some(rate) = self.rate else { return Some(0) };
         (self.bus_free < (now + 1) * rate).then(|| self.bus_free.max(now * rate) + self.line)
     }
 
-    /// Whether nothing is under way.
+    /// Whether no request or transfer is pending.
     pub(super) fn is_idle(&self) -> bool {
         self.queue.is_empty() && self.transfers.is_empty()
     }
 
-    /// What was done.
+    /// Counts of requests.
     pub(super) fn counts(&self) -> &DramCounts {
         &self.counts
     }
@@ -101,7 +101,7 @@ impl Channel {
         self.queue.len()
     }
 
-    /// How full the queue was.
+    /// Load of the queue.
     pub(super) fn load(&self) -> Load {
         self.queue.load()
     }

@@ -1,11 +1,11 @@
-//! Checks the commands of a DRAM channel against the timing of its part, by a table of its own: for logs of both
-//! engines, and of a user's run.
+//! Checks the commands of a DRAM channel against the timing of its part. The table of rules is independent of the
+//! engines. It checks the logs of both engines and of users' runs.
 
 use super::command::{Column, Command, LoggedCommand};
 use super::part::DramPart;
 use super::spec::{DramSpec, Page};
 
-/// What a rule is about.
+/// Kinds of commands that rules constrain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     Activate,
@@ -15,14 +15,14 @@ enum Kind {
     Refresh,
 }
 
-/// When an event is, of which a rule counts the clocks.
+/// The moment of an event from which a rule counts clocks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Moment {
     Command,
     DataEnd,
 }
 
-/// Which two banks a rule holds for.
+/// The pairs of banks that a rule holds for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Scope {
     Bank,
@@ -31,7 +31,7 @@ enum Scope {
     Channel,
 }
 
-/// Between `first` and `then` there are at least so many clocks.
+/// At least `clocks` clocks lie between `first` and `then`.
 #[derive(Clone, Copy, Debug)]
 struct Rule {
     name: &'static str,
@@ -72,15 +72,15 @@ fn table(part: &DramPart) -> Vec<Rule> {
     rules.into_iter().map(rule).collect()
 }
 
-/// Something that is not allowed.
+/// A violated constraint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("clock {clock}: `{rule}` is violated{}", from(.legal_at))]
 pub struct Violation {
-    /// When.
+    /// The clock of the command.
     pub clock: u64,
-    /// What was violated: a timing parameter, or `bus`, `state`, `command`.
+    /// The violated rule: a timing parameter, or `bus`, `state`, `command`.
     pub rule: &'static str,
-    /// From which clock on the rule would have been kept, if waiting helps.
+    /// The first clock in which the rule allows the command; `None` if waiting does not help.
     pub legal_at: Option<u64>,
 }
 
@@ -96,7 +96,7 @@ struct Event {
     data_end: u64,
 }
 
-/// Follows the commands of a channel.
+/// Checks the commands of one channel as they come.
 #[derive(Clone, Debug)]
 pub(crate) struct TimingChecker {
     part: DramPart,
@@ -109,7 +109,7 @@ pub(crate) struct TimingChecker {
     open: Vec<Option<u64>>,
     bus_free: u64,
     reads_last: bool,
-    /// The last four activates, the last one last.
+    /// The clocks of the last four activates, oldest first.
     activates: Vec<u64>,
     refreshes: u64,
     last_command: Option<u64>,
@@ -117,7 +117,7 @@ pub(crate) struct TimingChecker {
 }
 
 impl TimingChecker {
-    /// For a channel with lines of `line` bytes that was given no command yet.
+    /// A checker for a channel with lines of `line` bytes that has had no command.
     pub(crate) fn new(spec: &DramSpec, line: u64) -> Self {
         Self {
             page: spec.page,
@@ -135,13 +135,13 @@ impl TimingChecker {
         }
     }
 
-    /// The next command; the first thing in it that is not allowed is an error.
+    /// Checks the next command; the error is its first violation.
     pub(crate) fn check(&mut self, command: LoggedCommand) -> Result<(), Violation> {
         self.command(command);
         self.found.first().map_or(Ok(()), |&violation| Err(violation))
     }
 
-    /// The run is over after clock `clock`: an error if a refresh is missing then.
+    /// Ends the run after clock `clock`; an error if a refresh is missing by then.
     pub(crate) fn finish(mut self, clock: u64) -> Result<(), Violation> {
         self.end(clock);
         self.found.first().map_or(Ok(()), |&violation| Err(violation))
@@ -155,7 +155,7 @@ impl TimingChecker {
         self.found.push(Violation { clock, rule, legal_at });
     }
 
-    /// Whether a rule holds for an event of a bank and a command to another.
+    /// Whether a scope covers an earlier event in bank `before` and a command to `bank`.
     fn applies(&self, scope: Scope, before: Option<usize>, bank: Option<usize>) -> bool {
         let (Some(before), Some(bank)) = (before, bank) else { return true };
         let in_group = self.part.banks.size() / self.part.bank_groups.size();
@@ -167,7 +167,7 @@ impl TimingChecker {
         }
     }
 
-    /// The first clock in which each rule allows `kind` in `bank`, as far as past events say.
+    /// The first clock in which each rule allows `kind` in `bank`, given the past events.
     fn earliest(&self, kind: Kind, bank: Option<usize>) -> impl Iterator<Item = (&'static str, u64)> {
         self.rules.iter().filter(move |rule| rule.then == kind).flat_map(move |rule| {
             let events = self.last.iter().filter(|event| event.kind == rule.first);
@@ -196,7 +196,7 @@ impl TimingChecker {
         self.last.push(event);
     }
 
-    /// Puts a burst on the bus; the clock in which it has passed.
+    /// Puts a burst on the bus; returns the clock in which its data ends.
     fn data(&mut self, clock: u64, latency: u64, write: bool) -> u64 {
         let turn = if write && self.reads_last { self.part.timing.turn.get() } else { 0 };
         self.reads_last = !write;
@@ -253,7 +253,8 @@ impl TimingChecker {
         }
     }
 
-    /// Whether the row is open and holds the burst, and a row that is to be closed is, and no other.
+    /// Whether the row is open and holds the burst, and auto-precharge is set exactly where the page policy requires
+    /// it.
     fn column_fits(&self, column: &Column) -> bool {
         let last_of_line = column.column % self.bursts == self.bursts - 1;
         self.open[column.bank] == Some(column.row)
@@ -276,7 +277,7 @@ impl TimingChecker {
         self.open[bank] = None;
     }
 
-    /// A refresh is late by at most the time that closing all rows takes.
+    /// A refresh can be late by at most the time to close all rows.
     fn end(&mut self, clock: u64) {
         let t = &self.part.timing;
         let data = t.cwl.get() + self.part.burst_clocks.get() + t.wr.get();
@@ -287,7 +288,7 @@ impl TimingChecker {
     }
 }
 
-/// All violations in the log of a channel over a run up to clock `end`, with lines of `line` bytes.
+/// All violations in a channel's log of a run up to clock `end`, with lines of `line` bytes.
 #[cfg(test)]
 pub(crate) fn violations(spec: &DramSpec, line: u64, commands: &[LoggedCommand], end: u64) -> Vec<Violation> {
     let mut checker = TimingChecker::new(spec, line);

@@ -1,4 +1,4 @@
-//! Where in the DRAM a line lies.
+//! The mapping from lines to places in the DRAM.
 
 use std::fmt;
 
@@ -28,7 +28,7 @@ pub enum Field {
 #[serde(transparent)]
 pub struct Mapping(pub Vec<Field>);
 
-/// As in files: `Column(1) Bank(3) Column(4) Row`.
+/// The format of the files: `Column(1) Bank(3) Column(4) Row`.
 impl fmt::Display for Mapping {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (index, field) in self.0.iter().enumerate() {
@@ -38,16 +38,16 @@ impl fmt::Display for Mapping {
     }
 }
 
-/// Where a line lies.
+/// The place of a line.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Place {
     /// The channel.
     pub channel: usize,
-    /// The bank of the channel, groups counted through.
+    /// The bank in its channel, numbered across bank groups.
     pub bank: usize,
     /// The row of the bank.
     pub row: u64,
-    /// The line's place in the row.
+    /// Index of the line in the row.
     pub column: u64,
 }
 
@@ -88,10 +88,10 @@ impl Mapping {
         Ok(())
     }
 
-    /// Where `line` lies in channels of `part`.
+    /// The place of `line` in channels of `part`.
     pub fn place(&self, part: &DramPart, line: LineAddr) -> Place {
         let mut rest = line.0;
-        // Channel, group, bank, column: the value so far and its bits.
+        // Channel, group, bank, column: each the value so far and its number of bits.
         let mut parts = [(0u64, 0u32); 4];
         for &field in &self.0 {
             let (index, bits) = match field {

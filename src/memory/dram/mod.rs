@@ -1,4 +1,4 @@
-//! DRAM: channels with bank groups, banks, open rows and refresh, or flat ones.
+//! DRAM: channels with bank groups, banks, open rows and refresh, or flat channels.
 
 mod channel;
 pub(crate) mod command;
@@ -19,7 +19,7 @@ use super::{PartId, Request, Wake};
 use crate::quantity::{Bytes, LineAddr};
 use crate::stats::{DramCounts, TrafficClass};
 
-/// The channels, all of one model.
+/// All channels; they use the same model.
 #[derive(Clone, Debug)]
 enum Channels {
     Banks(Vec<channel::Channel>),
@@ -52,7 +52,8 @@ impl Dram {
         Self { spec: spec.clone(), clocks, channels }
     }
 
-    /// Puts a request into its channel's queue in cycle `now`; without a place, the asker is woken when there is one.
+    /// Puts a request into its channel's queue in cycle `now`. Without a place, it returns false and wakes the
+    /// requester later.
     pub fn put(&mut self, request: Request, now: u64, wake: &mut impl Wake) -> bool {
         let place = self.spec.place(request.line);
         match &mut self.channels {
@@ -61,7 +62,7 @@ impl Dram {
         }
     }
 
-    /// Cycle `now` of channel `index`. `answer` hands a line to the bank of the L2 that asked for it.
+    /// Simulates cycle `now` of channel `index`. `answer` sends a line to the L2 bank that requested it.
     pub fn tick(&mut self, index: usize, now: u64, wake: &mut impl Wake, answer: impl FnMut(PartId, LineAddr)) {
         match &mut self.channels {
             Channels::Banks(channels) => channels[index].tick(now, wake, answer),
@@ -74,7 +75,7 @@ impl Dram {
         self.spec.channels.size()
     }
 
-    /// Whether nothing is under way.
+    /// Whether no request or transfer is pending.
     pub fn is_idle(&self) -> bool {
         match &self.channels {
             Channels::Banks(channels) => channels.iter().all(channel::Channel::is_idle),
@@ -82,7 +83,7 @@ impl Dram {
         }
     }
 
-    /// Whether a refresh of channel `index` was due in a clock that began in cycle `now` or before, and was not given.
+    /// Whether a refresh of channel `index` that was due in a clock up to cycle `now` has not been given.
     pub fn refresh_is_due(&self, index: usize, now: u64) -> bool {
         match &self.channels {
             Channels::Banks(channels) => self.clocks.cycle(channels[index].refresh_due()) <= now,
@@ -90,7 +91,7 @@ impl Dram {
         }
     }
 
-    /// The commands of channel `index`; of a flat one its reads and writes.
+    /// The counts of channel `index`: commands and requests; a flat channel counts reads and writes only.
     pub fn counts(&self, index: usize) -> &DramCounts {
         match &self.channels {
             Channels::Banks(channels) => channels[index].counts(),
@@ -106,7 +107,7 @@ impl Dram {
         }
     }
 
-    /// What each channel was asked for and its commands, if they are kept; of flat ones there is nothing.
+    /// The logs of requests and commands, per channel; flat channels have none.
     pub fn logs(&mut self) -> Vec<&mut ChannelLog> {
         match &mut self.channels {
             Channels::Banks(channels) => channels.iter_mut().map(channel::Channel::log).collect(),
@@ -122,7 +123,7 @@ impl Dram {
         }
     }
 
-    /// How full the queue of channel `index` was.
+    /// Load of the queue of channel `index`.
     pub fn load(&self, index: usize) -> Load {
         match &self.channels {
             Channels::Banks(channels) => channels[index].load(),

@@ -1,4 +1,4 @@
-//! DRAM parts: organisation and timing as a data sheet has them, a file each in `configs/dram`.
+//! DRAM parts: organisation and timing from data sheets; `configs/dram` has a file per part.
 
 use schemars::JsonSchema;
 use serde::de::Error;
@@ -148,12 +148,12 @@ impl Default for DramPart {
 }
 
 impl DramPart {
-    /// The group of bank `bank`: groups are runs of banks.
+    /// The group of bank `bank`: each group is a run of consecutive banks.
     pub fn group(&self, bank: usize) -> usize {
         bank / (self.banks.size() / self.bank_groups.size())
     }
 
-    /// Bursts of a line of `line` bytes.
+    /// Bursts in a line of `line` bytes.
     pub fn bursts(&self, line: u64) -> u64 {
         line / self.burst_bytes.get()
     }
@@ -205,8 +205,8 @@ impl DramPart {
 }
 
 impl Timing {
-    /// Clocks that closing all rows, a refresh and the next column command take at most, with bursts of `burst` clocks.
-    /// Without more time between refreshes nothing would be served.
+    /// Upper bound in clocks for closing all rows, a refresh and the next column command, with bursts of `burst`
+    /// clocks. A shorter refresh interval would leave no time to serve requests.
     pub fn around_refresh(&self, burst: u64) -> u64 {
         let close = self.ras.get().max(self.rtp.get()).max(self.cwl.get() + burst + self.wr.get());
         let refresh = self.rp.get().max(self.rc.get()) + self.rfc.get();
@@ -229,7 +229,7 @@ mod tests {
         let mut names = Vec::new();
         for file in std::fs::read_dir(parts).unwrap() {
             let part: DramPart = ron_file::read(&file.unwrap().path()).unwrap_or_else(|error| panic!("{error}"));
-            // Lines of 32 B fit but for bursts of 64 B.
+            // Lines of 32 B suit all parts except those with bursts of 64 B.
             part.check(32.max(part.burst_bytes.get())).unwrap_or_else(|error| panic!("{}: {error}", part.name));
             names.push(part.name);
         }

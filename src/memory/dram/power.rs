@@ -1,8 +1,7 @@
-//! What a DRAM's commands and its time cost in energy: by the currents of its data sheet, or by a published figure a
-//! bit.
+//! The energy of a DRAM's commands and of its background: from data-sheet currents or from a published energy per bit.
 //!
 //! The formulas are those of Micron's technical note TN-40-07 ("Calculating Memory Power for DDR4 SDRAM", 2017), as
-//! DRAMsim3 has them in `configuration.cc`. `docs/model/energy.md` says them in words.
+//! implemented in `configuration.cc` of DRAMsim3. `docs/model/energy.md` explains them.
 
 use super::currents::{Currents, DramEnergy};
 use super::part::Timing;
@@ -10,7 +9,7 @@ use super::spec::{DramSpec, Model, Page};
 use crate::spread::Spread;
 use crate::stats::DramCounts;
 
-/// Energies of one channel in pJ: of a command, and of a clock that passes.
+/// Energies of one channel in pJ, per command and per clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CommandEnergy {
     /// An activate and its precharge.
@@ -28,7 +27,7 @@ pub struct CommandEnergy {
 }
 
 impl Currents {
-    /// What commands and clocks of `clock_mhz` cost with the data sheet's currents.
+    /// Energy per command and per clock at `clock_mhz` from the data sheet's currents.
     pub fn commands(&self, timing: &Timing, burst_clocks: u64, clock_mhz: u64) -> CommandEnergy {
         // V x mA x ns are pJ.
         let clock = self.volt * f64::from(self.devices) * 1000.0 / clock_mhz as f64;
@@ -46,7 +45,7 @@ impl Currents {
     }
 }
 
-/// What a DRAM did in a time.
+/// The counted work of a DRAM and its duration.
 #[derive(Clone, Copy, Debug)]
 pub struct DramWork {
     /// Commands of all channels.
@@ -58,8 +57,8 @@ pub struct DramWork {
 }
 
 impl DramSpec {
-    /// Picojoules that the DRAM used for `work`, by part; `None` where the part says nothing of its energy, or where a
-    /// flat DRAM has no commands that currents could be applied to.
+    /// Energy of `work` in pJ, per component. `None` if the part has no energy data, or if the model is flat and the
+    /// data are currents: a flat DRAM counts no commands.
     pub fn energy(&self, work: &DramWork) -> Option<Vec<(&'static str, Spread)>> {
         let DramCounts { reads, writes, activates, refreshes, .. } = work.counts;
         let [reads, writes, activates, refreshes] = [reads, writes, activates, refreshes].map(|count| count as f64);
@@ -74,7 +73,8 @@ impl DramSpec {
                 let bursts = part.bursts(work.line_bytes) as f64;
                 let clocks = work.seconds * clock_mhz as f64 * 1e6 * self.channels.get() as f64;
                 let [closed, open] = [command.precharged_clock, command.active_clock];
-                // How long banks are open is not counted: with open pages nearly always, with closed ones hardly.
+                // The time with open banks is not counted: it is nearly all of the time with open pages, hardly any
+                // with closed pages.
                 let typical = if self.page == Page::Open { open } else { closed };
                 let Spread { low, typical: factor, high } = currents.factor;
                 let background = Spread::new(closed * low, typical * factor, open * high);

@@ -1,4 +1,4 @@
-//! A DRAM's spec: which part, how many channels, how they are scheduled, and where an address lies.
+//! The spec of a DRAM: its part, number of channels, scheduling and address mapping.
 
 use std::fmt;
 
@@ -76,7 +76,7 @@ impl Default for DramSpec {
     }
 }
 
-/// In words, for reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4)
+/// The format in reports: `1 channel of LPDDR4-3200, Open pages, line bits from the lowest: Column(1) Bank(3) Column(4)
 /// Row`, or `2 flat channels, latency 50, 16 bytes a cycle each`.
 impl fmt::Display for DramSpec {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -106,7 +106,7 @@ impl DramSpec {
         self.mapping.check(self.channels.get(), &self.part, line)
     }
 
-    /// Where `line` lies.
+    /// The place of `line`.
     pub fn place(&self, line: LineAddr) -> Place {
         match self.model {
             Model::Banks => self.mapping.place(&self.part, line),
@@ -114,13 +114,13 @@ impl DramSpec {
         }
     }
 
-    /// How the DRAM's clock runs beside a machine's of `machine_mhz`.
+    /// The relation of the DRAM's clock to a machine clock of `machine_mhz`.
     pub fn clocks(&self, machine_mhz: u64) -> Clocks {
         Clocks { dram_mhz: self.part.clock_mhz.get(), machine_mhz }
     }
 
-    /// Peak bandwidth of a channel, if there is one: bytes, and in how many cycles of a machine clocked at
-    /// `machine_mhz`.
+    /// Peak bandwidth of a channel as a fraction: bytes, and cycles of a machine clocked at `machine_mhz`. `None`:
+    /// unlimited.
     pub fn channel_peak(&self, machine_mhz: u64) -> Option<(u64, u64)> {
         let DramPart { burst_bytes, burst_clocks, clock_mhz, .. } = self.part;
         match self.model {
@@ -129,14 +129,14 @@ impl DramSpec {
         }
     }
 
-    /// Peak bandwidth of all channels in bytes a cycle of a machine clocked at `machine_mhz`, if there is one.
+    /// Peak bandwidth of all channels in bytes per cycle of a machine clocked at `machine_mhz`; `None`: unlimited.
     pub fn peak_bytes_per_cycle(&self, machine_mhz: u64) -> Option<f64> {
         let peak = self.channel_peak(machine_mhz);
         peak.map(|(bytes, cycles)| (self.channels.get() * bytes) as f64 / cycles as f64)
     }
 }
 
-/// The clock of the DRAM beside the machine's: clock `k` begins `k` periods of the DRAM after cycle 0 does.
+/// The DRAM's clock and the machine's: clock `k` begins `k` periods of the DRAM after cycle 0 begins.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Clocks {
     dram_mhz: u64,

@@ -1,5 +1,5 @@
-//! Work ahead of the other parts' time, of a unit that reads alone: lines come, accesses are made and operations begin
-//! in cycles to come.
+//! Work ahead of the other parts' time (lookahead), for a unit that only reads: lines arrive, accesses are made and
+//! operations begin in cycles to come.
 
 use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
@@ -9,43 +9,43 @@ use crate::quantity::Bytes;
 use crate::stats::Cause;
 
 impl Pipeline {
-    /// Whether lines and rays that come are all that can change anything.
+    /// Whether only lines and rays that arrive can change the unit's state.
     #[inline]
     pub(crate) fn can_work_ahead(&self) -> bool {
-        // Who is stuck for want of a place in the out queue goes on as soon as the L2 has a place.
+        // A ray that is stuck for lack of a place in the out queue goes on as soon as the L2 has a place.
         let waits_for_place = self.stuck && self.out.len() == self.out_places;
         self.foresees && self.ready.is_empty() && self.straight.is_empty() && !waits_for_place
     }
 
-    /// When the first operation ends, and its ray; [`u64::MAX`] if there is none.
+    /// The end cycle of the first operation, and its ray; [`u64::MAX`] if there is none.
     #[inline]
     pub(crate) fn next_to_leave(&self) -> (u64, RayId) {
         self.stages.front().copied().unwrap_or((u64::MAX, 0))
     }
 
-    /// Up to when a hit that gets its data is ready before all that may come and is not entered yet, if no line can be
-    /// put in before cycle `line`.
+    /// The cycle before which a hit that gets its data precedes every ray not entered yet, if no line can be put in
+    /// before cycle `line`.
     #[inline]
     pub(crate) fn bound(&self, line: u64) -> u64 {
         line.min(self.releases_at().saturating_add(1))
     }
 
-    /// When the next ray gets its line of those that get it one by one; [`u64::MAX`] if none waits for that.
+    /// The cycle in which a line is next given to one of the rays that get it one by one; [`u64::MAX`] if no ray waits
+    /// for this.
     #[inline]
     fn releases_at(&self) -> u64 {
         if self.released.is_empty() { u64::MAX } else { self.release_at }
     }
 
-    /// The first cycle in which an access can be made that is to be made, or a hit gets its data; [`u64::MAX`] if there
-    /// is none.
+    /// The first cycle in which a waiting access can be made or a hit gets its data; [`u64::MAX`] if there is none.
     #[inline]
     fn pending_at(&self) -> u64 {
         let access = if self.fetching.is_empty() || self.stuck { u64::MAX } else { self.access_at };
         self.hits.front().map_or(access, |hit| hit.0.min(access))
     }
 
-    /// A ray begins a fetch in cycle `at`. No line can be put in before cycle `line`, and `bound` is that of
-    /// [`Pipeline::bound`]. Whether that could be done; if not, the unit is to act in its next cycle.
+    /// Begins a fetch of a ray in cycle `at`. No line can be put in before cycle `line`; `bound` is the result of
+    /// [`Pipeline::bound`]. Returns whether this was possible; if not, the unit must act in its next cycle.
     #[inline]
     pub(crate) fn fetch_ahead(
         &mut self,
@@ -55,7 +55,7 @@ impl Pipeline {
         (line, bound): (u64, u64),
         links: &mut Links,
     ) -> bool {
-        // Most lines are there, and most units have enough to do.
+        // The fast path: most lines are present, and most units are busy.
         let mut there_at = 0;
         if self.fetching.is_empty() && !self.stuck {
             while fetch.left > 0 {
@@ -81,7 +81,7 @@ impl Pipeline {
         true
     }
 
-    /// As [`Pipeline::fetch_ahead`], of a fetch that is under way, and in any state of the unit.
+    /// [`Pipeline::fetch_ahead`] for a fetch that may have begun, and for any state of the unit.
     fn fetch_slowly_ahead(&mut self, ray: RayId, mut fetch: Fetch, at: u64, line: u64, links: &mut Links) -> bool {
         let mut done = true;
         if self.fetching.is_empty() && !self.stuck {
@@ -103,7 +103,7 @@ impl Pipeline {
         done || self.stuck
     }
 
-    /// The next access of a ray's fetch, in cycle `from` or later; whether it could be made.
+    /// Makes the next access of a ray's fetch, in cycle `from` or later. Returns whether this was possible.
     #[inline]
     fn access_ahead(&mut self, ray: RayId, marked: bool, fetch: &mut Fetch, from: u64, line: u64) -> bool {
         let at = self.access_at.max(from);
@@ -132,8 +132,8 @@ impl Pipeline {
         true
     }
 
-    /// Goes on with hits and with accesses of the fetch queue, from cycle `from` on. No line can be put in before cycle
-    /// `line`. Whether that could be done; if not, the unit is to act in its next cycle.
+    /// Goes on with hits and with accesses of the fetch queue, from cycle `from` on. No line can be put in before
+    /// cycle `line`. Returns whether this was possible; if not, the unit must act in its next cycle.
     pub(crate) fn go_on(&mut self, from: u64, line: u64, links: &mut Links) -> bool {
         let bound = self.bound(line);
         while let Some(&(at, ray)) = self.hits.front().filter(|hit| hit.0 < bound) {
@@ -156,9 +156,9 @@ impl Pipeline {
         done || self.stuck
     }
 
-    /// What lines do next before cycle `end`: the one that is to be put in in cycle `line` is, or one that was gives a
-    /// ray what it waits for. Returns when the next line is to be put in, if that is before `end`; as an error, the
-    /// first cycle in which the unit is to act by itself.
+    /// Handles the next event of a line before cycle `end`: puts in the line due in cycle `line`, or gives a line that
+    /// was put in to the next ray waiting for it. Returns the cycle of the next line, at most `end`; as an error, the
+    /// first cycle in which the unit must act by itself.
     pub(crate) fn take_line_ahead(&mut self, line: u64, end: u64, links: &mut Links) -> Result<u64, u64> {
         let releases = self.releases_at();
         if line < end && line <= releases {
@@ -175,7 +175,7 @@ impl Pipeline {
         }
     }
 
-    /// Puts in the line that comes in cycle `at`; whether that could be done.
+    /// Puts in the line that arrives in cycle `at`. Returns whether this was possible.
     fn fill_ahead(&mut self, at: u64, links: &mut Links) -> bool {
         if !self.fill(at, links) {
             return false;
@@ -190,12 +190,12 @@ impl Pipeline {
         true
     }
 
-    /// Gives the next ray its line of those that get it one by one, in cycle `at`.
+    /// In cycle `at`, gives a line to the next of the rays that get it one by one.
     fn release_ahead(&mut self, at: u64, links: &mut Links) {
         if let Some(ray) = self.released.pop_front() {
             self.release_at = at + 1;
             if self.enter_if_there(ray, at + 1, links) {
-                // It is ready at the end of the cycle. Where no operation begins after that, the next ray waits for a
+                // The ray is ready at the end of the cycle. If no operation begins after it, the next ray waits for a
                 // line.
                 self.causes.cycle(at, Cause::Blocked);
                 self.causes.cycle(at + 1, Cause::Memory);
@@ -203,7 +203,8 @@ impl Pipeline {
         }
     }
 
-    /// A ray gets a line, so that its operation can begin in cycle `at` if it has all; whether it has.
+    /// Gives a ray a line; if it has all its lines, its operation begins in cycle `at` or later. Returns whether it
+    /// has all.
     #[inline]
     fn enter_if_there(&mut self, ray: RayId, at: u64, links: &mut Links) -> bool {
         let fetch = &mut links.rays[ray as usize].fetch;

@@ -1,5 +1,5 @@
-//! Hits are foreseen: most fetches are hits, and all that becomes of one is known when its ray is the first of the
-//! fetch queue.
+//! Foresees hits: most fetches are hits, and the whole course of a hit is known when its ray is the first of the fetch
+//! queue.
 
 use super::super::links::Links;
 use super::super::ray::{Fetch, RayId};
@@ -9,7 +9,7 @@ use crate::memory::cache::Access;
 use crate::quantity::Bytes;
 
 impl Pipeline {
-    /// Hits are not foreseen: for a unit in which rays get ready without a fetch.
+    /// Turns foresight off, for a unit in which rays become ready without a fetch.
     pub(crate) fn foresee_nothing(&mut self) {
         self.foresees = false;
     }
@@ -28,27 +28,29 @@ impl Pipeline {
         self.fetching.push_back(ray);
     }
 
-    /// Entries of all queues and lists that an access or an operation waits in.
+    /// Zero if no access and no operation waits in any queue or list.
     #[inline]
     pub(super) fn queued(&self) -> usize {
         self.fetching.len() | self.hits.len() | self.ready.len() | self.released.len()
     }
 
-    /// The first cycle in which a line may come from the L2: those on their way are known, others take the L2's
-    /// latency. At the latest, that in which a hit is there whose access is made after the next look: what is made
-    /// ahead of a look is counted in it.
+    /// The first cycle in which a line may come from the L2: lines on their way are known, others take the L2's
+    /// latency. An observed cycle limits it to the cycle in which the first hit accessed after it arrives, because an
+    /// access made ahead of an observed cycle would be counted in it.
     #[inline]
     pub(super) fn first_unknown(&self, now: u64, links: &Links) -> u64 {
         let after_look = links.looked_at.saturating_add(self.hit_latency + 1);
         self.line_at(links).min(now + self.answer_latency + 1).min(after_look)
     }
 
-    /// Most fetches are hits, and all that becomes of one is known when its ray is the first of the fetch queue, and
-    /// all before it have left the ready list: the port is free from cycle `access_at` on, a line is there a hit's
-    /// latency after its access, and the operation begins when those before it have begun. So accesses are made at
-    /// once, in their turn, from cycle `from` on, and the ray enters the pipeline, for a later cycle. All that is
-    /// before cycle `bound`, in which a line may come from the L2. Whether all accesses were made; if not, the ray goes
-    /// on as others do.
+    /// Makes all accesses of a fetch at once, for cycles from `from` on, and enters the ray into the pipeline for a
+    /// later cycle. The ray must be the first of the fetch queue, and all rays before it must have left the ready
+    /// list.
+    ///
+    /// The course of a hit is then known. The port is free from cycle `access_at` on, a line arrives a hit's latency
+    /// after its access, and the operation begins after those before it. Foresight ends at a miss and at cycle
+    /// `bound`, in which a line may come from the L2. Returns whether all accesses were made; if not, the ray goes on
+    /// as others do.
     #[inline]
     pub(super) fn foresee(&mut self, ray: RayId, fetch: &mut Fetch, from: u64, bound: u64) -> bool {
         let access = if fetch.write { Access::Write } else { Access::Read };
@@ -74,8 +76,8 @@ impl Pipeline {
         }
     }
 
-    /// Foresees what becomes of the rays that are queued at the end of cycle `now`, as far as it is known: the ready
-    /// list, hits that get their lines, and the fetch queue up to the first line that is not there.
+    /// Foresees the course of rays that are queued at the end of cycle `now`, as far as it is known: the ready list,
+    /// hits that get their lines, and the fetch queue up to the first absent line.
     pub(super) fn foresee_queued(&mut self, now: u64, links: &mut Links) {
         while let Some(ray) = self.ready.pop_front() {
             self.enter_ahead(ray, self.open_at.max(now + 1));
@@ -105,7 +107,7 @@ impl Pipeline {
         }
     }
 
-    /// An operation of `ray` begins in cycle `at`, which is to come.
+    /// Lets an operation of `ray` begin in cycle `at`, which is to come.
     #[inline(always)]
     pub(super) fn enter_ahead(&mut self, ray: RayId, at: u64) {
         self.enter(ray, at);

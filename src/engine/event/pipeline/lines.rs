@@ -27,13 +27,13 @@ impl Pipeline {
         }
     }
 
-    /// When the next line can be put in; [`u64::MAX`] if none is known to come.
+    /// The cycle in which the next line can be put in; [`u64::MAX`] if none is known to come.
     #[inline]
     pub(crate) fn line_at(&self, links: &Links) -> u64 {
         links.lines[self.part.0 as usize].front().map_or(u64::MAX, |line| line.at.max(self.fill_at))
     }
 
-    /// Step 1, of a line that is there in cycle `now`; whether it was taken.
+    /// Step 1, for a line that is there in cycle `now`. Returns whether it was taken.
     pub(super) fn fill(&mut self, now: u64, links: &mut Links) -> bool {
         let lines = &mut links.lines[self.part.0 as usize];
         let Some(&Answer { line, .. }) = lines.front() else { return false };
@@ -60,7 +60,7 @@ impl Pipeline {
                     self.line_came(self.filled_for[index], &mut links.rays);
                 }
             }
-            // The row stays in use until its last ray has left: which no access sees, since none is made until then.
+            // The row stays in use until its last ray has left. No access sees this, since none is made until then.
             Release::OneByOne => {
                 self.release_at = if self.released.is_empty() { now } else { self.release_at };
                 self.released.extend(self.filled_for.drain(..));
@@ -80,7 +80,7 @@ impl Pipeline {
         }
     }
 
-    /// Step 6; whether the queue was stopped.
+    /// Step 6. Returns whether the fetch queue was stopped.
     #[inline]
     pub(super) fn access(&mut self, now: u64, links: &mut Links) -> bool {
         if self.release_at <= now
@@ -150,9 +150,9 @@ impl Pipeline {
         }
     }
 
-    /// Whether a ray that gets its last line in the next cycle, as a hit of this one, begins its operation then: it
-    /// does if it is the first of the ready list, and no other can begin beside it. `line` is the first to come from
-    /// the L2: of those that come in the next cycle all are known, since an answer takes the L2's latency.
+    /// Whether a ray that makes its last access in this cycle, a hit, begins its operation in the next cycle. It does
+    /// if it is the first of the ready list and no other operation can begin beside it. `line` is the first line to
+    /// come from the L2. All lines of the next cycle are known, since an answer takes the L2's latency.
     #[inline]
     pub(super) fn is_open_next(&self, now: u64, line: Option<&Answer>) -> bool {
         self.hit_latency == 1
@@ -163,8 +163,8 @@ impl Pipeline {
             && line.is_none_or(|line| line.at > now + 1)
     }
 
-    /// An access of ray `id`, which is marked or not, to a line that is not there, in cycle `at`; false if it has to
-    /// wait.
+    /// Handles an access of ray `id` to an absent line in cycle `at`; `marked` says whether the ray is marked. Returns
+    /// false if the access has to wait.
     pub(super) fn miss(&mut self, id: RayId, marked: bool, fetch: &Fetch, access: Access, at: u64) -> bool {
         let Fetch { line, class, .. } = *fetch;
         let room = self.out.len() < self.out_places;
@@ -181,7 +181,7 @@ impl Pipeline {
         true
     }
 
-    /// The first ray of the fetch queue, `id`, asks the L2 for its line; false if it has to wait.
+    /// The first ray of the fetch queue, `id`, requests its line from the L2. Returns false if it has to wait.
     pub(super) fn ask_straight(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
         if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
             return false;
@@ -201,7 +201,7 @@ impl Pipeline {
         self.out.push_back((now, Request { line, class, write, bytes, from: self.part, marked: false }));
     }
 
-    /// Step 7; whether the first of the out queue found a place.
+    /// Step 7. Returns whether the first request of the out queue found a place.
     pub(super) fn send(&mut self, now: u64, links: &mut Links) -> bool {
         let request = self.out.front().filter(|(at, _)| *at <= now);
         let sent = request.is_some_and(|&(_, request)| links.l2.put(self.core, request, now, &mut links.clock));
@@ -212,19 +212,20 @@ impl Pipeline {
         sent
     }
 
-    /// Step 7 of a unit that has worked ahead; returns when the next request can go, [`u64::MAX`] if that is not known.
+    /// Step 7 of a unit that has worked ahead. Returns the cycle in which the next request can be sent; [`u64::MAX`]
+    /// if it is not known.
     pub(crate) fn send_due(&mut self, now: u64, links: &mut Links) -> u64 {
         let waits = self.out.front().is_some_and(|&(at, _)| at <= now) && !self.send(now, links);
         if waits { u64::MAX } else { self.sends_at().max(now + 1) }
     }
 
-    /// When the first request is made that waits to go; [`u64::MAX`] if there is none.
+    /// The cycle in which the first waiting request is made; [`u64::MAX`] if there is none.
     #[inline]
     pub(crate) fn sends_at(&self) -> u64 {
         self.out.front().map_or(u64::MAX, |&(at, _)| at)
     }
 
-    /// A ray begins to fetch `element` from the L2.
+    /// A ray begins to fetch `element` from the L2, past the L1.
     pub(crate) fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
         self.fetching.push_back(ray);

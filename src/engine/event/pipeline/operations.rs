@@ -1,4 +1,4 @@
-//! Operations that begin and end (steps 3 and 5 of a cycle), and the account of the cycle.
+//! The beginning and end of operations (steps 3 and 5 of a cycle), and the cause of the cycle.
 
 use super::super::links::{Links, take};
 use super::super::ray::{Fetch, Ray, RayId};
@@ -9,7 +9,7 @@ use crate::quantity::Bytes;
 use crate::stats::Cause;
 
 impl Pipeline {
-    /// Step 3: the ray whose operation ends.
+    /// Step 3. Returns the ray whose operation ends.
     #[inline]
     pub(crate) fn leave(&mut self, now: u64) -> Option<RayId> {
         take(&mut self.stages, now)
@@ -21,7 +21,7 @@ impl Pipeline {
         self.stages.drop_front();
     }
 
-    /// Drops the first operation if it ended before cycle `now`; whether there was one.
+    /// Drops the first operation if it ended before cycle `now`. Returns whether it did.
     #[inline]
     pub(crate) fn left_before(&mut self, now: u64) -> bool {
         let left = self.ends_at() < now;
@@ -31,37 +31,37 @@ impl Pipeline {
         left
     }
 
-    /// Operation `index` of those in the pipeline: when it ends, and its ray.
+    /// Operation `index` in the pipeline: its end cycle, and its ray.
     #[inline]
     pub(crate) fn operation(&mut self, index: usize) -> Option<&mut (u64, RayId)> {
         self.stages.get_mut(index)
     }
 
-    /// When the first operation ends; [`u64::MAX`] if there is none.
+    /// The end cycle of the first operation; [`u64::MAX`] if there is none.
     #[inline]
     pub(crate) fn ends_at(&self) -> u64 {
         self.stages.front().map_or(u64::MAX, |stage| stage.0)
     }
 
-    /// When the last operation ends; [`u64::MAX`] if there is none.
+    /// The end cycle of the last operation; [`u64::MAX`] if there is none.
     #[inline]
     pub(crate) fn drains_at(&self) -> u64 {
         self.stages.back().map_or(u64::MAX, |stage| stage.0)
     }
 
-    /// A ray is to take an operation that writes `element`, without a fetch.
+    /// Makes a ray ready for an operation that writes `element`, without a fetch.
     pub(crate) fn ready_to_write(&mut self, ray: RayId, element: &Element, links: &mut Links) {
         links.rays[ray as usize].fetch = Fetch::of(element, &links.layout);
         self.ready.push_back(ray);
     }
 
-    /// A ray is to take an operation without a fetch.
+    /// Makes a ray ready for an operation without a fetch.
     pub(crate) fn ready(&mut self, ray: RayId, links: &mut Links) {
         links.rays[ray as usize].fetch.write = false;
         self.ready.push_back(ray);
     }
 
-    /// Step 5: whether an operation began.
+    /// Step 5. Returns whether an operation began.
     #[inline]
     pub(crate) fn begin(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = now >= self.open_at && self.begin_first(now, rays);
@@ -71,7 +71,7 @@ impl Pipeline {
         began
     }
 
-    /// Step 5 of a unit in which several operations can begin at once: whether any did.
+    /// Step 5 of a unit in which several operations can begin in a cycle. Returns whether any did.
     pub(crate) fn begin_several(&mut self, now: u64, rays: &[Ray]) -> bool {
         let began = self.begin(now, rays);
         if began {
@@ -104,7 +104,8 @@ impl Pipeline {
         self.open_at = at + self.timing.interval;
     }
 
-    /// Sends the write of an operation that begins down, if it goes through; false if there is no place.
+    /// Sends the write of an operation that begins to the L2, if it is written through. Returns false if there is no
+    /// place.
     pub(super) fn write_through(&mut self, fetch: &Fetch, now: u64) -> bool {
         if !fetch.write || !self.writes.go_through(fetch.class) {
             return true;
@@ -119,9 +120,8 @@ impl Pipeline {
         true
     }
 
-    /// Steps 6 and 7, and the account of the cycle: `leaving` says whether a ray waits to go to another unit. Returns
-    /// the next cycle in which something happens that is known, but for operations that end; [`u64::MAX`] if nothing
-    /// is.
+    /// Steps 6 and 7, and the account of the cycle; `leaving` says whether a ray waits to go to another unit. Returns
+    /// the next cycle of a known event other than the end of an operation; [`u64::MAX`] if none is known.
     #[inline(always)]
     pub(crate) fn end(&mut self, now: u64, links: &mut Links, leaving: bool) -> u64 {
         let lines = self.line_at(links);
@@ -134,7 +134,7 @@ impl Pipeline {
         }
     }
 
-    /// As [`Pipeline::end`], where something is queued; `passed_by` says of a cycle that the unit took as many rays as
+    /// [`Pipeline::end`] where something is queued. `passed_by` says that the unit took as many rays in this cycle as
     /// it can, others waited, and no operation began.
     pub(crate) fn end_crowded(&mut self, now: u64, links: &mut Links, leaving: bool, passed_by: bool) -> u64 {
         self.accessed = false;
@@ -149,7 +149,7 @@ impl Pipeline {
         if self.foresees {
             self.foresee_queued(now, links);
             if ready && !leaving {
-                // Where no operation begins from the next cycle on, the next ray waits for a line.
+                // If no operation begins from the next cycle on, the next ray waits for a line.
                 self.causes.cycle(now + 1, Cause::Memory);
             }
         }
@@ -164,13 +164,13 @@ impl Pipeline {
             return now + 1;
         }
         let access = if self.fetching.is_empty() || stalled { u64::MAX } else { self.access_at.max(now + 1) };
-        // What waits to go since this cycle or longer is woken when there is a place for it.
+        // The unit is woken when there is a place for a request that has waited since this cycle or longer.
         let sends = if self.sends_at() > now { self.sends_at() } else { u64::MAX };
         self.next_event(now, lines).min(access).min(sends)
     }
 
-    /// The next cycle in which an operation may begin or a line come; [`u64::MAX`] if none is known. `lines` is when
-    /// the first line comes.
+    /// The next cycle in which an operation may begin or a line arrive; [`u64::MAX`] if none is known. `lines` is the
+    /// cycle of the first line.
     #[inline]
     pub(super) fn next_event(&self, now: u64, lines: u64) -> u64 {
         let begin = if self.ready.is_empty() { u64::MAX } else { self.open_at.max(now + 1) };
@@ -179,7 +179,7 @@ impl Pipeline {
         begin.min(line).min(hit)
     }
 
-    /// Why no operation begins while nothing happens; `held` says whether a ray waits for a place in the pipeline or
+    /// The cause of cycles in which nothing happens; `held` says whether a ray waits for a place in the pipeline or
     /// elsewhere.
     #[inline]
     pub(super) fn idle_cause(&self, held: bool) -> Cause {
@@ -202,8 +202,7 @@ impl Pipeline {
         self.causes.cycle(now, idle);
     }
 
-    /// Counts the cycles up to that in which the last operation begins that is known to: until then, its ray waits for
-    /// its line.
+    /// Counts the cycles until the last known operation begins: its ray waits for its line until then.
     #[inline]
     pub(super) fn account_ahead(&mut self, now: u64, held: bool) {
         if self.begins_last > now {

@@ -1,4 +1,4 @@
-//! The common part of a unit: its state, and what is counted of it.
+//! The common part of a unit: its state and its counts.
 
 use super::super::causes::Causes;
 use super::super::memory::Memory;
@@ -14,11 +14,11 @@ use crate::stats::{L1Counts, TrafficClass};
 /// The timing of a unit's pipeline.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stages {
-    /// Cycles that an operation takes.
+    /// Cycles from the beginning of an operation to its end.
     pub latency: u64,
-    /// Cycles from an operation to the next.
+    /// Cycles from the beginning of an operation to the beginning of the next.
     pub interval: u64,
-    /// Operations that begin at once.
+    /// Operations that can begin in one cycle.
     pub width: u64,
 }
 
@@ -29,7 +29,7 @@ pub(crate) struct Pipeline {
     pub(super) part: PartId,
     pub(super) core: u32,
     pub(super) cache: Cache,
-    /// Requests to the L2, with the cycles in which they are made.
+    /// Requests to the L2, each with the cycle in which it is made.
     pub(super) out: Ring<(u64, Request)>,
     pub(super) out_places: usize,
     pub(super) ports: u64,
@@ -42,38 +42,38 @@ pub(crate) struct Pipeline {
     pub(super) writes: WritePolicy,
     pub(super) fetching: Ring<RayId>,
     pub(super) hits: Ring<(u64, RayId)>,
-    /// Rays that made all their accesses and wait for lines.
+    /// Number of rays that have made all their accesses and wait for lines.
     pub(super) waiting: usize,
     pub(super) ready: Ring<RayId>,
-    /// Rays in the pipeline, with the cycles in which their operations end. The last may begin only in the next cycle.
+    /// Rays in the pipeline, each with its operation's end cycle; an operation entered ahead begins in a later cycle.
     pub(super) stages: Ring<(u64, RayId)>,
     pub(super) requested: [Bytes; TrafficClass::ALL.len()],
     pub(super) written_through: [Past; TrafficClass::ALL.len()],
     pub(super) causes: Causes,
-    /// Operations that began beside the first of a cycle.
+    /// Number of operations that began in a cycle beside its first one.
     pub(super) beside: u64,
     pub(super) filled: bool,
-    /// Whether the first of the fetch queue found no register, target or place: until a line comes or a request goes,
-    /// it finds none.
+    /// Whether the first ray of the fetch queue found no register, target or place: it finds none until a line arrives
+    /// or a request is sent.
     pub(super) stuck: bool,
-    /// Whether a line was accessed in this cycle. That may have made another line, a clean one, the next to go, or
-    /// given the line that waits a place: a fill that waits can be made then.
+    /// Whether a line was accessed in this cycle. The access may have made a clean line the next victim, or made room
+    /// for the line that waits: a waiting fill may then succeed.
     pub(super) accessed: bool,
-    /// Whether hits are foreseen ([`Pipeline::foresee`]), and after how many cycles the L2 answers at the earliest.
+    /// Whether hits are foreseen ([`Pipeline::foresee`]), and the shortest latency of the L2.
     pub(super) foresees: bool,
     pub(super) answer_latency: u64,
     /// The first cycle in which a line can be put in.
     pub(super) fill_at: u64,
     /// The first cycle in which the port of the L1 is free.
     pub(super) access_at: u64,
-    /// When the last operation begins of those that were entered ahead.
+    /// The cycle in which the last operation entered ahead begins.
     pub(super) begins_last: u64,
     pub(super) filled_for: Vec<RayId>,
     pub(super) release: Release,
-    /// Rays whose lines have come and are given out one by one, and when the next one is.
+    /// Rays that get an arrived line one by one ([`Release::OneByOne`]), and the cycle in which the next ray gets it.
     pub(super) released: Ring<RayId>,
     pub(super) release_at: u64,
-    /// Requests under way past the L1, the oldest first, and how many there can be.
+    /// Requests under way that bypass the L1, the oldest first, and their greatest number.
     pub(super) straight: Ring<(LineAddr, RayId)>,
     pub(super) most_straight: usize,
     pub(super) read_straight: [Past; TrafficClass::ALL.len()],
@@ -82,7 +82,7 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// An empty unit with the number `part`, of a core.
+    /// An empty unit, part `part` of core `core`.
     pub(crate) fn new(
         part: PartId,
         core: u32,
@@ -147,18 +147,18 @@ impl Pipeline {
         self.core
     }
 
-    /// A frame begins: lines from `first` on go.
+    /// A frame begins: the L1 drops lines from `first` on.
     pub(crate) fn drop_from(&mut self, first: LineAddr) {
         self.cache.drop_from(first);
     }
 
-    /// The L1 holds from now on what `tags` do.
+    /// Loads the contents of `tags` into the L1.
     pub(crate) fn hold(&mut self, tags: &TagArray) {
         self.stuck = false;
         self.cache.hold(tags);
     }
 
-    /// Whether nothing is on its way to the L2.
+    /// Whether no request to the L2 waits or is under way.
     pub(crate) fn is_idle(&self) -> bool {
         self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()
     }
@@ -168,22 +168,22 @@ impl Pipeline {
         &self.cache
     }
 
-    /// Bytes that the unit asked its L1 for, by class.
+    /// Bytes that the unit requested from its L1, by class.
     pub(crate) fn requested(&self) -> &[Bytes; TrafficClass::ALL.len()] {
         &self.requested
     }
 
-    /// Writes that went through, by class.
+    /// Writes that went through the L1, by class.
     pub(crate) fn written_through(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.written_through
     }
 
-    /// Reads that went past the L1, by class.
+    /// Reads that bypassed the L1, by class.
     pub(crate) fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
         &self.read_straight
     }
 
-    /// What its L1 alone counted, by class.
+    /// Counts that only an L1 has, by class.
     pub(crate) fn l1_counts(&self) -> &[L1Counts; TrafficClass::ALL.len()] {
         self.banks.counts()
     }

@@ -1,4 +1,4 @@
-//! What a channel does, against closed forms.
+//! The behaviour of a channel, compared with closed forms.
 
 use super::{Awake, with};
 use crate::memory::dram::Dram;
@@ -9,7 +9,7 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Within};
 use crate::stats::TrafficClass;
 
-/// A DRAM whose clock is the machine's, so that its parameters are cycles; lines of 64 B, two bursts each.
+/// A DRAM with the machine's clock, so that its parameters are in cycles; lines of 64 B, two bursts each.
 fn built(spec: &DramSpec) -> Dram {
     spec.check(64).unwrap();
     Dram::new(spec, 1600, 64, PartId(0))
@@ -19,7 +19,7 @@ fn dram() -> Dram {
     built(&DramSpec::default())
 }
 
-/// The parameters that closed forms are made of.
+/// The timing parameters in the closed forms.
 struct Closed {
     cl: u64,
     cwl: u64,
@@ -55,7 +55,7 @@ fn request(line: u64, write: bool) -> Request {
     Request { line: LineAddr(line), class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(9), marked: false }
 }
 
-/// Puts the requests, each in its cycle or as soon as there is a place; the cycle of each answer.
+/// Puts each request in its cycle; returns the cycle of each answer.
 fn answers(dram: &mut Dram, requests: &[(u64, Request)], cycles: u64) -> Vec<u64> {
     let mut left = requests.iter().copied().peekable();
     let mut answers = Vec::new();
@@ -68,9 +68,9 @@ fn answers(dram: &mut Dram, requests: &[(u64, Request)], cycles: u64) -> Vec<u64
     answers
 }
 
-/// Clocks that a line is on the bus: two bursts of 8.
+/// Clocks of a line on the bus: two bursts of 8.
 const LINE: u64 = 16;
-/// Lines to the next row of the same bank: 2 columns, 8 banks, 16 columns.
+/// Distance in lines to the next row of the same bank: 2 columns, 8 banks, 16 columns.
 const ROW: u64 = 256;
 
 #[test]
@@ -117,7 +117,7 @@ fn a_write_after_a_read_waits_for_the_bus_to_turn() {
     let timing = timing(&DramSpec::default());
     let row = [0, 1, 16].map(|line| request(line, line == 1));
     let got = answers(&mut dram, &row.map(|request| (0, request)), 3000);
-    // Both reads go first: the write's data would come later than the bus is free of the first.
+    // Both reads go first: a write could start only after the bus has turned.
     let reads_end = 1 + timing.rcd + timing.cl + 2 * LINE;
     assert_eq!(got, [reads_end - LINE, reads_end]);
     let mut alone = built(&spec);
@@ -126,7 +126,7 @@ fn a_write_after_a_read_waits_for_the_bus_to_turn() {
     assert_eq!(got, [reads_end - LINE, (write_ends + timing.wtr).max(301) + timing.cl + LINE]);
 }
 
-/// One line of each of eight banks: the fifth activate comes tFAW after the first.
+/// One line in each of eight banks: the fifth activate comes tFAW after the first.
 #[test]
 fn four_activates_fill_their_window() {
     let spec = with(&[("faw", 200)]);
@@ -152,7 +152,7 @@ fn a_chain_of_row_hits_fills_the_bus() {
     let mut dram = dram();
     let timing = timing(&DramSpec::default());
     let first = 1 + timing.rcd + timing.cl;
-    // The lines of one row: columns 0 and 1, then those above the bank bits.
+    // The lines of one row: columns 0 and 1, then the columns above the bank bits.
     let row: Vec<_> = (0..32).map(|line| (0, request(line / 2 * 16 + line % 2, false))).collect();
     let got = answers(&mut dram, &row, 3000);
     assert_eq!(got, (1..=32).map(|line| first + line * LINE).collect::<Vec<_>>());
@@ -172,12 +172,12 @@ fn refreshes_come_every_refi_and_stop_the_channel() {
     let mut dram = dram();
     let timing = timing(&DramSpec::default());
     let got = answers(&mut dram, &[(timing.refi, request(0, false))], 10 * timing.refi + 1);
-    // All banks are closed: the refresh is given when it is due, the activate tRFC later.
+    // All banks are closed: the refresh is given when it is due, the activate tRFC after it.
     assert_eq!(got, [timing.refi + timing.rfc + timing.rcd + timing.cl + LINE]);
     assert_eq!(dram.counts(0).refreshes, 10);
 }
 
-/// A channel that never waits for requests: between refreshes a line follows the other.
+/// The queue is never empty: between refreshes the lines follow one another without gaps.
 #[test]
 fn bandwidth_is_limited_by_refreshes_alone() {
     let mut dram = dram();
@@ -186,7 +186,7 @@ fn bandwidth_is_limited_by_refreshes_alone() {
     // Before the first refresh: the activate in cycle 1.
     let (mut first, mut bursts) = (1 + timing.rcd, 0);
     for due in (1..=intervals).map(|interval| interval * timing.refi) {
-        // Bursts, two a line, of which the refresh may part the last.
+        // Bursts, two per line; a refresh can split the last line.
         let more = (due - first).div_ceil(LINE / 2);
         let last = first + (more - 1) * (LINE / 2);
         bursts += more;
@@ -202,7 +202,7 @@ fn bandwidth_is_limited_by_refreshes_alone() {
     }
     let counts = dram.counts(0);
     assert_eq!((counts.reads, counts.row_conflicts), (bursts / 2, 0));
-    // LPDDR4 of one channel keeps 94 % of its peak.
+    // One channel of LPDDR4 reaches 94 % of its peak.
     let (busy, share) = (bursts / 2 * LINE, 1.0 - (timing.rp + timing.rfc + timing.rcd) as f64 / timing.refi as f64);
     assert!((busy as f64 / cycles as f64 - share).abs() < 0.005, "{busy} of {cycles}, {share}");
 }
@@ -224,7 +224,7 @@ fn a_full_queue_refuses() {
     assert!(!dram.put(request(1, false), 0, &mut Awake));
 }
 
-/// Banks 0 to 3 are one group, 4 to 7 the other; lines of 64 B are one burst of 4 clocks.
+/// Banks 0 to 3 are one group, 4 to 7 the other; a line of 64 B is one burst of 4 clocks.
 fn grouped() -> DramSpec {
     let mut spec = with(&[("ccd_s", 4), ("ccd_l", 8), ("rrd_s", 5), ("rrd_l", 9), ("wtr_s", 3), ("wtr_l", 14)]);
     spec.part.bank_groups = PowerOfTwo::new(2).unwrap();
@@ -238,24 +238,24 @@ fn bank_groups_part_long_from_short() {
     let spec = grouped();
     let Closed { cl, cwl, rcd, .. } = timing(&spec);
     let first = 1 + rcd + cl + 4;
-    // Line 1 is in the other group, line 2 in the same. The second activate is tRRD after the first.
+    // Line 1 is in the other group, line 2 in the same. The second activate comes tRRD after the first.
     for (other, rrd) in [(1, 5), (2, 9)] {
         let got = answers(&mut built(&spec), &[(0, request(0, false)), (0, request(other, false))], 3000);
         assert_eq!(got, [first, first + rrd], "line {other}");
     }
-    // Rows that are open: lines 8 and 8 + other follow on each other by tCCD, a read on a write by tWTR.
+    // Open rows: line 8 + other follows line 8 by tCCD, and a read follows a write by tWTR.
     for (other, ccd, wtr) in [(1, 4, 3), (2, 8, 14)] {
         let opened = [(0, request(0, false)), (0, request(other, false))];
         let pair = |write| [(500, request(8, write)), (500, request(8 + other, false))];
         let got = answers(&mut built(&spec), &[opened, pair(false)].concat(), 3000);
         assert_eq!(got[2..], [501 + cl + 4, 501 + ccd + cl + 4], "line {other}");
         let got = answers(&mut built(&spec), &[opened, pair(true)].concat(), 3000);
-        // The read goes first if both come at once and the write must wait: here the write is legal at once.
+        // A read goes first if both come at once and the write must wait; here the write is legal at once.
         assert_eq!(got[2..], [501 + cwl + 4 + wtr + cl + 4], "line {other}");
     }
 }
 
-/// Of one group a channel gets `burst / tCCD_L` of its peak, of two groups in turn all.
+/// With one group a channel reaches `burst / tCCD_L` of its peak, with two groups in turn all of it.
 #[test]
 fn groups_in_turn_fill_the_bus() {
     let spec = grouped();
@@ -265,7 +265,7 @@ fn groups_in_turn_fill_the_bus() {
     assert_eq!(*answers(&mut built(&spec), &one, 3000).last().unwrap(), first + 19 * 8 + 4);
     let both: Vec<_> = (0..20).map(|number| (0, request(number / 2 * 8 + number % 2, false))).collect();
     let got = answers(&mut built(&spec), &both, 3000);
-    // Both rows are open one activate later; from then on a burst follows on the other.
+    // The second row opens one activate later; from then on the bursts follow without gaps.
     assert!(got.windows(2).skip(2).all(|pair| pair[1] - pair[0] == 4), "{got:?}");
 }
 
@@ -274,12 +274,13 @@ fn a_closed_page_is_opened_for_every_request() {
     let spec = DramSpec { page: Page::Closed, ..DramSpec::default() };
     let Closed { cl, cwl, rcd, rp, ras, rc, rtp, wr, .. } = timing(&spec);
     let miss = rcd + cl + LINE;
-    // Late enough, the row is closed: each request is a row miss.
+    // Late requests find the row closed: each is a row miss.
     let mut dram = built(&spec);
     let got = answers(&mut dram, &[(0, request(0, false)), (1000, request(1, false))], 3000);
     assert_eq!(got, [1 + miss, 1001 + miss]);
     assert_eq!((dram.counts(0).row_misses, dram.counts(0).row_hits), (2, 0));
-    // At once: the bank closes tRTP after the second burst or tRAS after the activate, and opens tRP later.
+    // With both requests at once, the bank closes tRTP after the second burst or tRAS after the activate, and opens tRP
+    // later.
     let reopened = 1 + ras.max(rcd + LINE / 2 + rtp) + rp;
     let got = answers(&mut built(&spec), &[(0, request(0, false)), (0, request(1, false))], 3000);
     assert_eq!(got[1], reopened.max(1 + rc) + miss);
@@ -288,7 +289,7 @@ fn a_closed_page_is_opened_for_every_request() {
     assert_eq!(got, [reopened + miss]);
 }
 
-/// The DRAM's clocks are counted exactly, however the machine's clock stands to them.
+/// DRAM clocks are counted exactly for any ratio to the machine's clock.
 #[test]
 fn a_read_takes_the_same_time_on_any_machine() {
     let spec = DramSpec::default();
@@ -296,7 +297,7 @@ fn a_read_takes_the_same_time_on_any_machine() {
     for mhz in [123, 500, 1599, 1600, 1601, 4000] {
         let mut dram = Dram::new(&spec, mhz, 64, PartId(0));
         let got = answers(&mut dram, &[(10, request(0, false))], 20_000);
-        // The first clock that begins in cycle 11 or later, and the first cycle that begins when the data has passed.
+        // The first clock that begins in cycle 11 or later, and the first cycle that begins after the data has passed.
         let clock = (11 * 1600u64).div_ceil(mhz) + rcd + cl + LINE;
         assert_eq!(got, [(clock * mhz).div_ceil(1600)], "{mhz} MHz");
     }

@@ -1,4 +1,4 @@
-//! The timing checker finds what is wrong, and nothing wrong in what channels do.
+//! The timing checker finds violations, and finds none in the logs of the channels.
 
 use proptest::prelude::*;
 
@@ -14,8 +14,8 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::PowerOfTwo;
 use crate::stats::TrafficClass;
 
-/// Two groups of four banks, a line of 64 B in two bursts of 2 clocks; all parameters `clocks`, but refreshes every
-/// 5000.
+/// Two groups of four banks; a line of 64 B in two bursts of 2 clocks. All parameters are `clocks`, except refreshes
+/// every 5000.
 fn spec(clocks: u64) -> DramSpec {
     let mut spec = DramSpec {
         part: DramPart { bank_groups: PowerOfTwo::new(2).unwrap(), burst_clocks: num(2), ..DramPart::default() },
@@ -51,7 +51,7 @@ fn log_of(commands: impl IntoIterator<Item = (u64, Command)>) -> Vec<LoggedComma
     commands.into_iter().map(|(clock, command)| LoggedCommand { clock, command }).collect()
 }
 
-/// One parameter is 50, the others 1; after the first commands the last is legal at one clock and not before.
+/// One parameter is 50, the others 1. After the first commands, the last is legal at one clock and not earlier.
 #[test]
 fn every_constraint_is_tight() {
     type Case = (&'static str, Vec<(u64, Command)>, Command, u64);
@@ -86,9 +86,9 @@ fn every_constraint_is_tight() {
         ("rp", vec![(1, activate(0)), (4980, precharge(0))], Command::Refresh, 5030),
         ("rc", vec![(4980, activate(0)), (4985, precharge(0))], Command::Refresh, 5030),
         ("faw", (0..4).map(|bank| (1 + 3 * bank as u64, activate(bank))).collect(), activate(4), 51),
-        // The burst is read in clocks 6 to 8; the bus is turned up to 58.
+        // The burst is read in clocks 6 to 8; the bus turns until clock 58.
         ("turn", vec![(1, activate(0)), (5, read(0))], write(0), 57),
-        // The burst in front is on the bus up to clock 8; data may begin where it ends.
+        // The earlier burst is on the bus up to clock 8; data may begin there.
         ("bus", vec![(1, activate(0)), (5, read(0))], read(0), 7),
     ];
     for (name, commands, last, earliest) in cases {
@@ -106,7 +106,7 @@ fn every_constraint_is_tight() {
     }
 }
 
-/// With auto-precharge the bank closes when tRAS, tRTP or tWR allow it, and can be opened tRP later.
+/// With auto-precharge the bank closes when tRAS, tRTP and tWR allow it, and can be opened tRP later.
 #[test]
 fn a_bank_that_closes_itself_is_tight() {
     for (name, column, earliest) in [
@@ -129,7 +129,7 @@ fn commands_that_the_rows_do_not_allow_are_found() {
         &[(1, activate(0)), (9, activate(0))],
         &[(1, activate(0)), (9, Command::Read(Column { row: 1, ..burst(0, 0, false) }))],
         &[(1, activate(0)), (9, Command::Read(burst(0, 64, false)))],
-        // The page is to stay open.
+        // The page policy requires that the row stay open.
         &[(1, activate(0)), (9, Command::Read(burst(0, 1, true)))],
         &[(1, precharge(0))],
         &[(1, Command::Refresh)],
@@ -145,7 +145,7 @@ fn commands_that_the_rows_do_not_allow_are_found() {
     assert_eq!(violations(&spec(1), 64, &twice, 10)[0].rule, "command");
 }
 
-/// The log of a channel that is given reads and writes as fast as it takes them.
+/// The log of a channel that gets random reads and writes as fast as it accepts them.
 fn log(spec: &DramSpec, clocks: u64) -> Vec<LoggedCommand> {
     let mut dram = Dram::new(spec, spec.part.clock_mhz.get(), 64, PartId(0));
     dram.logs().into_iter().for_each(ChannelLog::keep);
@@ -159,7 +159,7 @@ fn log(spec: &DramSpec, clocks: u64) -> Vec<LoggedCommand> {
     };
     let mut request = next();
     for now in 0..clocks {
-        // Bursts of requests, then silence in which all is done.
+        // Phases of requests, then silence in which all requests complete.
         if now % 2000 < 1200 && dram.put(request, now, &mut Awake) {
             request = next();
         }
@@ -184,11 +184,11 @@ fn a_constraint_that_is_a_clock_short_is_caught() {
             set(&mut wrong.part.timing, name, clocks - 1);
             assert_eq!(violations(&right, 64, &log(&right, 40_000), 40_000), [], "{name}");
             let found = violations(&right, 64, &log(&wrong, 40_000), 40_000);
-            // How long data is under way shows in the bus and in what follows its end.
+            // A wrong latency shows in the bus rule and in the rules that count from the end of data.
             let expected: &[&str] = match name {
                 "cl" | "turn" => &["bus"],
                 "cwl" => &["wtr_s", "wtr_l", "wr", "bus", "rp"],
-                // A bank that closes itself too early can be opened too early.
+                // A bank that closes itself too early can also be opened too early.
                 "ras" | "rtp" | "wr" if page == Page::Closed => &[name, "rp"],
                 _ => &[name],
             };
@@ -212,7 +212,7 @@ fn a_missing_early_or_late_refresh_is_caught() {
         without.remove(at);
         assert!(violations(&spec, 64, &without, 40_000).iter().any(|found| found.rule == "refi"));
     }
-    // An idle channel gives nothing but refreshes, and must give these.
+    // An idle channel gives nothing but refreshes; an empty log misses them.
     assert_eq!(violations(&spec, 64, &[], 5100)[0].rule, "refi");
     for (refi, rule) in [(4999, "state"), (5001, "refi")] {
         let mut wrong = spec.clone();
@@ -223,7 +223,7 @@ fn a_missing_early_or_late_refresh_is_caught() {
 }
 
 proptest! {
-    /// Whatever the clocks: what the channel does is legal.
+    /// For all timing parameters, the channel's commands are legal.
     #[test]
     fn channels_keep_the_rules(clocks in prop::collection::vec(1..40u64, NAMES.len()), closed in any::<bool>()) {
         let mut spec = spec(1);

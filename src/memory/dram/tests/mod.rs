@@ -7,14 +7,14 @@ use super::spec::DramSpec;
 use crate::memory::{PartId, Wake};
 use crate::ranged::Within;
 
-/// Nobody sleeps here: every cycle is acted in.
+/// A no-op scheduler: these tests act in every cycle.
 struct Awake;
 
 impl Wake for Awake {
     fn wake(&mut self, _: PartId, _: u64) {}
 }
 
-/// All timing parameters but tREFI.
+/// All timing parameters except tREFI.
 const NAMES: [&str; 17] = [
     "cl", "cwl", "rcd", "rp", "ras", "rc", "ccd_s", "ccd_l", "rrd_s", "rrd_l", "faw", "rtp", "wr", "wtr_s", "wtr_l",
     "turn", "rfc",
@@ -48,7 +48,7 @@ fn set(timing: &mut Timing, name: &str, clocks: u64) {
     }
 }
 
-/// The default DRAM with other timing.
+/// The default DRAM with changed timing parameters.
 fn with(changes: &[(&str, u64)]) -> DramSpec {
     let mut spec = DramSpec::default();
     changes.iter().for_each(|(name, clocks)| set(&mut spec.part.timing, name, *clocks));

@@ -1,4 +1,4 @@
-//! What the shipped parts give a stream of lines that follow one another.
+//! Bandwidth of the shipped parts for a stream of consecutive lines.
 
 use std::path::Path;
 
@@ -14,7 +14,8 @@ use crate::stats::TrafficClass;
 
 const LINE: u64 = 64;
 
-/// One channel, as the shipped machines lay lines out: groups in turn, two lines of a row, then the next bank.
+/// One channel with the address mapping of the shipped machines: groups in turn, two lines of a row, then the next
+/// bank.
 fn channel(part: DramPart) -> DramSpec {
     let bits = |count: u64| count.trailing_zeros();
     let [groups, banks, columns] =
@@ -24,7 +25,7 @@ fn channel(part: DramPart) -> DramSpec {
     DramSpec { part, mapping: Mapping(mapping.into()), ..DramSpec::default() }
 }
 
-/// Bytes a clock that a channel moves for whoever always has the next read ready.
+/// Bytes per clock of a stream of reads that never leaves the queue empty.
 fn streamed(spec: &DramSpec, clocks: u64) -> f64 {
     spec.check(LINE).unwrap();
     let mut dram = Dram::new(spec, spec.part.clock_mhz.get(), LINE, PartId(0));
@@ -46,7 +47,7 @@ fn streamed(spec: &DramSpec, clocks: u64) -> f64 {
     (dram.counts(0).reads * LINE) as f64 / clocks as f64
 }
 
-/// A refresh takes tRFC of every tREFI, and what its precharges and activates take besides is a few percent.
+/// A refresh takes tRFC of every tREFI; its precharges and activates take a few percent besides.
 #[test]
 fn every_part_streams_at_its_peak_but_for_refreshes() {
     for file in std::fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("configs/dram")).unwrap() {
