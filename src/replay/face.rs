@@ -1,16 +1,16 @@
-//! A machine, a stream, and how the one replays the other.
+//! The replay of a stream by a machine.
 
 use super::fidelity::{Fidelity, OnePass};
 use super::together::Together;
 use crate::engine::whole::whole;
-use crate::engine::{self, Estimate, Exact, Level, Observer, ReuseOf, RunError, Source};
+use crate::engine::{self, Estimate, Exact, Level, Observer, ReuseOf, RunError, Sampled, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
 use crate::sampling::{self, Cut};
 use crate::stats::{MachineStats, ReuseLevel};
 use crate::stream::{Header, Item, StreamError};
 
-/// A machine that fits a stream, and the fidelity level at which it replays that.
+/// A machine that fits a stream, and the fidelity level of the replay.
 #[derive(Clone, Copy, Debug)]
 pub struct Replay<'a, F = Fidelity> {
     machine: &'a MachineSpec,
@@ -21,7 +21,7 @@ pub struct Replay<'a, F = Fidelity> {
 }
 
 impl<'a> Replay<'a> {
-    /// `machine` before a stream with `header`, at the level [`Fidelity::Event`].
+    /// The replay of a stream with `header` by `machine`, at the level [`Fidelity::Event`].
     ///
     /// # Errors
     /// The machine cannot be built, or does not fit the stream.
@@ -33,8 +33,8 @@ impl<'a> Replay<'a> {
 }
 
 impl<'a, F> Replay<'a, F> {
-    /// The same, whose samples cut the stream as is said: samples of the same frames with one cut are of the same
-    /// windows, and can be compared ([`MachineStats::half_width_of_ratio`]).
+    /// The same with samples cut as `cut` says. Samples of the same frames with the same cut have the same windows, and
+    /// can be compared ([`MachineStats::half_width_of_ratio`]).
     pub(crate) fn cut(self, cut: Cut) -> Self {
         Self { cut, ..self }
     }
@@ -44,8 +44,8 @@ impl<'a, F> Replay<'a, F> {
         Replay { machine: self.machine, header: self.header, fidelity, cut: self.cut }
     }
 
-    /// Replays the stream by [`Level::Profile`] and learns what each of `machines` takes, roughly. They may differ from
-    /// this one in sizes, numbers and times.
+    /// Replays the stream by [`Level::Profile`] and estimates roughly the cost of each of `machines`. They may differ
+    /// from this one in sizes, numbers and times.
     ///
     /// # Errors
     /// The run fails.
@@ -53,8 +53,8 @@ impl<'a, F> Replay<'a, F> {
         engine::estimates(self.machine, self.header, source, machines)
     }
 
-    /// Replays the stream by [`Level::Profile`] and measures reuse distances on the way: what the machine measured, and
-    /// misses of caches of all sizes. A sample reads the stream once more, to find the hottest lines.
+    /// Replays the stream by [`Level::Profile`] and measures reuse distances. Returns the machine's statistics, and
+    /// misses of caches of all sizes. A sample of lines takes another pass, which finds the hottest lines.
     ///
     /// # Errors
     /// `Profile` refuses the machine, or the run fails.
@@ -62,7 +62,7 @@ impl<'a, F> Replay<'a, F> {
         engine::reuse(self.machine, of, self.header, source)
     }
 
-    /// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame came again and again.
+    /// Measures reuse distances of a sample of the lines in one frame, `items`, as if the frame were repeated.
     ///
     /// # Errors
     /// See [`Replay::reuse`].
@@ -75,10 +75,10 @@ impl<'a, F> Replay<'a, F> {
 }
 
 impl Replay<'_, Fidelity> {
-    /// Replays the stream in as many passes as the fidelity takes.
+    /// Replays the stream in as many passes as the fidelity needs.
     ///
     /// # Errors
-    /// The level refuses the machine, the stream cannot be read, or a law that every run keeps is violated.
+    /// The level refuses the machine, the stream cannot be read, or an invariant is violated.
     pub fn run(&self, source: &dyn Source) -> Result<MachineStats, RunError> {
         let Self { machine, header, fidelity, cut } = *self;
         match fidelity {
@@ -112,18 +112,19 @@ impl Replay<'_, OnePass> {
         match fidelity {
             OnePass::Whole(level) => whole(level, machine, header, &mut items, None),
             OnePass::Sampled { engine, rate, seed } => {
-                sampling::sample(engine, cut, (rate, seed), machine, header, &mut items)
+                let stats = sampling::sample(engine, cut, (rate, seed), machine, header, &mut items)?;
+                Ok(if engine == Sampled::Event { stats } else { stats.without_claims() })
             }
         }
     }
 }
 
 impl<'a> Replay<'a, Exact> {
-    /// The same, while `observer` watches. Every command of the DRAM that it is told of is checked against the timing
-    /// of the DRAM's part.
+    /// The same, observed by `observer`. Every DRAM command that it receives is checked against the timing of the
+    /// DRAM's part.
     ///
     /// # Errors
-    /// The DRAM has no clocks and commands, and the observer wants them.
+    /// The observer needs DRAM commands, and the DRAM's model has none.
     pub fn observe<'o>(self, observer: &'o mut dyn Observer) -> Result<Observed<'a, 'o>, SpecError> {
         if self.machine.dram.model == Model::Banks || !observer.wants_dram() {
             return Ok(Observed { replay: self, observer });
@@ -134,7 +135,7 @@ impl<'a> Replay<'a, Exact> {
     }
 }
 
-/// A replay that is watched.
+/// An observed replay.
 pub struct Observed<'a, 'o> {
     replay: Replay<'a, Exact>,
     observer: &'o mut dyn Observer,
@@ -144,7 +145,7 @@ impl Observed<'_, '_> {
     /// Replays `items`.
     ///
     /// # Errors
-    /// The observer fails, the DRAM is given an illegal command, or another law is violated.
+    /// The observer fails, a DRAM command is illegal, or another invariant is violated.
     pub fn run(self, items: impl IntoIterator<Item = Result<Item, StreamError>>) -> Result<MachineStats, RunError> {
         let Replay { machine, header, fidelity, .. } = self.replay;
         whole(fidelity.into(), machine, header, &mut items.into_iter(), Some(self.observer))

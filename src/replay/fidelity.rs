@@ -48,18 +48,18 @@ pub enum Fidelity {
 }
 
 impl Fidelity {
-    /// The rungs that need no numbers.
+    /// The levels without parameters.
     pub const RUNGS: [Self; 4] = [Self::Bound, Self::Profile, Self::Event, Self::Cycle];
 
-    /// Whether it measures machines wherever their words are kept, and if they are free.
+    /// Whether it can replay machines with any `place` of words, `Free` included.
     pub fn knows_all_placements(self) -> bool {
         self != Self::Bound
     }
 
-    /// Where sampling towards a target begins.
+    /// The first rate of sampling with a target.
     const FIRST_RATE: Share = Share::literal(0.02);
 
-    /// Whether its numbers are those of [`Fidelity::Cycle`].
+    /// Whether its figures are those of [`Fidelity::Cycle`].
     pub fn is_exact(self) -> bool {
         matches!(self, Self::Event | Self::Cycle)
     }
@@ -67,7 +67,7 @@ impl Fidelity {
     /// The same, sampled until all intervals are within `target`.
     ///
     /// # Errors
-    /// The error says what can be sampled.
+    /// The level cannot be sampled; the error names those that can.
     pub fn with_target_error(self, target: Share) -> Result<Self, String> {
         let by = |engine| (engine, Self::FIRST_RATE, 0);
         let (engine, rate, seed) = match self {
@@ -81,31 +81,31 @@ impl Fidelity {
         Ok(Self::Sampled { engine, rate, seed, target_error: Some(target) })
     }
 
-    /// Whether it may measure a sample of a stream.
+    /// Whether it may sample a stream.
     pub fn samples(self) -> bool {
         matches!(self, Self::Sampled { .. } | Self::Auto { .. })
     }
 
-    /// Whether samples go on until their intervals are within a target.
+    /// Whether samples grow until their intervals are within a target.
     pub fn has_target(self) -> bool {
         matches!(self, Self::Sampled { target_error: Some(_), .. } | Self::Auto { .. })
     }
 
-    /// The same for replays that are compared with each other. Intervals are then to be so narrow that a change from
-    /// one to another is known to within the target too: errors of two samples add up as squares do, and those of
-    /// samples of the same windows cancel in part.
+    /// The same for replays that are compared with each other. Intervals are narrowed so that changes are within the
+    /// target too: independent errors of two samples add up as squares, and those of samples of the same windows cancel
+    /// in part.
     #[must_use]
     pub fn compared(self) -> Self {
         self.narrower(std::f64::consts::SQRT_2)
     }
 
-    /// The same for a replay that others are told beside: what it is off, all of them are.
+    /// The same for a baseline: its error is part of the error of all replays beside it.
     #[must_use]
     pub fn of_baseline(self) -> Self {
         self.narrower(2.0)
     }
 
-    /// The same with a target that is a part of this one.
+    /// The same with its target divided by `part`.
     fn narrower(self, part: f64) -> Self {
         let narrower = |target: Share| Share::new(target.get() / part).unwrap_or(target);
         match self {
@@ -117,7 +117,7 @@ impl Fidelity {
         }
     }
 
-    /// The same, if one pass over a stream is enough.
+    /// The same, if one pass over a stream suffices; otherwise `None`.
     pub fn one_pass(self) -> Option<OnePass> {
         Some(match self {
             Self::Bound => OnePass::Whole(Level::Bound),
@@ -129,10 +129,10 @@ impl Fidelity {
         })
     }
 
-    /// The same, if it replays cycle by cycle, so that a run can be watched.
+    /// The same, if it replays cycle by cycle, so that a run can be observed.
     ///
     /// # Errors
-    /// The error says which levels do.
+    /// It does not; the error names the levels that do.
     pub fn exact(self) -> Result<Exact, SpecError> {
         match self {
             Self::Event => Ok(Exact::Event),
@@ -151,16 +151,16 @@ pub enum OnePass {
     Whole(Level),
     /// A sample of windows; see [`Fidelity::Sampled`].
     Sampled {
-        /// What replays the windows.
+        /// The engine that replays the windows.
         engine: Sampled,
-        /// The share of the rays that is measured.
+        /// The share of the windows that is measured.
         rate: Share,
-        /// Which rays.
+        /// The seed that draws the windows.
         seed: u64,
     },
 }
 
-/// As in files.
+/// As written in files.
 impl fmt::Display for Fidelity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -195,10 +195,10 @@ impl FromStr for Fidelity {
     }
 }
 
-/// Names of fidelities.
+/// The names of fidelities.
 const NAMES: [&str; 6] = ["Bound", "Profile", "Event", "Cycle", "Sampled", "Auto"];
 
-/// Why `text` is no fidelity; `what` is wrong with it if its name is known.
+/// The message for a `text` that is no fidelity; `what` is the fault if its name is known.
 fn refused(text: &str, what: &str) -> String {
     let name = text.split('(').next().unwrap_or_default().trim();
     let why = match NAMES.contains(&name) {

@@ -1,4 +1,4 @@
-//! What a large machine uses of energy where a scale model stands for it.
+//! Energy of a large machine that a scale model represents.
 
 use crate::energy;
 use crate::machine::MachineSpec;
@@ -6,8 +6,8 @@ use crate::quantity::{Bytes, Cycle};
 use crate::stats::{CacheCounts, DramCounts, Energy, MachineStats};
 use crate::stream::Structure;
 
-/// The energy of the `large` machine if all counts are `times` as large as those of its `model`, and the time is
-/// `longer` as long; `None` where that of the DRAM is not known.
+/// Energy of the `large` machine, if all counts are `times` those of its `model`, and the time is `longer` times the
+/// model's. `None` where the DRAM's energy is not known.
 pub(crate) fn energy_by_model(
     large: &MachineSpec,
     structure: Structure,
@@ -18,8 +18,8 @@ pub(crate) fn energy_by_model(
     energy::of(large, structure, &grown(model, times, longer))
 }
 
-/// The counts that energy is made of, `times` as large. The time, and the refreshes that come with it, are `longer` as
-/// long: a model has as many channels as the large machine.
+/// The counts that determine energy, multiplied by `times`. Time and refreshes, which depend on it, are multiplied by
+/// `longer`: a model has as many channels as the large machine.
 fn grown(stats: &MachineStats, times: f64, longer: f64) -> MachineStats {
     let mut large = stats.clone();
     let by = |count: u64, factor: f64| (count as f64 * factor).round() as u64;

@@ -1,8 +1,8 @@
-//! The one face of the timing wing: a machine replays a stream at a fidelity level.
+//! The interface of the timing side: a machine replays a stream at a fidelity level.
 //!
-//! [`Replay::new`] checks the machine and the stream once. What comes after cannot be used wrongly: a [`Fidelity`] may
-//! take several passes and so wants a [`Source`] that can be opened again; a [`OnePass`] is content with items that
-//! come once; an [`Exact`] level can be observed.
+//! [`Replay::new`] checks the machine and the stream once. Types exclude wrong use: a [`Fidelity`] may take several
+//! passes and needs a [`Source`] that can be opened again; a [`OnePass`] needs items once; an [`Exact`] level can be
+//! observed.
 
 mod face;
 mod fidelity;

@@ -6,18 +6,18 @@ use crate::engine::{Items, Source};
 use crate::random::mix;
 use crate::stream::{Chunk, Item, RayKind, Step, StreamError, Totals};
 
-/// Entries of a store that stay together at a frame's end: about a line.
+/// Entries of a store that are kept or dropped together at an end of frame: about a line.
 const TOGETHER: u32 = 16;
 
-/// One of every `share` pixels of a stream, with all rays of the pixel; of the steps at a frame's end, one of every
+/// One of every `share` pixels of a stream, with all rays of the pixel. Of the steps at an end of frame, one of every
 /// `share` lines of entries.
 ///
-/// Of each run of `share` pixels a hash chooses one, so that neither rows nor columns of a picture are left out.
+/// A hash chooses one pixel of each run of `share` pixels, so that neither rows nor columns of a picture are left out.
 #[derive(Clone, Copy)]
 pub(crate) struct Thinned<'a> {
     /// The stream.
     pub source: &'a dyn Source,
-    /// How many pixels one stands for.
+    /// Pixels in a run, of which one is kept.
     pub share: u64,
 }
 
@@ -36,12 +36,12 @@ struct Thinning {
     share: u64,
     /// Pixels of the frame so far.
     pixels: u64,
-    /// What the rays hold that are left.
+    /// Totals of the kept rays.
     counted: Totals,
 }
 
 impl Thinning {
-    /// What is left of the next item.
+    /// The kept part of the next item.
     fn item(&mut self, item: Item) -> Option<Item> {
         match item {
             Item::Frame(_) => {
@@ -76,14 +76,14 @@ impl Thinning {
         left
     }
 
-    /// Whether the next pixel is left.
+    /// Whether the next pixel is kept.
     fn keeps_pixel(&mut self) -> bool {
         let (run, place) = (self.pixels / self.share, self.pixels % self.share);
         self.pixels += 1;
         mix(run) % self.share == place
     }
 
-    /// Whether a packed step of the frame's end is left.
+    /// Whether a packed step of the end of frame is kept.
     fn keeps_step(&self, word: u32) -> bool {
         let entry = Step::unpack(word).and_then(Step::entry);
         let line = entry.map_or(0, |(_, index)| u64::from(index / TOGETHER));
@@ -97,7 +97,7 @@ mod tests {
     use crate::quantity::{LightId, NodeId, PixelId, PrimitiveId};
     use crate::stream::{Decision, FrameInfo, Outcome, RayHead, Store};
 
-    /// A frame of so many pixels, each with a shadow ray behind it, in chunks of 100.
+    /// A frame of `pixels` pixels, each with a primary and a shadow ray, in chunks of 100 pixels.
     fn frame(pixels: u32) -> Vec<Item> {
         let head = |kind, pixel, parent, outcome| RayHead {
             kind,

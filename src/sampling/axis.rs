@@ -1,22 +1,22 @@
-//! Where windows lie on the axis of the sample: one after another, each of length 1. The axis knows nothing of what
-//! rays do, so that one seed takes the same windows of every policy's stream, on every machine that is cut alike.
+//! The sample's axis, on which windows lie one after another, each of length 1. It does not depend on what rays do: one
+//! seed draws the same windows for every policy's stream, on every machine with the same cut.
 
 use super::strata::{Point, Strata};
 
-/// Windows up to now.
+/// The windows so far.
 #[derive(Clone, Debug)]
 pub(crate) struct Axis {
     strata: Strata,
-    /// Points with draws below it are of interest.
+    /// Points with draws below `most` are wanted.
     most: usize,
-    /// Those that lie further on, of strata that have begun, and how many have.
+    /// Points beyond the current window, of strata that have begun, and the number of such strata.
     points: Vec<Point>,
     begun: usize,
     windows: usize,
 }
 
 impl Axis {
-    /// No window yet; points with draws below `most` are of interest.
+    /// An axis without windows; points with draws below `most` are wanted.
     pub(crate) fn new(strata: Strata, most: usize) -> Self {
         Self { strata, most, points: Vec::new(), begun: 0, windows: 0 }
     }
@@ -50,7 +50,7 @@ mod tests {
         points.sort_by(f64::total_cmp);
         points.dedup();
         assert_eq!(points.len(), all);
-        // Of ten windows three have points, on average.
+        // The rate is 3 points in 10 windows.
         assert!((all as f64 / 6_000.0 - 1.0).abs() < 0.02, "{all}");
     }
 }

@@ -1,6 +1,6 @@
-//! A machine that others are measured against. What a sample is off is mostly what a sample of the same windows on
-//! another machine is off. Where more is known of that one, it sets the others right: a regression estimator in two
-//! phases (Saerndal et al. 1992, 9.7), whose slope is that of what both leave over.
+//! A baseline: a machine that other machines are measured against. The sampling errors of two machines in the same
+//! windows are correlated. Where the baseline is known better, it corrects the others: a regression estimator in two
+//! phases (Saerndal et al. 1992, 9.7), whose slope is the regression of their residuals on the baseline's.
 
 use std::collections::BTreeMap;
 
@@ -10,23 +10,23 @@ use crate::machine::MachineSpec;
 use crate::stats::{Change, MachineStats, Residual};
 use crate::student::student;
 
-/// The most that is taken of what the baseline is off: a slope from few points may be far too steep.
+/// Maximum slope: one estimated from few points may be far too steep.
 const STEEPEST: f64 = 2.0;
 
-/// What is known of the baseline, and what the same windows as others' let be estimated of it.
+/// The baseline's known figures, and its estimates from the same windows as the other machines'.
 #[derive(Debug)]
 pub(super) struct Baseline<'a> {
-    /// The windows.
+    /// Estimates from the same windows.
     pub windows: Estimates,
-    /// Sums over frames' ends.
+    /// Sums over ends of frames.
     pub ends: &'a Figures,
-    /// Its figures as they are known, and half the widths of their intervals as shares of them.
+    /// Its known figures, each with its relative half width.
     pub known: &'a BTreeMap<Figure, (f64, f64)>,
-    /// What the windows are off by which its figures are known.
+    /// The residuals of the sample that the known figures come from.
     pub points: &'a [Residual],
 }
 
-/// The figures of a run, each with half the width of its interval as a share of it.
+/// The figures of a run, each with its relative half width.
 pub(super) fn known(machine: &MachineSpec, stats: &MachineStats) -> BTreeMap<Figure, (f64, f64)> {
     let levels = Levels::new(machine);
     let [cycles, l2_bytes, dram_bytes] = stats.accuracy.shares().unwrap_or_default();
@@ -43,27 +43,27 @@ pub(super) fn known(machine: &MachineSpec, stats: &MachineStats) -> BTreeMap<Fig
     figures.into_iter().map(|(figure, value)| (figure.clone(), (value, share(&figure, value)))).collect()
 }
 
-/// What a sample tells beside its baseline.
+/// The result of a sample beside a baseline.
 #[derive(Debug)]
 pub(super) struct Told {
-    /// The figures.
+    /// Corrected totals.
     pub totals: BTreeMap<Figure, Total>,
-    /// What the points of the baseline's larger sample are off, as far as that is the machine's too.
+    /// The residuals of the baseline's larger sample times the slope: the error shared with the baseline.
     pub points: Vec<Residual>,
-    /// What its own points are off otherwise than the baseline's.
+    /// The residuals of the machine's own points that are not shared with the baseline.
     pub change: Change,
 }
 
-/// How a figure hangs on the baseline's.
+/// The regression of a figure on the baseline's.
 struct Slope {
     slope: f64,
-    /// By point, what is off otherwise, as a share.
+    /// For each point, the relative error that is not shared.
     errors: Vec<f64>,
     freedom: f64,
 }
 
 impl Baseline<'_> {
-    /// What a sample of the same windows tells; `told` are the figures whose errors are told point by point.
+    /// The result of a sample of the same windows; `told` are the figures whose errors are reported for each point.
     pub(super) fn told(&self, own: &Estimates, ends: &Figures, told: &[Figure; 3]) -> Told {
         let mut slopes: BTreeMap<&Figure, Slope> = BTreeMap::new();
         let mut totals = BTreeMap::new();
@@ -79,7 +79,7 @@ impl Baseline<'_> {
             totals.insert(figure.clone(), Total { total, half_width: total * half });
             slopes.insert(figure, slope);
         }
-        // What no window does, frames' ends may.
+        // Figures that only ends of frames have.
         for (figure, &end) in ends.iter().filter(|(figure, _)| !own.left.contains_key(figure)) {
             totals.insert(figure.clone(), Total { total: end, half_width: 0.0 });
         }
@@ -102,7 +102,7 @@ impl Baseline<'_> {
         Told { totals, points: self.points.iter().map(shared).collect(), change }
     }
 
-    /// Half the width of the interval of what is off otherwise, as a share.
+    /// Relative half width of the error that is not shared.
     fn half(&self, own: &Estimates, slope: &Slope) -> f64 {
         let variance = own.variance(slope.errors.iter().copied());
         student(variance.freedom(slope.freedom)) * variance.value.sqrt()
@@ -114,7 +114,7 @@ impl Baseline<'_> {
         };
         let errors = share(&left.errors, total);
         let alone = |errors| Slope { slope: 0.0, errors, freedom: left.freedom };
-        // Of a figure that nobody knows of the baseline, nothing can be set right.
+        // A figure that is not known of the baseline is not corrected.
         let base = self.windows.left.get(figure).filter(|_| self.known.contains_key(figure));
         let Some(base) = base else { return alone(errors) };
         let base_total = base.total + self.ends.get(figure).copied().unwrap_or_default();

@@ -1,4 +1,4 @@
-//! Cuts a stream into windows, piece by piece: for all machines at once that are cut alike.
+//! Cuts a stream into windows, piece by piece, for all machines with the same cut.
 
 use std::collections::VecDeque;
 use std::mem::take;
@@ -14,68 +14,68 @@ use crate::machine::MachineSpec;
 use crate::machine::layout::Layout;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Item, RayKind};
 
-/// What a stream is cut into.
+/// A portion of the cut stream.
 #[derive(Debug)]
 pub(super) enum Portion {
-    /// A frame begins.
+    /// The beginning of a frame.
     Frame(FrameInfo),
-    /// A piece of it.
+    /// A piece of a frame.
     Piece(CutPiece),
-    /// It ends with these steps.
+    /// The end of a frame, with its steps.
     End(Arc<Vec<u32>>),
 }
 
-/// Rays of a chunk, and where they lie among windows.
+/// Rays of a chunk, and their place among windows.
 #[derive(Debug)]
 pub(super) struct CutPiece {
     /// The chunk.
     pub chunk: Arc<Chunk>,
-    /// Which of its rays.
+    /// The piece's rays.
     pub rays: Range<usize>,
-    /// How many are not skipped.
+    /// Number of rays that are not skipped.
     pub traced: u64,
-    /// Windows with points that begin to be put together with it.
+    /// Windows with points whose lead-in begins at this piece.
     pub begin: Vec<Lead>,
-    /// Whether it is its window's last.
+    /// Whether it is the last piece of its window.
     pub is_last: bool,
 }
 
-/// How many pieces come before a window's first one.
+/// The beginning of a window's lead-in.
 #[derive(Clone, Debug)]
 pub(super) struct Lead {
     /// The window's number in the stream.
     pub window: usize,
-    /// Pieces.
+    /// Pieces before the window's first one.
     pub pieces: usize,
     /// The points that lie in it.
     pub hits: Vec<Point>,
-    /// Its rays, once a machine has put them together.
+    /// The window's rays, once a machine has joined them.
     pub rays: Arc<WindowRays>,
 }
 
 /// Cuts a stream.
 #[derive(Debug)]
 pub(super) struct Cutter {
-    /// What exists in the frame, the same on every machine.
+    /// The frame's contents, equal on all machines.
     layout: Layout,
     cut: Cut,
-    /// Chunks that are not cut yet, and their pixels.
+    /// Chunks not cut yet, and their pixels.
     gathered: Vec<Arc<Chunk>>,
     pixels: usize,
-    /// Windows of the stream up to now, and pieces of the frame.
+    /// Windows of the stream so far, and pieces of the frame so far.
     windows: usize,
     pieces: usize,
-    /// Frames that warm up alone, and whether this is one.
+    /// Warm-up frames, and whether the current frame is one.
     warmup: Vec<u32>,
     warms_up: bool,
     axis: Axis,
-    /// Points of the windows that come next, as far as they are known.
+    /// Points of the next windows, as far as drawn.
     ahead: VecDeque<Vec<Point>>,
 }
 
 impl Cutter {
-    /// Nothing yet of a stream that is cut as `plan` says, for this machine and others. Points with draws below `most`
-    /// are of interest.
+    /// A cutter before the stream begins, with the cut and strata of `plan`. Points with draws below `most` are wanted.
+    /// Any machine of the pass will do.
     pub(super) fn new(header: &Header, machine: &MachineSpec, plan: &Plan, most: usize) -> Self {
         Self {
             layout: Layout::new(header, machine),
@@ -91,10 +91,10 @@ impl Cutter {
         }
     }
 
-    /// The next item of the stream; what it completes.
+    /// Takes the stream's next item; returns the portions that it completes.
     ///
     /// # Errors
-    /// A ray or a step is not what it may be: tags would take it for something else.
+    /// A ray or a step is invalid: tags would misread it.
     pub(super) fn add(&mut self, item: &Item) -> Result<Vec<Portion>, StreamFault> {
         Ok(match item {
             Item::Frame(info) => {
@@ -118,7 +118,7 @@ impl Cutter {
         })
     }
 
-    /// Cuts the chunks that were gathered: one, or as many as make a window.
+    /// Cuts the gathered chunks, joined to one.
     fn gathered(&mut self) -> Vec<Portion> {
         self.pixels = 0;
         let gathered = take(&mut self.gathered);
@@ -136,7 +136,7 @@ impl Cutter {
     fn chunk(&mut self, chunk: &Arc<Chunk>) -> Vec<Portion> {
         let primaries: Vec<u32> =
             (0..chunk.len()).filter(|&ray| chunk.head(ray).kind == RayKind::Primary).map(|ray| ray as u32).collect();
-        // Whole windows of about the same number of pixels.
+        // Whole windows of about equally many pixels.
         let cut = self.cut;
         let windows = ((primaries.len() as f64 / cut.window() as f64).round() as usize).max(1);
         let pieces = (windows * cut.own).min(primaries.len());
@@ -155,8 +155,8 @@ impl Cutter {
         firsts.iter().enumerate().map(piece).collect()
     }
 
-    /// Windows begin to be put together some pieces before their first one, or with the frame; the next piece is number
-    /// `piece` of its chunk.
+    /// The windows whose lead-in begins at the next piece, which has index `piece` in its chunk. At the beginning of a
+    /// frame, these are all windows within reach of a lead-in.
     fn begin_windows(&mut self, piece: usize) -> Vec<Lead> {
         let cut = self.cut;
         let left = (cut.own - piece % cut.own) % cut.own;
@@ -174,7 +174,7 @@ impl Cutter {
         begin.filter(|lead| !lead.hits.is_empty()).collect()
     }
 
-    /// The points of a window that is not over.
+    /// The points of a window that is not over; none in warm-up frames.
     fn points(&mut self, window: usize) -> Vec<Point> {
         if self.warms_up {
             return Vec::new();

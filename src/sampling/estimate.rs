@@ -1,6 +1,5 @@
 //! Totals of a population from a stratified sample, by generalised regression (Saerndal, Swensson and Wretman 1992,
-//! chapters 6 and 7): what a window costs is explained by what is known of all windows, and only what is left over is
-//! sampled.
+//! chapters 6 and 7): covariates of all windows explain a window's figures, and only the residuals are sampled.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -11,46 +10,46 @@ use super::strata::{Point, Strata};
 use crate::stats::Residual;
 use crate::student::{Variance, student};
 
-/// Something that was replayed: what is known of it, and what was measured; what is not named is 0.
+/// A replayed part: its covariates and its figures; absent figures are 0.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Part {
-    /// What is known.
+    /// Covariates.
     pub known: Columns,
-    /// What was measured.
+    /// Measured figures.
     pub figures: Figures,
 }
 
-/// A window that was measured.
+/// A measured window.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Window {
-    /// The points that lie in it.
+    /// The points that lie in the window.
     pub hits: Vec<Point>,
-    /// Operations that its rays ask for.
+    /// Operations of the window's own rays.
     pub operations: f64,
-    /// What each span did.
+    /// Covariates and figures of each [`Span`].
     pub spans: [Part; Span::ALL.len()],
 }
 
-/// A population of windows: the strata of its axis, how many windows there are, and what is known of all together.
+/// A population of windows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Population {
-    /// Strata.
+    /// The strata of its axis.
     pub strata: Strata,
-    /// Windows.
+    /// Number of windows.
     pub windows: usize,
-    /// Sums.
+    /// Sums of the covariates.
     pub known: Columns,
 }
 
 impl Window {
-    /// What a span did.
+    /// The part of `span`.
     pub(crate) fn span(&self, span: Span) -> &Part {
         &self.spans[span as usize]
     }
 }
 
 impl Population {
-    /// Adds what is known of something.
+    /// Adds covariates.
     pub(crate) fn add(&mut self, known: &Columns) {
         self.known.iter_mut().zip(known).for_each(|(sum, known)| *sum += known);
     }
@@ -61,63 +60,63 @@ impl Population {
 pub(crate) struct Total {
     /// The estimate.
     pub total: f64,
-    /// The interval reaches so far to either side.
+    /// Half the width of the 95 % interval.
     pub half_width: f64,
 }
 
 impl Total {
-    /// Half the interval's width over the total.
+    /// Relative half width.
     pub(crate) fn share(&self) -> f64 {
         if self.total > 0.0 { self.half_width / self.total } else { 0.0 }
     }
 }
 
-/// What the windows leave over of a figure.
+/// The estimate of a figure and its residuals.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Left {
     /// The estimate.
     pub total: f64,
-    /// By point, what is off there.
+    /// The residual of each point.
     pub errors: Vec<f64>,
-    /// Degrees of freedom at most.
+    /// Maximum degrees of freedom.
     pub freedom: f64,
 }
 
 /// A point of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Drawn {
-    /// Where it lies.
+    /// Its position on the axis.
     pub place: f64,
-    /// Its stratum; those of joined ones are one.
+    /// Its stratum; joined strata count as one.
     pub stratum: usize,
-    /// Windows that it stands for.
+    /// Number of windows that it stands for.
     pub weight: f64,
 }
 
-/// What the points of a sample tell.
+/// The estimates of a sample.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Estimates {
     /// The points.
     pub points: Vec<Drawn>,
-    /// What they leave over of each figure.
+    /// The estimate and residuals of each figure.
     pub left: BTreeMap<Figure, Left>,
 }
 
 impl Estimates {
-    /// The variance of the sum of values, one for each point.
+    /// The variance of the weighted sum of `values`, one for each point.
     pub(crate) fn variance(&self, values: impl IntoIterator<Item = f64>) -> Variance {
         let values = self.points.iter().zip(values);
         Variance::stratified(values.map(|(point, value)| (point.stratum, value * point.weight)))
     }
 
-    /// The total of a figure. The interval is of 95 %.
+    /// The total of a figure, with a 95 % interval.
     pub(crate) fn total(&self, figure: &Figure) -> Total {
         let Some(Left { total, errors, freedom }) = self.left.get(figure) else { return Total::default() };
         let variance = self.variance(errors.iter().copied());
         Total { total: *total, half_width: student(variance.freedom(*freedom)) * variance.value.sqrt() }
     }
 
-    /// What the points are off of three figures, as shares of the estimates, and the degrees of freedom.
+    /// The points' residuals of three figures, as shares of the estimates, and the figures' degrees of freedom.
     pub(crate) fn residuals(&self, figures: &[Figure; 3]) -> (Vec<Residual>, [f64; 3]) {
         let left = figures.each_ref().map(|figure| self.left.get(figure));
         let share = |at: usize, left: Option<&Left>| {
@@ -131,8 +130,8 @@ impl Estimates {
     }
 }
 
-/// Estimates the totals of those `wanted` of the figures that were measured in some window, by the points with draws
-/// below `draws`, with lines of so many bytes.
+/// Estimates totals from the points with draws below `draws`: of the figures that some window measured and that are
+/// `wanted`. `line` is the bytes of a line.
 pub(crate) fn estimates(
     population: &Population,
     windows: &[Window],
@@ -153,12 +152,12 @@ struct Sample<'a> {
     population: &'a Population,
     line: f64,
     points: Vec<&'a Window>,
-    /// The place of each point, its stratum, joined ones counted once, and its weight.
+    /// For each point its place, its stratum (joined strata counted once) and its weight.
     places: Vec<f64>,
     strata_of: Vec<usize>,
     strata: usize,
     weights: Vec<f64>,
-    /// A window's group is larger than itself: all are brought to the windows' size.
+    /// The replay of a window is larger than the window: the factor from replays to windows.
     scale: f64,
     solvers: BTreeMap<(Span, Vec<usize>), (Regression, Vec<f64>)>,
 }
@@ -167,7 +166,7 @@ impl<'a> Sample<'a> {
     fn new(population: &'a Population, windows: &'a [Window], draws: usize, line: f64) -> Self {
         let hits = windows.iter().flat_map(|window| window.hits.iter().map(move |hit| (window, hit)));
         let mut hits: Vec<(&Window, &Point)> = hits.filter(|(_, hit)| hit.draw < draws).collect();
-        // Whatever was measured first: in the order of the stream.
+        // In the order of the stream, whatever was measured first.
         hits.sort_by(|(_, one), (_, other)| one.place.total_cmp(&other.place));
         let (points, hits): (Vec<&Window>, Vec<&Point>) = hits.into_iter().unzip();
         let ends = population.strata.ends(draws, population.windows as f64);
@@ -176,7 +175,7 @@ impl<'a> Sample<'a> {
         let (strata, strata_of) = joined(&ends, &of);
         let mut sampled = vec![0.0; strata.len()];
         strata_of.iter().for_each(|&stratum| sampled[stratum] += 1.0);
-        // A point stands for its share of the stratum's windows.
+        // A stratum's windows are divided equally among its points.
         let weights: Vec<f64> = strata_of.iter().map(|&stratum| strata[stratum] / sampled[stratum]).collect();
         let size = |of: fn(&Window) -> f64| points.iter().zip(&weights).map(|(window, w)| w * of(window)).sum::<f64>();
         let grown = size(|window| window.span(Span::Group).known[OPERATIONS]);
@@ -210,20 +209,20 @@ impl<'a> Sample<'a> {
         let slopes = solver.slopes(&known, weights, &values);
         let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
         let all = &self.population.known;
-        // What the regression fitted away of a window's own residual is given back (MacKinnon and White 1985, HC2), and
-        // it counts as much as the window does in the estimate once what is known of all windows is right (Saerndal et
-        // al. 1992, 6.6).
+        // HC2 restores what the regression fitted away of a window's own residual (MacKinnon and White 1985). A
+        // residual counts as much as its window does in the estimate calibrated to all covariates (Saerndal et al.
+        // 1992, 6.6).
         let counts = solver.calibration(&known, weights, all);
         let full = left.iter().zip(leverage.iter().zip(&counts));
         let errors = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
         let total = expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
-        // A point measures nothing by itself: `Sampler` asks for eight.
+        // A sample with no degree of freedom left is not refused here: the sampler plans at least eight points.
         Left { total, errors, freedom: freedom.max(1.0) }
     }
 }
 
-/// Strata with these ends of which fewer than two points were measured are joined with the one before (or, at the
-/// beginning, behind): how long each is then, and the stratum of each point.
+/// Joins a stratum with fewer than two measured points with the one before it (the first one with the one behind it).
+/// Returns the lengths of the joined strata, and the stratum of each point.
 fn joined(ends: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
     let mut counts = vec![0u64; ends.len()];
     points.iter().for_each(|&stratum| counts[stratum] += 1);
@@ -256,7 +255,7 @@ mod tests {
         Strata { length, seed: 0 }
     }
 
-    /// Operations and lines of the DRAM.
+    /// Covariates with these operations and DRAM lines.
     fn known(operations: f64, lines: f64) -> Columns {
         let known = Known {
             operations: [operations as u64, 0, 0, 0],
@@ -281,8 +280,8 @@ mod tests {
         assert!(half_width < 1e-6);
     }
 
-    /// Where the windows that were measured have half of the operations that they should stand for, each counts twice,
-    /// and so does what is left over.
+    /// Where the measured windows have half of the operations that they stand for, each counts twice, and so does its
+    /// residual.
     #[test]
     fn intervals_are_as_wide_as_windows_count() {
         let cost = |i: u32| f64::from(300 + i * i % 5);
@@ -305,9 +304,8 @@ mod tests {
         assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
     }
 
-    /// Windows along which what they cost grows, with points drawn by `draws`: means over many
-    /// seeds of what is estimated, of its squared error, and of what the interval says that this is, over the truth or
-    /// its square.
+    /// Windows with linearly growing costs, and points with draws below `draws`. Means over many seeds of the estimate,
+    /// of its squared error, and of the squared error that the interval implies; relative to the truth or its square.
     fn resampled(draws: usize) -> [f64; 3] {
         const SEEDS: u32 = 2000;
         let cost = |window: usize| window as f64;
@@ -334,16 +332,16 @@ mod tests {
         means
     }
 
-    /// Whether no stratum is halved, some are, all are, or all twice: estimates are right on average, and intervals as
-    /// wide as they are off. Where neighbours are alike, four times as many points tell much more than in strata as
-    /// long as before, where variance would be a quarter.
+    /// With no strata halved, some, all, or all twice, estimates are unbiased, and intervals match the errors. Where
+    /// neighbours are alike, four times the points in halved strata reduce the variance to far less than a quarter,
+    /// which strata of constant length would give.
     #[test]
     fn halved_strata_are_unbiased_and_tell_more() {
         let found = [2, 3, 4, 8].map(resampled);
         for [mean, variance, said] in found {
             println!("mean {mean:.5}, variance {variance:.3e}, {said:.3e} by intervals");
             assert!((mean - 1.0).abs() < 4.0 * (variance / 2000.0).sqrt(), "{mean} {variance}");
-            // Intervals are a little wider, by Student's t.
+            // Student's t makes intervals a little wider.
             assert!((0.9..1.6).contains(&(said / variance)), "{said} {variance}");
         }
         let [few, .., many] = found.map(|[_, variance, _]| variance);

@@ -9,10 +9,10 @@ use crate::stats::{
     CacheCounts, CacheStats, Cause, DramCounts, L1Counts, LatencyCounts, MachineStats, QueueCounts, TrafficClass,
 };
 
-/// Figures of a run.
+/// The figures of a run.
 pub(crate) type Figures = BTreeMap<Figure, f64>;
 
-/// What a number of a run is. Counters of a group are told by their place in its declaration.
+/// The name of a number of a run. A counter of a group is identified by its place in the group's declaration.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Figure {
     /// Cycles.
@@ -21,17 +21,17 @@ pub(crate) enum Figure {
     Rays,
     /// Bytes between a level and the one above.
     Bytes(MemoryLevel, TrafficClass),
-    /// A counter of a kind of caches.
+    /// A counter of the caches of a level.
     Cache(MemoryLevel, TrafficClass, usize),
-    /// A counter that an L1 alone has.
+    /// A counter that only L1s have.
     L1(MemoryLevel, TrafficClass, usize),
-    /// Cycles of a kind of units.
+    /// Cycles of a kind of units, by cause.
     Unit(String, Cause),
     /// Operations of a kind of units.
     Operations(String),
     /// A counter of a kind of queues.
     Queue(String, usize),
-    /// A counter of a kind of rays; the longest latency, a maximum, is no figure.
+    /// A counter of a kind of rays; the longest latency is a maximum and no figure.
     Latency(String, usize),
     /// A counter of the DRAM.
     Dram(usize),
@@ -56,11 +56,11 @@ pub(crate) enum MemoryLevel {
     Dram,
 }
 
-/// Names of a machine's levels in its statistics.
+/// The names of a machine's levels in its statistics.
 pub(crate) struct Levels(Vec<(MemoryLevel, String)>);
 
 impl Levels {
-    /// Those of `machine`.
+    /// The levels of `machine`.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let l1s = Kind::ALL.map(|kind| (MemoryLevel::L1(kind), kind.names().1.to_owned()));
         let l2s = machine.l2.caches().into_iter().enumerate().map(|(home, (name, _))| (MemoryLevel::L2(home), name));
@@ -74,12 +74,12 @@ impl Levels {
         self.0.iter().find(|(one, _)| *one == level).map_or("", |(_, name)| name)
     }
 
-    /// Each level of `parts`, with what is there.
+    /// Each level with its value in `parts`.
     fn of<'a, V>(&'a self, parts: &'a BTreeMap<String, V>) -> impl Iterator<Item = (MemoryLevel, &'a V)> {
         self.0.iter().filter_map(|(level, name)| Some((*level, parts.get(name)?)))
     }
 
-    /// All counters of `stats`, and the sums.
+    /// All counters of `stats`, and the two sums.
     pub(crate) fn figures(&self, stats: &MachineStats) -> Figures {
         let mut figures = Figures::new();
         let mut put = |figure: Figure, count: u64| {
@@ -114,7 +114,7 @@ impl Levels {
         figures
     }
 
-    /// `stats` with these figures, rounded, in the place of its own.
+    /// `stats` with these figures, rounded.
     pub(crate) fn with<'a>(
         &self,
         stats: &MachineStats,
@@ -162,7 +162,7 @@ impl Levels {
         stats
     }
 
-    /// The path of a figure in a report, such as `bytes.l2.node`; none of a sum, which has none.
+    /// The path of a figure in a report, such as `bytes.l2.node`; `None` for the two sums.
     pub(crate) fn path(&self, figure: &Figure) -> Option<String> {
         let cache = |level: &MemoryLevel, class: &TrafficClass, counter: &str| {
             format!("caches.{}.{}.{counter}", self.name(*level), class.name())
@@ -183,18 +183,18 @@ impl Levels {
     }
 }
 
-/// Puts the counters of a group.
+/// Adds the counters of a group.
 fn places(values: &[u64], figure: impl Fn(usize) -> Figure, put: &mut impl FnMut(Figure, u64)) {
     values.iter().enumerate().for_each(|(place, &count)| put(figure(place), count));
 }
 
-/// `values` with another one at a place.
+/// `values` with `count` at `place`.
 fn changed<const N: usize>(mut values: [u64; N], place: usize, count: u64) -> [u64; N] {
     values[place] = count;
     values
 }
 
-/// What came between `before` and `after`.
+/// The figures of `after` less those of `before`.
 pub(crate) fn difference(after: &Figures, before: &Figures) -> Figures {
     after.iter().map(|(figure, value)| (figure.clone(), value - before.get(figure).copied().unwrap_or(0.0))).collect()
 }
@@ -207,7 +207,7 @@ mod tests {
     use crate::engine::tests::recorded::{on, quickstart, shipped};
     use crate::engine::tests::synthetic::header;
 
-    /// Whatever is counted can be written back, and its path is that of the report.
+    /// All counters can be written back, and each path is that of the report.
     fn check(machine: &MachineSpec, stats: &MachineStats) -> Result<(), String> {
         let levels = Levels::new(machine);
         let figures = levels.figures(stats);
@@ -238,7 +238,7 @@ mod tests {
         check(&machine, &on(&machine, &header, "Event", &stream)).unwrap();
     }
 
-    /// Levels that a name hides from the figures would be missing in every sample: any L2, lists, any place of words.
+    /// A level whose name the figures miss would be missing in every sample: any L2, lists, any place of words.
     #[test]
     fn figures_are_all_counters_of_any_machine() {
         check_many(

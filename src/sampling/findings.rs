@@ -1,4 +1,4 @@
-//! What a sample found, and the statistics of the stream that it lets be estimated.
+//! Measurements of a sample, and the estimates of the stream's statistics.
 
 use std::collections::BTreeMap;
 
@@ -11,28 +11,28 @@ use super::plan::Cut;
 use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, Change, LatencyCounts, MachineStats, Residual, Residuals};
 
-/// The figures of a sample whose errors are told first.
+/// The figures with reported intervals and residuals.
 const TOLD: [Figure; 3] = [Figure::Cycles, Figure::L2Bytes, Figure::DramBytes];
 
-/// What a sample found.
+/// Measurements of a sample.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Findings {
-    /// All windows, frames' ends left out.
+    /// Covariates of all windows, without ends of frames.
     pub population: Population,
-    /// Those that were measured.
+    /// The measured windows.
     pub measured: Vec<Window>,
-    /// Sums over frames' ends.
+    /// Sums over ends of frames.
     ends: Figures,
-    /// Rays of the stream, skipped ones not counted.
+    /// Traced rays of the stream (skipped ones not counted).
     rays: u64,
     /// Pixels of a window.
     window_pixels: u64,
-    /// The statistics of a run in which nothing happens, but for the longest latencies, which are those of the windows.
+    /// Statistics of a run that did nothing, with the longest latencies of the measured windows.
     nothing: MachineStats,
 }
 
 impl Findings {
-    /// Nothing was measured yet of the stream that `pass` went over for a machine, but for what it found.
+    /// The findings of a machine's first `pass`.
     pub(crate) fn of(sampler: &Sampler<'_>, machine: &MachineSpec, cut: &Cut, pass: Pass) -> Self {
         let Pass { population, rays, found, .. } = pass;
         let (window_pixels, nothing) = (cut.window() as u64, sampler.nothing(machine));
@@ -41,7 +41,7 @@ impl Findings {
         findings
     }
 
-    /// Adds what was measured.
+    /// Adds measurements.
     pub(crate) fn add(&mut self, found: Vec<Found>) {
         for found in found {
             match found {
@@ -63,12 +63,12 @@ impl Findings {
         }
     }
 
-    /// The points of the sample with draws below `draws`.
+    /// Number of points with draws below `draws`.
     pub(crate) fn points(&self, draws: usize) -> usize {
         self.measured.iter().flat_map(|window| &window.hits).filter(|hit| hit.draw < draws).count()
     }
 
-    /// The stream's statistics, as the first `draws` points of each stratum let them be estimated.
+    /// The stream's statistics, estimated from the first `draws` points of each stratum.
     pub(crate) fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
         let own = self.estimates(machine, draws);
         let mut totals: BTreeMap<Figure, Total> =
@@ -80,8 +80,8 @@ impl Findings {
         self.stats(machine, &totals, self.residuals(points, freedom, None))
     }
 
-    /// The same beside a baseline that was measured in the same windows; also half the widths of the intervals of what
-    /// is otherwise than there, of the figures that are told first.
+    /// The same beside a baseline measured in the same windows. `residuals.change` has the error that is not shared
+    /// with it.
     pub(crate) fn estimate_beside(&self, machine: &MachineSpec, draws: usize, baseline: &Known<'_>) -> MachineStats {
         let Known { machine: base, findings, stats, figures } = baseline;
         let residuals = stats.residuals.as_ref();
@@ -103,7 +103,7 @@ impl Findings {
     }
 
     fn stats(&self, machine: &MachineSpec, totals: &BTreeMap<Figure, Total>, residuals: Residuals) -> MachineStats {
-        // Absent is absent.
+        // Classes without bytes are left out, as in whole runs.
         let is_there = |figure: &Figure, total: &Total| !matches!(figure, Figure::Bytes(..)) || total.total > 0.0;
         let found = || totals.iter().filter(|(figure, total)| is_there(figure, total));
         let levels = Levels::new(machine);
@@ -120,15 +120,15 @@ impl Findings {
     }
 }
 
-/// A baseline: what was measured in the windows, and what is known of it.
+/// A baseline: its measurements in the sample's windows, and its known statistics.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Known<'a> {
     /// The machine.
     pub machine: &'a MachineSpec,
-    /// What was measured in the windows, others' draws among them.
+    /// Its measurements, in at least the windows of the others.
     pub findings: &'a Findings,
-    /// What is known.
+    /// Its known statistics.
     pub stats: &'a MachineStats,
-    /// Its figures, each with half the width of its interval as a share.
+    /// The figures of `stats`, each with its relative half width.
     pub figures: &'a BTreeMap<Figure, (f64, f64)>,
 }

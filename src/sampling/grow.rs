@@ -12,24 +12,24 @@ use crate::ranged::Share;
 use crate::stats::MachineStats;
 use crate::stream::Header;
 
-/// When sampling is over.
+/// When a sample is large enough.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Goal {
-    /// All intervals are to be within it.
+    /// Maximum relative half width of the intervals.
     pub target: Share,
-    /// Points for a window of the stream, at most.
+    /// Maximum points for each window of the stream.
     pub most: f64,
 }
 
-/// A machine that others are measured against, and what is known of it.
+/// A baseline: a machine that others are measured against, and its known statistics.
 pub(crate) type Against<'a> = (&'a MachineSpec, &'a MachineStats);
 
-/// Samples with more and more windows, as long as the goal may be reached; also whether it was. Beside a baseline the
-/// goal is for what is otherwise than there. Machines whose jobs could not be kept pass over the stream again,
-/// together.
+/// Adds windows to each sample until the goal is reached or out of reach; returns the statistics, and whether it was
+/// reached. With a baseline, the goal applies to the error not shared with it. Machines whose jobs were not kept pass
+/// over the stream again, together.
 ///
 /// # Errors
-/// The stream cannot be read, or the baseline's run fails; of a machine, a run fails.
+/// The stream cannot be read, or the baseline's run fails. Per machine: its run fails.
 pub(crate) fn sample_until(
     (engine, header): (Sampled, &Header),
     machines: &[&MachineSpec],
@@ -56,7 +56,7 @@ pub(crate) fn sample_until(
             let mut base = base.first_mut();
             let mut beside = None;
             if let (Some(base), Some((machine, stats))) = (base.as_deref_mut(), baseline) {
-                // Whoever has no baseline in its windows waits until these are measured there too.
+                // A sample beside a baseline waits until the baseline is measured in its windows.
                 let Some(findings) = base.measured()? else { break };
                 beside = Some(Known { machine, findings, stats, figures: &figures });
             }
@@ -86,13 +86,13 @@ struct Sample<'a> {
     stage: Stage,
 }
 
-/// How far a sample is.
+/// The state of a sample.
 enum Stage {
-    /// It wants a pass over the stream.
+    /// Waits for a pass over the stream.
     Due,
-    /// Something was measured that was not looked at yet.
+    /// Has measurements that were not evaluated yet.
     Measured,
-    /// Nothing more is measured.
+    /// Is complete.
     Over(Result<Box<(MachineStats, bool)>, RunError>),
 }
 
@@ -105,7 +105,7 @@ impl<'a> Sample<'a> {
         matches!(self.stage, Stage::Due)
     }
 
-    /// A pass is over.
+    /// Takes the result of a pass.
     fn passed(&mut self, sampler: &Sampler<'_>, pass: Result<Pass, RunError>) {
         self.stage = Stage::Measured;
         match pass {
@@ -123,7 +123,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Jobs that were kept are done.
+    /// Takes the results of kept jobs.
     fn found(&mut self, found: Result<Vec<Found>, RunError>) {
         match (found, &mut self.findings) {
             (Ok(found), Some(findings)) => findings.add(found),
@@ -132,7 +132,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Looks at what was measured: the jobs that come next, if more is wanted that was kept.
+    /// Evaluates the measurements. Returns the next jobs, if more points are needed and their jobs were kept.
     fn go_on(&mut self, baseline: Option<&Known<'_>>, target: Share, keep: usize) -> Option<Vec<KeptJob>> {
         let (Stage::Measured, Some(findings)) = (&self.stage, &self.findings) else { return None };
         let Member { machine, plan } = &self.member;
@@ -157,7 +157,7 @@ impl<'a> Sample<'a> {
         }
     }
 
-    /// Wants all draws up to `end`: the jobs for that, if they were kept.
+    /// Extends the draws to `end`; returns their jobs if they were kept.
     fn reach(&mut self, end: usize) -> Option<Vec<KeptJob>> {
         let draws = &mut self.member.plan.draws;
         if end <= draws.end {
@@ -169,7 +169,7 @@ impl<'a> Sample<'a> {
         jobs
     }
 
-    /// What was measured, unless a pass is wanted first.
+    /// The measurements; `None` if a pass must come first.
     ///
     /// # Errors
     /// A run failed.

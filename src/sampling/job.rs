@@ -1,4 +1,4 @@
-//! Replays one job: a window and the pieces beside it, or a frame's end, by an engine of its own.
+//! Replays one job by an engine of its own: a window with lead-in and tail, or an end of frame.
 
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -20,15 +20,15 @@ use crate::machine::kinds::Kind;
 use crate::stats::{CacheCounts, LatencyCounts, TrafficClass};
 use crate::stream::{Item, Step, Totals};
 
-/// Latencies by kind of rays, as [`MachineStats`] has them.
+/// Latencies by kind of rays, as in [`MachineStats`].
 pub(super) type Latencies = BTreeMap<String, LatencyCounts>;
 
-/// What a job found.
+/// The result of a job.
 #[derive(Clone, Debug)]
 pub(crate) enum Found {
-    /// What a window costs, and the latencies of rays that were in flight with it.
+    /// A window's figures, and the latencies of all rays of the replay.
     Window(Box<Window>, Latencies),
-    /// What a frame's end costs.
+    /// Figures of an end of frame.
     End(Figures),
 }
 
@@ -65,8 +65,8 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
             let after = |rays: usize| feed.marks.iter().find(|mark| mark.over >= rays).cloned().unwrap_or_default();
             let [opened, closed] = feed.bounds.map(after);
-            // What was done between two marks is not quite what the window's rays ask for: some were begun before, some
-            // end later.
+            // The work between two marks differs slightly from the requests of the window's rays: some were begun
+            // before, some end later.
             let done = std::array::from_fn(|kind| closed.operations[kind] - opened.operations[kind]);
             let inside = Part {
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
@@ -82,7 +82,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
     }
 }
 
-/// Replays all items; what was counted, whose identities are checked as those of a whole run are.
+/// Replays all items; checks the invariants of a whole run and returns the counts.
 fn finished(engine: &mut dyn Engine, machine: &MachineSpec, feed: &mut JobFeed<'_>) -> Result<Tally, RunError> {
     let cycles = engine.run(feed)?;
     let tally = Tally { stores: feed.stores, ..engine.tally(cycles) };
@@ -90,10 +90,10 @@ fn finished(engine: &mut dyn Engine, machine: &MachineSpec, feed: &mut JobFeed<'
     Ok(tally)
 }
 
-/// All figures.
+/// All figures; bytes that were not moved are 0.
 fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     let mut figures = Levels::new(machine).figures(&tally.stats(machine));
-    // What no window moves, the tags may.
+    // Tags may move classes that no window moves.
     for class in TrafficClass::ALL {
         let l2 = (!class.goes_past_caches()).then(|| MemoryLevel::L2(machine.l2.home(class)));
         for level in l2.into_iter().chain([MemoryLevel::Dram]) {
@@ -103,10 +103,9 @@ fn figures_of(tally: &Tally, machine: &MachineSpec) -> Figures {
     figures
 }
 
-/// What moves between the L1s and the L2, and between L2 and DRAM, by the window's own rays: lines that they missed,
-/// instead of those that were missed between the marks. What is written, what is read past an L1, and what is missed
-/// for entries of stores when a register writes them out for no ray, is that of the marks. The host's own `lines` are
-/// known.
+/// Bytes between L1s and L2, and between L2 and DRAM, for the window's own rays. Lines that these missed replace the
+/// lines missed between the marks. The counts between the marks stay for writes and for reads that bypass an L1; with a
+/// register, also for misses on store entries, since its write-outs belong to no ray. The host's own `lines` are known.
 fn asked_for(
     inside: &Figures,
     (missed, own): (Missed, Missed),
@@ -137,7 +136,7 @@ fn asked_for(
         };
         l2_bytes += own(Figure::Bytes(home, class), more_of_l2 * line);
         dram_bytes += own(Figure::Bytes(MemoryLevel::Dram, class), more_of_dram * line);
-        // Counts of a cache are there all together or not at all.
+        // The counts of a cache exist all together or not at all.
         let misses = Figure::Cache(home, class, MISSES);
         if inside.contains_key(&misses) {
             own(misses, more_of_dram);
@@ -147,11 +146,11 @@ fn asked_for(
     figures
 }
 
-/// Lines that were asked of the next level and not there, by class.
+/// Missed lines, by class.
 #[derive(Clone, Copy, Debug, Default)]
 struct Missed {
     l1s: PerClass<u64>,
-    /// For reads alone.
+    /// Read misses only.
     l2: PerClass<u64>,
 }
 
@@ -179,28 +178,28 @@ impl Missed {
     }
 }
 
-/// What was counted up to a moment.
+/// A snapshot of the counts.
 #[derive(Clone, Debug, Default)]
 struct Mark {
-    /// Rays that were over.
+    /// Number of rays done.
     over: usize,
     figures: Figures,
     operations: [u64; Kind::ALL.len()],
     missed: Missed,
 }
 
-/// The items of a job. It is marked when as many rays are done as there are before the window, and when as many more
-/// are done as the window has: whichever they are, so that those that take long are not waited for.
+/// The items of a job. The first mark is when as many rays are done as the lead-in has; the second, when as many more
+/// are done as the window has. Any rays count, so that slow ones delay no mark.
 struct JobFeed<'a> {
     items: VecDeque<Item>,
     machine: &'a MachineSpec,
     warm: &'a WarmCaches,
-    /// Whether the engine's caches hold what these do.
+    /// Whether the engine's caches were loaded with `warm`.
     loaded: bool,
     bounds: [usize; 2],
     over: usize,
     frame_over: bool,
-    /// What was done with stores otherwise than recorded.
+    /// Store operations performed otherwise than recorded.
     stores: StoreWork,
     marks: Vec<Mark>,
 }
@@ -208,7 +207,7 @@ struct JobFeed<'a> {
 impl<'a> JobFeed<'a> {
     fn new(machine: &'a MachineSpec, warm: &'a WarmCaches) -> Self {
         let items = VecDeque::new();
-        // Before a window that has no rays before it, nothing was counted.
+        // The first mark of a window without lead-in: nothing was counted.
         let marks = vec![Mark::default()];
         Self {
             items,

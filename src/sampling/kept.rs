@@ -1,5 +1,5 @@
-//! Jobs that may be wanted once it is known how much windows differ: they are kept, as far as memory allows, so that
-//! the stream need not be read again.
+//! Jobs of points that a larger sample may need. They are kept as far as memory allows, so that the stream need not be
+//! read again.
 
 use std::mem::take;
 use std::ops::Range;
@@ -9,7 +9,7 @@ use super::window_rays::PackedRays;
 use super::windows::{Job, JobWork};
 use crate::stream::Chunk;
 
-/// A job whose rays are packed, if it has some.
+/// A job; the rays of a window are packed.
 #[derive(Clone, Debug)]
 pub(crate) struct KeptJob {
     job: Job,
@@ -38,31 +38,31 @@ impl KeptJob {
         job
     }
 
-    /// What it takes in memory, about, where so many machines have the rays of its window in common.
+    /// Approximate bytes, where `machines` share the rays of the window.
     fn bytes(&self, machines: usize) -> usize {
         self.job.bytes() + self.rays.as_ref().map_or(0, |rays| rays.bytes() / machines)
     }
 }
 
-/// The jobs of some draws of all strata.
+/// The jobs of a range of draws of all strata.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Kept {
     draws: Range<usize>,
     jobs: Vec<KeptJob>,
     bytes: usize,
-    /// Bytes at most.
+    /// Maximum bytes.
     most: usize,
     /// Machines on the pass.
     machines: usize,
 }
 
 impl Kept {
-    /// Nothing yet of these draws, on a pass of so many machines, which all together may take `most` bytes.
+    /// An empty store for these draws. The `machines` of the pass together may take `most` bytes.
     pub(crate) fn new(draws: Range<usize>, most: usize, machines: usize) -> Self {
         Self { draws, most: most / machines, machines, ..Self::default() }
     }
 
-    /// Keeps `job`. Where memory does not allow for all draws, the last ones go.
+    /// Keeps `job`. Where memory is short, the jobs of the last draws are dropped.
     pub(crate) fn add(&mut self, job: Job) {
         if self.draws.contains(&job.draw) {
             let job = KeptJob::new(job);
@@ -75,7 +75,7 @@ impl Kept {
         }
     }
 
-    /// The jobs of `draws`, if all of them were kept.
+    /// The jobs of `draws`; `None` unless all of them were kept.
     pub(crate) fn take(&mut self, draws: &Range<usize>) -> Option<Vec<KeptJob>> {
         if draws.start != self.draws.start || draws.end > self.draws.end {
             return None;
@@ -90,7 +90,7 @@ impl Kept {
         jobs.iter().map(|job| job.bytes(self.machines)).sum()
     }
 
-    /// Takes out the jobs of draw `first` and later ones.
+    /// Removes the jobs with draws from `first` on.
     fn take_from(&mut self, first: usize) -> Vec<KeptJob> {
         let (taken, left) = take(&mut self.jobs).into_iter().partition(|kept| kept.job.draw >= first);
         self.jobs = left;

@@ -1,4 +1,4 @@
-//! What is known of a part of a stream without replaying it, and which of that explains which figure.
+//! Covariates: what is known of a part of a stream without replaying it, and which of them explain each figure.
 
 use std::ops::AddAssign;
 
@@ -14,38 +14,38 @@ const CACHED: usize = TrafficClass::CACHED;
 /// Columns of [`Known::columns`].
 pub(crate) const COLUMNS: usize = KINDS + 3 + CACHED + CLASSES + KINDS + 2;
 
-/// The column of all operations; those of each kind of units but the first follow.
+/// The column of all operations; columns of each kind of units but the first follow.
 pub(crate) const OPERATIONS: usize = 0;
 /// The column of all lines between L1s and L2.
 const MOVED: usize = KINDS;
 /// The column of all lines between L2 and DRAM.
 const DRAM: usize = MOVED + 1;
-/// The column of the cycles that the busiest kind of units, the busiest home, or the DRAM's bus, needs at least.
+/// The column of the minimum cycles of the busiest resource: a kind of units, an owner unit, or the DRAM's bus.
 const BUSIEST: usize = DRAM + 1;
-/// The first column of lines of a class between L1s and L2, and between L2 and DRAM.
+/// First columns of lines by class, between L1s and L2, and between L2 and DRAM.
 const MOVED_OF_CLASS: usize = BUSIEST + 1;
 const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CACHED;
-/// The first column of lines that the L1s of each kind of units miss.
+/// First column of misses of the L1s of each kind of units.
 const MISSED: usize = DRAM_OF_CLASS + CLASSES;
-/// The columns of what the home, and the bank of an L2, that has the most to do does.
+/// The columns of the busiest owner unit and of the busiest bank of an L2.
 const HOME: usize = MISSED + KINDS;
 const BANK: usize = HOME + 1;
 
-/// What is known.
+/// Covariates of a part of a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Known {
-    /// Operations of each kind of units.
+    /// Operations of each kind of units, times the cycles between operations.
     pub operations: [u64; KINDS],
-    /// Lines of each class that tags alone would move between the L1s and the L2.
+    /// Lines of each class that tags move between L1s and L2.
     pub moved: [u64; CACHED],
-    /// Lines that they would move between L2 and DRAM.
+    /// Lines of each class that tags move between L2 and DRAM.
     pub dram: [u64; CLASSES],
-    /// Lines that the L1s of each kind of units would miss.
+    /// Misses of the L1s' tags of each kind of units.
     pub missed: [u64; KINDS],
-    /// Operations on entries of the stores by the shadow-cache unit that is the home of the most, a maximum for each
-    /// piece.
+    /// Cycles of the busiest owner unit for operations on entries of the stores: the maximum of each piece, summed over
+    /// pieces.
     pub home: u64,
-    /// Lines that the bank of an L2 that is asked for the most is asked for, a maximum for each piece.
+    /// Requests to the busiest bank of an L2: the maximum of each piece, summed over pieces.
     pub bank: u64,
 }
 
@@ -61,23 +61,23 @@ impl AddAssign for Known {
     }
 }
 
-/// What is known as columns of a regression.
+/// Covariates as columns of a regression.
 pub(crate) type Columns = [f64; COLUMNS];
 
-/// What a machine can do in a cycle.
+/// The capacity of a machine in a cycle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Capacity {
-    /// Operations that units of each kind begin at once.
+    /// Operations that all units of each kind together can begin.
     operations: [f64; KINDS],
-    /// Lines that come from the DRAM or go there; none if as many as there may be.
+    /// Lines to or from the DRAM; `None` if unlimited.
     lines: Option<f64>,
-    /// Cycles that a ray in a slot waits for an operation, where that takes one of the unit, and for a line that the L1
-    /// misses: for each kind that rays in slots go to.
+    /// Cycles that a ray in a slot waits for an operation, over the unit's interval, and for a line that the L1 misses;
+    /// for each kind of units in [`PATH`].
     stays: [f64; PATH.len()],
     fetches: [f64; PATH.len()],
 }
 
-/// Kinds of units that rays in slots of traversal units go to, and what for.
+/// Kinds of units that rays in slots of traversal units go to, and the class that they read.
 const PATH: [(Kind, TrafficClass); 3] = [
     (Kind::Traversal, TrafficClass::Node),
     (Kind::List, TrafficClass::List),
@@ -85,7 +85,7 @@ const PATH: [(Kind, TrafficClass); 3] = [
 ];
 
 impl Capacity {
-    /// That of `machine`.
+    /// The capacity of `machine`.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let bytes = machine.dram.peak_bytes_per_cycle(machine.clock_mhz.get());
         let lines = bytes.map(|bytes| bytes / machine.line_bytes.get() as f64);
@@ -103,14 +103,13 @@ impl Capacity {
         }
     }
 
-    /// What its units can do, whatever its DRAM is.
+    /// The capacity of the units, with unlimited DRAM.
     pub(crate) fn of_units(machine: &MachineSpec) -> Self {
         Self { lines: None, ..Self::new(machine) }
     }
 
-    /// Rays that are in traversal units at once, if what is `known` takes as long as the busiest needs: as many as are
-    /// needed for each to stay as long as its operations and the lines that its L1s miss take (Little 1961). `None` if
-    /// nothing is done.
+    /// Rays in traversal units at once, by Little's law (Little 1961): the sum of their waits for operations and for
+    /// missed lines, over the minimum cycles of the busiest resource. `None` if nothing is done.
     pub(crate) fn in_flight(&self, known: &Known) -> Option<f64> {
         let waits = PATH.iter().zip(self.stays.iter().zip(&self.fetches)).map(|((kind, _), (stay, fetch))| {
             let kind = *kind as usize;
@@ -126,7 +125,7 @@ impl Capacity {
         units.chain(self.lines.map(|lines| dram / lines)).fold(home, f64::max)
     }
 
-    /// The same columns with other operations.
+    /// The columns with other operations.
     pub(crate) fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
         columns[OPERATIONS] = operations.iter().sum::<u64>() as f64;
         columns[OPERATIONS + 1..KINDS].iter_mut().zip(&operations[1..]).for_each(|(column, &it)| *column = it as f64);
@@ -136,7 +135,7 @@ impl Capacity {
 }
 
 impl Known {
-    /// As columns.
+    /// The covariates as columns.
     pub(crate) fn columns(&self, capacity: &Capacity) -> Columns {
         let mut columns = [0.0; COLUMNS];
         columns[MOVED] = self.moved.iter().sum::<u64>() as f64;
@@ -150,36 +149,36 @@ impl Known {
     }
 }
 
-/// Whose doing stands for a window.
+/// Which activity is counted for a window.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Span {
-    /// What happens between the window's marks, others' rays among it: for what hangs on how much is in flight.
+    /// Between the window's marks, by any ray: for figures that depend on the number of rays in flight.
     Inside,
-    /// What the window's own rays ask for, whenever that is.
+    /// Requests of the window's own rays, at any time.
     Own,
-    /// What the window and the pieces beside it do from beginning to end: for what rays ask for, whatever is in flight
-    /// with them. It does not do for what caches miss: at the group's ends, fewer rays are in flight (living room,
-    /// `Hybrid()`, `tni_engine`: 6 % too few bytes of mode words from the DRAM).
+    /// The whole replay, of lead-in, window and tail: for what rays request whatever else is in flight. Misses of
+    /// caches do not qualify: at both ends of the replay, fewer rays are in flight (living room, `Hybrid()`,
+    /// `tni_engine`: 6 % too few bytes of mode words from the DRAM).
     Group,
 }
 
 impl Span {
-    /// All.
+    /// All spans.
     pub(crate) const ALL: [Self; 3] = [Self::Inside, Self::Own, Self::Group];
 }
 
-/// How a figure is explained.
+/// The explanation of a figure by covariates.
 #[derive(Clone, Debug)]
 pub(crate) struct Explanation {
-    /// The columns that explain it, the best first: few windows allow for few.
+    /// The explaining columns, best first: few windows allow only few columns.
     pub columns: Vec<usize>,
-    /// The column of the lines that it is bytes of: only what differs from that is estimated.
+    /// The column of the lines that the figure counts in bytes: only the difference from it is estimated.
     pub lines: Option<usize>,
-    /// Whose doing is counted.
+    /// Which activity is counted.
     pub span: Span,
 }
 
-/// How a figure is explained.
+/// The explanation of `figure`.
 pub(crate) fn explanation(figure: &Figure) -> Explanation {
     const MISSES: usize = CacheCounts::place("misses");
     const REFRESHES: usize = DramCounts::place("refreshes");
@@ -214,9 +213,9 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
         | Figure::Queue(..)
         | Figure::Latency(..)
         | Figure::Dram(_) => {
-            // Where all rays wait for few shadow-cache units, what these miss costs the most, and how much of the work
-            // lies at one of them. The orders, here and above, are those which left the least on kitchen, robot,
-            // staircase and living room (`tni_engine`, `desktop`, robot on `small`).
+            // Where all rays wait for few shadow-cache units, the misses of these units and the share of the busiest
+            // one matter most. These orders, here and above, left the smallest residuals on kitchen, robot, staircase
+            // and living room (`tni_engine`, `desktop`, robot on `small`).
             let missed = |kind| MISSED + kind as usize;
             let (words, tests) = (Kind::ShadowCache, Kind::Intersection);
             let few = [BUSIEST, missed(words), operations_of(tests), OPERATIONS, BANK, operations_of(words)];

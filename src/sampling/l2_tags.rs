@@ -1,4 +1,4 @@
-//! The tags of the L2s, which are asked for what the L1s' tags miss ([`super::requests`]): without time too.
+//! The tags of the L2s, without time: they receive the requests of the L1s' tags ([`super::requests`]).
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 use crate::stream::Header;
 
-/// The tags of all L2s. Where they are equal before the same requests, they do the same.
+/// The tags of all L2s. Equal tags stay equal under equal requests.
 #[derive(Debug, PartialEq)]
 pub(super) struct L2Tags {
     /// Banks, core by core.
@@ -25,17 +25,17 @@ pub(super) struct L2Tags {
     dynamic_part: LineAddr,
 }
 
-/// What requests did.
+/// The effect of a list of requests.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moved {
-    /// Lines of each class that moved between L2 and DRAM.
+    /// Lines of each class moved between L2 and DRAM.
     pub dram: PerClass<u64>,
-    /// Those that the bank was asked for that was asked for the most.
+    /// Requests to the busiest bank.
     pub bank: u64,
 }
 
 impl Moved {
-    /// What is known of those whose requests they were.
+    /// Adds these counts to the covariates of the same requests.
     pub(super) fn added_to(self, mut known: Known) -> Known {
         known.dram.iter_mut().zip(self.dram).for_each(|(known, lines)| *known += lines);
         known.bank = self.bank;
@@ -55,17 +55,17 @@ impl L2Tags {
         Self { of_core: banks.len() / machine.cores.size(), banks, homes, dynamic_part }
     }
 
-    /// What the banks hold now.
+    /// The contents of the banks.
     pub(super) fn snapshot(&self) -> Arc<Vec<TimelessCache>> {
         Arc::new(self.banks.clone())
     }
 
-    /// A frame begins.
+    /// Begins a frame: drops the lines of the dynamic part.
     pub(super) fn begin_frame(&mut self) {
         self.banks.iter_mut().for_each(|bank| bank.drop_from(self.dynamic_part));
     }
 
-    /// What is asked for is accessed.
+    /// Performs `requests`.
     pub(super) fn pass(&mut self, requests: &[Request]) -> Moved {
         let (mut dram, mut asked) = (PerClass::<u64>::default(), vec![0; self.banks.len()]);
         for &Request { line, core, class, write } in requests {

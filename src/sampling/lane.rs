@@ -1,5 +1,5 @@
-//! Machines side by side on one pass: those whose paths' tags are equal share them, of these those whose shadow-cache
-//! units' tags are equal share those too, and the L2s' in turn.
+//! Machines on one pass share equal tags: lanes share the paths' tags, within these word lanes share the shadow-cache
+//! units' tags, and within these L2 lanes share the L2s' tags.
 
 use std::mem::take;
 use std::sync::Arc;
@@ -15,9 +15,9 @@ use crate::machine::MachineSpec;
 use crate::machine::layout::Shift;
 use crate::stream::Header;
 
-/// A machine that is sampled, by its place among all of the pass.
+/// A sampled machine.
 pub(super) struct OnLane {
-    /// The place.
+    /// Its index among the machines of the pass.
     pub index: usize,
     /// Its windows.
     pub windows: Windows,
@@ -26,7 +26,7 @@ pub(super) struct OnLane {
 }
 
 impl OnLane {
-    /// Keeps the jobs that later draws may want; the others go to `now`, with the machine's place.
+    /// Adds jobs that are due to `now`, with the machine's index; keeps those of later draws.
     fn sort(&mut self, jobs: Vec<Job>, now: &mut Vec<(usize, Job)>) {
         for job in jobs {
             if self.windows.is_due(&job) {
@@ -38,28 +38,28 @@ impl OnLane {
     }
 }
 
-/// Machines whose paths' tags are equal.
+/// Machines with equal tags of the paths.
 pub(super) struct Lane {
     path: PathTags,
     words: Vec<WordLane>,
 }
 
-/// Those of them whose shadow-cache units' L1s have equal tags.
+/// Machines of a lane with equal tags of the shadow-cache units' L1s.
 struct WordLane {
     tags: WordTags,
-    /// Rays in flight that it asks for.
+    /// Rays in flight that these machines need.
     in_flight: usize,
     l2s: Vec<L2Lane>,
 }
 
-/// Those of them whose L2s' tags are equal too.
+/// Machines of a word lane with equal tags of the L2s.
 struct L2Lane {
     l2: L2Tags,
     machines: Vec<OnLane>,
 }
 
-/// Deals machines to lanes, as many as there are threads if that can be: who shares a path is on one thread. Tags that
-/// are equal before a stream stay equal, so that nobody need say which fields of a machine they hang on.
+/// Distributes machines among lanes, if possible one for each thread: a lane runs on one thread. Tags that are equal
+/// before a stream stay equal, so no list of the fields that they depend on is needed.
 pub(super) fn lanes<'a>(
     header: &Header,
     machines: impl Iterator<Item = (&'a MachineSpec, OnLane)>,
@@ -86,7 +86,7 @@ pub(super) fn lanes<'a>(
     lanes
 }
 
-/// The first of `all` that is the same as a new one, which is added where none is.
+/// The first of `all` that is equal to `new`; `new` is added if there is none.
 fn place<T>(all: &mut Vec<T>, new: T, is_same: impl Fn(&T, &T) -> bool) -> &mut T {
     let at = all.iter().position(|one| is_same(one, &new)).unwrap_or(all.len());
     if at == all.len() {
@@ -95,13 +95,13 @@ fn place<T>(all: &mut Vec<T>, new: T, is_same: impl Fn(&T, &T) -> bool) -> &mut 
     &mut all[at]
 }
 
-/// Where what a path needs lies for those that share it.
+/// The shift of the path's lines to the layout of `tags`.
 fn shift(path: &PathTags, tags: &WordTags) -> Shift {
     path.shift_to(tags.layout()).expect("who needs another path has parted")
 }
 
 impl Lane {
-    /// The next portion of the stream; the jobs that are to be replayed, each with its machine's place.
+    /// Takes the next portion of the stream; returns the jobs to replay now, each with its machine's index.
     pub(super) fn add(&mut self, portion: &Portion) -> Vec<(usize, Job)> {
         let Self { path, words } = self;
         let mut jobs = Vec::new();
@@ -147,7 +147,7 @@ impl Lane {
                 *in_flight = self.path.limited(rays);
             }
             for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
-                // Of the host's own lines it is known already.
+                // Requests do not include the host's own lines: their DRAM lines are in `known` already.
                 let known = l2.pass(&requests.list).added_to(requests.known);
                 for machine in machines {
                     let complete = machine.windows.piece(piece, known, warm.as_ref());
@@ -157,7 +157,7 @@ impl Lane {
         }
     }
 
-    /// What the caches of each L2's machines hold, in order, where one of these wants to know.
+    /// The contents of the caches of each L2 lane, in order, where one of its machines wants them.
     fn warm(&self, wants: impl Fn(&Windows) -> bool) -> Vec<Option<WarmCaches>> {
         let mut paths: Vec<(Shift, Arc<L1s>)> = Vec::new();
         let mut all = Vec::new();
@@ -183,8 +183,8 @@ impl Lane {
         all
     }
 
-    /// Goes on with as many rays in flight as its first machine asks for. Those that ask for another number, or whose
-    /// triangle records lie elsewhere, go on by lanes of their own, from the same caches.
+    /// Continues with the number of rays in flight that the first word lane needs. Word lanes that need another number,
+    /// or whose layout the path cannot be shifted to, get lanes of their own, with a copy of the tags.
     pub(super) fn parted(&mut self) -> Vec<Self> {
         let mut lanes: Vec<Self> = Vec::new();
         let Some(in_flight) = self.words.first().map(|first| first.in_flight) else { return lanes };
@@ -208,14 +208,14 @@ impl Lane {
         lanes
     }
 
-    /// Its machines, the stream being over.
+    /// The machines, at the end of the stream.
     pub(super) fn finish(self) -> impl Iterator<Item = OnLane> {
         let l2s = self.words.into_iter().flat_map(|lane| lane.l2s);
         l2s.flat_map(|lane| lane.machines)
     }
 }
 
-/// Places of machines by what they share: those of one L2 in those of one set of L1s.
+/// Indices of machines by what they share: lanes, word lanes, L2 lanes.
 #[cfg(test)]
 pub(super) fn machines_of_lanes(header: &Header, machines: &[MachineSpec]) -> Vec<Vec<Vec<Vec<usize>>>> {
     use super::plan::{Cut, Plan};

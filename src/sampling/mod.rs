@@ -1,6 +1,5 @@
-//! Sampling: of each stratum of consecutive windows (runs of pixels of about the same number of rays) some are replayed
-//! and measured, each by itself, between parts of others and behind warm caches; the accesses of all others go through
-//! the caches' tags alone.
+//! Sampling: windows (runs of about equally many pixels) are drawn from strata of a stream. Each is replayed and
+//! measured by itself, with a lead-in and a tail, on warm caches. All accesses pass through the caches' tags alone.
 
 mod auto;
 mod axis;

@@ -1,4 +1,4 @@
-//! The L1s that a ray's path goes to beside that of its traversal unit: those of a list and of an intersection unit.
+//! The L1s on a ray's path other than the traversal unit's: those of its list unit and its intersection unit.
 
 use super::requests::{Asker, Requests};
 use crate::machine::kinds::Kind;
@@ -11,16 +11,16 @@ use crate::stream::{Step, Stop};
 
 pub(super) const KINDS: usize = Kind::ALL.len();
 
-/// The unit of each kind that a ray goes to.
+/// The index of the ray's unit of each kind.
 pub(super) type Units = [u16; KINDS];
 
-/// The units of a ray, and what they ask for.
+/// The units of a ray, and the requests of their L1s.
 pub(super) struct Others<'a> {
     pub layout: &'a Layout,
     pub lists: &'a mut [TimelessCache],
     pub intersection: &'a mut [TimelessCache],
     pub units: Units,
-    /// All steps of a path count as visits first.
+    /// All steps of a path are first counted as visits of the traversal unit.
     pub operations: &'a mut [u64; KINDS],
     pub keeps_triangles: bool,
     pub core: u16,
@@ -28,7 +28,7 @@ pub(super) struct Others<'a> {
 }
 
 impl Others<'_> {
-    /// A step of a path that visits no node.
+    /// A path step that is no node visit.
     #[inline]
     pub(super) fn step(&mut self, word: u32) {
         self.operations[Kind::Traversal as usize] -= 1;
@@ -46,7 +46,7 @@ impl Others<'_> {
         }
     }
 
-    /// A triangle is tested, up to where the test stops.
+    /// A triangle test, up to its stop.
     #[inline]
     pub(super) fn test(&mut self, slot: TriangleSlot, stop: Stop) {
         let Self { layout, requests, .. } = self;
@@ -55,7 +55,7 @@ impl Others<'_> {
         let l1 = &mut self.intersection[usize::from(self.units[kind as usize])];
         let asker = reader(kind, self.core, TrafficClass::Triangle);
         if self.keeps_triangles {
-            // To read a line that was just read changes nothing.
+            // `test_lines` has each line once: reading a line again changes nothing.
             requests.access_all(l1, asker, layout.test_lines(slot, stop));
             return;
         }

@@ -1,5 +1,5 @@
-//! A pass over a stream for all machines that are sampled: one thread reads and cuts it, and the others take the pieces
-//! through the machines' tags and replay what is measured.
+//! A pass over a stream for all sampled machines. One thread reads and cuts the stream; others pass the pieces through
+//! the machines' tags and replay measured windows.
 
 use std::borrow::Cow;
 use std::sync::mpsc::{Receiver, SyncSender, TrySendError, sync_channel};
@@ -19,69 +19,70 @@ use crate::machine::MachineSpec;
 use crate::stats::MachineStats;
 use crate::stream::Header;
 
-/// What was cut and waits for the tags, and jobs that may wait to be replayed, which hold the tags of a machine each.
+/// Channel capacities: cut items that wait for the tags, and jobs that wait for replay. Each job holds the tags of a
+/// machine.
 const CUT: usize = 4;
 const JOBS: usize = 2;
 
-/// Jobs of later draws are kept until so many times as many were measured: until twice as many were, five times. Of a
-/// long stream more are, a share of the windows that costs hardly anything, since to pass over it again costs much.
+/// Jobs of later draws are kept up to 32 times the measured draws: enough for five doublings. Of a long stream, a share
+/// of the windows is kept where that is more: this costs little, and another pass costs much.
 const KEPT: usize = 32;
 const KEPT_SHARE: f64 = 1.0 / 64.0;
-/// Bytes of jobs that are kept at most, of all machines.
+/// Maximum bytes of kept jobs, of all machines together.
 const MOST_BYTES: usize = 1 << 30;
 
-/// Who samples. What is found does not depend on how many threads there are.
+/// Samples streams. Results do not depend on the number of threads.
 #[derive(Clone, Copy)]
 pub(crate) struct Sampler<'a> {
-    /// What replays windows.
+    /// The engine that replays windows.
     pub engine: Sampled,
     /// The stream's header.
     pub header: &'a Header,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
 }
 
-/// A machine, and which of its windows are measured. All that share a pass are cut alike, into the same strata.
+/// A machine, and which of its windows are measured. All members of a pass have the same cut and the same strata.
 #[derive(Clone, Debug)]
 pub(crate) struct Member<'a> {
     /// The machine.
     pub machine: &'a MachineSpec,
-    /// The windows.
+    /// Its windows.
     pub plan: Plan,
 }
 
-/// What a pass gave of a machine.
+/// A machine's result of a pass.
 #[derive(Debug)]
 pub(crate) struct Pass {
-    /// All windows.
+    /// Covariates of all windows.
     pub population: Population,
-    /// Rays of the stream, skipped ones not counted.
+    /// Traced rays of the stream (skipped ones not counted).
     pub rays: u64,
-    /// What was measured, in the stream's order.
+    /// Results of the measured jobs, in the stream's order.
     pub found: Vec<Found>,
-    /// Jobs of later draws.
+    /// Jobs of later draws, not replayed yet.
     pub kept: Kept,
 }
 
-/// What a job of a machine found: the machine's place, and the job's number.
+/// A job's result, with the machine's index and the job's number.
 type Numbered = (usize, usize, Result<Found, RunError>);
 type ToReplay = (usize, Job);
 
-/// Of each machine what was asked for, or its own error; an error of the stream is everybody's.
+/// A result for each machine, or that machine's error; an error of the stream concerns all.
 pub(crate) type Each<T> = Result<Vec<Result<T, RunError>>, RunError>;
 
 impl<'a> Sampler<'a> {
-    /// Samples with as many threads as rayon has, which `--threads` says.
+    /// A sampler with rayon's number of threads, which `--threads` sets.
     pub(crate) fn new(engine: Sampled, header: &'a Header) -> Self {
         Self { engine, header, threads: rayon::current_num_threads() }
     }
 
-    /// Passes over a stream, measures what the plans say and keeps jobs of later draws below `keep`, which is the same
-    /// for all passes whose findings are added: a window that is measured for its first point must know the later ones.
-    /// What each machine gives is the same whoever else is there.
+    /// Passes over a stream, measures the plans' windows and keeps jobs of later draws below `keep`. `keep` must be the
+    /// same for all passes whose findings are added: a window measured for its first point must list its later ones.
+    /// The result of a machine does not depend on the other members.
     ///
     /// # Errors
-    /// The stream cannot be read; of a machine, a replay fails.
+    /// The stream cannot be read. Per machine: a replay fails.
     pub(crate) fn pass(&self, members: &[Member<'_>], keep: usize, items: &mut ItemStream<'_>) -> Each<Pass> {
         let Some(first) = members.first() else { return Ok(Vec::new()) };
         let ends = members.iter().map(|member| member.plan.draws.end);
@@ -102,7 +103,7 @@ impl<'a> Sampler<'a> {
         let mut read = Ok(());
         let (lanes, found) = thread::scope(|scope| {
             let (jobs, received) = sync_channel(JOBS);
-            // Shared by the threads alone: should all of them panic, nothing can be sent.
+            // Owned by the threads alone: if all of them panic, sending fails instead of blocking.
             let received = Arc::new(Mutex::new(received));
             let workers = self.threads.saturating_sub(dealt.len());
             let workers: Vec<_> = (0..workers)
@@ -123,7 +124,7 @@ impl<'a> Sampler<'a> {
                     Ok(portions) => {
                         let portions = Arc::new(portions);
                         if pieces.iter().any(|to| to.send(Arc::clone(&portions)).is_err()) {
-                            // A thread has panicked, which comes out when it is joined.
+                            // A thread has panicked; joining it raises the panic.
                             break;
                         }
                     }
@@ -149,8 +150,8 @@ impl<'a> Sampler<'a> {
             .collect())
     }
 
-    /// Takes what is cut through the tags of `lanes`, then replays what others still have to. Where more is to be
-    /// replayed than the others can, this thread replays too.
+    /// Passes the cut stream through the tags of `lanes`, then replays jobs that are left. Where the job queue is full,
+    /// this thread replays the job itself.
     fn go_along(
         &self,
         members: &[Member<'_>],
@@ -175,7 +176,7 @@ impl<'a> Sampler<'a> {
         (lanes, found)
     }
 
-    /// Replays jobs that were kept, each of the machine at its place; what each machine's found.
+    /// Replays kept jobs, each with its machine's index; returns the results of each machine.
     pub(crate) fn replay(
         &self,
         members: &[Member<'_>],
@@ -203,7 +204,7 @@ impl<'a> Sampler<'a> {
         let machine = members[*index].machine;
         let machine = match &job.work {
             JobWork::End(_) => Cow::Borrowed(machine),
-            // The frame's dynamic part is there: its building counts with the frame's end.
+            // The frame's dynamic part is built already: its building is counted with the end of frame.
             JobWork::Window(_) => {
                 let traffic = machine.traffic.without_build();
                 Cow::Owned(MachineSpec { traffic, ..machine.clone() })
@@ -212,7 +213,7 @@ impl<'a> Sampler<'a> {
         (*index, job.number, job::replay(self.engine(&machine).as_mut(), &machine, job))
     }
 
-    /// The statistics of a run in which nothing happens.
+    /// The statistics of a run that did nothing.
     pub(crate) fn nothing(&self, machine: &MachineSpec) -> MachineStats {
         self.engine(machine).tally(1).stats(machine)
     }
@@ -228,7 +229,7 @@ fn joined<T>(thread: ScopedJoinHandle<'_, T>) -> T {
     thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }
 
-/// What each of so many machines found, in the order of its jobs.
+/// The results of each of `machines` machines, in the order of its jobs.
 fn in_order(mut found: Vec<Numbered>, machines: usize) -> Vec<Result<Vec<Found>, RunError>> {
     found.sort_by_key(|&(index, number, _)| (index, number));
     let mut all: Vec<Result<Vec<Found>, RunError>> = (0..machines).map(|_| Ok(Vec::new())).collect();

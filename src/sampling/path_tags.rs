@@ -1,8 +1,8 @@
-//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. So the
-//! caches hold about what they would when a window is replayed, and of every window is known about how much it moves.
+//! Functional warming (Wunderlich et al. 2003, "SMARTS"): all accesses go through tags alone, without time. The tags
+//! give the approximate cache contents before a window, and the covariates of every window.
 //!
-//! Here are the tags of what the rays' paths need, and the order of their accesses. Those of the shadow-cache units
-//! follow in [`super::word_tags`], those of the L2s in [`super::l2_tags`].
+//! This module has the L1 tags on the rays' paths, and the order of accesses. The tags of the shadow-cache units follow
+//! in [`super::word_tags`], those of the L2s in [`super::l2_tags`].
 
 use std::mem::{replace, take};
 use std::ops::Range;
@@ -24,50 +24,50 @@ use crate::quantity::{LineAddr, NodeId};
 use crate::stats::TrafficClass;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
 
-/// The tags of the L1s of all units but the shadow-cache units.
+/// The tags of all units' L1s except the shadow-cache units'.
 #[derive(Clone, Debug)]
 pub(super) struct PathTags {
     layout: Layout,
-    /// Of the shadow-cache units, none.
+    /// Empty for the shadow-cache units.
     l1s: L1s,
     intervals: [u64; KINDS],
     cores: usize,
     seats: Seats,
-    /// Rays in flight, and how many there can be.
+    /// Rays in flight, and their maximum.
     in_flight: usize,
     room: usize,
     entries: Option<Entries>,
-    /// Whether intersection units keep what they read of triangles.
+    /// Whether the L1s of intersection units allocate on triangle reads.
     keeps_triangles: bool,
-    /// Operations of each kind of units since rays were last told of.
+    /// Operations of each kind of units since the last [`Trodden`].
     operations: [u64; KINDS],
     trodden: Trodden,
 }
 
-/// Entries of stores that intersection units access.
+/// Policy entries in triangle records, which intersection units access (`place: Triangle`).
 #[derive(Clone, Debug, PartialEq)]
 struct Entries {
     performed: Performed,
     writes: WritePolicy,
-    /// The steps of the ray that was asked for last.
+    /// A buffer for the policy steps of a ray.
     steps: Vec<Step>,
 }
 
-/// What rays did up to where their paths end.
+/// What rays did up to the ends of their paths.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Trodden {
-    /// What the L1s ask the L2 for, in order.
+    /// Requests of the L1s to the L2, in order.
     pub requests: Requests,
-    /// Rays that have steps of the policy, in the order in which their paths end.
+    /// Path ends of the rays that have policy steps, in order.
     pub ends: Vec<PathEnd>,
 }
 
-/// Where the path of a ray ends.
+/// The end of a ray's path.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathEnd {
-    /// Requests that were made before.
+    /// Number of requests before it.
     pub requests: usize,
-    /// The ray's place in its chunk.
+    /// The ray's index in its chunk.
     pub ray: usize,
     /// Its core.
     pub core: u16,
@@ -75,20 +75,20 @@ pub(super) struct PathEnd {
     pub entry: u32,
 }
 
-/// Steps that a ray makes in its turn at most. Its turn is over when it goes to another unit, or when the L1 has not
-/// what it needs: so others catch up, and are near it when the line is there, as they are in the machine. Where turns
-/// go on, windows tell L2 bytes up to two fifths worse (kitchen on `tni_engine`).
+/// Maximum steps of a ray's turn. A turn ends early when the ray goes to another unit or misses in the L1. Other rays
+/// then catch up, and are near this ray when its line arrives, as in the machine. Without early ends, windows predict
+/// L2 bytes up to two fifths worse (kitchen on `tni_engine`).
 const MOST_STEPS: usize = 16;
 
-/// Packed steps in a line of the caches of most processors.
+/// Packed steps in a cache line of most host processors.
 const WORDS_A_LINE: usize = 16;
 
 /// A ray in flight.
 struct Flight<'c> {
-    /// The steps that are left.
+    /// Path steps that are left.
     path: &'c [u32],
     policy: &'c [u32],
-    /// Its place in its chunk.
+    /// The ray's index in its chunk.
     ray: usize,
     seat: Seat,
 }
@@ -103,7 +103,7 @@ impl PathTags {
             vec![TimelessCache::new(spec.cache.tags(line), spec.cache.no_allocate); count]
         };
         let seats = Seats::new(machine);
-        // Nothing of the path hangs on the shadow-cache units: machines may differ in them.
+        // No path access depends on the shadow-cache units: machines may differ in them.
         let interval = |kind: Kind| if kind == Kind::ShadowCache { 1 } else { kind.spec(machine).interval };
         let entries = || Entries {
             performed: Performed::new(machine, header),
@@ -125,7 +125,7 @@ impl PathTags {
         }
     }
 
-    /// Whether both did the same up to now, and will do it as long as they are told the same.
+    /// Whether both have equal state, so that equal input keeps them equal.
     pub(super) fn is_as(&self, other: &Self) -> bool {
         let tags = |it: &Self| (it.in_flight, it.cores, it.intervals);
         tags(self) == tags(other)
@@ -135,7 +135,8 @@ impl PathTags {
             && self.shift_to(&other.layout).is_some()
     }
 
-    /// Where what the paths need lies in `layout`, if only the dynamic part lies elsewhere, in lines of the same sets.
+    /// The shift of the path's lines in `layout`, if only the dynamic part is moved, by lines of the same sets;
+    /// otherwise `None`.
     pub(super) fn shift_to(&self, layout: &Layout) -> Option<Shift> {
         let shift = self.layout.shift_to(layout)?;
         let same_sets = self.l1s.iter().flatten().all(|l1| shift.by.unsigned_abs().is_multiple_of(l1.tags().span()));
@@ -143,7 +144,7 @@ impl PathTags {
         (same_sets && same_entries).then_some(shift)
     }
 
-    /// The same, where so many rays are in flight and all lies as `layout` says.
+    /// A copy with this number of rays in flight and with `layout`.
     pub(super) fn with(&self, in_flight: usize, layout: &Layout) -> Self {
         Self { in_flight, layout: layout.clone(), ..self.clone() }
     }
@@ -153,33 +154,33 @@ impl PathTags {
         self.in_flight
     }
 
-    /// So many are, from now on.
+    /// Sets the number of rays in flight.
     pub(super) fn set_in_flight(&mut self, rays: usize) {
         self.in_flight = rays;
     }
 
-    /// How many can be in flight of so many that would be: at most as many as there is room for.
+    /// The number of rays in flight, limited to the range from 1 to the machine's room.
     pub(super) fn limited(&self, in_flight: f64) -> usize {
         (in_flight as usize).clamp(1, self.room)
     }
 
-    /// What the L1s hold now, where it lies.
+    /// The contents of the L1s, with lines shifted.
     pub(super) fn snapshot(&self, shift: Shift) -> Arc<L1s> {
         let l1s = |kind: &Vec<TimelessCache>| kind.iter().map(|l1| l1.renamed(|line| shift.line(line))).collect();
         Arc::new(if shift.by == 0 { self.l1s.clone() } else { self.l1s.each_ref().map(l1s) })
     }
 
-    /// A frame begins.
+    /// Begins a frame: drops the lines of the dynamic part.
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         let first = self.layout.dynamic_part();
         self.l1s.iter_mut().flatten().for_each(|cache| cache.drop_from(first));
     }
 
-    /// A piece's rays make their accesses. So many are in flight and make steps in turn as the piece before says; they
-    /// are all done when the next piece begins, so that what is first asked for by whom is clear.
+    /// The accesses of a piece's rays. The number of rays in flight, which take turns, follows from the piece before.
+    /// All are done when the next piece begins, so each first access belongs to one piece.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Trodden {
-        // Rays come to their steps in turn: read once in order, they lie near when they are wanted.
+        // Rays take turns, so their steps are read out of order: one read in order brings them into the host's cache.
         let words = chunk.packed_steps_of(rays.clone()).iter().step_by(WORDS_A_LINE);
         std::hint::black_box(words.fold(0, |all, word| all ^ word));
         let mut waiting = Waiting::new(chunk, rays);
@@ -203,13 +204,13 @@ impl PathTags {
                 Some(next) => *flight = next,
                 None => drop(flights.swap_remove(place)),
             }
-            // Its children may be several.
+            // A ray may have several children.
             self.fill(&mut flights, &mut waiting, chunk);
         }
         self.trodden()
     }
 
-    /// As many rays as there may be are in flight, if so many wait.
+    /// Starts waiting rays until the number in flight is reached.
     fn fill<'c>(&mut self, flights: &mut Vec<Flight<'c>>, waiting: &mut Waiting, chunk: &'c Chunk) {
         while flights.len() < self.in_flight
             && let Some(flight) = self.next(waiting, chunk)
@@ -218,7 +219,7 @@ impl PathTags {
         }
     }
 
-    /// What of a frame's end goes the paths' way.
+    /// The part of an end of frame that uses the paths' L1s: triangle tests, and entries in triangle records.
     pub(super) fn frame_end(&mut self, steps: &[u32]) -> Trodden {
         self.tests(steps, 0, [0; KINDS]);
         if let Some(Entries { performed, .. }) = &mut self.entries {
@@ -232,14 +233,14 @@ impl PathTags {
         self.trodden.requests.known.operations =
             std::array::from_fn(|kind| self.operations[kind] * self.intervals[kind]);
         self.operations = [0; KINDS];
-        // The next piece will do about as much.
+        // The next piece needs about the same capacity.
         let mut room = Trodden::default();
         room.requests.list.reserve(self.trodden.requests.list.len());
         room.ends.reserve(self.trodden.ends.len());
         replace(&mut self.trodden, room)
     }
 
-    /// The next ray that comes to a traversal unit. Those before it that are skipped begin and end.
+    /// The next ray that enters a traversal unit. Skipped rays before it begin and end here.
     fn next<'c>(&mut self, waiting: &mut Waiting, chunk: &'c Chunk) -> Option<Flight<'c>> {
         loop {
             let place = waiting.next()?;
@@ -257,7 +258,7 @@ impl PathTags {
         }
     }
 
-    /// The path of a ray is over, and what the policy does begins.
+    /// Ends a ray's path: records its end and performs the policy steps of intersection units.
     fn end(&mut self, flight: &Flight<'_>) {
         let &Flight { policy, ray, seat: Seat { entry, core, units }, .. } = flight;
         if policy.is_empty() {
@@ -273,7 +274,7 @@ impl PathTags {
         }
     }
 
-    /// The tests among steps of the policy.
+    /// The triangle tests among policy steps.
     fn tests(&mut self, policy: &[u32], core: u16, units: Units) {
         let (_, mut by) = self.of_ray(core, units);
         for step in Step::unpack_all(policy) {
@@ -283,7 +284,7 @@ impl PathTags {
         }
     }
 
-    /// A ray's turn; what is left of its path.
+    /// A ray's turn; returns the rest of its path.
     fn path<'c>(&mut self, path: &'c [u32], seat: &Seat) -> &'c [u32] {
         match self.layout.node_lines().copied() {
             Some(lines) => self.walk(path, seat, |_, node| (lines.of(node), 1)),
@@ -291,7 +292,7 @@ impl PathTags {
         }
     }
 
-    /// Steps of a ray's path, of which most visit nodes: `lines` tells where these lie.
+    /// Steps of a ray's path, most of which visit nodes: `lines` gives the lines of a node.
     #[inline(always)]
     fn walk<'c>(
         &mut self,
@@ -318,7 +319,7 @@ impl PathTags {
         later
     }
 
-    /// The L1 of the traversal unit that a ray goes to, and the others.
+    /// The L1 of the ray's traversal unit, and the other units.
     #[inline]
     fn of_ray(&mut self, core: u16, units: Units) -> (&mut TimelessCache, Others<'_>) {
         let Self { layout, l1s, operations, keeps_triangles, trodden, .. } = self;
@@ -328,7 +329,7 @@ impl PathTags {
         (&mut traversal[usize::from(units[Kind::Traversal as usize])], others)
     }
 
-    /// A step on an entry that lies with triangle records, by the intersection unit that is its home.
+    /// A step on an entry in a triangle record, by the entry's owner, an intersection unit.
     fn entry(&mut self, step: Step) {
         let (Some((store, index)), Some(Entries { writes, .. })) = (step.entry(), &self.entries) else { return };
         let kind = Kind::Intersection as usize;

@@ -1,4 +1,4 @@
-//! The steps of a policy that a machine performs, ray by ray: as its engines perform them, without time.
+//! The policy steps that a machine performs, ray by ray, without time: the same steps as in its engines.
 
 use crate::engine::source::StoreWork;
 use crate::engine::store_steps::StoreSteps;
@@ -7,26 +7,26 @@ use crate::machine::layout::Layout;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::stream::{Header, Step, Totals};
 
-/// What tells which steps are performed: other fields are the defaults, so that machines can share what they do alike.
-/// Registers and tables of hits, which merge some, are left out.
+/// The fields that determine which steps are performed. Other fields get their defaults, so that machines can share
+/// equal work. Registers and tables of hits, which merge some steps, are left out.
 pub(super) fn spec_of(machine: &MachineSpec) -> ShadowCacheSpec {
     let ShadowCacheSpec { silent, decide, place, frame_end, latched, .. } = machine.shadow_cache;
     ShadowCacheSpec { silent, decide, place, frame_end, latched, ..ShadowCacheSpec::default() }
 }
 
-/// Steps of a stream's policy.
+/// The policy steps of a stream.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Performed {
     steps: StoreSteps,
-    /// Those of a ray, while they are changed.
+    /// The steps of a ray while they are changed.
     changed: Vec<u32>,
-    /// What was done otherwise than recorded, which nobody asks for here.
+    /// Counts of steps performed otherwise than recorded; not used here.
     work: StoreWork,
     replayed: Totals,
 }
 
 impl Performed {
-    /// Of a machine, before a stream begins.
+    /// The steps of a machine, before a stream begins.
     pub(super) fn new(machine: &MachineSpec, header: &Header) -> Self {
         Self {
             steps: StoreSteps::new(&spec_of(machine), header),
@@ -36,7 +36,7 @@ impl Performed {
         }
     }
 
-    /// Calls `perform` for each step that is performed of those that the stream has, packed, of a ray's policy.
+    /// Calls `perform` for each performed step of a ray; `policy` are its recorded, packed steps.
     pub(super) fn of_ray(&mut self, policy: &[u32], layout: &Layout, perform: impl FnMut(Step)) {
         let Self { steps, changed, work, .. } = self;
         let unpacked = |word: u32| Step::unpack(word).expect("packed steps are valid");
@@ -52,7 +52,7 @@ impl Performed {
         changed.iter().copied().map(unpacked).for_each(perform);
     }
 
-    /// Steps that are performed at the end of a frame for which the stream has these.
+    /// The performed steps of an end of frame; `recorded` are its recorded, packed steps.
     pub(super) fn at_end(&mut self, recorded: &[u32], layout: &Layout) -> Vec<Step> {
         self.steps.end(recorded, layout, (&mut self.work, &mut self.replayed))
     }

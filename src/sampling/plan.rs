@@ -8,66 +8,66 @@ use super::strata::Strata;
 use crate::machine::MachineSpec;
 use crate::stream::Header;
 
-/// Pixels before a window for a ray that the machine has room for.
+/// Pixels of the lead-in for each ray that the machine has room for.
 const BEFORE_A_RAY: usize = 2;
-/// Pieces of a window.
+/// Minimum number of pieces in a window.
 const PIECES: usize = 4;
-/// Pixels before a window, and of it, at least.
+/// Minimum pixels of the lead-in and of the window itself.
 const LEAST_BEFORE: usize = 768;
 const LEAST_OWN: usize = 512;
 
-/// Points that tell an interval, at least: eight leave three degrees of freedom or more.
+/// Minimum points for an interval: eight leave three degrees of freedom or more.
 pub(crate) const LEAST: usize = 8;
-/// Points from which on an interval's width tells how many are needed: with fewer, regressions have few columns, and
-/// intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`, `small`, 512
-/// windows: 24 windows would have asked for more than there are for 2 %; 48 gave 1.9 %.)
+/// Points from which on an interval's width predicts the number of points needed. With fewer, regressions have few
+/// columns, and intervals shrink much faster than with the root of the number of points. (Kitchen, `Published`,
+/// `small`, 512 windows: for 2 %, the width from 24 windows predicted more windows than there are; 48 gave 1.9 %.)
 ///
-/// With fewer a sample that goes on to a target is not over. Whoever stops since the interval is narrow enough, where
-/// most are not, has a narrow one by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the
+/// A sample with a target does not stop before. Where most intervals are too wide, stopping at a narrow one selects
+/// those that are narrow by chance: of 59 such samples of the recorded quick start (targets of 2 to 15 %), the
 /// intervals of 43 held the truth.
 pub(crate) const TELLING: usize = 48;
 
-/// How a stream is cut: windows are of so many pieces, which are replayed between so many others.
+/// How a stream is cut: the number of pieces in a window, in its lead-in and in its tail.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub(crate) struct Cut {
-    /// Pixels of a piece, about.
+    /// Approximate pixels of a piece.
     pub pixels: usize,
-    /// Pieces before the window: they fill what is in flight.
+    /// Pieces of the lead-in, before the window: they fill the pool and the FIFOs.
     pub before: usize,
-    /// The window's own.
+    /// Pieces of the window itself.
     pub own: usize,
-    /// Pieces behind it: they keep what is in flight full.
+    /// Pieces of the tail, behind the window: they keep the machine full.
     pub behind: usize,
 }
 
-/// How long a machine wants pieces and windows to be, in pixels.
+/// The lengths that a machine needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Lengths {
-    /// Of a piece.
+    /// Pixels of a piece.
     piece: usize,
-    /// Rays that there is room for, in the pool and in FIFOs.
+    /// Rays that pool and FIFOs have room for.
     room: usize,
 }
 
 impl Lengths {
-    /// Those of `machine`. As many primary rays as the pool has entries can be in flight, and their children come after
-    /// them: a piece has as many pixels.
+    /// The lengths for `machine`. A piece has as many pixels as the pool has entries: so many primary rays can be in
+    /// flight, and their children follow them.
     pub(crate) fn new(machine: &MachineSpec) -> Self {
         let piece = machine.pool() as usize;
         let fifos = machine.dispatcher.in_fifo.size() + machine.dispatcher.out_fifo.size();
         Self { piece, room: piece + machine.cores.size() * fifos }
     }
 
-    /// Those that are enough for both.
+    /// The larger of both lengths.
     fn longer(self, other: Self) -> Self {
         Self { piece: self.piece.max(other.piece), room: self.room.max(other.room) }
     }
 
-    /// The cut with these lengths. It takes a while until an empty machine behind warm tags works as one in the middle
-    /// of a frame. All windows together, each replayed by itself as `windows_by_themselves_add_up` does, are off by as
-    /// much (kitchen at 512x512, robot, staircase, living room at 256x256; `Published`):
+    /// The cut with these lengths. An engine started on warm tags needs a lead-in to reach steady state. Errors of all
+    /// windows together, each replayed by itself as in `windows_by_themselves_add_up` (kitchen at 512x512, robot,
+    /// staircase, living room at 256x256; `Published`):
     ///
-    /// | machine | pieces before, of the window | cycles | L2 bytes | DRAM bytes |
+    /// | machine | pieces of lead-in, window | cycles | L2 bytes | DRAM bytes |
     /// |---|---|---|---|---|
     /// | `small` | 8, 4 | 0.0 to 0.3 % | 0.0 to 0.7 % | 0.0 to 0.2 % |
     /// | `small` | 6, 4 | 0.0 to 0.3 % | 0.0 to 0.5 % | 0.0 to 0.2 % |
@@ -76,10 +76,10 @@ impl Lengths {
     /// | `desktop` | 2, 4 | 0.1 to 0.7 % | 0.2 to 0.5 % | 0.0 to 0.2 % |
     /// | `desktop` | 2, 2 | 0.0 to 0.4 % | 0.3 to 1.1 % | 0.1 to 0.9 % |
     ///
-    /// Of L1s of 64 KiB windows need not be longer: L2 bytes are off by up to 0.8 %, most of all where hardly any are
-    /// moved. Long FIFOs take longer to fill: on `tni_engine`, two pieces of 1920 before windows of four made for 0.2
-    /// to 1.2 % fewer cycles and 0.9 to 1.3 % fewer bytes of the DRAM (kitchen, living room), four for 0.1 % more and
-    /// 0.4 % fewer. So what comes before is the longer the more rays there is room for.
+    /// L1s of 64 KiB do not need longer windows: L2 bytes are off by up to 0.8 %, most where hardly any are moved. Long
+    /// FIFOs take longer to fill: on `tni_engine`, a lead-in of two pieces of 1920 pixels before windows of four gave
+    /// 0.2 to 1.2 % fewer cycles and 0.9 to 1.3 % fewer DRAM bytes (kitchen, living room). Four pieces gave 0.1 % more
+    /// and 0.4 % fewer. So the lead-in grows with the room for rays.
     fn cut(self) -> Cut {
         let Self { piece, room } = self;
         let [least_before, least_own] = [LEAST_BEFORE, LEAST_OWN].map(|pixels| pixels.div_ceil(piece));
@@ -94,19 +94,19 @@ impl Cut {
         Lengths::new(machine).cut()
     }
 
-    /// One cut for several machines, as long as the longest asks for: what they measure can be compared window by
-    /// window.
+    /// One cut for several machines, as long as the most demanding one needs: their samples can then be compared window
+    /// by window. `None` without machines.
     pub(crate) fn common(machines: impl IntoIterator<Item = Lengths>) -> Option<Self> {
         machines.into_iter().reduce(Lengths::longer).map(Lengths::cut)
     }
 
-    /// Windows of the measured frames of a stream, about.
+    /// Approximate number of windows in the measured frames of a stream.
     pub(crate) fn windows(&self, header: &Header) -> f64 {
         let frames = header.frames.len().saturating_sub(header.warmup.len());
         frames as f64 * (header.resolution.pixels() as f64 / self.window() as f64).max(1.0)
     }
 
-    /// Pixels that are replayed for one of a window.
+    /// Pixels replayed for each pixel of a window.
     pub(crate) fn effort(&self) -> f64 {
         (self.before + self.own + self.behind) as f64 / self.own as f64
     }
@@ -118,32 +118,32 @@ impl Cut {
 }
 
 /// How much is replayed. Windows lie one after another on an axis ([`super::axis`]), which is cut into strata of equal
-/// length. Each stratum has two points ([`super::strata`]), and windows with a point are measured. When more are
-/// wanted, strata are halved: points have an order, so that a later pass can measure the next ones.
+/// length. Each stratum has two points ([`super::strata`]); windows with a point are measured. A larger sample halves
+/// strata. Points have an order, so a later pass can measure the next ones.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Plan {
-    /// The strata of the axis, on which windows are of length 1.
+    /// The strata of the axis; windows have length 1.
     pub strata: Strata,
-    /// Which of the points of what was a stratum at first are measured: of 0 to 2, both; of 2 to 4, those that its
-    /// halves get.
+    /// Which points of each initial stratum are measured: 0..2 are its own two, 2..4 are those that its halves add.
     pub draws: Range<usize>,
-    /// What a window is, and what is replayed beside it.
+    /// The cut into windows.
     pub cut: Cut,
 }
 
 impl Plan {
-    /// The plan that measures about `rate` of the windows of a stream, two a stratum.
+    /// A plan that measures about `rate` of a stream's windows, two in each stratum.
     pub(crate) fn new(rate: f64, cut: Cut, seed: u64) -> Self {
         Self { strata: Strata { length: 2.0 / rate, seed }, draws: 0..2, cut }
     }
 
-    /// How many points of what was a stratum at first are to be measured next for intervals of `target`, when `points`
-    /// so far gave `share`; `None` where that would take more than `most`. Intervals shrink with the root of the number
-    /// of points, and a quarter more is taken, since the width of an interval is itself known from a sample only. For
-    /// the same reason no more than twice as many are: a first width may be far too large. With fewer points than
-    /// [`TELLING`], as many are as lack. Widths of the first points
-    /// shrink faster, to half with twice as many where the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2
-    /// bytes with 48 windows, 2.2 % with 94). Twice as many as `most` may seem to be needed then.
+    /// The next `draws.end` for intervals of `target`, given that `points` so far have the relative half width `share`;
+    /// `None` where more than `most` would be needed.
+    ///
+    /// Intervals shrink with the root of the number of points. A quarter is added, since the width itself is an
+    /// estimate. For the same reason the number at most doubles: a first width may be far too large. With fewer points
+    /// than [`TELLING`], the goal is [`TELLING`]. Widths of few points shrink faster: to half with twice as many, where
+    /// the root says 0.7 (staircase, `Published`, `small`: 4.5 % of L2 bytes with 48 windows, 2.2 % with 94). So with
+    /// fewer than twice [`TELLING`] points, a need of twice `most` is accepted.
     pub(crate) fn next_draws(&self, points: usize, share: f64, target: f64, most: usize) -> Option<usize> {
         let (now, twice) = (self.draws.end, 2 * self.draws.end);
         let needed = |share: f64| (1.25 * now as f64 * (share / target).powi(2)).ceil() as usize;

@@ -2,24 +2,24 @@
 
 use super::known::{COLUMNS, Columns};
 
-/// The sum of products.
+/// The scalar product.
 pub(super) fn dot(a: &Columns, b: &Columns) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Windows for a column, at least. (Kitchen, `small`, intervals of cycles: with four, those of 24 windows are nearly
+/// Minimum windows for each column. (Kitchen, `small`, intervals of cycles: with four, those of 24 windows are nearly
 /// twice as wide as with six; with eight, those of 12 windows are wider by a third.)
 const WINDOWS_A_COLUMN: usize = 6;
 
-/// Weighted least squares, of the columns that are not a combination of those before.
+/// Weighted least squares, of columns that are linearly independent of those used before.
 pub(super) struct Regression {
-    /// Rows of the normal equations' inverse; zero for a column that is left out.
+    /// Rows of the normal equations' inverse; 0 for unused columns.
     inverse: [Columns; COLUMNS],
     used: [bool; COLUMNS],
 }
 
 impl Regression {
-    /// Of rows with weights; columns in the order in which they are wanted.
+    /// The regression on weighted rows; `order` has the columns, most wanted first.
     pub(super) fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
         let mut normal = [[0.0; COLUMNS]; COLUMNS];
         for (known, weight) in rows.iter().zip(weights) {
@@ -27,8 +27,8 @@ impl Regression {
                 row.iter_mut().zip(known).for_each(|(cell, y)| *cell += weight * x * y);
             }
         }
-        // Gauss-Jordan on the matrix beside the unit matrix; a column whose pivot is lost in rounding, or that there
-        // are too few windows for, is left out.
+        // Gauss-Jordan with the unit matrix beside the matrix. A column is left out if its pivot is lost in rounding,
+        // or if there are too few windows for it.
         let mut inverse = [[0.0; COLUMNS]; COLUMNS];
         let mut used = [false; COLUMNS];
         let scale: Vec<f64> = (0..COLUMNS).map(|column| normal[column][column]).collect();
@@ -53,12 +53,12 @@ impl Regression {
         Self { inverse, used }
     }
 
-    /// Columns that are used.
+    /// Number of used columns.
     pub(super) fn rank(&self) -> usize {
         self.used.iter().filter(|&&used| used).count()
     }
 
-    /// How much of its own value the regression takes over for each window; kept below 1.
+    /// The leverage of each window: the share of its own value in its fitted value; limited to 0.9.
     pub(super) fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
         let of = |(known, weight): (&Columns, &f64)| {
             let used = |at: &usize| self.used[*at];
@@ -71,7 +71,7 @@ impl Regression {
         rows.iter().zip(weights).map(of).collect()
     }
 
-    /// How much each window counts beside its weight, so that the sums of the columns that are used are those of `all`.
+    /// A factor for each window's weight, with which the sums of the used columns are those of `all`.
     pub(super) fn calibration(&self, rows: &[Columns], weights: &[f64], all: &Columns) -> Vec<f64> {
         let mut missing = *all;
         for (known, weight) in rows.iter().zip(weights) {
@@ -83,7 +83,7 @@ impl Regression {
         rows.iter().map(|known| 1.0 + dot(&slopes, known)).collect()
     }
 
-    /// What explains `values` best.
+    /// The slopes that fit `values` best; 0 for unused columns.
     pub(super) fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
         let mut right = [0.0; COLUMNS];
         for ((known, weight), value) in rows.iter().zip(weights).zip(values) {
@@ -111,7 +111,7 @@ mod tests {
         let weights: Vec<f64> = (1..=40).map(|at| 1.0 + f64::from(at % 4)).collect();
         let mut all = [0.0; COLUMNS];
         (all[0], all[2], all[5]) = (2500.0, 260.0, 111.0);
-        // The third column is not asked for.
+        // The third column (5) is not used.
         let counts = Regression::new(&rows, &weights, &[0, 2]).calibration(&rows, &weights, &all);
         let sum = |column: usize| {
             let all = rows.iter().zip(&weights).zip(&counts);

@@ -1,4 +1,4 @@
-//! What L1s ask the L2s for, and what is known by that.
+//! Requests of L1s to the L2s, and the covariates that follow from them.
 
 use super::known::Known;
 use crate::machine::kinds::Kind;
@@ -8,43 +8,43 @@ use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
 use crate::stats::TrafficClass;
 
-/// What an L1 asks the L2 for.
+/// A request of an L1 to the L2.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Request {
     /// The line.
     pub line: LineAddr,
     /// The core.
     pub core: u16,
-    /// What it is for.
+    /// The class of its traffic.
     pub class: TrafficClass,
-    /// Whether it is written.
+    /// Whether it is a write.
     pub write: bool,
 }
 
-/// Whose L1 is accessed, and what for.
+/// The accessing unit, and the kind of access.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Asker {
     /// The unit's kind.
     pub kind: Kind,
-    /// Its core.
+    /// The unit's core.
     pub core: u16,
-    /// What it is for.
+    /// The class of the traffic.
     pub class: TrafficClass,
-    /// How lines are accessed.
+    /// The kind of access.
     pub access: Access,
 }
 
-/// Requests in order, and what is known of what made them.
+/// Requests in order, with the covariates of the accesses behind them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Requests {
     /// The requests.
     pub list: Vec<Request>,
-    /// What is known; of the L2 nothing yet.
+    /// The covariates, without those of the L2.
     pub known: Known,
 }
 
 impl Requests {
-    /// An L1 is accessed. What it has not, or does not keep, is asked for: whether anything is.
+    /// Accesses a line of an L1. Returns whether the L2 is asked: at a miss, or for a write-through.
     #[inline(always)]
     pub(super) fn access(&mut self, l1: &mut TimelessCache, asker: Asker, line: LineAddr) -> bool {
         let (hit, victim) = l1.pass(line, asker.class, asker.access);
@@ -55,7 +55,7 @@ impl Requests {
         asks
     }
 
-    /// Lines one behind the other are accessed: whether any is asked for.
+    /// Accesses `lines` consecutive lines. Returns whether the L2 is asked for any.
     #[inline]
     pub(super) fn access_all(&mut self, l1: &mut TimelessCache, asker: Asker, (first, lines): (LineAddr, u64)) -> bool {
         let mut asks = false;
@@ -79,7 +79,7 @@ impl Requests {
         }
     }
 
-    /// The L2 is asked.
+    /// Adds a request to the L2.
     pub(super) fn add(&mut self, request: Request) {
         self.known.moved[request.class as usize] += 1;
         self.list.push(request);

@@ -1,5 +1,5 @@
-//! Samples of a stream: of one size, or as large as a target error takes. Machines that are sampled together give what
-//! each would by itself.
+//! Samples of a stream, of a given size or as large as a target error needs. The result of a machine does not depend on
+//! the machines sampled with it.
 
 use super::findings::Findings;
 use super::grow::{Against, Goal, sample_until};
@@ -13,15 +13,15 @@ use crate::ranged::Share;
 use crate::stats::{Accuracy, MachineStats};
 use crate::stream::Header;
 
-/// The most windows that a target error may take, as points for a window: where sampling would take half of them or
-/// more, everything is replayed. A stream of which [`LEAST`] windows are more than half is not sampled at all: what is
-/// not seen of it may be one window that differs from all others. To a target, one of which [`TELLING`] are is not.
+/// Maximum points for each window of a stream. Where a target error needs half of the windows or more, everything is
+/// replayed. A stream is not sampled if [`LEAST`] windows are more than half of it: one unmeasured window may differ
+/// from all others. With a target error, it is not sampled if [`TELLING`] windows are more than half of it.
 const MOST: f64 = 0.5;
 
-/// Samples `rate` of the windows of a stream that is read once; `seed` says which.
+/// Samples `rate` of the windows in one pass; `seed` draws them.
 ///
 /// # Errors
-/// So few windows tell nothing, the engine refuses the machine, or a run fails.
+/// The sample is too small, the engine refuses the machine, or a run fails.
 pub(crate) fn sample(
     engine: Sampled,
     cut: Cut,
@@ -38,10 +38,10 @@ pub(crate) fn sample(
     sampled.pop().expect("one machine, one sample")
 }
 
-/// Samples `rate` of the windows, less than all, on several machines.
+/// Samples `rate` of the windows on several machines; `rate` is below 1.
 ///
 /// # Errors
-/// So few windows tell nothing, or the stream cannot be read; of a machine, a run fails.
+/// The sample is too small, or the stream cannot be read. Per machine: its run fails.
 pub(crate) fn sample_together(
     engine: Sampled,
     cut: Cut,
@@ -78,12 +78,11 @@ pub(crate) fn sample_together(
     Ok(machines.iter().zip(sampler.pass(&members, 0, items)?).map(estimate).collect())
 }
 
-/// Samples more and more windows on each machine, beginning with `rate` of them, until the intervals of cycles and of
-/// the bytes of L2 and DRAM are within `target`; where that would take half of the windows or more, everything is to be
-/// replayed.
+/// Samples each machine, from `rate` of the windows on, until the intervals of cycles and of L2 and DRAM bytes are
+/// within `target`. Where that would take half of the windows or more, the verdict is a whole replay.
 ///
 /// # Errors
-/// The stream cannot be read; of a machine, a run fails.
+/// The stream cannot be read. Per machine: its run fails.
 pub(crate) fn sample_until_within(
     target: Share,
     engine: Sampled,

@@ -1,5 +1,5 @@
-//! Who works for a ray: it has an entry of the pool, which says what units of a core test and list for it, and a slot
-//! of the traversal unit whose turn it is.
+//! The resources of a ray: a pool entry, which determines the ray's units of a core (but for the traversal unit), and a
+//! slot of the traversal unit whose turn it is.
 
 use std::collections::VecDeque;
 
@@ -8,19 +8,19 @@ use crate::engine::turns::Turns;
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 
-/// The entries and slots that no ray has.
+/// The free entries and slots.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Seats {
-    /// The entry that was freed first comes first.
+    /// First freed, first taken.
     entries: VecDeque<u32>,
     slots: Turns,
-    /// Of each entry the core of a ray that has no slot, and which of a core's units of each kind are its ray's.
+    /// For each entry: the core of a ray without a slot, and the index within a core of the ray's unit of each kind.
     of_entry: Vec<(u16, Units)>,
-    /// Units of each kind that a core has.
+    /// Units of each kind in a core.
     of_core: Units,
 }
 
-/// What a ray has.
+/// The resources of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Seat {
     /// The entry.
@@ -32,10 +32,10 @@ pub(super) struct Seat {
 }
 
 impl Seats {
-    /// All of a machine are free.
+    /// All of a machine's resources, free.
     pub(super) fn new(machine: &MachineSpec) -> Self {
         let cores = machine.cores.size();
-        // Nothing of the path hangs on the shadow-cache units: machines may differ in them.
+        // No path access depends on the shadow-cache units: machines may differ in them.
         let of_core = |kind: Kind| match kind {
             Kind::ShadowCache => 1,
             _ => (kind.spec(machine).count / cores as u64) as u16,
@@ -54,12 +54,12 @@ impl Seats {
         }
     }
 
-    /// Rays that have room at once.
+    /// Number of further rays that fit.
     pub(super) fn room(&self) -> usize {
         self.entries.len().min(self.slots.free() as usize)
     }
 
-    /// What a ray gets; there is room. One that is skipped gets no slot.
+    /// The resources of the next ray; there is room. A skipped ray gets no slot.
     pub(super) fn take(&mut self, is_skipped: bool) -> Seat {
         let entry = self.entries.pop_front().expect("fewer rays are in flight than there are entries");
         let (core, mut units) = self.of_entry[entry as usize];
@@ -75,13 +75,13 @@ impl Seats {
         Seat { entry, core, units }
     }
 
-    /// A ray that has a slot is done.
+    /// A ray with a slot is done.
     pub(super) fn give_back(&mut self, seat: &Seat) {
         self.slots.give_back(seat.units[Kind::Traversal as usize].into());
         self.leave(seat);
     }
 
-    /// A ray that has none is done.
+    /// A ray without a slot is done.
     pub(super) fn leave(&mut self, seat: &Seat) {
         self.entries.push_back(seat.entry);
     }
@@ -105,7 +105,7 @@ mod tests {
             |seat: &Seat| (seat.entry, seat.units[Kind::Traversal as usize], seat.units[Kind::Intersection as usize]);
         let taken: Vec<Seat> = (0..4).map(|_| seats.take(false)).collect();
         assert_eq!(taken.iter().map(of).collect::<Vec<_>>(), [(0, 0, 0), (1, 1, 1), (2, 2, 0), (3, 0, 1)]);
-        // The first unit is full, the second's turn is next.
+        // The first unit is full; the second has the next turn.
         seats.give_back(&taken[2]);
         let skipped = seats.take(true);
         assert_eq!(skipped.entry, 2);

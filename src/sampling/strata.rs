@@ -1,36 +1,35 @@
-//! Where the points of a sample lie on its axis: two in each stratum. When more are wanted, strata are cut in halves,
-//! which keep the points that they have: what is left over of neighbouring windows is much alike (kitchen, `Hybrid()`,
-//! `tni_engine`: correlation 0.7, four windows apart 0.2), so that two points in each of many short strata tell more
-//! than many points in each of a few long ones.
+//! The points of a sample on its axis: two in each stratum. A larger sample halves strata; halves keep their points.
+//! Residuals of neighbouring windows are correlated (kitchen, `Hybrid()`, `tni_engine`: 0.7, four windows apart 0.2).
+//! So two points in each of many short strata give smaller errors than many points in each of a few long ones.
 
 use crate::random::{mix, unit};
 
-/// The axis in strata of equal length, and how they are halved.
+/// Strata of equal length on an axis, and the rule for halving them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Strata {
-    /// How long they are as long as none is halved.
+    /// Length of a stratum before halving.
     pub length: f64,
-    /// Points and the order of halving come from a hash of this, a stratum's level and its number.
+    /// Seed of the hash, with a stratum's level and number, for points and the order of halving.
     pub seed: u64,
 }
 
 /// A point of a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {
-    /// Where on the axis.
+    /// Position on the axis.
     pub place: f64,
-    /// It is measured if more points than so many are, for each stratum that is not halved.
+    /// The point is measured if the number of points for each initial stratum is larger than `draw`.
     pub draw: usize,
 }
 
-/// A stratum, or one of its parts: so many times halved, and its number among all that are.
+/// A stratum or a part of one: how often it was halved, and its number among all parts of that level.
 #[derive(Clone, Copy, Debug)]
 struct Part {
     level: u32,
     number: usize,
 }
 
-/// What a hash is for, beside the two points that a part may have of its own.
+/// Hash input for the order of halving; 0 and 1 are for a part's own two points.
 const HALVING: u64 = 2;
 
 impl Strata {
@@ -44,13 +43,13 @@ impl Strata {
         points
     }
 
-    /// Where strata end, of which each has two points with draws below `draws`, on an axis of so much.
+    /// Ends of the strata, each with two points with draws below `draws`, on an axis of length `axis`.
     pub(crate) fn ends(&self, draws: usize, axis: f64) -> Vec<f64> {
         let mut ends = Vec::new();
         for number in (0..).take_while(|&number| number as f64 * self.length < axis) {
             self.end(Part { level: 0, number }, draws, &mut ends);
         }
-        // The last one may end beyond the axis.
+        // The last stratum may extend beyond the axis.
         let whole = ends.partition_point(|&end| end < axis);
         ends.truncate(whole);
         ends.extend((axis > 0.0).then_some(axis));
@@ -65,7 +64,7 @@ impl Strata {
         }
     }
 
-    /// The halves keep the two points of `part`, and get as many as they lack.
+    /// Adds the points of the halves of `part`: each half keeps those of `points` in it, and adds its own to make two.
     fn halve(&self, part: Part, points: [f64; 2], most: usize, all: &mut Vec<Point>) {
         let draws = self.halved(part);
         if draws > most {
@@ -82,14 +81,14 @@ impl Strata {
         }
     }
 
-    /// With so many points a stratum, `part` is in halves: after so many times as many as all of its level have, drawn
-    /// between one and two.
+    /// `part` is halved once the points for each initial stratum reach this number. It is drawn between one and two
+    /// times the number of points that all parts of this level have.
     fn halved(&self, part: Part) -> usize {
         let all = (2u64 << part.level) as f64;
         (all * (1.0 + self.drawn(part, HALVING))) as usize + 1
     }
 
-    /// One of two points of a part itself.
+    /// One of a part's own two points.
     fn own(&self, part: Part, which: u64) -> f64 {
         self.begin(part) + self.drawn(part, which) * self.length / (1u64 << part.level) as f64
     }
@@ -98,7 +97,7 @@ impl Strata {
         number as f64 * self.length / (1u64 << level) as f64
     }
 
-    /// A number from 0 to 1, 1 left out.
+    /// A number from 0 to 1, 1 excluded.
     fn drawn(&self, Part { level, number }: Part, which: u64) -> f64 {
         unit(mix(self.seed ^ mix(((number as u64) << 8) + (u64::from(level) << 2) + which)))
     }
@@ -129,7 +128,7 @@ mod tests {
             let mut counts = vec![0; ends.len()];
             places(draws, 100).iter().for_each(|place| counts[ends.partition_point(|end| end <= place)] += 1);
             assert!(counts.iter().all(|&count| count == 2), "{draws}: {counts:?}");
-            // As many as were asked for, but for the chance of which are halved.
+            // The expected number of strata, but for chance in the order of halving.
             assert!((counts.len() as f64 / (100 * draws / 2) as f64 - 1.0).abs() < 0.1, "{draws}: {}", counts.len());
         }
     }
@@ -142,7 +141,7 @@ mod tests {
         }
     }
 
-    /// Whether a point was kept or is its stratum's own: each place is as likely as any other.
+    /// Every place is equally likely, whether a point was kept or is its stratum's own.
     #[test]
     fn points_are_even() {
         for draws in [2, 3, 11] {

@@ -1,27 +1,35 @@
-//! What sampling ends with.
+//! The outcome of sampling.
 
 use crate::engine::whole::whole;
-use crate::engine::{Level, RunError, Source};
+use crate::engine::{Level, RunError, Sampled, Source};
 use crate::machine::MachineSpec;
 use crate::stats::{Choice, MachineStats};
 use crate::stream::Header;
 
-/// What sampling of a stream on a machine ends with.
+/// The outcome of sampling a stream on a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Verdict {
-    /// What a sample tells.
+    /// The sample's estimates.
     Sampled(Box<MachineStats>),
-    /// A sample does not pay: everything is to be replayed.
+    /// A sample does not pay: the whole stream is to be replayed.
     Whole {
-        /// By this level.
+        /// The level to replay it by.
         level: Level,
-        /// Why, if it was to be told.
+        /// What `Auto` did and why; `None` for other fidelities.
         choice: Option<Choice>,
     },
 }
 
 impl Verdict {
-    /// The statistics: those of the sample, or of a replay of everything.
+    /// The verdict of samples by `engine`: without intervals if that is not exact.
+    pub(crate) fn claiming(self, engine: Sampled) -> Self {
+        match self {
+            Self::Sampled(stats) if engine != Sampled::Event => Self::Sampled(Box::new(stats.without_claims())),
+            verdict => verdict,
+        }
+    }
+
+    /// The statistics of the sample, or of a replay of the whole stream.
     ///
     /// # Errors
     /// The stream cannot be read, or the replay fails.

@@ -1,5 +1,5 @@
-//! Rays of a piece that have not begun, in the order in which the host hands them out: the children of rays that are
-//! done first, then the next primary ray.
+//! Waiting rays of a piece, in the order in which the host sends them: first the children of rays that are done, then
+//! the next primary ray.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -7,10 +7,10 @@ use std::ops::Range;
 use crate::engine::families::Families;
 use crate::stream::Chunk;
 
-/// They.
+/// The waiting rays.
 pub(super) struct Waiting {
     families: Families,
-    /// Where the piece begins in its chunk.
+    /// Index of the piece's first ray in its chunk.
     first: usize,
     next_primary: Option<u32>,
     children: VecDeque<u32>,
@@ -24,7 +24,7 @@ impl Waiting {
         Self { families, first: rays.start, next_primary: (!rays.is_empty()).then_some(0), children: VecDeque::new() }
     }
 
-    /// The next one, by its place in the chunk.
+    /// Index of the next ray in the chunk.
     pub(super) fn next(&mut self) -> Option<usize> {
         let Self { families, next_primary, children, .. } = self;
         let next = children.pop_front().or_else(|| {
@@ -35,8 +35,8 @@ impl Waiting {
         next.map(|ray| self.first + ray as usize)
     }
 
-    /// A ray is done: its children can begin. Shading takes no time here: with the time that it takes, windows tell L2
-    /// bytes up to a quarter worse (kitchen on `desktop` and `tni_engine`).
+    /// A ray is done, so its children can begin. Shading takes no time here: with its time, windows predict L2 bytes up
+    /// to a quarter worse (kitchen on `desktop` and `tni_engine`).
     pub(super) fn done(&mut self, ray: usize) {
         self.children.extend(self.families.children((ray - self.first) as u32));
     }
@@ -56,7 +56,7 @@ mod tests {
         let rays: Vec<SyntheticRay> = [group.clone(), group.clone(), group].concat();
         let items = frame(FrameInfo::default(), &rays, &[], rays.len());
         let Some(Item::Rays(chunk)) = items.get(1) else { panic!("one chunk") };
-        // The last two groups are a piece.
+        // The piece has the last two groups.
         let mut waiting = Waiting::new(chunk, 4..12);
         let mut next = |done: Option<usize>| {
             done.into_iter().for_each(|ray| waiting.done(ray));

@@ -1,11 +1,11 @@
-//! The rays of a window and of what is replayed beside it. They are the same on every machine of a pass: whoever needs
-//! them first puts them together, or packs them, for all.
+//! The rays of a window with its lead-in and tail. All machines of a pass share them: the first machine that needs them
+//! joins or packs them for all.
 
 use std::sync::{Arc, OnceLock};
 
 use crate::stream::{Chunk, PackedChunk};
 
-/// A chunk of what comes before a window, of its own, and of what comes behind it.
+/// Of lead-in, window and tail.
 type Three<T> = [T; 3];
 
 /// The rays of one window.
@@ -15,29 +15,29 @@ pub(crate) struct WindowRays {
     packed: OnceLock<Arc<PackedRays>>,
 }
 
-/// They, packed.
+/// The packed rays of one window.
 #[derive(Debug)]
 pub(super) struct PackedRays(Three<PackedChunk>);
 
 impl WindowRays {
-    /// The chunks, which `make` makes.
+    /// The chunks, made by `make` at the first call.
     pub(super) fn chunks(&self, make: impl FnOnce() -> Three<Chunk>) -> Three<Arc<Chunk>> {
         self.chunks.get_or_init(|| make().map(Arc::new)).clone()
     }
 
-    /// The chunks, packed.
+    /// The packed chunks.
     pub(super) fn packed(&self, chunks: Three<&Chunk>) -> Arc<PackedRays> {
         Arc::clone(self.packed.get_or_init(|| Arc::new(PackedRays(chunks.map(PackedChunk::new)))))
     }
 }
 
 impl PackedRays {
-    /// The chunks.
+    /// The unpacked chunks.
     pub(super) fn unpack(&self) -> Three<Arc<Chunk>> {
         self.0.each_ref().map(|packed| Arc::new(packed.unpack()))
     }
 
-    /// What they take in memory.
+    /// Bytes in memory.
     pub(super) fn bytes(&self) -> usize {
         self.0.iter().map(PackedChunk::bytes).sum()
     }

@@ -1,4 +1,4 @@
-//! Puts windows together of pieces, and makes jobs of those that are measured on a machine.
+//! Joins pieces to windows, and makes jobs of a machine's measured windows.
 
 use std::mem::take;
 use std::ops::Range;
@@ -14,25 +14,25 @@ use crate::engine::warm::WarmCaches;
 use crate::machine::MachineSpec;
 use crate::stream::{Chunk, FrameInfo, Header};
 
-/// Rays that follow one another, and what is known of them.
+/// Consecutive rays and their covariates.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Part {
     /// The rays.
     pub rays: Arc<Chunk>,
-    /// What is known.
+    /// Their covariates.
     pub known: Known,
 }
 
-/// What is to be replayed: by itself, behind warm caches.
+/// A replay by itself, on warm caches.
 #[derive(Clone, Debug)]
 pub(crate) struct Job {
-    /// Its place among all jobs.
+    /// Index among the machine's jobs.
     pub number: usize,
-    /// The first of the points that lie in it.
+    /// The lowest draw of its points.
     pub draw: usize,
     /// The frame.
     pub info: FrameInfo,
-    /// What the caches hold.
+    /// The contents of the caches before it.
     pub warm: WarmCaches,
     /// What is measured.
     pub work: JobWork,
@@ -43,34 +43,34 @@ pub(crate) struct Job {
 pub(crate) enum JobWork {
     /// A window.
     Window(Box<WindowWork>),
-    /// The steps of a frame's end, and the building of its dynamic part, which no window does.
+    /// An end of frame: its steps, and the building of the dynamic part, which no window includes.
     End(Arc<Vec<u32>>),
 }
 
-/// A window and what is replayed beside it.
+/// A window with its lead-in and tail.
 #[derive(Clone, Debug)]
 pub(crate) struct WindowWork {
-    /// The points that lie in it.
+    /// The points that lie in the window.
     pub hits: Vec<Point>,
-    /// What comes before it, which fills what is in flight; less at a frame's beginning.
+    /// The lead-in, which fills the machine; shorter at a frame's beginning.
     pub before: Part,
-    /// Its own rays.
+    /// The window's rays.
     pub own: Part,
-    /// What comes behind it, which keeps what is in flight full; less at a frame's end.
+    /// The tail, which keeps the machine full; shorter at a frame's end.
     pub behind: Part,
-    /// The rays of all three, as all machines share them.
+    /// The rays of all three, shared by all machines.
     pub rays: Arc<WindowRays>,
 }
 
 impl WindowWork {
-    /// The three, in order.
+    /// Lead-in, window and tail.
     pub(super) fn parts_mut(&mut self) -> [&mut Part; 3] {
         [&mut self.before, &mut self.own, &mut self.behind]
     }
 }
 
 impl Job {
-    /// What it takes in memory, about.
+    /// Approximate bytes in memory.
     pub(crate) fn bytes(&self) -> usize {
         let work = match &self.work {
             JobWork::Window(window) => {
@@ -82,7 +82,7 @@ impl Job {
     }
 }
 
-/// Rays of a chunk, and what is known of them.
+/// Rays of a chunk and their covariates.
 #[derive(Clone, Debug)]
 struct Piece {
     chunk: Arc<Chunk>,
@@ -97,19 +97,19 @@ fn rays_of(pieces: &[Piece]) -> Chunk {
     rays
 }
 
-/// What is known of pieces.
+/// The covariates of pieces.
 fn known_of(pieces: &[Piece]) -> Known {
     let mut known = Known::default();
     pieces.iter().for_each(|piece| known += piece.known);
     known
 }
 
-/// A window that is being put together.
+/// A window that is being joined.
 struct Open {
     window: usize,
     /// Its points.
     hits: Vec<Point>,
-    /// Pieces that come before the window's first one.
+    /// Pieces of the lead-in still to come.
     lead: usize,
     rays: Arc<WindowRays>,
     warm: WarmCaches,
@@ -125,32 +125,32 @@ impl Open {
     }
 }
 
-/// Puts a machine's windows together.
+/// Joins a machine's windows.
 pub(super) struct Windows {
     plan: Plan,
-    /// Windows whose first point is of this draw or a later one do not become jobs.
+    /// Windows whose lowest draw is not below `unwanted` do not become jobs.
     unwanted: usize,
-    /// Whether a frame's dynamic part is built when it begins.
+    /// Whether the machine counts the building of a frame's dynamic part.
     builds: bool,
     capacity: Capacity,
     info: FrameInfo,
-    /// Frames that warm the tags alone, and whether this is one.
+    /// Warm-up frames, and whether the current frame is one.
     warmup: Vec<u32>,
     warms_up: bool,
-    /// What is known of the window up to now.
+    /// Covariates of the current window so far.
     known: Known,
-    /// Windows of the stream up to now.
+    /// Windows of the stream so far.
     windows: usize,
     open: Vec<Open>,
     jobs: usize,
-    /// All windows, frames' ends left out.
+    /// Covariates of all windows, without ends of frames.
     pub population: Population,
-    /// Rays, skipped ones not counted.
+    /// Traced rays (skipped ones not counted).
     pub rays: u64,
 }
 
 impl Windows {
-    /// Nothing yet of a stream on a machine. Windows with points of `plan`, and of later draws below `unwanted`, become
+    /// A machine before the stream begins. Windows with points of `plan`, and of later draws below `unwanted`, become
     /// jobs.
     pub(super) fn new(machine: &MachineSpec, header: &Header, plan: Plan, unwanted: usize) -> Self {
         Self {
@@ -176,7 +176,7 @@ impl Windows {
         self.warms_up = self.warmup.contains(&info.number);
     }
 
-    /// Whether a window that begins is wanted: then it must be known what the caches hold.
+    /// Whether a window that begins may become a job, which needs the contents of the caches.
     pub(super) fn wants(&self, lead: &Lead) -> bool {
         let wanted = self.plan.draws.start..self.unwanted;
         lead.hits.iter().map(|hit| hit.draw).min().is_some_and(|draw| wanted.contains(&draw))
@@ -187,13 +187,14 @@ impl Windows {
         self.plan.draws.contains(&job.draw)
     }
 
-    /// Whether a frame's end with these steps is replayed: all are, by the first pass, and the building of all frames.
+    /// Whether an end of frame with these steps is replayed. The first pass replays all that have steps, and all
+    /// frames' building.
     pub(super) fn wants_end(&self, steps: &[u32]) -> bool {
         (!steps.is_empty() || self.builds) && self.plan.draws.start == 0 && !self.warms_up
     }
 
-    /// The next piece, what is known of it, and what the caches held before it, if a window begins that is wanted; the
-    /// jobs that are complete.
+    /// Adds the next piece and its covariates. `warm` is the contents of the caches before it, where a wanted window
+    /// begins. Returns the completed jobs.
     pub(super) fn piece(&mut self, piece: &CutPiece, known: Known, warm: Option<&WarmCaches>) -> Vec<Job> {
         let CutPiece { chunk, rays, traced, begin, is_last } = piece;
         if let Some(warm) = warm {
@@ -228,9 +229,10 @@ impl Windows {
         complete.into_iter().map(|open| self.job(open)).collect()
     }
 
-    /// A frame ends with these steps; what the caches hold, if that is wanted. The jobs that are complete.
+    /// Ends a frame with these steps. `warm` is the contents of the caches, where they are wanted. Returns the
+    /// completed jobs.
     pub(super) fn end(&mut self, steps: &Arc<Vec<u32>>, warm: Option<WarmCaches>) -> Vec<Job> {
-        // A window that was to begin may lie beyond the frame.
+        // The lead-in of a window beyond the frame's end is dropped.
         let open = take(&mut self.open).into_iter().filter(|open| !open.own.is_empty());
         let mut jobs: Vec<Job> = open.map(|open| self.job(open)).collect();
         if let Some(warm) = warm.filter(|_| self.wants_end(steps)) {
@@ -250,7 +252,7 @@ impl Windows {
         self.windows += 1;
     }
 
-    /// A job of a window that was put together.
+    /// The job of a joined window.
     fn job(&mut self, open: Open) -> Job {
         let Open { hits, rays, warm, before, own, behind, .. } = open;
         let draw = hits.iter().map(|hit| hit.draw).min().unwrap_or_default();

@@ -1,5 +1,5 @@
-//! The tags of the shadow-cache units' L1s: the policy's steps of each ray, behind what its path does
-//! ([`super::path_tags`]), which machines that differ in these units alone have in common.
+//! The tags of the shadow-cache units' L1s. They receive the policy steps of each ray, at the end of its path
+//! ([`super::path_tags`]). Machines that differ in these units alone share the paths.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,32 +19,32 @@ use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
 use crate::stream::{Chunk, Decision, FrameInfo, Header, Step};
 
-/// The tags of all shadow-cache units' L1s, and what they count. Where they are equal before a stream, machines of one
-/// path have equal ones behind it, and ask their L2s for the same.
+/// The tags of all shadow-cache units' L1s, and the state of their covariates. Machines with a common path whose
+/// `WordTags` are equal before a stream have equal ones behind it, and equal requests to their L2s.
 #[derive(Debug, PartialEq)]
 pub(super) struct WordTags {
     layout: Layout,
     spec: ShadowCacheSpec,
     performed: Performed,
     units: Units,
-    /// Operations that begin at once.
+    /// Operations that a unit can begin in a cycle.
     width: u64,
-    /// What tells how many rays are in flight; the DRAM does not.
+    /// Determines the number of rays in flight; without the DRAM.
     capacity: Capacity,
     /// The host's own lines.
     host: Option<HostTraffic>,
 }
 
-/// The units.
+/// The shadow-cache units.
 #[derive(Debug, PartialEq)]
 struct Units {
     place: Place,
     l1s: Vec<TimelessCache>,
     writes: WritePolicy,
-    /// Cycles from an operation to the next.
+    /// Minimum cycles between operations.
     interval: u64,
     cores: usize,
-    /// Operations on entries that have their home at each unit.
+    /// Cycles of operations on entries, by owner unit.
     at_home: Vec<u64>,
 }
 
@@ -73,25 +73,25 @@ impl WordTags {
         }
     }
 
-    /// Where the frame's arrays lie.
+    /// The addresses of the frame's arrays.
     pub(super) fn layout(&self) -> &Layout {
         &self.layout
     }
 
-    /// What the L1s hold now.
+    /// The contents of the L1s.
     pub(super) fn snapshot(&self) -> Arc<Vec<TimelessCache>> {
         Arc::new(self.units.l1s.clone())
     }
 
-    /// A frame begins.
+    /// Begins a frame: drops the lines of the dynamic part.
     pub(super) fn begin_frame(&mut self, info: &FrameInfo) {
         self.layout.begin_frame(info);
         let first = self.layout.dynamic_part();
         self.units.l1s.iter_mut().for_each(|cache| cache.drop_from(first));
     }
 
-    /// Rays of a chunk whose paths are `trodden` make the accesses of their policy, each where its path ends. What the
-    /// paths asked for lies elsewhere here, if `shift` says so.
+    /// The policy accesses of a chunk's rays, each at the end of its path. `trodden` has the paths' requests; `shift`
+    /// moves their lines to this machine's layout.
     pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden, shift: Shift) -> Requests {
         let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
         let Self { layout, performed, units, .. } = self;
@@ -108,7 +108,7 @@ impl WordTags {
         to
     }
 
-    /// Steps of a frame's end.
+    /// The steps of an end of frame.
     pub(super) fn frame_end(&mut self, steps: &[u32], trodden: &Trodden, shift: Shift) -> Requests {
         let mut to = Requests { list: Vec::new(), known: trodden.requests.known };
         here(&trodden.requests.list, shift, &mut to);
@@ -119,12 +119,13 @@ impl WordTags {
         to
     }
 
-    /// Rays that are in traversal units at once where so much is known of a piece, if anything was done.
+    /// Rays in traversal units at once, from a piece's covariates ([`Capacity::in_flight`]); `None` if nothing was
+    /// done.
     pub(super) fn in_flight(&self, known: &Known) -> Option<f64> {
         self.capacity.in_flight(known)
     }
 
-    /// What rays do that is no step: lines of the host, and decisions that take an operation.
+    /// Work of rays outside steps: the host's lines, and decisions that take an operation.
     fn whole_rays(&mut self, chunk: &Chunk, rays: Range<usize>, known: &mut Known) {
         if let Some(host) = &mut self.host {
             for ray in rays.clone().map(|ray| chunk.ray(ray)).filter(|ray| !self.spec.is_answered(ray)) {
@@ -138,7 +139,7 @@ impl WordTags {
         }
     }
 
-    /// The home of the most entries is known for a piece.
+    /// Sets the covariate of the busiest owner unit of a piece, in cycles.
     fn settle_home(&mut self, known: &mut Known) {
         let at_home = &mut self.units.at_home;
         known.home = at_home.iter().copied().max().unwrap_or_default().div_ceil(self.width);
@@ -147,11 +148,11 @@ impl WordTags {
 }
 
 impl Units {
-    /// A step of the policy of a ray whose path ends there.
+    /// A policy step of the ray whose path ends at `end`.
     #[inline]
     fn perform(&mut self, step: Step, layout: &Layout, end: &PathEnd, to: &mut Requests) {
         let element = match step {
-            // The path's units do it.
+            // Performed by the path's units ([`super::path_tags`]).
             Step::Triangle { .. } => return,
             Step::Node(node) => layout.node(node),
             Step::List(entry) => layout.list_entry(entry),
@@ -177,7 +178,7 @@ impl Units {
                 to.known.missed[Kind::ShadowCache as usize] += 1;
                 to.add(Request { line: lines.0, core: self.core(home), class: element.class, write: element.write });
             }
-            // The path's units access the one; the other costs nothing.
+            // `Triangle` entries are accessed by the path's units; `Free` ones cost nothing.
             Place::Triangle | Place::Free => {}
         }
     }
@@ -193,7 +194,7 @@ impl Units {
     }
 }
 
-/// Adds requests of the paths, whose lines lie where `shift` says.
+/// Adds requests of the paths, with lines moved by `shift`.
 fn here(requests: &[Request], shift: Shift, to: &mut Requests) {
     to.list.extend(requests.iter().map(|it| Request { line: shift.line(it.line), ..*it }));
 }
@@ -207,7 +208,7 @@ mod tests {
     use crate::machine::word_traffic::{LatchedCopy, SilentUpdates};
     use crate::stream::{Effect, Item, Store};
 
-    /// What a piece of rays with these policies does; each visits a node.
+    /// The covariates of a piece of rays with these policy steps; each ray visits one node.
     fn passed(path: &mut PathTags, words: &mut WordTags, policies: Vec<Vec<u32>>) -> Known {
         let ray = |policy| SyntheticRay { policy, ..SyntheticRay::primary(nodes([0])) };
         let rays: Vec<SyntheticRay> = policies.into_iter().map(ray).collect();
@@ -232,7 +233,7 @@ mod tests {
         machine.shadow_cache.count = num(4);
         let words_a_line = (machine.line_bytes.get() / 4) as u32;
         let (mut path, mut words) = tags(&machine);
-        // Eight words of one line, then of eight lines, which follow one another.
+        // Eight words of one line, then of eight consecutive lines.
         let one: Vec<_> = (0..8).map(read).collect();
         let spread: Vec<_> = (0..8).map(|line| read(line * words_a_line)).collect();
         let both = [one.clone(), spread.clone()].concat();
@@ -240,7 +241,7 @@ mod tests {
         assert_eq!(homes, [8, 2, 10]);
     }
 
-    /// Where one shadow-cache unit has nearly all of the work, few rays are in traversal units.
+    /// Where one shadow-cache unit has nearly all the work, few rays are in traversal units.
     #[test]
     fn fewer_rays_are_in_flight_where_one_unit_holds_them_up() {
         let mut machine = MachineSpec::default();
@@ -251,14 +252,14 @@ mod tests {
         let stay = machine.traversal.latency.get() + machine.traversal.cache.latency.get();
         let in_flight = path.limited(words.in_flight(&known).unwrap());
         assert_eq!(in_flight as u64, stay, "each visits one node, and one a cycle is let through");
-        // Two operations a cycle: twice as many.
+        // Two operations a cycle double it.
         machine.shadow_cache.width = num(2);
         let (mut path, mut words) = tags(&machine);
         let known = passed(&mut path, &mut words, vec![read(0); 4000]);
         assert_eq!((known.home, path.limited(words.in_flight(&known).unwrap()) as u64), (2000, 2 * stay));
     }
 
-    /// What a machine does not perform, its tags do not access.
+    /// Tags do not access what a machine does not perform.
     #[test]
     fn updates_that_are_dropped_are_no_operations() {
         let mut machine = MachineSpec::default();

@@ -4,28 +4,28 @@ use serde::{Deserialize, Serialize};
 
 use crate::quantity::{Bytes, Cycle};
 
-/// From the least to the most, both included.
+/// A closed range.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Range<T> {
-    /// It cannot be less.
+    /// The lower bound.
     pub least: T,
-    /// It cannot be more.
+    /// The upper bound.
     pub most: T,
 }
 
-/// What no machine of the spec can leave on the stream, whatever it does.
+/// Bounds that no machine of the spec can leave on the stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Bounds {
-    /// Cycles: the least is the largest of what its parts must do over what they can do a cycle, the most is everything
-    /// missed and one thing after another.
+    /// Cycles. The lower bound is the largest of the parts' work over their throughput; the upper bound has only
+    /// misses, and no two things at once.
     pub cycles: Range<Cycle>,
-    /// Bytes between the L1s and the L2: the least is every line once a kind of units.
+    /// Bytes between L1s and L2; the lower bound is each line once for each kind of units.
     pub l2_bytes: Range<Bytes>,
-    /// Bytes between the L2 and the DRAM: the least is every line once.
+    /// Bytes between L2 and DRAM; the lower bound is each line once.
     pub dram_bytes: Range<Bytes>,
 }
 
-/// What could not be beaten if the answers of all shadow rays were known for nothing.
+/// Lower bounds if the answers of all shadow rays were known at no cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limit {
     /// Cycles.
@@ -34,14 +34,14 @@ pub struct Limit {
     pub dram_bytes: Bytes,
 }
 
-/// How far a run's numbers may be from those of `Event` and `Cycle`.
+/// How far a run's figures may be from those of `Event` and `Cycle`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Accuracy {
-    /// They are those.
+    /// They are equal.
     #[default]
     Exact,
-    /// The truth lies within an interval with a probability of 95 %; the shares are half its width over the estimate.
+    /// The truth lies within an interval with a probability of 95 %; the shares are relative half widths.
     Estimated {
         /// Of the cycles.
         cycles: f64,
@@ -52,14 +52,14 @@ pub enum Accuracy {
         /// Share of the windows that were measured.
         rate: f64,
     },
-    /// Nothing is known but that the truth lies within [`super::MachineStats::bounds`].
+    /// The truth lies within [`super::MachineStats::bounds`]; nothing else is known.
     Bounded,
     /// Nothing is known.
     Unknown,
 }
 
 impl Accuracy {
-    /// Half the widths of the intervals of cycles, L2 and DRAM bytes over the figures, where they are known.
+    /// Relative half widths of the intervals of cycles, L2 and DRAM bytes, where they are known.
     pub fn shares(&self) -> Option<[f64; 3]> {
         match *self {
             Self::Exact => Some([0.0; 3]),

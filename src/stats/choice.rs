@@ -5,13 +5,13 @@ use serde::{Deserialize, Serialize};
 /// What `Auto` did.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Choice {
-    /// The error that was asked for.
+    /// The target error.
     pub target: f64,
-    /// Windows that were measured.
+    /// Measured windows.
     pub windows: u64,
     /// Windows of the stream.
     pub of: u64,
-    /// Processor time over that of `Event` on the whole stream, by count of the rays that were replayed.
+    /// Processor time over that of `Event` on the whole stream, computed from the number of replayed rays.
     pub cost: f64,
     /// Why.
     pub why: Why,
@@ -23,8 +23,8 @@ pub struct Choice {
 pub enum Why {
     /// A sample is within the target.
     Sampled,
-    /// The stream has so few windows that a sample would not pay: `Event` replayed everything.
+    /// The stream has too few windows for a sample to pay: `Event` replayed everything.
     Short,
-    /// Windows differ so much that a sample would not pay: `Event` replayed everything.
+    /// Windows differ too much for a sample to pay: `Event` replayed everything.
     Varied,
 }

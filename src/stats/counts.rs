@@ -40,7 +40,7 @@ pub struct CacheStats {
     /// What every cache counts.
     #[serde(flatten)]
     pub counts: CacheCounts,
-    /// What L1s count beside that; `None` of other levels.
+    /// The counts that only L1s have; `None` for other levels.
     #[serde(flatten)]
     pub l1: Option<L1Counts>,
 }
@@ -63,7 +63,7 @@ impl AddAssign for CacheStats {
     }
 }
 
-/// A level's accesses read as those of any cache.
+/// Gives the counts of any cache without naming the field.
 impl Deref for CacheStats {
     type Target = CacheCounts;
 

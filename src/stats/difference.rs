@@ -6,7 +6,7 @@ use std::ops::{AddAssign, Sub};
 /// Counts of each part.
 type Counted<V> = BTreeMap<String, V>;
 
-/// `now` less `earlier`, of what `stays`.
+/// The counts of `now` less those of `earlier`, as far as `stays` keeps them.
 pub(super) fn less<K: Clone + Ord, V: Copy + Sub<Output = V>>(
     now: &BTreeMap<K, V>,
     earlier: Option<&BTreeMap<K, V>>,
@@ -17,7 +17,7 @@ pub(super) fn less<K: Clone + Ord, V: Copy + Sub<Output = V>>(
     all.filter(|(_, value)| stays(value)).collect()
 }
 
-/// The same of each part.
+/// The same for the counts of each part.
 pub(super) fn less_nested<K: Clone + Ord, V: Copy + Sub<Output = V>>(
     now: &Counted<BTreeMap<K, V>>,
     earlier: &Counted<BTreeMap<K, V>>,
@@ -31,7 +31,7 @@ pub(super) fn more<K: Clone + Ord, V: AddAssign + Copy + Default>(sum: &mut BTre
     other.iter().for_each(|(key, &value)| *sum.entry(key.clone()).or_default() += value);
 }
 
-/// The same of each part.
+/// The same for the counts of each part.
 pub(super) fn more_nested<K: Clone + Ord, V: AddAssign + Copy + Default>(
     sum: &mut Counted<BTreeMap<K, V>>,
     other: &Counted<BTreeMap<K, V>>,

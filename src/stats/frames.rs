@@ -1,4 +1,4 @@
-//! What was measured in one frame.
+//! The measurements of one frame.
 
 use std::collections::BTreeMap;
 
@@ -9,22 +9,22 @@ use super::energy::Energy;
 use super::traffic::Cause;
 use crate::quantity::{Bytes, Cycle};
 
-/// What a machine measured in one frame, all classes of traffic together.
+/// The measurements of one frame, all classes of traffic together.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct FrameStats {
     /// The frame's number.
     pub frame: u32,
-    /// Whether the frame warms caches and words up and is left out of all sums.
+    /// Whether the frame only warms caches and mode words up, and is left out of all sums.
     pub warmup: bool,
-    /// From the end of the frame that was replayed before to the end of this one.
+    /// Cycles from the end of the frame replayed before to the end of this one.
     pub cycles: Cycle,
     /// Rays replayed, skipped ones not counted.
     pub rays: u64,
-    /// Rays that the frame asks for: those replayed and those skipped, whose answers are known.
+    /// Rays of the frame: traced rays, and skipped rays, whose answers are known.
     pub answered: u64,
-    /// Bytes moved a level, as [`super::MachineStats::bytes`].
+    /// Bytes moved at each level, as [`super::MachineStats::bytes`].
     pub bytes: BTreeMap<String, Bytes>,
-    /// Accesses a cache.
+    /// Accesses of each kind of caches.
     pub caches: BTreeMap<String, CacheCounts>,
     /// Cycles of every unit kind by cause.
     pub units: BTreeMap<String, BTreeMap<Cause, u64>>,

@@ -1,4 +1,4 @@
-//! What one machine measured on one stream.
+//! The measurements of one machine on one stream.
 
 use std::collections::BTreeMap;
 
@@ -14,7 +14,7 @@ use super::residuals::Residuals;
 use super::traffic::{Cause, TrafficClass};
 use crate::quantity::{Bytes, Cycle};
 
-/// What one machine measured on one stream.
+/// The measurements of one machine on one stream.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MachineStats {
     /// Time from the first ray to the last write-back.
@@ -23,60 +23,66 @@ pub struct MachineStats {
     pub clock_mhz: f64,
     /// Rays replayed, skipped ones not counted.
     pub rays: u64,
-    /// Bytes moved a level (`l1_traversal`, ..., `l2`, `dram`) and class. A level's bytes are those moved between it
-    /// and the level above (towards the units).
+    /// Bytes moved at each level (`l1_traversal`, ..., `l2`, `dram`), by class. A level's bytes are those moved between
+    /// it and the level above (towards the units).
     pub bytes: BTreeMap<String, BTreeMap<TrafficClass, Bytes>>,
-    /// Accesses a cache (all instances of a kind together) and class.
+    /// Accesses of each kind of caches (all instances together), by class.
     pub caches: BTreeMap<String, BTreeMap<TrafficClass, CacheStats>>,
     /// Cycles of every unit kind, summed over its instances, by cause.
     pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
-    /// Operations that units of every kind began; several can begin in a cycle of a wide one.
+    /// Operations that units of every kind began; a wide unit can begin several in a cycle.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub operations: BTreeMap<String, u64>,
     /// Instances of every unit kind: the causes of a kind sum to `cycles` times this.
     pub unit_counts: BTreeMap<String, u64>,
-    /// Queues between parts, by who takes from them; of rungs that have queues.
+    /// Queues between parts, by the part that takes from them; only of levels with queues.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub queues: BTreeMap<String, QueueCounts>,
-    /// Latencies by kind of rays; of rungs that know them.
+    /// Latencies by kind of rays; only of levels that know them.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub latency: BTreeMap<String, LatencyCounts>,
     /// The DRAM's commands.
     pub dram: DramCounts,
-    /// The DRAM's channels, part, page policy and address mapping, in words.
+    /// The DRAM's channels, part, page policy and address mapping, as text.
     pub dram_organization: String,
-    /// Peak bandwidth of the DRAM in bytes a machine cycle; a flat one may have none.
+    /// Peak bandwidth of the DRAM in bytes a machine cycle; `None` if a flat DRAM has no limit.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dram_peak_bytes_per_cycle: Option<f64>,
-    /// How far from the truth these numbers may be.
+    /// How far these figures may be from the truth.
     #[serde(default)]
     pub accuracy: Accuracy,
-    /// Half the widths of the 95 % intervals of estimated figures, by their path: `bytes.l2.node`.
+    /// Half the widths of the 95 % intervals of estimated figures, by the figure's path: `bytes.l2.node`.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub half_widths: BTreeMap<String, f64>,
-    /// What a sample's windows leave over, for comparisons.
+    /// The residuals of a sample's windows, for comparisons.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residuals: Option<Residuals>,
     /// What `Auto` did.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub choice: Option<Choice>,
-    /// The frames that were replayed, warm-up frames among them; of runs that know them apart. All other figures are
-    /// of the measured frames: the sums of theirs.
+    /// The replayed frames, warm-up frames included; only of runs that count frames separately. All other figures are
+    /// the sums over the measured frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frames: Vec<FrameStats>,
-    /// Energy; absent where that of the DRAM is not known.
+    /// Energy; absent where the DRAM's energy is not known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<Energy>,
-    /// What no machine can leave.
+    /// Bounds that no machine can leave.
     #[serde(default)]
     pub bounds: Option<Bounds>,
-    /// What culling cannot beat; where it was computed.
+    /// The limit of culling, where it was computed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub oracle: Option<Limit>,
 }
 
 impl MachineStats {
-    /// Bytes moved at a level, all classes together; none if there is no such level.
+    /// The same figures without a claim how far off they are: of a sample by a level that is not exact, whose windows
+    /// tell how far it is from that level, and not from the machine.
+    pub fn without_claims(self) -> Self {
+        Self { accuracy: Accuracy::Unknown, half_widths: BTreeMap::new(), residuals: None, ..self }
+    }
+
+    /// Bytes moved at a level, all classes together; 0 if there is no such level.
     pub fn moved(&self, level: &str) -> Bytes {
         self.bytes.get(level).into_iter().flat_map(|classes| classes.values()).copied().sum()
     }
@@ -87,9 +93,9 @@ impl MachineStats {
         levels.flat_map(|(_, classes)| classes.values()).copied().sum()
     }
 
-    /// Half the width of the interval of a figure's ratio to that of another run, if samples tell it; `figure` is its
-    /// place in [`Accuracy::shares`]. Samples of the same windows tell it by the differences of these; errors of
-    /// others add up, at worst.
+    /// Half the width of the interval of a figure's ratio to that of another run; `None` if it is not known, or if both
+    /// runs are exact. `figure` is the index in [`Accuracy::shares`]. For samples of the same windows it comes from
+    /// their differences; otherwise both relative half widths are added (worst case).
     pub fn half_width_of_ratio(&self, before: &Self, figure: usize, ratio: f64) -> Option<f64> {
         half_width_of_ratio(
             [(&self.accuracy, self.residuals.as_ref()), (&before.accuracy, before.residuals.as_ref())],
@@ -98,7 +104,7 @@ impl MachineStats {
         )
     }
 
-    /// Hits over accesses, a cache and class of traffic, where there are any.
+    /// Hits over accesses of each kind of caches, by class, where there are accesses.
     pub fn hit_rates(&self) -> BTreeMap<String, BTreeMap<TrafficClass, f64>> {
         let of = |classes: &BTreeMap<TrafficClass, CacheStats>| {
             classes.iter().filter_map(|(&class, cache)| Some((class, cache.counts.hit_rate()?))).collect()
@@ -111,7 +117,7 @@ impl MachineStats {
         self.rays as f64 / self.cycles.0 as f64 * self.clock_mhz * 1e6
     }
 
-    /// Share of its cycles in which a unit kind began an operation.
+    /// Share of the cycles in which a unit kind began an operation.
     pub fn utilization(&self, unit: &str) -> Option<f64> {
         let busy = self.units.get(unit)?.get(&Cause::Busy).copied().unwrap_or(0);
         let total = self.cycles.0 * self.unit_counts.get(unit)?;
@@ -119,7 +125,7 @@ impl MachineStats {
     }
 }
 
-/// Half the width of the interval of a figure's ratio to what it was before, of two runs' accuracies and residuals: see
+/// Half the width of the interval of a figure's ratio to its value before, from accuracies and residuals; see
 /// [`MachineStats::half_width_of_ratio`].
 pub(crate) fn half_width_of_ratio(
     [(accuracy, residuals), (accuracy_before, before)]: [(&Accuracy, Option<&Residuals>); 2],
@@ -167,7 +173,7 @@ impl MachineStats {
         self.since(self)
     }
 
-    /// These counts as those of one frame, which asked for so many rays, without classes.
+    /// These counts as the counts of one frame with `answered` rays, all classes together.
     pub fn as_frame(&self, frame: u32, warmup: bool, answered: u64) -> FrameStats {
         let accesses = |classes: &BTreeMap<_, CacheStats>| classes.values().map(|cache| cache.counts).sum();
         FrameStats {

@@ -1,4 +1,4 @@
-//! What a timing run measured, as plain data: the timing side fills it, reports read it, neither knows the other.
+//! Measurements of a timing run, as plain data: timing fills it, reports read it, and neither depends on the other.
 
 mod accuracy;
 mod choice;

@@ -1,31 +1,31 @@
-//! What a sample's windows leave over: for intervals of what differs between samples of the same windows.
+//! The residuals of a sample's windows, for intervals of differences between samples of the same windows.
 
 use serde::{Deserialize, Serialize};
 
 use crate::student::{Variance, student};
 
-/// What a sample's windows are off from what is known of them: samples of the same windows are often off alike, and
-/// what differs between them is known better than either.
+/// The residuals of a sample's windows. In samples of the same windows they are often correlated: the difference is
+/// then known better than either.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Residuals {
-    /// Pixels of a window. Samples of the same frames with the same ones, and the same seed, are of the same windows.
+    /// Pixels of a window. Samples of the same frames with equal `window_pixels` and `seed` have the same windows.
     pub window_pixels: u64,
-    /// The seed of the windows.
+    /// The seed that draws the windows.
     pub seed: u64,
     /// Degrees of freedom of the intervals of cycles, L2 and DRAM bytes.
     pub freedom: [f64; 3],
-    /// The points of the sample, in the order of the stream. Where the machine was measured beside a baseline: those of
-    /// the baseline's sample, and what that is off in what is told of the machine.
+    /// The points of the sample, in the order of the stream. Of a machine measured beside a baseline: the points of the
+    /// baseline's sample, with the errors shared with it.
     pub points: Vec<Residual>,
-    /// What is otherwise than with the baseline.
+    /// The error that is not shared with the baseline.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub change: Option<Change>,
 }
 
-/// What a sample's windows are off otherwise than those of its baseline.
+/// The residuals of a sample that are not shared with its baseline.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Change {
-    /// Half the widths of the 95 % intervals of what is otherwise: of cycles, L2 and DRAM bytes, as shares.
+    /// Relative half widths of the 95 % intervals of the error not shared: of cycles, L2 and DRAM bytes.
     pub half_widths: [f64; 3],
     /// Degrees of freedom.
     pub freedom: [f64; 3],
@@ -33,21 +33,21 @@ pub struct Change {
     pub points: Vec<Residual>,
 }
 
-/// What a point of a sample is off.
+/// The residuals at a point of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Residual {
-    /// Where it lies: windows are of length 1.
+    /// Its position on the axis, on which windows have length 1.
     pub place: f64,
     /// Its stratum.
     pub stratum: usize,
-    /// Windows that it stands for.
+    /// Number of windows that it stands for.
     pub weight: f64,
-    /// How far cycles, L2 and DRAM bytes are off, as shares of the stream's.
+    /// Residuals of cycles, L2 and DRAM bytes, as shares of the stream's totals.
     pub errors: [f64; 3],
 }
 
 impl Residuals {
-    /// Windows that were measured: several points may lie in one.
+    /// Number of measured windows; several points may lie in one.
     pub fn windows(&self) -> u64 {
         let points = self.change.as_ref().map_or(&self.points, |change| &change.points);
         let mut windows: Vec<u64> = points.iter().map(|point| point.place as u64).collect();
@@ -55,12 +55,11 @@ impl Residuals {
         windows.len() as u64
     }
 
-    /// Half the width of the 95 % interval of the ratio of a figure to that of another sample, as a share of the ratio;
+    /// Half the width of the 95 % interval of the ratio of a figure to another sample's, as a share of the ratio.
     /// `figure` is 0 for cycles, 1 for L2 and 2 for DRAM bytes. `None` if the samples are not of the same windows.
     ///
-    /// Where one sample has points that the other has not, both vary alike as much as in the points that both have; the
-    /// variance that they share shrinks as that of the larger sample does. What is otherwise than with a baseline has
-    /// nothing to do with what that is off.
+    /// Where one sample has additional points, the covariance is that of the common points; it shrinks as the variance
+    /// of the larger sample does. Errors not shared with a baseline are independent of the baseline's.
     pub fn of_ratio<'a>(&'a self, other: &'a Self, figure: usize) -> Option<f64> {
         if (self.window_pixels, self.seed) != (other.window_pixels, other.seed) {
             return None;
@@ -77,8 +76,8 @@ impl Change {
     }
 }
 
-/// Half the width of the interval of what two samples are apart, each with degrees of freedom and its points. One
-/// without points is exact.
+/// Half the width of the interval of the difference of two samples, each with its degrees of freedom and points. A
+/// sample without points is exact.
 fn apart(samples: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
     let most = samples.iter().filter(|(_, points)| !points.is_empty()).map(|(freedom, _)| *freedom);
     let most = most.fold(f64::INFINITY, f64::min);
@@ -107,7 +106,7 @@ fn apart(samples: [(f64, &[Residual]); 2], figure: usize) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// A sample of `strata` strata of two points, each off by what `error` says.
+    /// A sample with `strata` strata of two points each, with residuals `error`.
     fn sample(strata: usize, error: impl Fn(usize) -> f64) -> Residuals {
         let point = |at: usize| Residual { place: at as f64, stratum: at / 2, weight: 2.0, errors: [error(at); 3] };
         let points = (0..2 * strata).map(point).collect();
@@ -136,7 +135,7 @@ mod tests {
         assert_eq!(one.of_ratio(&moved, 0), None);
     }
 
-    /// A sample that went on until its strata were halved tells more, and takes with it what both are off alike.
+    /// A sample that continued until its strata were halved has a smaller error, and reduces the shared one.
     #[test]
     fn a_larger_sample_narrows_the_difference() {
         let few = sample(8, |at| (at % 5) as f64);

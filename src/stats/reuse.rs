@@ -11,13 +11,13 @@ use super::traffic::TrafficClass;
 pub struct ReuseCurve {
     /// Accesses.
     pub accesses: u64,
-    /// Accesses that the sampled lines stand for; all, without a sample.
+    /// Number of accesses that the sampled lines stand for; all accesses, if lines are not sampled.
     pub sampled: f64,
     /// First touches of a line by a cache.
     pub first_touches: f64,
     /// Misses, first touches included, of caches without sets, for each of [`ReuseCurve::sizes`].
     pub misses: Vec<f64>,
-    /// Misses of the cache as the machine has it, if lines fall into its sets at random.
+    /// Misses of the cache with the machine's sets, if lines fall into them at random.
     pub misses_in_sets: f64,
 }
 
@@ -31,19 +31,19 @@ impl ReuseCurve {
 /// Reuse in the caches of a kind.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ReuseLevel {
-    /// Their name in reports.
+    /// The caches' name in reports.
     pub name: String,
-    /// How many there are.
+    /// Number of caches.
     pub caches: u64,
-    /// Bytes of each in the machine.
+    /// Size of each cache of the machine, in bytes.
     pub bytes: u64,
-    /// Lines a set in the machine.
+    /// Ways of each cache of the machine.
     pub ways: u64,
-    /// By class.
+    /// Curves by class.
     pub classes: BTreeMap<TrafficClass, ReuseCurve>,
 }
 
-/// Reuse in the caches of a machine, in one frame of a policy's stream that comes again and again.
+/// Reuse in the caches of a machine, in one frame of a policy's stream that is repeated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrameReuse {
     /// The policy.
@@ -55,8 +55,7 @@ pub struct FrameReuse {
 }
 
 impl ReuseLevel {
-    /// Misses over accesses of the caches as the machine has them, if lines fall into their sets at random; `None`
-    /// without an access.
+    /// Misses over accesses of the machine's caches, if lines fall into their sets at random; `None` without an access.
     pub fn miss_ratio_in_sets(&self) -> Option<f64> {
         let sum = |of: fn(&ReuseCurve) -> f64| self.classes.values().map(of).sum::<f64>();
         let sampled = sum(|curve| curve.sampled);

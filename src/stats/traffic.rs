@@ -44,8 +44,8 @@ impl TrafficClass {
         Self::Build,
     ];
 
-    /// Classes that can have a home in an L2: the first ones of all. Lines of the others go past all caches, straight
-    /// to the DRAM, as those of rays do.
+    /// Number of classes that can be cached in an L2: the first ones of [`TrafficClass::ALL`]. Lines of the other
+    /// classes bypass all caches and go to the DRAM, as lines of rays do.
     pub const CACHED: usize = 7;
 
     /// Whether it is the host's own: no cache of the machine keeps its lines.
@@ -53,7 +53,7 @@ impl TrafficClass {
         self == Self::Ray || self.goes_past_caches()
     }
 
-    /// Whether its lines have no home in an L2.
+    /// Whether its lines bypass all caches: no L2 has a place for them.
     pub fn goes_past_caches(self) -> bool {
         self as usize >= Self::CACHED
     }
@@ -75,22 +75,22 @@ impl TrafficClass {
     }
 }
 
-/// The one cause that each cycle of a unit has.
+/// The cause of a unit's cycle; each cycle has exactly one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Cause {
     /// The unit began an operation in this cycle.
     Busy,
-    /// It had nothing to do: no ray in it, and none in front of it that it could take.
+    /// It had nothing to do: no ray inside, and none in front of it that it could take.
     Starved,
     /// It had rays, all inside its pipeline.
     Pipeline,
-    /// It had rays, and the first that waits does so for data of its cache; of the dispatcher, for the host's port to
+    /// It had rays, and the first waiting one waits for data of the cache; of the dispatcher, for the host's port to
     /// the DRAM.
     Memory,
     /// It had a result that its neighbour could not take.
     Blocked,
-    /// It took as many rays as it can in a cycle, none of them began an operation, and others waited in front of it.
+    /// It took the maximum number of rays in a cycle, began no operation, and others waited in front of it.
     Intake,
 }
 

@@ -16,7 +16,7 @@ fn on_quickstart(machine: &MachineSpec, target: &str) -> (MachineStats, MachineS
     (found, on(machine, &header, "Event", &stream))
 }
 
-/// 4 windows of `desktop` and 18 of `small` are too few to sample: the result is that of `Event`, and says so.
+/// 4 windows of `desktop` and 18 of `small` are too few to sample: the result is that of `Event`, and `choice` says so.
 #[test]
 fn a_short_stream_is_replayed_whole() {
     for (name, target, of) in [("desktop", "0.05", 4), ("small", "0.01", 18)] {
@@ -28,7 +28,7 @@ fn a_short_stream_is_replayed_whole() {
     }
 }
 
-/// Windows are few and small here, and the target is wide: a sample takes less time, and holds what it says.
+/// Windows are few and small here, and the target is wide: a sample takes less time, and its errors are within it.
 #[test]
 fn a_sample_is_as_close_as_was_asked_and_says_what_it_took() {
     let (header, stream) = quickstart();

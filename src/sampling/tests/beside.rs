@@ -1,4 +1,4 @@
-//! Samples beside a baseline, drawn many times of windows that were all measured.
+//! Samples beside a baseline, drawn many times from windows that were all measured.
 
 use super::super::baseline::{Baseline, Told};
 use super::super::estimate::Total;
@@ -6,8 +6,8 @@ use super::super::figures::Figures;
 use super::coverage::{OTHER, SMALL, TOLD, strata};
 use crate::stats::Residuals;
 
-/// Smaller L1s in 24 points, beside a baseline that 96 points tell: what is told is closer than what the 24 alone tell,
-/// and intervals hold; so do those of the change.
+/// Smaller L1s in 24 points, beside a baseline with 96 points: intervals are narrower than from the 24 points alone,
+/// and cover the truth; so do those of the change.
 #[test]
 fn a_baseline_sets_right_what_few_windows_are_off() {
     let (one, other) = (SMALL.whole(), OTHER.whole());

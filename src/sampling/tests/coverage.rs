@@ -1,4 +1,4 @@
-//! How often intervals hold: samples are drawn many times of windows that were all measured.
+//! Coverage of intervals: samples are drawn many times from windows that were all measured.
 
 use std::sync::LazyLock;
 
@@ -16,7 +16,7 @@ const CUT: Cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
 /// All windows of the recorded stream on a machine.
 pub(super) struct Census(Vec<Window>);
 
-/// On `small`; the stream is short: a small pool makes for many windows.
+/// On `small`; the stream is short, so a small pool is used to get many windows.
 pub(super) static SMALL: LazyLock<Census> = LazyLock::new(|| Census::of(&few_rays()));
 /// The same with other L1s.
 pub(super) static OTHER: LazyLock<Census> = LazyLock::new(|| {
@@ -38,7 +38,7 @@ impl Census {
         let sampler = Sampler::new(Sampled::Event, &header);
         let mut windows = Findings::of(&sampler, machine, &CUT, pass(&sampler, machine, &plan, 0, &stream)).measured;
         for window in &mut windows {
-            // Groups overlap: here each counts as it is.
+            // Replays of windows overlap: here each counts with its own size.
             window.operations = window.span(Span::Group).known[0];
             let told = |figure: &Figure| *figure == misses() || TOLD.iter().any(|(told, _)| told == figure);
             window.spans.iter_mut().for_each(|part| part.figures.retain(|figure, _| told(figure)));
@@ -46,7 +46,7 @@ impl Census {
         Self(windows)
     }
 
-    /// The `length` windows from the `first` on, as a stream.
+    /// The `length` windows from `first` on, as a stream.
     fn stream(&self, first: usize, length: usize) -> Stream<'_> {
         let windows = &self.0[first..first + length];
         let mut sums = Span::ALL.map(|_| Population::default());
@@ -63,7 +63,7 @@ impl Census {
 
 pub(super) struct Stream<'a> {
     windows: &'a [Window],
-    /// What is known of them, by span.
+    /// Their covariates, by span.
     known: [Columns; Span::ALL.len()],
 }
 
@@ -98,7 +98,7 @@ impl Stream<'_> {
         self.estimates(drawn, (figure, *span)).total(figure)
     }
 
-    /// What the sample leaves over; all three figures are those of one span here.
+    /// The residuals of the sample; all three figures are the same one here.
     fn residuals(&self, drawn: &Drawn, (figure, span): &(Figure, Span)) -> Residuals {
         let estimates = self.estimates(drawn, (figure, *span));
         let (points, freedom) = estimates.residuals(&[(); 3].map(|()| figure.clone()));
@@ -113,7 +113,7 @@ fn misses() -> Figure {
     Figure::Cache(MemoryLevel::L1(Kind::Traversal), TrafficClass::Node, CacheCounts::place("misses"))
 }
 
-/// Strata of which so many points are drawn of a stream, two each.
+/// Strata with two points each, `points` in all.
 pub(super) fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
     Strata { length: 2.0 * stream.windows.len() as f64 / points as f64, seed }
 }
@@ -135,8 +135,8 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
     }
 }
 
-/// The same of streams of 16 to 48 windows, of which 8 to 24 points are drawn: with few windows intervals are wide, and
-/// hold. Shorter streams are not sampled.
+/// The same for streams of 16 to 48 windows with 8 to 24 points: intervals from few windows are wide, and cover the
+/// truth. Shorter streams are not sampled.
 #[test]
 fn intervals_of_few_windows_hold_too() {
     for (length, points) in [(16, 8), (24, 8), (24, 12), (48, 12), (48, 24)] {
@@ -156,8 +156,8 @@ fn intervals_of_few_windows_hold_too() {
     }
 }
 
-/// The same where sampling goes on until the interval is within a target: windows at most double from look to look, and
-/// whoever stops does so since the interval came out narrow, which it may have done by chance.
+/// The same where sampling stops at a target. Windows at most double from step to step. A sample may stop because its
+/// interval is narrow by chance.
 #[test]
 fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
     let (stream, figure) = (SMALL.whole(), &TOLD[0]);
@@ -165,7 +165,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
     for target in [0.03, 0.05, 0.1] {
         let (mut covered, mut stopped) = (0, 0);
         for seed in 0..500 {
-            // As sampling to a target goes on: at most one point a window, then everything is replayed.
+            // As in sampling with a target: at most one point for each window, then everything is replayed.
             let strata = strata(&stream, 12, seed);
             let plan = |draws| Plan { strata, draws: 0..draws, cut: CUT };
             let (mut draws, most) = (2, strata.length as usize);
@@ -190,7 +190,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
     }
 }
 
-/// So do those of a change where sampling goes on until that is within a target.
+/// The same for intervals of a change, where sampling stops once that is within a target.
 #[test]
 fn intervals_of_changes_hold_when_sampling_stops_at_a_target() {
     let (one, other) = (SMALL.whole(), OTHER.whole());
@@ -223,8 +223,8 @@ fn intervals_of_changes_hold_when_sampling_stops_at_a_target() {
     }
 }
 
-/// What smaller L1s change, from the same windows: the interval is narrower than the sum of both, and holds, however
-/// many points the two samples have.
+/// The change by smaller L1s, from the same windows: its interval is narrower than the sum of both, and covers the
+/// truth, also for samples of different sizes.
 #[test]
 fn a_change_from_the_same_windows_is_narrower_and_holds() {
     let (one, other) = (SMALL.whole(), OTHER.whole());

@@ -1,4 +1,5 @@
-//! Samples: what any machine and stream must give, how far windows by themselves are off, and how often intervals hold.
+//! Samples: properties that hold for any machine and stream, errors of windows by themselves, and coverage of
+//! intervals.
 
 mod auto;
 mod beside;
@@ -43,8 +44,7 @@ fn a_sample_of_everything_is_everything() {
     }
 }
 
-/// Whatever the machine: each window can be replayed by itself, and does what its rays ask for (which every replay
-/// checks).
+/// On any machine, each window can be replayed by itself, and performs its rays' requests (every replay checks this).
 #[test]
 fn any_machine_can_be_sampled() {
     check_many(
@@ -65,7 +65,7 @@ fn any_machine_can_be_sampled() {
     );
 }
 
-/// Who replays what, and in which order windows are done, is chance.
+/// The order in which threads complete windows varies.
 #[test]
 fn a_sample_does_not_depend_on_the_number_of_threads() {
     let (header, stream) = quickstart();
@@ -81,7 +81,7 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
         let jobs = kept.take(&plan.draws).unwrap().into_iter().map(|job| (0, job));
         let member = [Member { machine: &machine, plan: plan.clone() }];
         findings.add(sampler.replay(&member, jobs.collect()).remove(0).unwrap());
-        // What was kept is what another pass would measure.
+        // Kept jobs give the same results as another pass.
         let again = self::pass(&sampler, &machine, &plan, 4, &stream);
         let first = self::pass(&sampler, &machine, &Plan { draws: 0..2, ..plan }, 4, &stream);
         let mut passed = Findings::of(&sampler, &machine, &cut, first);
@@ -94,7 +94,7 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
     assert!(by(3) == one && by(8) == one);
 }
 
-/// A sample that tells nothing is refused, so that no number of it is shown anywhere.
+/// A sample that is too small is refused, so that no figure of it is shown anywhere.
 #[test]
 fn a_sample_of_few_windows_is_refused() {
     let (header, stream) = quickstart();
@@ -111,8 +111,8 @@ fn a_sample_of_few_windows_is_refused() {
     assert!(error.ends_with("take a `rate` of 0.445 or more, Auto, or Event"), "{error}");
 }
 
-/// All lines are fetched at the beginning, where caches hold everything: most windows move none, and the tags know
-/// those of the others.
+/// All lines are fetched at the beginning, since the caches hold everything. Most windows move none; the tags know the
+/// lines of the others.
 #[test]
 fn a_sample_knows_what_its_windows_do_not_move() {
     let (header, stream) = quickstart();
@@ -123,7 +123,7 @@ fn a_sample_knows_what_its_windows_do_not_move() {
     assert!((sampled as f64 / whole as f64 - 1.0).abs() < 0.01, "{sampled} {whole}");
 }
 
-/// The longer the larger the pool is, behind the more pixels the more rays there is room for.
+/// Pieces grow with the pool, lead-ins with the room for rays.
 #[test]
 fn windows_are_as_long_as_a_machine_asks_for() {
     let cuts = ["small", "desktop", "tni_engine"].map(|name| Cut::new(&shipped(name)));
@@ -131,7 +131,7 @@ fn windows_are_as_long_as_a_machine_asks_for() {
     assert_eq!(cuts, [cut(128, 6, 4), cut(1024, 2, 4), cut(1920, 3, 4)]);
 }
 
-/// As many points more as the width asks for, but no more than double; none where that would be too many in the end.
+/// The width determines how many points are added, at most to double; none if the final number would be too large.
 #[test]
 fn a_sample_goes_on_by_no_more_than_double() {
     let cut = Cut { pixels: 16, before: 1, own: 2, behind: 1 };
@@ -147,7 +147,7 @@ fn a_sample_goes_on_by_no_more_than_double() {
     assert_eq!(next(48, 0.001, 100), Some(9), "another figure may be the wider one");
 }
 
-/// What one machine asks for is enough for all.
+/// The needs of the most demanding machine suffice for all.
 #[test]
 fn a_common_cut_is_as_long_as_the_longest() {
     let [small, desktop] = ["small", "desktop"].map(|name| Lengths::new(&shipped(name)));
@@ -162,19 +162,19 @@ fn a_common_cut_is_as_long_as_the_longest() {
     assert_eq!(Cut::common([]), None);
 }
 
-/// All windows together take about what the whole stream does: what is in flight at their ends is not lost, and not
+/// All windows together cost about as much as the whole stream: rays in flight at their ends are neither lost nor
 /// counted twice.
 #[test]
 fn windows_by_themselves_add_up() {
     let (header, stream) = quickstart();
-    // Windows are as short, however many lines an L1 holds.
+    // Windows keep their length, however large an L1 is.
     let mut large_l1 = shipped("small");
     large_l1.traversal.cache.bytes = Size::new(65536).unwrap();
     let machines = [("small", shipped("small")), ("desktop", shipped("desktop")), ("a large L1", large_l1)];
     for (name, machine) in machines {
         for engine in [Sampled::Event, Sampled::Profile] {
             let whole = on(&machine, &header, &Level::from(engine).to_string(), &stream);
-            // So many points that all but the smallest windows have some.
+            // Enough points that all but the smallest windows have some.
             let plan = Plan { draws: 0..200, ..Plan::new(1.0, Cut::new(&machine), 0) };
             let sampler = Sampler::new(engine, &header);
             let found = Findings::of(&sampler, &machine, &plan.cut, pass(&sampler, &machine, &plan, 0, &stream));

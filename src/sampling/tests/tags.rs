@@ -1,4 +1,4 @@
-//! Tags beside `Event`: they have no time, and perform the same operations.
+//! Tags compared with `Event`: they have no time, and perform the same operations.
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -22,7 +22,7 @@ use crate::sampling::word_tags::WordTags;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step, Stop};
 
-/// What tags know of a stream.
+/// The tags' covariates of a stream.
 fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Known {
     let (mut path, mut words) = (PathTags::new(header, machine), WordTags::new(header, machine));
     let mut sum = Known::default();
@@ -48,7 +48,7 @@ fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Known {
     sum
 }
 
-/// Registers and tables of hits, which tags leave out, are taken away.
+/// Without registers and tables of hits, which tags leave out.
 #[test]
 fn tags_perform_the_operations_that_event_does() {
     check_many(
@@ -65,7 +65,7 @@ fn tags_perform_the_operations_that_event_does() {
     );
 }
 
-/// A stream whose rays are primary rays, all with what they do.
+/// The stream with all rays as primary rays, with their steps.
 fn of_primary_rays(stream: &[Item]) -> Vec<Item> {
     let steps = |packed: &[u32]| Step::unpack_all(packed).collect::<Vec<_>>();
     let mut items = Vec::new();
@@ -83,9 +83,8 @@ fn of_primary_rays(stream: &[Item]) -> Vec<Item> {
     items
 }
 
-/// Where rays follow one another, so do all accesses to elements of one line: nodes and lists. The L1s of a path miss
-/// what they do in `Event`, which takes that each ray goes to the same units. (Children wait there until they are
-/// shaded.)
+/// With one ray in flight, accesses to the lines of nodes and lists have the same order in both. The L1s of a path then
+/// miss as in `Event`, if all rays use the same units. (All rays are primary: in `Event`, children wait for shading.)
 #[test]
 fn tags_miss_what_event_misses_where_one_ray_is_in_flight() {
     let missed_by_all = AtomicU64::new(0);
@@ -97,7 +96,8 @@ fn tags_miss_what_event_misses_where_one_ray_is_in_flight() {
             (machine.shadow_cache.count, machine.shadow_cache.contexts) = (num(1), num(1));
             (machine.shadow_cache.register, machine.shadow_cache.gather) = (num(0), num(0));
             (machine.shadow_cache.place, machine.shadow_cache.writes) = (Place::Own, WritePolicy::Back);
-            // Lines that are drawn are drawn in another order; those of one element come in any.
+            // Random replacement depends on the order of accesses in a set; the lines of one element have no fixed
+            // order.
             for cache in [&mut machine.traversal.cache, &mut machine.list.cache] {
                 if matches!(cache.replacement, Policy::Random { .. }) {
                     cache.replacement = Policy::Lru;
@@ -123,8 +123,8 @@ fn tags_miss_what_event_misses_where_one_ray_is_in_flight() {
     assert!(all > 10_000, "{all} misses compare little");
 }
 
-/// What tags ask the L2 for, ray after ray on a machine of one unit of each kind, by the elements of each step alone:
-/// children begin when their parents are done.
+/// Requests of the tags to the L2, computed plainly from the elements of each step, ray after ray, on a machine with
+/// one unit of each kind. Children begin when their parents are done.
 fn asked_plainly(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Vec<(u64, bool)> {
     let mut layout = Layout::new(header, machine);
     let mut l1s = [Kind::Traversal, Kind::List, Kind::Intersection].map(|kind| {
@@ -184,8 +184,8 @@ fn asked_plainly(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Vec
     asked
 }
 
-/// What the paths' tags leave out or do at once changes nothing that they ask for: lines of nodes worked out without
-/// their bytes, lines that plane and edges of a triangle share, sets of two lines.
+/// Shortcuts of the paths' tags change no request: node lines computed without bytes, shared lines of a triangle's
+/// plane and edges, sets of two lines.
 #[test]
 fn tags_ask_for_what_each_element_asks_for() {
     let no_reads = |classes: Vec<TrafficClass>| NoAllocate { reads: classes.into(), ..NoAllocate::NONE };
@@ -201,7 +201,7 @@ fn tags_ask_for_what_each_element_asks_for() {
             machine.cores = num(1);
             (machine.traversal.count, machine.list.count, machine.intersection.count) = (num(1), num(1), num(1));
             (machine.traversal.cache.no_allocate, machine.intersection.cache.no_allocate) = (kept, kept);
-            // Entries that lie with triangles go through the intersection units' L1s too.
+            // With `place: Triangle`, entries would use the intersection units' L1s too.
             machine.shadow_cache.place = Place::Own;
             let header = header();
             let mut tags = PathTags::new(&header, &machine);
@@ -224,7 +224,7 @@ fn tags_ask_for_what_each_element_asks_for() {
     );
 }
 
-/// What is wrong with a stream in memory is told as whole replays tell it, wherever windows lie.
+/// Faults of a stream in memory are reported as in whole replays, wherever windows lie.
 #[test]
 fn wrong_streams_are_refused_before_tags_take_them() {
     let machine = MachineSpec::default();

@@ -1,4 +1,4 @@
-//! Machines on the same pass: each gives what it gives alone, whatever they share.
+//! Machines on the same pass: each gives the same result as alone, whatever it shares.
 
 use super::super::cutter::Cutter;
 use super::super::grow::{Goal, sample_until};
@@ -11,7 +11,7 @@ use crate::machine::stores::StoreLayout;
 use crate::machine::word_traffic::LatchedCopy;
 use crate::memory::l2::L2Spec;
 
-/// `small` with few rays, and others that share all of its tags, those of its L1s or of its path, or none.
+/// `small` with few rays, and machines that share all of its tags, those of its L1s, those of its path, or none.
 fn some() -> Vec<MachineSpec> {
     let mut base = shipped("small");
     base.dispatcher.rays = num(16);
@@ -32,11 +32,11 @@ fn some() -> Vec<MachineSpec> {
         with(|machine| machine.shadow_cache.count = num(2)),
         with(|machine| machine.traversal.cache.bytes = crate::ranged::Size::new(2048).unwrap()),
         with(|machine| machine.shadow_cache.place = Place::L2),
-        // Its one unit holds rays up.
+        // Its single shadow-cache unit holds rays up.
         with(|machine| machine.shadow_cache.interval = num(64)),
         with(|machine| machine.shadow_cache.place = Place::Triangle),
         with(|machine| machine.shadow_cache.layout = StoreLayout::Record),
-        // Its stores are larger: what is dynamic lies behind them.
+        // Its stores are larger: the dynamic part has other addresses.
         with(|machine| machine.shadow_cache.latched = LatchedCopy::Buffers),
     ]
 }
@@ -51,7 +51,7 @@ fn machines_share_the_tags_that_are_equal() {
     assert_eq!(found, [path, alone(5), alone(8), alone(9)]);
 }
 
-/// With a baseline or without; the first machine is the baseline.
+/// With and without a baseline, which is the first machine.
 #[test]
 fn each_gives_what_it_gives_alone() {
     let (header, stream) = quickstart();
@@ -65,8 +65,8 @@ fn each_gives_what_it_gives_alone() {
     };
     let (known, _) = sampled(&[&machines[0]], None, "0.3").remove(0);
     for (baseline, target) in [(None, "0.3"), (Some((&machines[0], &known)), "0.2")] {
-        // One shares all tags with the baseline, one those of the L1s, three those of the path, of which one parts; the
-        // others share none.
+        // One machine shares all tags with the baseline, one those of the L1s, three those of the path, of which one
+        // separates. The others share none.
         let others: Vec<&MachineSpec> = [1, 3, 5, 6, 7, 8, 10].map(|at| &machines[at]).into();
         let together = sampled(&others, baseline, target);
         for (machine, together) in others.into_iter().zip(together) {
@@ -77,7 +77,7 @@ fn each_gives_what_it_gives_alone() {
     }
 }
 
-/// Who is dealt to which thread, and who shares what with whom there, is chance.
+/// The distribution of machines over threads, and what they share there, varies.
 #[test]
 fn machines_together_do_not_depend_on_the_number_of_threads() {
     let (header, stream) = quickstart();
@@ -95,7 +95,7 @@ fn machines_together_do_not_depend_on_the_number_of_threads() {
     assert!(by(3) == one && by(16) == one);
 }
 
-/// One shadow-cache unit that holds rays up asks for fewer in flight: it goes on by itself.
+/// A single shadow-cache unit that holds rays up needs fewer rays in flight, so its machine separates.
 #[test]
 fn who_asks_for_fewer_rays_in_flight_parts() {
     let (header, stream) = quickstart();

@@ -1,4 +1,4 @@
-//! The host's own traffic in samples: its lines are known of all windows, and building is replayed.
+//! The host's own traffic in samples: its lines are known for all windows, and building is replayed.
 
 use crate::engine::tests::num;
 use crate::engine::tests::recorded::{on, quickstart, shipped};
