@@ -1,7 +1,7 @@
 //! What a command says on standard error while it works: notes, warnings, and whether progress is shown.
 
 use std::fmt::Display;
-use std::io::{IsTerminal, stderr};
+use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static QUIET: AtomicBool = AtomicBool::new(false);
@@ -16,10 +16,16 @@ pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
+/// Says a line that is said even where a command is quiet. A standard error that is full or closed loses it: the
+/// results do not depend on what is said.
+pub(crate) fn tell(text: impl Display) {
+    _ = writeln!(stderr(), "{text}");
+}
+
 /// Says a line.
 pub(crate) fn note(text: impl Display) {
     if !is_quiet() {
-        eprintln!("{text}");
+        tell(text);
     }
 }
 

@@ -160,7 +160,9 @@ pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
         fn visit_str<E: Error>(self, file: &str) -> Result<T, E> {
             let file = FOLDER.with_borrow(|folder| shipped::named(self.0, folder, Path::new(file)));
             read(&file).map_err(|error| match error {
-                ConfigError::Read { source, .. } => E::custom(format!("cannot read {}: {source}", file.display())),
+                ConfigError::Read { source, .. } => {
+                    E::custom(format!("cannot read {}: {source}{}", file.display(), shipped::proposal(&file)))
+                }
                 error => E::custom(error),
             })
         }
@@ -234,7 +236,7 @@ pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
             line: at + 1,
             column: line[..start].chars().count() + 1,
             source_line: line.replace('\t', " "),
-            what: format!("cannot read {}: {source}{hint}", path.display()),
+            what: format!("cannot read {}: {source}{}{hint}", path.display(), shipped::proposal(&path)),
         })),
         None => ConfigError::Read { path, source },
     }

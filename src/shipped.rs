@@ -5,6 +5,8 @@ use std::path::{Component, Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
+use crate::alike;
+
 static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
 /// The folder that shipped configs seem to lie in.
@@ -22,16 +24,6 @@ pub(crate) enum Kind {
 impl Kind {
     /// All kinds.
     pub(crate) const ALL: [Self; 4] = [Self::Experiment, Self::Machine, Self::Scene, Self::Dram];
-
-    /// The kind's name for a user.
-    pub(crate) fn name(self) -> &'static str {
-        match self {
-            Self::Experiment => "experiment",
-            Self::Machine => "machine",
-            Self::Scene => "scene",
-            Self::Dram => "DRAM part",
-        }
-    }
 
     fn folder(self) -> &'static str {
         match self {
@@ -60,8 +52,19 @@ pub(crate) fn path(kind: Kind, name: &str) -> Option<PathBuf> {
 /// name.
 pub(crate) fn named(kind: Kind, folder: &Path, name: &Path) -> PathBuf {
     let there = folder.join(name);
-    let plain = name.to_str().filter(|name| is_name(name) && !there.exists());
+    let plain = name.to_str().filter(|name| is_name(name) && !there.is_file());
     plain.and_then(|name| path(kind, name)).unwrap_or(there)
+}
+
+/// What an error adds where a file is missing that a config names: nothing of a path; of a name, that no shipped config
+/// has it, and which one has a name like it.
+pub(crate) fn proposal(file: &Path) -> String {
+    let Some(name) = file.file_name().and_then(|name| name.to_str()).filter(|name| is_name(name)) else {
+        return String::new();
+    };
+    let names: Vec<&str> = Kind::ALL.into_iter().flat_map(names).collect();
+    let closest = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?"));
+    format!(", and no shipped config has this name{}", closest.unwrap_or_default())
 }
 
 /// Whether a text can be the name of a shipped config, and no path.

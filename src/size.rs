@@ -34,7 +34,8 @@ pub(crate) fn parse(text: &str) -> Result<u64, String> {
     let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
     let plain: String = whole.chars().chain(fraction.chars()).filter(|letter| *letter != '_').collect();
     let number: u128 = plain.parse().map_err(|_| wrong(""))?;
-    let parts = u32::try_from(fraction.len()).ok().and_then(|places| 10u128.checked_pow(places));
+    let places = fraction.chars().filter(|letter| *letter != '_').count();
+    let parts = u32::try_from(places).ok().and_then(|places| 10u128.checked_pow(places));
     let bytes = parts.and_then(|parts| Some((number.checked_mul(u128::from(unit))?, parts)));
     let (bytes, parts) = bytes.ok_or_else(|| wrong(""))?;
     if !bytes.is_multiple_of(parts) {

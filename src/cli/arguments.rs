@@ -2,17 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Error, Result};
+use anyhow::{Context, Result, bail};
 use clap::Args;
+use rustc_hash::FxHashSet;
 
-use super::config_path::{config_path, other_kind};
+use super::config_path::{config_path, or_other_kind};
 use crate::console::{note, warn};
 use crate::experiment::frames::FrameRange;
 use crate::experiment::{self, Experiment, Overrides, Setting, warnings};
 use crate::fields::Root;
 use crate::machine::MachineSpec;
 use crate::quantity::Resolution;
-use crate::shipped::Kind;
 
 /// The experiment that a command runs, and what the command line changes in it.
 #[derive(Args)]
@@ -42,17 +42,18 @@ impl ExperimentArgs {
     /// Loads the experiment, on the machines `machines` if there are any. Tells what of the scene's files has no
     /// effect, and what makes the work useless.
     pub(super) fn load(&self, machines: &[PathBuf], with_machines: bool) -> Result<Experiment> {
-        let path = config_path(Kind::Experiment, &self.config)?;
+        let path = config_path(Root::Experiment, &self.config)?;
+        experiment::check_once(&self.set).map_err(anyhow::Error::msg)?;
         let overrides = Overrides {
-            scene: self.scene.as_deref().map(|scene| config_path(Kind::Scene, scene)).transpose()?,
+            scene: self.scene.as_deref().map(|scene| config_path(Root::Scene, scene)).transpose()?,
             frames: self.frames,
             resolution: self.resolution,
             warmup: self.warmup,
             machines: machine_paths(machines)?,
             set: self.set.clone(),
         };
-        let experiment = Experiment::load(&path, overrides)
-            .map_err(|error| other_kind(&path, Root::Experiment).unwrap_or_else(|| error.into()))?;
+        let experiment =
+            Experiment::load(&path, overrides).map_err(|error| or_other_kind(error, &path, Root::Experiment))?;
         note(format!("{}: {}", experiment.spec.name, experiment.need()));
         experiment.scene.origin.notices.iter().for_each(|notice| note(format!("note: {notice}")));
         warnings::warnings(&experiment, with_machines).iter().for_each(warn);
@@ -62,7 +63,7 @@ impl ExperimentArgs {
 
 /// The files of machines that the command line names.
 fn machine_paths(machines: &[PathBuf]) -> Result<Vec<PathBuf>> {
-    machines.iter().map(|machine| config_path(Kind::Machine, machine)).collect()
+    machines.iter().map(|machine| config_path(Root::Machine, machine)).collect()
 }
 
 /// A recorded ray stream and the machines that replay it.
@@ -81,13 +82,19 @@ pub(super) struct StreamAndMachine {
 impl StreamAndMachine {
     /// The machines in the order of the command line.
     pub(super) fn machines(&self) -> Result<Vec<MachineSpec>> {
+        experiment::check_once(&self.set).map_err(anyhow::Error::msg)?;
         let read = |path: &PathBuf| {
             warnings::of_machine(path).iter().for_each(warn);
             let settings: Vec<&Setting> = self.set.iter().collect();
-            experiment::machine_with(path, &settings)
-                .map_err(|error| other_kind(path, Root::Machine).unwrap_or_else(|| Error::from(error)))
+            experiment::machine_with(path, &settings).map_err(|error| or_other_kind(error, path, Root::Machine))
         };
-        machine_paths(&self.machines)?.iter().map(read).collect()
+        let machines: Vec<MachineSpec> = machine_paths(&self.machines)?.iter().map(read).collect::<Result<_>>()?;
+        let mut names = FxHashSet::default();
+        let twice = machines.iter().find(|machine| !names.insert(&machine.name));
+        if let Some(MachineSpec { name, .. }) = twice {
+            bail!("`--machine` names two machines called `{name}`: results are told by name");
+        }
+        Ok(machines)
     }
 
     /// The machine, where there can be one only: `what` needs it.

@@ -9,7 +9,7 @@ use clap::Args;
 use super::config_path::any_config_path;
 use super::outcome::Outcome;
 use super::print::print;
-use crate::console::{note, warn};
+use crate::console::{note, tell, warn};
 use crate::experiment::{self, Experiment, Overrides, identities, paper, pareto, run, sweep, warnings};
 use crate::fields::{Root, kind_of};
 use crate::output::signals;
@@ -42,7 +42,7 @@ impl Check {
             }
         }
         let last = wrong.pop();
-        wrong.iter().for_each(|error| eprintln!("error: {error:#}"));
+        wrong.iter().for_each(|error| tell(format_args!("error: {error:#}")));
         last.map_or(Ok(Outcome::Done), Err)
     }
 }
@@ -50,7 +50,11 @@ impl Check {
 fn check(file: &Path) -> Result<String> {
     let Some(kind) = kind_of(&ron_file::text(file)?) else {
         let kinds = Root::ALL.map(Root::title).join(", ");
-        bail!("{}: the names at its top tell no kind of config; known are {kinds}", file.display());
+        bail!(
+            "{}: the names at its top tell no kind of config; known are {kinds}. A first line such as \
+             `#![type = \"umbrasim::Machine\"]` tells it",
+            file.display()
+        );
     };
     let told = match kind {
         Root::Experiment => {

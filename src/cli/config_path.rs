@@ -9,21 +9,34 @@ use crate::fields::{Root, kind_of};
 use crate::ron_file;
 use crate::shipped::{self, Kind};
 
-/// The path of the config that `argument` names: a file, or the shipped config of that name.
+/// The path of the config that `argument` names: a file, or the shipped config of that name. A folder of that name is
+/// no config.
 ///
 /// # Errors
-/// `argument` looks like a name, and there is neither a file nor a shipped config of that name.
-pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
+/// `argument` looks like a name, and there is neither a file nor a shipped config of that kind and name.
+pub(super) fn config_path(kind: Root, argument: &Path) -> Result<PathBuf> {
     let name = argument.to_str().filter(|text| shipped::is_name(text));
-    let Some(name) = name.filter(|_| !argument.exists()) else { return Ok(argument.into()) };
-    if let Some(path) = shipped::path(kind, name) {
+    let Some(name) = name.filter(|_| !argument.is_file()) else { return Ok(argument.into()) };
+    let folder = match kind {
+        Root::Machine => Kind::Machine,
+        Root::Scene => Kind::Scene,
+        Root::Dram => Kind::Dram,
+        Root::Experiment | Root::Sweep | Root::Pareto | Root::Identities | Root::PaperTable => Kind::Experiment,
+    };
+    if let Some(path) = shipped::path(folder, name) {
         return Ok(path);
     }
-    let names = shipped::names(kind);
+    if let Some(path) = Kind::ALL.into_iter().find_map(|kind| shipped::path(kind, name)) {
+        return Err(other_kind(&path, kind).unwrap_or_else(|| anyhow!("`{name}` is no {}", kind.title())));
+    }
+    let is_of_kind = |name: &&str| {
+        let text = shipped::path(folder, name).and_then(|path| ron_file::text(&path).ok());
+        text.and_then(|text| kind_of(&text)) == Some(kind)
+    };
+    let names: Vec<&str> = shipped::names(folder).into_iter().filter(is_of_kind).collect();
     let proposal = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?")).unwrap_or_default();
     let known = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ");
-    let kind = kind.name();
-    bail!("there is no file and no shipped {kind} `{name}`{proposal}\nshipped {kind}s: {known}")
+    bail!("there is no file and no shipped {} `{name}`{proposal}\nshipped ones: {known}", kind.short())
 }
 
 /// The path of the config of any kind that `argument` names: a file, or the first shipped config of that name.
@@ -31,7 +44,7 @@ pub(super) fn config_path(kind: Kind, argument: &Path) -> Result<PathBuf> {
 /// # Errors
 /// See [`config_path`].
 pub(super) fn any_config_path(argument: &Path) -> Result<PathBuf> {
-    let name = argument.to_str().filter(|text| shipped::is_name(text) && !argument.exists());
+    let name = argument.to_str().filter(|text| shipped::is_name(text) && !argument.is_file());
     let Some(name) = name else { return Ok(argument.into()) };
     let shipped = Kind::ALL.into_iter().find_map(|kind| shipped::path(kind, name));
     shipped.ok_or_else(|| {
@@ -39,6 +52,11 @@ pub(super) fn any_config_path(argument: &Path) -> Result<PathBuf> {
         let proposal = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?"));
         anyhow!("there is no file and no shipped config `{name}`{}", proposal.unwrap_or_default())
     })
+}
+
+/// `error`, or that the config is of another kind than `expected`, if it is.
+pub(super) fn or_other_kind(error: impl Into<Error>, path: &Path, expected: Root) -> Error {
+    other_kind(path, expected).unwrap_or_else(|| error.into())
 }
 
 /// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
@@ -63,14 +81,14 @@ mod tests {
 
     #[test]
     fn a_name_is_a_shipped_config_or_an_error_with_a_proposal() {
-        let path = config_path(Kind::Experiment, Path::new("quickstart")).unwrap();
+        let path = config_path(Root::Experiment, Path::new("quickstart")).unwrap();
         assert!(shipped::text(&path).is_some());
-        let error = config_path(Kind::Machine, Path::new("smal")).unwrap_err().to_string();
-        assert!(error.contains("no shipped machine `smal`; did you mean `small`?\nshipped machines: "), "{error}");
-        assert!(!config_path(Kind::Machine, Path::new("qqq")).unwrap_err().to_string().contains("did you mean"));
+        let error = config_path(Root::Machine, Path::new("smal")).unwrap_err().to_string();
+        assert!(error.contains("no shipped machine `smal`; did you mean `small`?\nshipped ones: "), "{error}");
+        assert!(!config_path(Root::Machine, Path::new("qqq")).unwrap_err().to_string().contains("did you mean"));
         let error = any_config_path(Path::new("quickstrt")).unwrap_err().to_string();
         assert_eq!(error, "there is no file and no shipped config `quickstrt`; did you mean `quickstart`?");
         let file = Path::new("no/such/file.ron");
-        assert_eq!(config_path(Kind::Machine, file).unwrap(), file, "a path is left to who reads it");
+        assert_eq!(config_path(Root::Machine, file).unwrap(), file, "a path is left to who reads it");
     }
 }

@@ -7,15 +7,15 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 
-use super::config_path::config_path;
+use super::config_path::{config_path, or_other_kind};
 use super::destinations::claim_files;
 use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
-use crate::experiment::{Setting, identities};
+use crate::experiment::{Setting, check_once, identities};
+use crate::fields::Root;
 use crate::output::signals;
 use crate::report;
-use crate::shipped::Kind;
 
 /// Replay rays of one kind on the T&I engine, beside its table
 ///
@@ -40,7 +40,10 @@ impl Identities {
         let (begin, stop) = (Instant::now(), signals::stop_flag());
         claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
-        let table = identities::Table::load(&config_path(Kind::Experiment, &self.config)?, &self.set)?;
+        let config = config_path(Root::Identities, &self.config)?;
+        check_once(&self.set).map_err(anyhow::Error::msg)?;
+        let table = identities::Table::load(&config, &self.set);
+        let table = table.map_err(|error| or_other_kind(error, &config, Root::Identities))?;
         let (rows, published) = identities::identities(table, &stop)?;
         let is_alone = json.is_alone();
         json.finish(&rows)?;

@@ -45,7 +45,7 @@ use std::process::ExitCode;
 use anyhow::{Context, Result};
 use clap::{CommandFactory, FromArgMatches, Parser};
 
-use command::Command;
+use command::{Command, Study};
 use outcome::Outcome;
 
 use crate::console;
@@ -81,19 +81,22 @@ pub fn main() -> ExitCode {
     match done.and_then(|()| execute(cli)) {
         Ok(outcome) => outcome.into(),
         Err(error) => {
-            eprintln!("error: {error:#}");
+            console::tell(format_args!("error: {error:#}"));
             outcome::exit_code(&error)
         }
     }
 }
 
-fn execute(cli: Cli) -> Result<Outcome> {
+fn execute(mut cli: Cli) -> Result<Outcome> {
     if cli.quiet {
         console::be_quiet();
     }
     if let Some(threads) = cli.threads {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(usize::from(threads));
         pool.build_global().context("cannot start the threads")?;
+    }
+    if let Command::Study(Study::Sweep(sweep)) = &mut cli.command {
+        sweep.threads = cli.threads;
     }
     cli.command.run()
 }

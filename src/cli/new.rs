@@ -9,9 +9,10 @@ use super::config_path::config_path;
 use super::outcome::Outcome;
 use super::print::print;
 use super::text_file::write_new;
-use crate::experiment::scene_around;
+use crate::experiment::{check_name, scene_around};
+use crate::fields::Root;
 use crate::ron_file;
-use crate::shipped::{self, Kind};
+use crate::shipped;
 
 /// Write a machine, experiment, scene or sweep file to start from
 ///
@@ -51,12 +52,12 @@ impl What {
     }
 
     /// Where shipped ones are, and which of them is copied if none is named.
-    fn usual(self) -> (Kind, &'static str) {
+    fn usual(self) -> (Root, &'static str) {
         match self {
-            Self::Machine => (Kind::Machine, "small"),
-            Self::Experiment => (Kind::Experiment, "quickstart"),
-            Self::Scene => (Kind::Scene, "room"),
-            Self::Sweep => (Kind::Experiment, "sweep_words"),
+            Self::Machine => (Root::Machine, "small"),
+            Self::Experiment => (Root::Experiment, "quickstart"),
+            Self::Scene => (Root::Scene, "room"),
+            Self::Sweep => (Root::Sweep, "sweep_words"),
         }
     }
 }
@@ -64,6 +65,12 @@ impl What {
 impl New {
     pub(super) fn run(self) -> Result<Outcome> {
         let what = self.kind.name();
+        if self.file.extension().is_none_or(|ending| ending != "ron") {
+            bail!(
+                "{}: the file's name needs the ending .ron; a file without one would stand for a shipped config",
+                self.file.display()
+            );
+        }
         let (origin, text) = match &self.mesh {
             Some(_) if self.kind != What::Scene => bail!("`--mesh` is of a scene, and this is a {what}"),
             Some(mesh) => self.around(mesh)?,
@@ -81,8 +88,11 @@ impl New {
         let from = config_path(kind, self.from.as_deref().unwrap_or(Path::new(usual)))?;
         let name = self.file.file_stem().and_then(|name| name.to_str());
         let name = name.with_context(|| format!("{} is no name of a file", self.file.display()))?;
+        if self.kind == What::Experiment {
+            check_name(name).map_err(anyhow::Error::msg).with_context(|| format!("{}", self.file.display()))?;
+        }
         let source = from.file_stem().unwrap_or_default().to_string_lossy();
-        let text = renamed(&standing(&ron_file::text(&from)?, &from)?, name);
+        let text = renamed(&standing(&ron_file::text(&from)?, &from)?, name)?;
         Ok((format!("that started as `{source}`"), text))
     }
 
@@ -98,30 +108,57 @@ impl New {
 }
 
 /// `text` with `name` as the config's name, if it has one.
-fn renamed(text: &str, name: &str) -> String {
-    let Some(begin) = text.find("\n    name: \"").map(|at| at + "\n    name: \"".len()) else { return text.into() };
-    let end = text[begin..].find('"').map_or(begin, |length| begin + length);
-    format!("{}{name}{}", &text[..begin], &text[end..])
+fn renamed(text: &str, name: &str) -> Result<String> {
+    const FIELD: &str = "\n    name: ";
+    let Some(begin) = text.find(&format!("{FIELD}\"")).map(|at| at + FIELD.len()) else { return Ok(text.into()) };
+    Ok(format!("{}{}{}", &text[..begin], ron::to_string(name)?, &text[begin + length_of_string(&text[begin..])..]))
 }
 
 /// `text`, which stands in the file `from`, so that it can stand elsewhere: shipped configs are named by their names,
 /// other files by their whole paths.
 fn standing(text: &str, from: &Path) -> Result<String> {
     let folder = from.parent().unwrap_or(Path::new(""));
-    let parts: Vec<&str> = text.split('"').collect();
-    let named = |(at, part): (usize, &&str)| {
-        if at % 2 == 0 || !part.ends_with(".ron") {
-            return Ok((*part).to_owned());
+    let (mut standing, mut rest) = (String::with_capacity(text.len()), text);
+    while !rest.is_empty() {
+        let length = match rest {
+            _ if rest.starts_with("//") => rest.find('\n').unwrap_or(rest.len()),
+            _ if rest.starts_with("/*") => rest.find("*/").map_or(rest.len(), |at| at + 2),
+            _ if rest.starts_with('"') => length_of_string(rest),
+            _ => rest.char_indices().skip(1).find(|(_, it)| ['"', '/'].contains(it)).map_or(rest.len(), |(at, _)| at),
+        };
+        let (part, behind) = rest.split_at(length);
+        match ron::from_str::<PathBuf>(part).ok().filter(|_| part.starts_with('"')) {
+            Some(named) => standing.push_str(&named_elsewhere(part, &folder.join(named))?),
+            None => standing.push_str(part),
         }
-        let path = folder.join(part);
-        let shipped = shipped::text(&path).filter(Result::is_ok).and_then(|_| path.file_stem()?.to_str());
-        if let Some(name) = shipped {
-            return Ok(name.to_owned());
-        }
-        let whole = std::path::absolute(&path).with_context(|| format!("cannot find {}", path.display()))?;
-        Ok(whole.display().to_string())
-    };
-    Ok(parts.iter().enumerate().map(named).collect::<Result<Vec<_>>>()?.join("\""))
+        rest = behind;
+    }
+    Ok(standing)
+}
+
+/// The bytes of the string that `text` begins with, its quotes included.
+fn length_of_string(text: &str) -> usize {
+    let mut is_escaped = true;
+    let end = text.find(|letter| {
+        let ends = letter == '"' && !is_escaped;
+        is_escaped = letter == '\\' && !is_escaped;
+        ends
+    });
+    end.map_or(text.len(), |at| at + 1)
+}
+
+/// A string that may name the file `path`, so that it can stand elsewhere. A string that names no file stays.
+fn named_elsewhere(string: &str, path: &Path) -> Result<String> {
+    let is_config = path.extension().is_some_and(|ending| ending == "ron");
+    let shipped = || shipped::text(path).filter(Result::is_ok).and_then(|_| path.file_stem()?.to_str());
+    if let Some(name) = Some(path).filter(|_| is_config).and_then(|_| shipped()) {
+        return Ok(ron::to_string(name)?);
+    }
+    if !is_config && !path.is_file() {
+        return Ok(string.to_owned());
+    }
+    let whole = std::path::absolute(path).with_context(|| format!("cannot find {}", path.display()))?;
+    Ok(ron::to_string(&whole)?)
 }
 
 #[cfg(test)]
@@ -131,10 +168,28 @@ mod tests {
     #[test]
     fn a_copy_has_its_own_name_and_names_shipped_configs() {
         let text = "(\n    name: \"small\",\n    dram: (part: \"../dram/lpddr4_3200.ron\"),\n)";
-        let from = shipped::path(Kind::Machine, "small").unwrap();
-        let copy = renamed(&standing(text, &from).unwrap(), "mine");
+        let from = shipped::path(shipped::Kind::Machine, "small").unwrap();
+        let copy = renamed(&standing(text, &from).unwrap(), "mine").unwrap();
         assert_eq!(copy, "(\n    name: \"mine\",\n    dram: (part: \"lpddr4_3200\"),\n)");
         let other = standing(text, Path::new("/there/x.ron")).unwrap();
         assert!(other.contains("\"/there/../dram/lpddr4_3200.ron\""), "{other}");
+    }
+
+    #[test]
+    fn files_that_a_copy_names_are_found_from_elsewhere() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("hall \"1\".obj"), "").unwrap();
+        let text = "Files( // it's \"hall\n    files: \"hall \\\"1\\\".obj\", sky: \"blue\", wall: \"none.obj\", /* \" */ a: 1 / 2)";
+        let moved = standing(text, &folder.path().join("mine.ron")).unwrap();
+        let whole = ron::to_string(&folder.path().join("hall \"1\".obj")).unwrap();
+        assert_eq!(moved, text.replace("\"hall \\\"1\\\".obj\"", &whole));
+    }
+
+    #[test]
+    fn a_name_is_written_as_ron() {
+        assert_eq!(
+            renamed("(\n    name: \"a \\\" b\", c: 1)", "it is \"x\"").unwrap(),
+            "(\n    name: \"it is \\\"x\\\"\", c: 1)"
+        );
     }
 }

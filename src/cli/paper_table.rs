@@ -7,15 +7,15 @@ use std::time::Instant;
 use anyhow::Result;
 use clap::Args;
 
-use super::config_path::config_path;
+use super::config_path::{config_path, or_other_kind};
 use super::destinations::claim_files;
 use super::ending::tell;
 use super::json_file::JsonFile;
 use super::outcome::Outcome;
 use crate::experiment::paper;
+use crate::fields::Root;
 use crate::output::signals;
 use crate::report;
-use crate::shipped::Kind;
 
 /// Print the published figures of GI09 beside ours
 ///
@@ -36,7 +36,9 @@ impl PaperTable {
         claim_files([("--json", self.json.as_deref())])?;
         let json = JsonFile::begin(self.json)?;
         let stop = signals::stop_flag();
-        let readings = paper::paper_table(&config_path(Kind::Experiment, &self.config)?, &stop)?;
+        let config = config_path(Root::PaperTable, &self.config)?;
+        let readings = paper::paper_table(&config, &stop);
+        let readings = readings.map_err(|error| or_other_kind(error, &config, Root::PaperTable))?;
         let is_alone = json.is_alone();
         json.finish(&readings)?;
         if !is_alone {

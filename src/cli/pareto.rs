@@ -7,16 +7,16 @@ use anyhow::Result;
 use clap::Args;
 
 use super::arguments::report_folder;
-use super::config_path::config_path;
+use super::config_path::{config_path, or_other_kind};
 use super::destinations::results_folder;
 use super::ending::Ending;
 use super::outcome::Outcome;
 use crate::experiment::pareto;
+use crate::fields::Root;
 use crate::output::signals;
 use crate::replay::Fidelity;
 use crate::report;
 use crate::report::pareto::ParetoReport;
-use crate::shipped::Kind;
 
 /// Chart the error of each fidelity level against its speed
 ///
@@ -43,7 +43,9 @@ impl Pareto {
         let begin = Instant::now();
         let out = results_folder(&report_folder(self.out, &self.config)?)?;
         let stop = signals::stop_flag();
-        let (summary, timings) = pareto::pareto(&config_path(Kind::Experiment, &self.config)?, self.truth, &stop)?;
+        let config = config_path(Root::Pareto, &self.config)?;
+        let found = pareto::pareto(&config, self.truth, &stop);
+        let (summary, timings) = found.map_err(|error| or_other_kind(error, &config, Root::Pareto))?;
         let table = report::drawn(&summary.grid(&timings));
         let found = ParetoReport { summary, timings };
         let page = report::write(&out, &found)?;

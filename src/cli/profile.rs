@@ -27,7 +27,7 @@ pub(super) struct Profile {
     #[arg(long, value_name = "SHARE")]
     sample: Option<Share>,
     /// With a sample: lines that are always in it, those that are asked for most often
-    #[arg(long, value_name = "LINES", default_value_t = 4096)]
+    #[arg(long, value_name = "LINES", default_value_t = 4096, requires = "sample")]
     hot: usize,
     /// Where the report goes
     #[arg(long, value_name = "DIR", default_value = "reports/profile")]

@@ -9,6 +9,7 @@ use clap::Args;
 use super::destinations::results_folder;
 use super::ending::Ending;
 use super::outcome::Outcome;
+use crate::console;
 use crate::experiment::stress;
 use crate::report;
 
@@ -36,7 +37,7 @@ impl Stress {
         let summary = stress::run(&cases, self.cases.is_empty());
         let page = report::write(&out, &summary)?;
         let broken = summary.broken();
-        broken.iter().for_each(|broken| eprintln!("wrong, and must never be: {broken}"));
+        broken.iter().for_each(|broken| console::tell(format_args!("wrong, and must never be: {broken}")));
         self.ending.tell(&summary, "", &summary.verdict(), begin, Some(&page))?;
         Ok(Outcome::failed_if(!broken.is_empty()))
     }

@@ -10,6 +10,7 @@ use super::policy::Change;
 use super::probe::Probe;
 use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
+use crate::random::GOLDEN;
 use crate::ranged::PowerOfTwo;
 use crate::stream::Store;
 
@@ -35,7 +36,7 @@ impl Hints {
     /// TAOCP 3, section 6.4).
     fn index(&self, cell: Cell, light: LightId) -> u32 {
         let key = u64::from(cell.primitive.0) << 32 ^ u64::from(cell.place) << 6 ^ u64::from(light.0);
-        let product = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let product = key.wrapping_mul(GOLDEN);
         (product >> (64 - self.entries.len().trailing_zeros())) as u32
     }
 

@@ -156,10 +156,11 @@ impl Table {
         for setting in own {
             spec = set::field(&spec, &setting.path, &setting.value).map_err(|what| not_set(setting, what))?;
         }
-        let machine = machine_with(&named(Kind::Machine, path, &spec.machine), &of_machine)?;
+        let machine = machine_with(&named(Kind::Machine, path, &spec.machine), &of_machine);
+        let machine = machine.map_err(|error| ron_file::named_in(path, error))?;
         let load = |SceneFrame { scene, frame, reach }: &SceneFrame| {
             let wrong = |what: String| ExperimentError::from(ConfigError::Content { path: path.into(), what });
-            let (_, scene) = read_scene(&named(Kind::Scene, path, scene))?;
+            let (_, scene) = read_scene(&named(Kind::Scene, path, scene)).map_err(|error| error.named_in(path))?;
             if *frame >= scene.frame_count {
                 let (name, count) = (&scene.name, scene.frame_count);
                 return Err(wrong(format!("`frame` is {frame}, but `{name}` has {count} frames")));

@@ -48,6 +48,16 @@ pub enum ExperimentError {
     Scene(#[from] SceneError),
 }
 
+impl ExperimentError {
+    /// The error, shown where the config at `config` names the file that cannot be read, if that is what is wrong.
+    pub(super) fn named_in(self, config: &Path) -> Self {
+        match self {
+            Self::Config(error) => ron_file::named_in(config, error).into(),
+            other => other,
+        }
+    }
+}
+
 /// An experiment with everything that its files name.
 pub struct Experiment {
     /// The experiment as it is run: the file's, with what the command line set.
@@ -119,8 +129,22 @@ impl Experiment {
             first == EXPERIMENT || first == "warmup" || known.iter().any(|name| name == first)
         };
         let (own, of_machines): (Vec<&Setting>, Vec<&Setting>) = overrides.set.iter().partition(is_own);
+        let by_option = [
+            ("scene", overrides.scene.is_some()),
+            ("frames", overrides.frames.is_some()),
+            ("resolution", overrides.resolution.is_some()),
+            ("warmup", overrides.warmup.is_some()),
+            ("machines", !overrides.machines.is_empty()),
+        ];
         for setting in own {
             let field = setting.path.strip_prefix("experiment.").unwrap_or(&setting.path);
+            let first = field.split('.').next().unwrap_or_default();
+            if let Some((name, _)) = by_option.iter().find(|(name, is_given)| *is_given && *name == first) {
+                let option = if *name == "machines" { "machine" } else { name };
+                return Err(
+                    not_set(setting, format!("`--{option}` sets `{name}` too: one of the two is enough")).into()
+                );
+            }
             spec = set::field(&spec, field, &setting.value).map_err(|what| not_set(setting, what))?;
         }
         let scene_path = overrides.scene.clone().unwrap_or_else(|| named(Kind::Scene, path, &spec.scene));
@@ -148,10 +172,7 @@ impl Experiment {
             let what = format!("the experiment has no machines, and its own fields are {}", known.join(", "));
             return Err(not_set(setting, what).into());
         }
-        let (scene_spec, scene) = read_scene(&scene_path).map_err(|error| match error {
-            ExperimentError::Config(error) => ron_file::named_in(path, error).into(),
-            other => other,
-        })?;
+        let (scene_spec, scene) = read_scene(&scene_path).map_err(|error| error.named_in(path))?;
         if spec.frames.end() > scene.frame_count {
             let what = format!(
                 "`frames` is {}, but `{}` has frames 0 to {}: END can be up to {}",

@@ -42,3 +42,5 @@ pub use files::read_machine;
 pub(crate) use load::read_scene;
 pub use load::{Experiment, ExperimentError, Overrides};
 pub use set::Setting;
+pub(crate) use set::check_once;
+pub(crate) use spec::check_name;

@@ -15,6 +15,7 @@ use super::run::frame_result;
 use crate::culling::{PolicySpec, SceneFacts};
 use crate::named::Named;
 use crate::quantity::Resolution;
+use crate::ranged::Within;
 use crate::report::Grid;
 use crate::report::format::{exact, percent};
 use crate::report::run::{FrameResult, PolicySummary};
@@ -36,7 +37,7 @@ pub struct PaperSpec {
     /// Acceleration structures.
     pub structures: Vec<Structure>,
     /// Depths, primary ray included.
-    pub depths: Vec<u32>,
+    pub depths: Vec<Within<1, 32>>,
     /// Which lights are asked for.
     pub shadow_rays: Vec<ShadowRays>,
     /// Policies, all measured against no culling.
@@ -133,7 +134,8 @@ impl Table {
             check_boxes(path, &spec.policies, structure)?;
         }
         let load = |of: &PaperScene| {
-            let (_, scene) = read_scene(&named(Kind::Scene, path, &of.scene))?;
+            let scene = read_scene(&named(Kind::Scene, path, &of.scene));
+            let (_, scene) = scene.map_err(|error| error.named_in(path))?;
             if let Some(frames) = spec.frames.iter().find(|frames| frames.end() > scene.frame_count) {
                 let what = format!("`frames` has {frames}, but `{}` has {} frames", scene.name, scene.frame_count);
                 return Err(ExperimentError::from(ConfigError::Content { path: path.into(), what }));
@@ -175,11 +177,11 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
 fn tracers(spec: &PaperSpec) -> Vec<TracerSpec> {
     let mut all = Vec::new();
     for &structure in &spec.structures {
-        for &depth in &spec.depths {
+        for depth in &spec.depths {
             for &shadow_rays in &spec.shadow_rays {
                 let mut tracer = TracerSpec::default();
                 tracer.accel.structure = structure;
-                tracer.render.depth = depth;
+                tracer.render.depth = depth.get() as u32;
                 tracer.render.shadow_rays = shadow_rays;
                 all.push(tracer);
             }
@@ -238,7 +240,6 @@ fn read(
     spec.policies.iter().zip(culled).map(row).collect()
 }
 
-/// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
 /// The reading that comes nearest in each scene, and what the distance is.
 pub(crate) fn verdict(readings: &[Reading]) -> String {
     let mut scenes: Vec<&str> = readings.iter().map(|reading| reading.scene.as_str()).collect();
@@ -256,6 +257,7 @@ pub(crate) fn verdict(readings: &[Reading]) -> String {
     scenes.iter().filter_map(nearest).chain([distance.to_owned()]).collect::<Vec<_>>().join("\n")
 }
 
+/// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
 pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use rustc_hash::FxHashSet;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -11,6 +12,7 @@ use super::files::{named, read_machine};
 use super::frames::FrameRange;
 use super::load::{Experiment, Overrides};
 use super::progress;
+use super::spec::ExperimentSpec;
 use super::sweep::{Streams, SweepError, replay};
 use crate::culling::PolicySpec;
 use crate::machine::MachineSpec;
@@ -76,7 +78,15 @@ impl Comparison {
         }
         let experiments = spec.experiments.iter().map(|source| source.load(path)).collect::<Result<Vec<_>, _>>()?;
         let machines = spec.machines.iter().map(|file| read_machine(&named(Kind::Machine, path, file)));
-        let machines = machines.collect::<Result<Vec<_>, _>>()?;
+        let machines = machines.collect::<Result<Vec<_>, _>>().map_err(|error| ron_file::named_in(path, error))?;
+        let mut names = FxHashSet::default();
+        if let Some(twice) = machines.iter().find(|machine| !names.insert(&machine.name)) {
+            return Err(wrong(format!("`machines` names two machines called `{}`", twice.name)).into());
+        }
+        let mut streams = FxHashSet::default();
+        if let Some(twice) = experiments.iter().map(streams_of).find(|name| !streams.insert(name.clone())) {
+            return Err(wrong(format!("`experiments` names {twice} twice")).into());
+        }
         for (count, what) in
             [(experiments.len(), "experiments"), (machines.len(), "machines"), (spec.rungs.len(), "rungs")]
         {
@@ -87,11 +97,26 @@ impl Comparison {
         Ok(Self { experiments, machines, rungs: std::iter::once(truth).chain(spec.rungs).collect() })
     }
 
+    /// The name of each experiment's scene, with what its streams are of where several are of that scene.
+    fn scenes(&self) -> impl Iterator<Item = String> {
+        self.experiments.iter().map(|experiment| {
+            let name = &experiment.scene.name;
+            let is_alone = self.experiments.iter().filter(|other| other.scene.name == *name).count() == 1;
+            if is_alone { name.clone() } else { streams_of(experiment) }
+        })
+    }
+
     /// How many replays it takes.
     pub(crate) fn replays(&self) -> usize {
         let streams: usize = self.experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
         streams * self.machines.len() * self.rungs.len()
     }
+}
+
+/// What the streams of an experiment are of.
+fn streams_of(experiment: &Experiment) -> String {
+    let ExperimentSpec { name, frames, resolution, .. } = &experiment.spec;
+    format!("{} of `{name}`, {frames}, {resolution}", experiment.scene.name)
 }
 
 /// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
@@ -102,12 +127,13 @@ pub(crate) fn pareto(
 ) -> Result<(ParetoSummary, Vec<Timing>), SweepError> {
     let comparison = Comparison::load(path, truth)?;
     let bar = progress::bar("replaying", comparison.replays(), "replays");
+    let scenes: Vec<String> = comparison.scenes().collect();
     let Comparison { experiments, machines, rungs } = comparison;
     let truth = rungs[0];
     let mut timings: Vec<Timing> =
         rungs.iter().map(|rung| Timing { rung: rung.to_string(), seconds: 0.0, truth_seconds: 0.0, rays: 0 }).collect();
     let mut runs = Vec::new();
-    for experiment in &experiments {
+    for (experiment, scene) in experiments.iter().zip(scenes) {
         let folder = TemporaryFolder::create();
         let folder = folder.map_err(|source| SweepError::File { path: std::env::temp_dir(), source })?;
         let recorded = Streams::new(experiment, folder.path()).have(|_| false, stop)?;
@@ -134,7 +160,7 @@ pub(crate) fn pareto(
                     });
                 }
                 runs.push(Run {
-                    scene: experiment.scene.name.clone(),
+                    scene: scene.clone(),
                     machine: machine.name.clone(),
                     clock_mhz: machine.clock_mhz.get(),
                     policy: stream.header.policy.clone(),
@@ -153,7 +179,8 @@ pub(crate) fn pareto(
 impl Source {
     fn load(&self, path: &Path) -> Result<Experiment, SweepError> {
         let overrides = Overrides { frames: self.frames, resolution: self.resolution, ..Overrides::default() };
-        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &self.file), overrides)?;
+        let experiment = Experiment::load(&named(Kind::Experiment, path, &self.file), overrides);
+        let mut experiment = experiment.map_err(|error| error.named_in(path))?;
         let policies = &experiment.spec.policies;
         if let Some(unknown) = self.policies.iter().find(|name| policies.get(name).is_none()) {
             let known: Vec<_> = policies.iter().map(|(name, _)| format!("`{name}`")).collect();

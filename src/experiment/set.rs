@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -33,6 +34,15 @@ impl FromStr for Setting {
 impl std::fmt::Display for Setting {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "{}={}", self.path, self.value)
+    }
+}
+
+/// Checks that no field is set twice; the error names it.
+pub(crate) fn check_once(settings: &[Setting]) -> Result<(), String> {
+    let mut paths = FxHashSet::default();
+    match settings.iter().find(|setting| !paths.insert(&setting.path)) {
+        Some(Setting { path, .. }) => Err(format!("`--set` sets `{path}` twice")),
+        None => Ok(()),
     }
 }
 

@@ -67,11 +67,17 @@ fn all() -> FrameChoice {
 
 fn name<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
     let name = String::deserialize(from)?;
+    check_name(&name).map_err(D::Error::custom)?;
+    Ok(name)
+}
+
+/// Checks the name of an experiment, which is that of its report's folder; the error says what is allowed.
+pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
     if !name.is_empty() && name.len() <= 64 && name.chars().all(allowed) {
-        Ok(name)
+        Ok(())
     } else {
-        Err(D::Error::custom(format!("the name `{name}`: 1 to 64 letters, digits, `-` and `_` are allowed")))
+        Err(format!("the name `{name}`: 1 to 64 letters, digits, `-` and `_` are allowed"))
     }
 }
 

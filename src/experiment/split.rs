@@ -8,11 +8,21 @@ pub(super) fn without_unit(spec: &MachineSpec) -> MachineSpec {
     MachineSpec { shadow_cache: ShadowCacheSpec::default(), ..spec.clone() }
 }
 
-/// The machine with words that cost nothing. Units and contexts stay: occlusion tests and decisions still need them.
+/// The machine with words that cost nothing. The units, their pipelines and their contexts stay: occlusion tests and
+/// decisions still need them. What says how words are kept and accessed has no effect on free ones.
 pub(super) fn with_free_words(spec: &MachineSpec) -> MachineSpec {
-    let ShadowCacheSpec { count, latency, contexts, width, decide, cache, .. } = spec.shadow_cache;
-    let place = Place::Free;
-    let unit = ShadowCacheSpec { count, latency, contexts, width, decide, cache, place, ..ShadowCacheSpec::default() };
+    let of_words = ShadowCacheSpec::default();
+    let unit = ShadowCacheSpec {
+        place: Place::Free,
+        silent: of_words.silent,
+        gather: of_words.gather,
+        latched: of_words.latched,
+        layout: of_words.layout,
+        writes: of_words.writes,
+        register: of_words.register,
+        frame_end: of_words.frame_end,
+        ..spec.shadow_cache
+    };
     MachineSpec { shadow_cache: unit, ..spec.clone() }
 }
 

@@ -88,10 +88,12 @@ pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
     let case = |name: &String| {
         Case::all().find(|case| case.name().eq_ignore_ascii_case(name)).ok_or_else(|| {
             let near = closest(name, &all).map(|near| format!("; did you mean `{near}`?")).unwrap_or_default();
-            format!("there is no case `{name}`{near} Cases are {}", all.join(", "))
+            format!("there is no case `{name}`{near}\ncases: {}", all.join(", "))
         })
     };
-    names.iter().map(case).collect()
+    let cases: Vec<Case> = names.iter().map(case).collect::<Result<_, _>>()?;
+    let twice = cases.iter().enumerate().find(|(at, case)| cases[..*at].contains(case));
+    twice.map_or(Ok(cases.clone()), |(_, case)| Err(format!("the case `{}` is named twice", case.name())))
 }
 
 /// Runs cases; all of them, and what answers to open questions change too, if `all` is set.

@@ -60,6 +60,15 @@ impl Root {
         }
     }
 
+    /// The kind in a word or two.
+    pub(crate) fn short(self) -> &'static str {
+        match self {
+            Self::PaperTable => "paper table",
+            Self::Dram => "DRAM part",
+            _ => self.name(),
+        }
+    }
+
     /// The kind in a sentence.
     pub(crate) fn title(self) -> &'static str {
         match self {

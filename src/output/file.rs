@@ -74,9 +74,10 @@ pub(super) fn is_standard(path: &Path) -> bool {
     path == Path::new(STANDARD) || id().is_some_and(|id| FileId::of_standard_output() == Some(id))
 }
 
-/// Whether a path names an open file by the system's folder of them: such a file is written to, not replaced.
+/// Whether a path names an open file by the system's names of them: such a file is written to, not replaced. Files
+/// elsewhere below `/dev`, such as in `/dev/shm`, are files as all others.
 fn is_of_system(path: &Path) -> bool {
-    path.starts_with("/dev") || path.starts_with("/proc")
+    ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc"].iter().any(|name| path.starts_with(name))
 }
 
 /// Writes a file whole.

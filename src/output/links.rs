@@ -19,6 +19,16 @@ pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     Err(io::Error::new(io::ErrorKind::InvalidInput, "its symbolic links lead in a circle"))
 }
 
+/// Removes `path` if it is a symbolic link: what is written there next is a file of the folder that is written to, and
+/// what the link leads to stays as it is.
+pub(crate) fn unlink(path: &Path) -> io::Result<()> {
+    match path.read_link() {
+        Ok(_) => std::fs::remove_file(path),
+        // No link, or nothing at all.
+        Err(_) => Ok(()),
+    }
+}
+
 /// The folder that holds `path`.
 pub(super) fn folder_of(path: &Path) -> &Path {
     match path.parent() {

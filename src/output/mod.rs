@@ -30,5 +30,6 @@ pub(crate) use error::FolderError;
 pub(crate) use file::{OutputFile, write_whole};
 pub(crate) use folder::{ResultsFolder, SharedFolder};
 pub(crate) use leftovers::sweep as remove_leftovers;
+pub(crate) use links::unlink;
 pub(crate) use temporary::TemporaryFolder;
 pub(crate) use turn::Turn;

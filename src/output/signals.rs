@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::registry;
+use crate::console;
 
 /// Set by the first signal, where a command asked for it.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
@@ -27,7 +28,7 @@ pub(crate) fn watch() -> io::Result<()> {
         for signal in signals.forever() {
             match STOP.get() {
                 Some(stop) if !stop.swap(true, Ordering::Relaxed) => {
-                    eprintln!("stopping after this frame; once more to stop at once");
+                    console::tell("stopping after this frame; once more to stop at once");
                 }
                 _ => registry::remove_all_and_exit(128 + signal),
             }

@@ -29,7 +29,7 @@ pub(crate) enum ReportError {
     #[error(transparent)]
     Folder(#[from] FolderError),
     /// The file is no summary.
-    #[error("{} is not a summary of a run", path.display())]
+    #[error("{} is not the summary of a report of `umbrasim run`, which is what is read here", path.display())]
     Broken {
         /// The file.
         path: PathBuf,

@@ -33,7 +33,7 @@ pub(super) struct Script(String);
 
 impl Script {
     /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many
-    /// points, whose folder is `out`.
+    /// points, whose folder is `out`. A shard runs so many threads; one if nothing is said.
     ///
     /// # Errors
     /// There is no such engine, it takes fewer shards, or a path is none.
@@ -42,7 +42,7 @@ impl Script {
         (config, level): (&Path, &str),
         out: &Path,
         points: usize,
-        shards: Option<u16>,
+        (shards, threads): (Option<u16>, Option<u16>),
     ) -> Result<Self> {
         let Some(engine) = ENGINES.iter().find(|known| Path::new(known.name) == engine) else {
             bail!("there is no engine `{}` for `--emit`: hq, slurm and snakemake are allowed", engine.display());
@@ -50,6 +50,10 @@ impl Script {
         let shards = shards.map_or(points.clamp(1, engine.shards), usize::from);
         if shards > engine.most {
             bail!("`--shards` is {shards}: `--emit {}` takes up to {}", engine.name, engine.most);
+        }
+        // A name with a line's end in it would go on as a command behind the scripts' comments.
+        if [config, out].iter().any(|path| path.to_string_lossy().contains(char::is_control)) {
+            bail!("`--emit`: the name of the config or of the folder has a line's end or another control character");
         }
         // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not
         // merge.
@@ -62,6 +66,7 @@ impl Script {
         let name: String =
             name.chars().map(|it| if it.is_ascii_alphanumeric() || it == '-' { it } else { '_' }).collect();
         let script = engine.script.replace("@NAME@", &name).replace("@SHARDS@", &shards.to_string());
+        let script = script.replace("@THREADS@", &threads.unwrap_or(1).to_string());
         let level = if engine.name == "snakemake" { python(Path::new(level)) } else { level.into() };
         let script = script.replace("@LEVEL@", &level);
         let script = script.replace("@PROGRAM@", &(engine.quoted)(&program));
@@ -98,7 +103,7 @@ mod tests {
             (Path::new("/a b/words.ron"), " --fidelity Profile"),
             Path::new("/out"),
             points,
-            shards,
+            (shards, Some(3)),
         );
         script.map(|script| script.0)
     }

@@ -13,19 +13,19 @@ use clap::Args;
 use self::emit::Script;
 use self::quote::shell;
 use super::arguments::report_folder;
-use super::config_path::config_path;
+use super::config_path::{config_path, or_other_kind};
 use super::destinations::{claim_files, results_folder};
 use super::ending::Ending;
 use super::outcome::Outcome;
 use super::print::print;
 use crate::experiment::space::space;
 use crate::experiment::sweep::{self, ChosenLevel, Shard};
+use crate::fields::Root;
 use crate::output::{ResultsFolder, SharedFolder, claim_folder, signals};
 use crate::replay::{Fidelity, Share};
 use crate::report;
 use crate::report::space::SpaceSummary;
 use crate::report::sweep::SweepSummary;
-use crate::shipped::Kind;
 
 /// Replay the same rays on machines that differ in named fields
 ///
@@ -52,8 +52,11 @@ pub(super) struct Sweep {
     #[command(flatten)]
     part: Part,
     /// Shards of --emit [default: as many as points, up to 100, or 400 for hq]
-    #[arg(long, value_name = "N", requires = "emit", value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", requires = "emit", conflicts_with_all = ["plan", "record", "shard", "collect"], value_parser = clap::value_parser!(u16).range(1..))]
     shards: Option<u16>,
+    /// Threads of a shard of --emit: those of the program, which every command has.
+    #[arg(skip)]
+    pub(super) threads: Option<u16>,
     #[command(flatten)]
     ending: Ending,
 }
@@ -88,12 +91,13 @@ struct Part {
 impl Sweep {
     pub(super) fn run(self) -> Result<Outcome> {
         let begin = Instant::now();
-        let config = config_path(Kind::Experiment, &self.config)?;
+        let config = config_path(Root::Sweep, &self.config)?;
         let out = report_folder(self.out, &self.config)?;
         let level = ChosenLevel { fidelity: self.fidelity, target_error: self.target_error };
         let words = level_words(level);
         let stop = signals::stop_flag();
-        let is_space = sweep::budget(&config)?.is_some();
+        let budget = sweep::budget(&config);
+        let is_space = budget.map_err(|error| or_other_kind(error, &config, Root::Sweep))?.is_some();
         let share = || -> Result<SharedFolder> {
             claim_folder("--out", &out)?;
             Ok(ResultsFolder::share(&out)?)
@@ -111,6 +115,9 @@ impl Sweep {
             Part { collect: Some(_), .. } if is_space => bail!(not_of_a_space("--collect", &self.config, &out)),
             Part { emit: Some(_), .. } if is_space => bail!(not_of_a_space("--emit", &self.config, &out)),
             Part { collect: Some(others), .. } => {
+                if let Some(absent) = others.iter().find(|folder| !folder.is_dir()) {
+                    bail!("--collect {}: there is no such folder", absent.display());
+                }
                 let out = results_folder(&out)?;
                 let command = |shard: Shard, folder: &Path| {
                     format!("umbrasim sweep {}{words} --shard {shard} --out {}", shell(&self.config), shell(folder))
@@ -121,7 +128,8 @@ impl Sweep {
                 let [engine, file] = emit.try_into().ok().context("`--emit` takes an engine and a file")?;
                 claim_files([("--emit", Some(file.as_path()))])?;
                 let points = sweep::list(&config, level)?.points.len();
-                Script::new(&engine, (&self.config, &words), &out, points, self.shards)?.write(&file)?;
+                Script::new(&engine, (&self.config, &words), &out, points, (self.shards, self.threads))?
+                    .write(&file)?;
             }
             _ if is_space => {
                 let out = results_folder(&out)?;
@@ -140,6 +148,7 @@ impl Sweep {
 fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
     let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
+    let table = format!("{} of {}\n\n{table}", report::sweep::frames(summary), summary.resolution);
     ending.tell(summary, &table, &report::sweep::finding(summary), begin, Some(&page))
 }
 

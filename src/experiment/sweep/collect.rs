@@ -8,6 +8,7 @@ use super::places::Places;
 use super::plan::{Plan, Point};
 use super::points::{self, Refused};
 use super::shard::Shard;
+use crate::console;
 
 /// Copies the points of the plan that are not in `own`, but in one of `others`.
 ///
@@ -41,7 +42,9 @@ pub(super) fn collect(
                 }
                 Ok(None) => {}
                 Err(Refused::OtherBuild(build)) => refused = Some((file, build)),
-                Err(Refused::Damaged(why)) => eprintln!("{}: {why}; the point is not taken", file.display()),
+                Err(Refused::Damaged(why)) => {
+                    console::tell(format_args!("{}: {why}; the point is not taken", file.display()))
+                }
             }
         }
         match (found, refused) {

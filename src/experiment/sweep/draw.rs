@@ -30,7 +30,7 @@ impl Draw {
         self.all
     }
 
-    /// The place that a number from 0 to 1 has among `size` values.
+    /// Combination `index` of those that are spread evenly: a Sobol sequence.
     fn sampled(&self, index: u32) -> Vec<usize> {
         let place = |(dimension, &size): (usize, &usize)| {
             let at = f64::from(sobol_burley::sample(index, dimension as u32, 0));

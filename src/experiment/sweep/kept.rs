@@ -2,6 +2,7 @@
 //! named by a hash of what it is of, with a checksum.
 
 use std::path::Path;
+use std::{fmt, io};
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -9,9 +10,10 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use super::error::SweepError;
 use super::streams::BUILD;
+use crate::console;
 use crate::input;
 use crate::json;
-use crate::output::write_whole;
+use crate::output::{unlink, write_whole};
 
 /// The largest of these files, in bytes.
 const MAX_BYTES: u64 = 1 << 24;
@@ -39,17 +41,23 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
 ) -> Result<T, SweepError> {
     let of = format!("{:032x} {BUILD}", xxh3_128(inputs.as_bytes()));
     let path = folder.join(format!("{:032x}.{what}.json", xxh3_128(of.as_bytes())));
-    if let Ok(text) = input::read_text(&path, MAX_BYTES) {
-        let kept: Option<Kept<T>> = json::read(text.as_bytes()).ok();
-        match kept.filter(|kept| kept.of == of && kept.checksum == checksum(&kept.found)) {
-            Some(kept) => return Ok(kept.found),
-            None => eprintln!("{}: it is damaged, and is made again", path.display()),
-        }
+    let damaged = |why: &dyn fmt::Display| {
+        console::tell(format_args!("{}: it is damaged, and is made again: {why}", path.display()))
+    };
+    match input::read_text(&path, MAX_BYTES) {
+        Ok(text) => match json::read::<Kept<T>>(text.as_bytes()) {
+            Ok(kept) if kept.of == of && kept.checksum == checksum(&kept.found) => return Ok(kept.found),
+            Ok(_) => damaged(&"its checksum does not fit its numbers"),
+            Err(error) => damaged(&error),
+        },
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+        Err(error) => damaged(&error),
     }
     let found = find()?;
     let kept = Kept { of, checksum: checksum(&found), found };
     let text = json::pretty(&kept).expect("plain data, which JSON can hold");
-    write_whole(&path, text.as_bytes()).map_err(|source| SweepError::File { path, source })?;
+    let written = unlink(&path).and_then(|()| write_whole(&path, text.as_bytes()));
+    written.map_err(|source| SweepError::File { path, source })?;
     Ok(kept.found)
 }
 

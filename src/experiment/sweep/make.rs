@@ -13,6 +13,7 @@ use super::points::{self, Measured, Refused};
 use super::replay::replay;
 use super::spec::Sweep;
 use super::streams::Recorded;
+use crate::console;
 use crate::machine::MachineSpec;
 use crate::output::Turn;
 use crate::replay::Fidelity;
@@ -31,13 +32,16 @@ pub(super) fn missing(share: &[Point], folder: &Path) -> Vec<Point> {
             true
         }
         Err(Refused::Damaged(why)) => {
-            eprintln!("{}: {why}; the point is made again", point.key.file(folder).display());
+            console::tell(format_args!("{}: {why}; the point is made again", point.key.file(folder).display()));
             true
         }
     };
     let missing = share.iter().filter(is_missing).copied().collect();
     if of_other_builds > 0 {
-        eprintln!("{}: {of_other_builds} points are of another build and are made again", folder.display());
+        console::tell(format_args!(
+            "{}: {of_other_builds} points are of another build and are made again",
+            folder.display()
+        ));
     }
     missing
 }

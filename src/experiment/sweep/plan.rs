@@ -26,8 +26,7 @@ pub(in super::super) struct Point {
 }
 
 /// All points of a sweep, in the order of its files; of a space its first set, from which the others are chosen. They
-/// depend on the sweep's inputs alone: every process that reads
-/// the same files has the same plan.
+/// depend on the sweep's inputs alone: every process that reads the same files has the same plan.
 pub(in super::super) struct Plan {
     pub(in super::super) points: Vec<Point>,
     identities: Vec<Identity>,

@@ -154,7 +154,8 @@ impl Sweep {
     pub(in super::super) fn load(path: &Path, level: ChosenLevel) -> Result<Self, SweepError> {
         let spec: SweepSpec = ron_file::read(path)?;
         let overrides = Overrides { frames: spec.frames, resolution: spec.resolution, ..Overrides::default() };
-        let mut experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides)?;
+        let experiment = Experiment::load(&named(Kind::Experiment, path, &spec.experiment), overrides);
+        let mut experiment = experiment.map_err(|error| error.named_in(path))?;
         let wrong = |what: String| ConfigError::Content { path: path.into(), what };
         let fidelity = level.fidelity.or(spec.fidelity).unwrap_or(experiment.spec.fidelity);
         let sampled = level.target_error.map_or(Ok(fidelity), |target| fidelity.with_target_error(target));
@@ -168,6 +169,13 @@ impl Sweep {
                 return Err(
                     wrong(format!("`vary` has a range for `{field}`: {what}; as a list it is [{listed}]")).into()
                 );
+            }
+            if field == "name" {
+                return Err(wrong("`vary` has `name`: machines of other names are the same machine".into()).into());
+            }
+            let twice = tried.values.iter().enumerate().find(|(at, value)| tried.values[..*at].contains(value));
+            if let Some((_, value)) = twice {
+                return Err(wrong(format!("`vary` has `{value}` twice for `{field}`")).into());
             }
             fields.push(Field { path: field.into(), values: tried.values });
         }
@@ -265,8 +273,7 @@ impl Sweep {
     /// A machine. It was checked when the sweep was read.
     pub(in super::super) fn machine(&self, index: usize) -> Result<Machine, SweepError> {
         let made = self.make(&self.machines[index]);
-        let path = &self.experiment.spec.name;
-        made.map_err(|what| ConfigError::Content { path: path.into(), what }.into())
+        made.map_err(|what| ConfigError::Content { path: self.path.clone(), what }.into())
     }
 
     /// Finds all machines. A value that a machine has already makes no machine of its own.

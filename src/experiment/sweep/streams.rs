@@ -10,9 +10,11 @@ use xxhash_rust::xxh3::xxh3_128;
 use super::super::load::Experiment;
 use super::super::progress;
 use super::error::SweepError;
+use crate::console;
 use crate::culling::Policy;
 use crate::json;
 use crate::output::Turn;
+use crate::output::unlink;
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};
 use crate::tracer::Tracer;
 
@@ -144,13 +146,18 @@ impl<'a> Streams<'a> {
         if !sizes.is_empty() {
             let (folder, count) = (self.folder.display(), sizes.len());
             let size = indicatif::HumanBytes(sizes.iter().sum());
-            eprintln!("{folder}: streams of other inputs or builds stay there, unread: {count} of {size} in all");
+            console::tell(format_args!(
+                "{folder}: streams of other inputs or builds stay there, unread: {count} of {size} in all"
+            ));
         }
     }
 
     /// Waits until no other process records here.
     fn wait_for_turn(&self, stop: &AtomicBool) -> Result<Turn, SweepError> {
-        eprintln!("another process records the streams in {}: this one waits for them", self.folder.display());
+        console::tell(format_args!(
+            "another process records the streams in {}: this one waits for them",
+            self.folder.display()
+        ));
         loop {
             if stop.load(Ordering::Relaxed) {
                 return Err(SweepError::Stopped);
@@ -176,7 +183,7 @@ impl<'a> Streams<'a> {
             },
             Err(error) => error.to_string(),
         };
-        eprintln!("{}: {why}; the stream is recorded again", path.display());
+        console::tell(format_args!("{}: {why}; the stream is recorded again", path.display()));
         false
     }
 
@@ -187,6 +194,9 @@ impl<'a> Streams<'a> {
         }
         let mut writers = Vec::new();
         for ((path, header), &is_missing) in self.paths.iter().zip(&self.headers).zip(is_missing) {
+            if is_missing {
+                unlink(path).map_err(|source| SweepError::File { path: path.clone(), source })?;
+            }
             writers.push(if is_missing { Some(StreamWriter::create(path, header)?) } else { None });
         }
         let frames = &self.experiment.frames;

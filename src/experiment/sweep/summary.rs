@@ -50,6 +50,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
         scene: experiment.scene.name.clone(),
         fidelity: Some(experiment.spec.fidelity.to_string()),
         frames: experiment.frames.clone(),
+        warmup: experiment.replayed.warmup.clone(),
         resolution: experiment.spec.resolution,
         own: sweep.own_values(),
         points: found,

@@ -36,8 +36,11 @@ pub(crate) fn finding(chart: &ChartSummary) -> String {
         (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
     };
     let right = chart.policies.iter().filter(|policy| points(policy).iter().all(|point| point.wrong == 0));
-    let best = right.filter_map(|policy| Some((policy, mean(policy)?))).max_by(|a, b| a.1.total_cmp(&b.1));
-    best.map_or("Every policy here is sometimes wrong".into(), |(policy, saved)| {
+    let right = right.filter_map(|policy| Some((policy, mean(policy)?)));
+    right.max_by(|a, b| a.1.total_cmp(&b.1)).map_or("Every policy here is sometimes wrong".into(), |(policy, saved)| {
+        if saved <= 0.0 {
+            return "No policy here saves node visits without a wrong decision".into();
+        }
         format!("Without a wrong decision, {policy} saves most: {} of the node visits on average", percent(saved))
     })
 }

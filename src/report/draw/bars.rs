@@ -123,7 +123,7 @@ impl BarChart {
         left + (length / self.max * f64::from(right - left)).round() as i32
     }
 
-    /// Draws a bar's segments; gives where they end.
+    /// Draws a bar's segments; returns where they end. A value below zero has no bar.
     fn bar(
         &self,
         canvas: &Canvas<'_>,
@@ -141,7 +141,7 @@ impl BarChart {
                 canvas.rect((from, top), (to, bottom), segment.color)?;
             }
         }
-        Ok(self.at(length, left, right))
+        Ok(self.at(length.max(0.0), left, right))
     }
 
     fn wide(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {

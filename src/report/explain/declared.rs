@@ -7,6 +7,7 @@ pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     ("scene.triangles_dynamic", "triangles", "triangles that can move"),
     ("scene.lights", "lights", "lights"),
     ("frames.*", "frame number", "the frames that were traced, in order"),
+    ("warmup.*", "frame number", "of a sweep, the frames that warm up: their figures are not counted"),
     ("resolution.width", "pixels", "width of the pictures"),
     ("resolution.height", "pixels", "height of the pictures"),
     ("pictures.*.frame", "frame number", "the frame that a picture shows"),

@@ -108,6 +108,21 @@ pub fn undeclared(summary: &Value) -> Vec<String> {
     found.into_iter().filter(|(path, _)| declarations(path) != 1).map(|(path, _)| path.join(".")).collect()
 }
 
+/// The number of the frame that the number at `path` is of, and whether it warms up; empty if it is of no frame. Its
+/// place in the path is that in the list of frames.
+fn frame(report: &Value, path: &[String]) -> String {
+    let of_path = || {
+        let at = path.iter().position(|part| part == "frames")?;
+        let frame = path.get(..=at + 1)?.iter().try_fold(report, |value, part| match value {
+            Value::Array(values) => values.get(part.parse::<usize>().ok()?),
+            value => value.get(part),
+        })?;
+        let warms_up = frame.get("warmup").and_then(Value::as_bool).unwrap_or_default();
+        Some(format!("{}{}", frame.get("frame")?, if warms_up { ", warm-up" } else { "" }))
+    };
+    of_path().unwrap_or_default()
+}
+
 /// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one.
 ///
 /// # Errors
@@ -135,8 +150,14 @@ pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, Str
         statistic.declares(path) && named.iter().all(|word| path.iter().any(|part| part == word))
     };
     let of_meant = found.into_iter().filter(|(path, _)| meant.iter().any(|statistic| is_meant(statistic, path)));
-    let rows = of_meant.map(|(path, number)| vec![path.join("."), number]).collect();
-    let values = Grid { head: heads(&["in the report", "value"]), names: 1, rows };
+    let row = |(path, number): (Vec<String>, String)| vec![path.join("."), frame(report, &path), number];
+    let mut values =
+        Grid { head: heads(&["in the report", "frame", "value"]), names: 2, rows: of_meant.map(row).collect() };
+    if values.rows.iter().all(|row| row[1].is_empty()) {
+        values.head.remove(1);
+        values.rows.iter_mut().for_each(|row| _ = row.remove(1));
+        values.names = 1;
+    }
     Ok(format!("{}\n\n{}", drawn(&about), drawn(&values)))
 }
 
@@ -205,6 +226,19 @@ mod tests {
         assert_eq!(values("bytes.*.node"), ["1", "3"]);
         assert_eq!(values("machines.small.policies.Off.cycles"), ["4"]);
         assert_eq!(values("bytes.*.*"), ["1", "2", "3"]);
+    }
+
+    /// A frame's place in the list is not its number.
+    #[test]
+    fn values_of_frames_have_their_frames() {
+        let frame = |frame: u32, warmup: bool| serde_json::json!({ "frame": frame, "warmup": warmup, "dram": { "row_hits": frame + 1 } });
+        let report = serde_json::json!({ "machines": { "small": { "policies": { "Off": {
+            "dram": { "row_hits": 7 }, "frames": [frame(0, true), frame(4, false)],
+        } } } } });
+        let told = explain(Some("row_hits"), Some(&report)).unwrap();
+        let lines = told.lines().filter(|line| line.starts_with("machines.small."));
+        let values: Vec<_> = lines.map(|line| line.split_whitespace().skip(1).collect::<Vec<_>>().join(" ")).collect();
+        assert_eq!(values, ["7", "0, warm-up 1", "4 5"]);
     }
 
     #[test]

@@ -44,7 +44,7 @@ pub(crate) fn finding(levels: &[ReuseLevel]) -> String {
     let gains = levels.iter().filter_map(|level| Some((level, gain(level)?)));
     match gains.max_by(|a, b| (a.1.0 - a.1.1).total_cmp(&(b.1.0 - b.1.1))) {
         Some((level, (now, then))) => format!(
-            "{} of twice the size ({}) misses in {} of its accesses instead of {}",
+            "{} of twice the size ({}) misses in {} of its accesses instead of {}, both fully associative",
             words(&level.name),
             named(level.bytes * 2),
             percent(then),

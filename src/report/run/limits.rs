@@ -8,6 +8,8 @@ use crate::stats::Cause;
 const FULL: f64 = 0.75;
 /// From this share of lost cycles on a full intake is the limit.
 const INTAKE: f64 = 0.2;
+/// Kinds of units that lack rays in so much more of their cycles than another kind do not limit the run.
+const IDLER: f64 = 0.1;
 
 /// What limits a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,6 +25,16 @@ pub(super) struct Limit {
 pub(super) fn busiest(run: &MachineRun) -> Option<(&str, f64)> {
     let units = run.utilization.iter().filter(|(unit, _)| *unit != "dispatcher");
     units.map(|(unit, &share)| (unit.as_str(), share)).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > 0.0)
+}
+
+/// The kind of units that limits the run, and the share of its cycles in which it is busy: of those that have rays in
+/// most of their cycles, the busiest. A kind that lacks rays waits for one that holds them.
+fn limiting(run: &MachineRun) -> Option<(&str, f64)> {
+    let has_rays = |unit: &str| 1.0 - share(run, unit, Cause::Starved);
+    let units = || run.utilization.iter().filter(|(unit, _)| *unit != "dispatcher");
+    let most = units().map(|(unit, _)| has_rays(unit)).fold(0.0, f64::max);
+    let holders = units().filter(|(unit, _)| has_rays(unit) >= most - IDLER);
+    holders.map(|(unit, &busy)| (unit.as_str(), busy)).max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 fn share(run: &MachineRun, unit: &str, cause: Cause) -> f64 {
@@ -59,6 +71,8 @@ pub(super) fn limit(run: &MachineRun) -> Option<Limit> {
             text: format!("The {name} units: busy in {busy_text} of their cycles."),
         });
     }
+    let (unit, busy) = limiting(run)?;
+    let (name, busy_text) = (words(unit), percent(busy));
     let lost = Cause::ALL.into_iter().filter(|&cause| cause != Cause::Busy);
     let lost = lost.map(|cause| (cause, share(run, unit, cause))).max_by(|a, b| a.1.total_cmp(&b.1));
     let (cause, lost) = lost?;
@@ -114,5 +128,17 @@ mod tests {
         let text = limit(&run(&[(Cause::Pipeline, 40)])).unwrap().text;
         assert!(text.ends_with("busy in 60.0 % of their cycles, and have all their rays in the pipeline in 40.0 %."));
         assert_eq!(limit(&MachineRun::from(MachineStats::default())), None);
+    }
+
+    /// The intersection units are the busiest, and have no rays since the shadow-cache units hold them.
+    #[test]
+    fn units_that_hold_the_rays_are_the_limit() {
+        let mut run = run(&[(Cause::Memory, 60), (Cause::Starved, 5)]);
+        let starved = BTreeMap::from([(Cause::Busy, 40), (Cause::Starved, 60)]);
+        run.stats.units.insert("intersection".into(), starved);
+        run.stats.unit_counts.insert("intersection".into(), 1);
+        let limit = limit(&MachineRun::from(run.stats)).unwrap();
+        assert_eq!(limit.short, "its shadow cache units wait for memory");
+        assert!(limit.text.contains("busy in 35.0 % of their cycles, and wait for data in 60.0 %"), "{}", limit.text);
     }
 }

@@ -175,6 +175,9 @@ fn caches(stats: &MachineStats) -> Grid {
 /// How far from the truth the numbers may be, and what no machine can leave.
 fn trust(model: &str, stats: &MachineStats) -> String {
     let error = match stats.accuracy {
+        Accuracy::Exact if model.starts_with("Sampled") => {
+            "exact: all was replayed, since the target asks for more windows than pay".to_owned()
+        }
         Accuracy::Exact => "exact; no sampling".to_owned(),
         Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate } => {
             let [cycles, l2, dram, rate] = [cycles, l2_bytes, dram_bytes, rate].map(percent);

@@ -24,6 +24,9 @@ pub(crate) struct SweepSummary {
     pub fidelity: Option<String>,
     /// Numbers of the frames.
     pub frames: Vec<u32>,
+    /// Those of them that warm up: their figures are not counted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub warmup: Vec<u32>,
     /// Size of the pictures.
     pub resolution: Resolution,
     /// Values of the varied fields in the machines' files.

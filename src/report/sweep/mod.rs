@@ -13,4 +13,4 @@ mod write;
 
 pub(crate) use data::{Change, Own, SweepPoint, SweepSummary, grid, label};
 pub(crate) use values::shown;
-pub(crate) use write::finding;
+pub(crate) use write::{finding, frames};

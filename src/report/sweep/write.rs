@@ -54,7 +54,7 @@ impl Report for SweepSummary {
             experiment => self.experiment.as_str(),
             scene => self.scene.as_str(),
             finding => finding(self),
-            frames => counted(self.frames.len(), "frame"),
+            frames => frames(self),
             count => self.points.len(),
             resolution => self.resolution.to_string(),
             points => template::grid(first_rows(grid(self))),
@@ -62,6 +62,16 @@ impl Report for SweepSummary {
             plots => template::plots(plots, &()),
         };
         template::render("sweep.html", include_str!("page.html"), context).map(Some)
+    }
+}
+
+/// The frames in a few words: `3 frames, 1 of which warms up`.
+pub(crate) fn frames(summary: &SweepSummary) -> String {
+    let frames = counted(summary.frames.len(), "frame");
+    match summary.warmup.len() {
+        0 => frames,
+        1 => format!("{frames}, 1 of which warms up"),
+        warmup => format!("{frames}, {warmup} of which warm up"),
     }
 }
 

@@ -44,8 +44,8 @@ pub(super) fn finding(summary: &Summary) -> String {
     let clauses: Vec<String> = bests.iter().map(|best| clause(best, one)).collect();
     let subject = match (one, culling) {
         (true, 1) => format!("With {} culling, a frame takes ", first.policy),
-        (true, _) => format!("With {}, the fastest policy, a frame takes ", first.policy),
-        _ => "With the fastest policy of each machine, a frame takes ".into(),
+        (true, _) => format!("With {}, the fastest policy that culls, a frame takes ", first.policy),
+        _ => "With each machine's fastest policy that culls, a frame takes ".into(),
     };
     let (last, others) = clauses.split_last().map_or((String::new(), &[][..]), |(last, others)| (last.clone(), others));
     let list = if others.is_empty() { last } else { format!("{} and {last}", others.join(", ")) };

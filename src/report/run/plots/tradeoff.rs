@@ -18,7 +18,7 @@ fn figure(summary: &Summary) -> Option<Figure<'_>> {
     }
     let right = culling().filter(|(_, policy)| policy.counts.wrong() == Some(0));
     let best = right.filter_map(|(name, policy)| Some((name, policy.traversal_saved.mean?)));
-    let best = best.max_by(|a, b| a.1.total_cmp(&b.1));
+    let best = best.filter(|(_, saved)| *saved > 0.0).max_by(|a, b| a.1.total_cmp(&b.1));
     let chart = BarChart {
         title: match best {
             Some((name, saved)) => {

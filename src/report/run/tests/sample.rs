@@ -299,6 +299,7 @@ pub(crate) fn sweep() -> SweepSummary {
         scene: "kitchen".into(),
         fidelity: Some("Event".into()),
         frames: vec![0, 16],
+        warmup: vec![0],
         resolution: SIZE,
         own: vec![Own { machine: "small".into(), field: "shadow_cache.place".into(), value: "Own".into() }],
         points: vec![point(Vec::new()), point(vec![change])],

@@ -5,6 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
 use super::film::{Film, MATT, MIRROR, palette};
+use crate::random::GOLDEN;
 use crate::scene::builtin::shapes::hash;
 use crate::scene::camera::Camera;
 use crate::scene::frame::{Frame, Origin, Scene};
@@ -89,7 +90,7 @@ struct Dice(u64);
 
 impl Dice {
     fn part(self, what: u64) -> Self {
-        Self((self.0 ^ what.wrapping_mul(0x9e37_79b9_7f4a_7c15)).wrapping_mul(0xbf58_476d_1ce4_e5b9).rotate_left(29))
+        Self((self.0 ^ what.wrapping_mul(GOLDEN)).wrapping_mul(0xbf58_476d_1ce4_e5b9).rotate_left(29))
     }
 
     /// From 0 to 1.
