@@ -1,8 +1,8 @@
-//! How fast both engines replay the recorded quickstart on the shipped machines, side by side. The numbers that they
-//! measure must be equal.
+//! Speed of both engines on the shipped machines, replaying the recorded quickstart. Both engines must give equal
+//! results.
 //!
-//! `cargo bench --bench engine` prints a line a machine. Wall times are the best of three runs of `Event`, and one of
-//! `Cycle`.
+//! `cargo bench --bench engine` prints one line per machine. Wall times are the best of three runs of `Event`, and one
+//! run of `Cycle`.
 
 use std::path::Path;
 use std::time::Instant;
@@ -13,7 +13,7 @@ use umbrasim::replay::{Fidelity, Replay, RunError};
 use umbrasim::stats::MachineStats;
 use umbrasim::stream::{Header, Item, StreamReader};
 
-/// The result, and the least wall time of `times` runs in seconds.
+/// The result, and the shortest wall time of `times` runs in seconds.
 fn replay(
     machine: &MachineSpec,
     fidelity: Fidelity,

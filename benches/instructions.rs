@@ -1,9 +1,9 @@
-//! How many instructions a step of a ray costs at each fidelity level, counted by valgrind's cachegrind: the same on
-//! any machine under any load.
+//! Instructions per step of a ray at each fidelity level, counted by valgrind's cachegrind: the same on any machine
+//! under any load.
 //!
-//! `cargo bench --bench instructions` prints a table and fails where a run costs over 5 % more than
-//! `benches/instructions.csv` says. With the environment variable `UMBRASIM_BLESS` set, it writes the file anew.
-//! Without valgrind it says that it skips.
+//! `cargo bench --bench instructions` prints a table. It fails if a run costs over 5 % more than
+//! `benches/instructions.csv` says. With the environment variable `UMBRASIM_BLESS` set, it rewrites the file. Without
+//! valgrind it prints that it skips the measurement.
 
 use std::error::Error;
 use std::fs;
@@ -13,10 +13,10 @@ use std::process::{Command, ExitCode, Stdio};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// By how much a run may cost more than the file says.
+/// Allowed excess of a run over the file, as a share.
 const MOST_OVER: f64 = 0.05;
 
-/// A run that is counted.
+/// A counted run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Count {
     run: String,
@@ -24,7 +24,7 @@ struct Count {
     instructions: u64,
 }
 
-/// The levels and machines that are counted, besides reading and tracing.
+/// The levels and machines of the counted replays; reading and tracing are counted too.
 const REPLAYS: [(&str, &str); 6] = [
     ("Event", "small"),
     ("Event", "desktop"),
@@ -38,7 +38,7 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).to_owned()
 }
 
-/// Instructions of the program run with these arguments.
+/// Instructions of a program run with these arguments.
 fn instructions(arguments: &[&str]) -> Result<u64, Box<dyn Error>> {
     let run = Command::new("valgrind")
         .args(["--tool=cachegrind", "--cache-sim=no", "--cachegrind-out-file=/dev/null"])
@@ -56,7 +56,7 @@ fn instructions(arguments: &[&str]) -> Result<u64, Box<dyn Error>> {
     Ok(number.trim().replace(',', "").parse()?)
 }
 
-/// Steps of all rays of the recorded quick start, those of the policy among them.
+/// Steps of all rays of the recorded quickstart, including the policy's accesses.
 fn steps() -> Result<u64, Box<dyn Error>> {
     let inspected = Command::new(env!("CARGO_BIN_EXE_umbrasim"))
         .args(["inspect", "--json", "traces/quickstart.rays"])

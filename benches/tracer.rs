@@ -1,9 +1,9 @@
-//! How fast the tracer answers rays, recording and not, beside Embree's single-ray queries on the same rays.
+//! Speed of the tracer, with and without recording, beside Embree's single-ray queries on the same rays.
 //!
-//! `cargo bench --bench tracer` prints a table, a line a scene, tree and question: millions of rays a second of one
-//! thread's processor time, best of three. Where Debian's `libembree-dev` and a C++ compiler are not there, it says
-//! that it skips Embree. The trees differ: ours has two children a node, or eight; Embree's has four or eight, and its
-//! best quality.
+//! `cargo bench --bench tracer` prints a table with one line for each scene, tree and query: millions of rays per
+//! second of one thread's processor time, best of three. Without Debian's `libembree-dev` or a C++ compiler, it prints
+//! that it skips Embree. The trees differ: ours has two or eight children per node, Embree's has four or eight and
+//! Embree's best quality.
 
 use std::error::Error;
 use std::fs;
@@ -17,14 +17,14 @@ use umbrasim::scene::spec::SceneSpec;
 use umbrasim::scene::{Frame, Scene};
 use umbrasim::stream::Structure;
 
-/// The scenes of the table, and a frame of each. Those that are not there are left out, and named.
+/// The scenes of the table, with a frame number each. Absent scenes are skipped and named.
 const SCENES: [(&str, u32); 5] =
     [("room", 0), ("thicket", 0), ("bart_kitchen", 320), ("living_room", 0), ("sponza", 0)];
 const PICTURE: Resolution = Resolution { width: 1024, height: 1024 };
-/// How far from its hit a shadow ray starts, as a share of the way to the light.
+/// Distance from its hit at which a shadow ray starts, as a share of the way to the light.
 const LIFT: f32 = 1e-4;
 
-/// Rays from the camera, and rays from their hits to the lights in turn.
+/// Rays from the camera, and one ray from each of their hits to a light; the lights take turns.
 struct Rays {
     closest: Vec<Ray>,
     any: Vec<Ray>,
@@ -46,7 +46,8 @@ impl Rays {
     }
 }
 
-/// The processor time of this thread in seconds, which other programs do not add to; where it is not told, the time.
+/// The processor time of this thread in seconds, which other programs do not affect; elapsed time where it is
+/// unavailable.
 fn seconds() -> f64 {
     #[cfg(unix)]
     {
@@ -57,7 +58,7 @@ fn seconds() -> f64 {
     std::time::SystemTime::UNIX_EPOCH.elapsed().map_or(0.0, |time| time.as_secs_f64())
 }
 
-/// Millions of rays a second, best of three, and how many of them `ask` says yes to.
+/// Millions of rays per second, best of three, and the number of rays for which `ask` returns true.
 fn timed(rays: &[Ray], mut ask: impl FnMut(&Ray) -> bool) -> (f64, usize) {
     let run = |_| {
         let start = seconds();
@@ -67,7 +68,7 @@ fn timed(rays: &[Ray], mut ask: impl FnMut(&Ray) -> bool) -> (f64, usize) {
     (0..3).map(run).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or_default()
 }
 
-/// As [`timed`], with a trail that records each ray's steps.
+/// [`timed`] with a trail that records each ray's steps.
 fn recorded(rays: &[Ray], ask: impl Fn(&Ray, &mut Trail) -> bool) -> f64 {
     let mut trail = Trail::default();
     let ask = |ray: &Ray| {
@@ -85,7 +86,7 @@ fn any(world: &World<'_>, ray: &Ray, watch: &mut impl Observer) -> bool {
     world.occluded(ray, Scope::All, watch).is_some()
 }
 
-/// What Embree does with the same triangles and rays: millions of rays a second and hits, for both questions.
+/// Embree's results for the same triangles and rays: millions of rays per second and hits, for both queries.
 fn embree(scene: &Scene, frame: &Frame, rays: &Rays, program: &Path) -> Result<Vec<(f64, usize)>, Box<dyn Error>> {
     let mut bytes = Vec::new();
     let moving = frame.dynamic.triangles.iter().zip(&frame.visible).filter(|(_, visible)| **visible);
@@ -110,7 +111,7 @@ fn embree(scene: &Scene, frame: &Frame, rays: &Rays, program: &Path) -> Result<V
     String::from_utf8(output.stdout)?.lines().map(line).collect()
 }
 
-/// The program that asks Embree, compiled into `folder`; nothing where that cannot be done.
+/// The program that runs Embree's queries, compiled into `folder`; `None` if that is impossible.
 fn embree_program(folder: &Path) -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fixtures/embree/embree.cpp");
     let program = folder.join("embree");

@@ -10,30 +10,30 @@ use super::triangle::{Record, TIE, TriangleHit};
 use crate::quantity::PrimitiveId;
 use crate::stream::Stop;
 
-/// Triangles of a block.
+/// Number of triangles in a block.
 pub(super) const LANES: usize = 4;
 
-/// A vector a lane.
+/// A vector for each lane.
 type Vectors = [[f32; LANES]; 3];
 
-/// Up to [`LANES`] triangles that follow each other in a leaf: what the test reads of their records.
+/// Up to [`LANES`] consecutive triangles of a leaf: the parts of their records that the test reads.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Block {
     corner: Vectors,
     edges: [Vectors; 2],
     normal: Vectors,
-    /// Whose triangles they are.
+    /// The primitive of each triangle.
     pub primitives: [PrimitiveId; LANES],
-    /// The first triangle's place among the tree's records.
+    /// Index of the first triangle among the tree's records.
     pub first: u32,
-    /// How many there are; the others are degenerate.
+    /// Number of triangles; the remaining lanes are degenerate.
     pub count: u8,
-    /// Whether the leaf goes on in the next block.
+    /// Whether the leaf continues in the next block.
     pub goes_on: bool,
 }
 
-/// How far the tests of a block's triangles went.
+/// Results of the tests of a block's triangles, by lane.
 pub(super) struct Tested<L: Lanes<LANES>> {
     lanes: L,
     /// A bit for each triangle whose plane is hit within reach.
@@ -47,7 +47,7 @@ pub(super) struct Tested<L: Lanes<LANES>> {
 }
 
 impl<L: Lanes<LANES>> Tested<L> {
-    /// What was computed of each triangle, to look at them one by one.
+    /// Stores the results, so that triangles can be looked at one by one.
     #[inline(always)]
     pub(super) fn each(self) -> Each {
         let Self { lanes, in_plane, inside, .. } = self;
@@ -56,7 +56,7 @@ impl<L: Lanes<LANES>> Tested<L> {
     }
 }
 
-/// Tests of a block's triangles, one by one.
+/// Results of the tests of a block's triangles, to be read one by one.
 pub(super) struct Each {
     in_plane: u32,
     inside: u32,
@@ -67,7 +67,7 @@ pub(super) struct Each {
 }
 
 impl Each {
-    /// The test of one triangle by a ray that may not go as far any more.
+    /// The result for one triangle; `reach` may be shorter than in the test of the block.
     #[inline(always)]
     pub(super) fn result(&self, at: usize, reach: f32) -> (Stop, Option<TriangleHit>) {
         let at = at % LANES;
@@ -82,7 +82,7 @@ impl Each {
     }
 }
 
-/// A ray as the test of a block wants it.
+/// A ray in the form that the test of a block needs.
 pub(super) struct Line<L: Lanes<LANES>> {
     lanes: L,
     origin: [L::F; 3],
@@ -90,7 +90,7 @@ pub(super) struct Line<L: Lanes<LANES>> {
 }
 
 impl<L: Lanes<LANES>> Line<L> {
-    /// The line of the ray.
+    /// Converts the ray.
     #[inline(always)]
     pub(super) fn new(lanes: L, ray: &Ray) -> Self {
         let splat = |vector: Vec3| vector.to_array().map(|number| lanes.splat(number));
@@ -99,7 +99,7 @@ impl<L: Lanes<LANES>> Line<L> {
 }
 
 impl Block {
-    /// The blocks of a leaf's records, the first of which is the tree's record `first`.
+    /// Splits a leaf's records into blocks; the first of them is the tree's record `first`.
     pub(super) fn of_leaf(records: &[Record], first: u32) -> impl Iterator<Item = Self> {
         let last = records.len().div_ceil(LANES) - 1;
         (first..).step_by(LANES).zip(records.chunks(LANES)).enumerate().map(move |(number, (first, records))| {
@@ -118,7 +118,7 @@ impl Block {
         })
     }
 
-    /// The test of [`Record::test`], of all triangles for the same reach.
+    /// Runs [`Record::test`] on all triangles at once, with the same reach.
     #[inline(always)]
     pub(super) fn test<L: Lanes<LANES>>(&self, line: &Line<L>, reach: f32) -> Tested<L> {
         let Line { lanes, origin, direction } = line;

@@ -6,23 +6,23 @@ use super::spec::AccelSpec;
 use super::structure::{Item, StaticTree};
 use crate::stream::Structure;
 
-/// One thing for each kind of tree.
+/// One value, of a type that depends on the kind of tree.
 pub(super) enum Kind<Bvh2, CwBvh, KdTree> {
-    /// Of binary trees of boxes.
+    /// For binary trees of boxes.
     Bvh2(Bvh2),
-    /// Of trees of eight boxes a node.
+    /// For trees with eight boxes per node.
     CwBvh(CwBvh),
-    /// Of kd-trees.
+    /// For kd-trees.
     KdTree(KdTree),
 }
 
 /// A static tree of any kind.
 pub(super) type AnyStatic = Kind<Bvh<2>, Bvh<8>, KdTree>;
 
-/// A static tree of any kind and a dynamic one of the same kind under one root.
+/// A static tree of any kind and a dynamic tree of the same kind under one root.
 pub(super) type AnyJoined<'a> = Kind<bvh::Forest<'a, 2>, bvh::Forest<'a, 8>, kdtree::Forest<'a>>;
 
-/// Evaluates `$call` with `$tree` being what the kind holds.
+/// Evaluates `$call`, with `$tree` bound to the content of the variant.
 macro_rules! on {
     ($kind:expr, $tree:ident => $call:expr) => {
         match $kind {

@@ -1,26 +1,27 @@
-//! Several numbers at once: what traversal needs of a processor's vector instructions.
+//! Several numbers at once: the vector instructions that a traversal needs.
 //!
-//! All operations are those of IEEE 754, one rounding each, so that every implementation gives the same bits. A
-//! processor without AVX2 gets arrays, of which the compiler makes what it can.
+//! All operations follow IEEE 754, with one rounding each, so every implementation gives the same bits. A processor
+//! without AVX2 uses arrays, which the compiler vectorizes as well as it can.
 
 use std::array;
 
 #[cfg(target_arch = "x86_64")]
 use pulp::{cast, x86::V3};
 
-/// All that a traversal needs of a processor.
+/// All operations that a traversal needs.
 pub(super) trait Processor: Lanes<8> + Lanes<4> + First {}
 
 impl<P: Lanes<8> + Lanes<4> + First> Processor for P {}
 
-/// Operations on `N` numbers of 32 bits, lane by lane. Comparisons give a bit a lane; one with a NaN is false.
+/// Operations on `N` numbers of 32 bits, lane by lane. Comparisons give a bit for each lane; a comparison with a NaN
+/// is false.
 pub(super) trait Lanes<const N: usize>: Copy {
     /// `N` numbers.
     type F: Copy;
 
     /// Reads `N` numbers.
     fn load(self, numbers: &[f32; N]) -> Self::F;
-    /// Gives the numbers.
+    /// Writes `N` numbers to an array.
     fn store(self, numbers: Self::F) -> [f32; N];
     /// The same number in all lanes.
     fn splat(self, number: f32) -> Self::F;
@@ -34,7 +35,7 @@ pub(super) trait Lanes<const N: usize>: Copy {
     fn smaller(self, a: Self::F, b: Self::F) -> Self::F;
     /// The larger number; `b` if one is a NaN.
     fn larger(self, a: Self::F, b: Self::F) -> Self::F;
-    /// `a`, of the other sign where `signs` are negative.
+    /// `a`, with the sign changed in lanes where `signs` is negative.
     fn flip(self, a: Self::F, signs: Self::F) -> Self::F;
     /// Whether `a < b`.
     fn below(self, a: Self::F, b: Self::F) -> u32;
@@ -46,13 +47,13 @@ pub(super) trait Lanes<const N: usize>: Copy {
 #[derive(Clone, Copy)]
 pub(super) struct Plain;
 
-/// `of` of each pair of numbers.
+/// Applies `of` to each pair of numbers.
 #[inline(always)]
 fn each<const N: usize>(a: [f32; N], b: [f32; N], of: impl Fn(f32, f32) -> f32) -> [f32; N] {
     array::from_fn(|at| of(a[at], b[at]))
 }
 
-/// A bit for each pair of numbers.
+/// A bit for each pair of numbers: the result of `is`.
 #[inline(always)]
 fn bits<const N: usize>(a: [f32; N], b: [f32; N], is: impl Fn(f32, f32) -> bool) -> u32 {
     (0..N).fold(0, |bits, at| bits | u32::from(is(a[at], b[at])) << at)
@@ -117,8 +118,8 @@ impl<const N: usize> Lanes<N> for Plain {
     }
 }
 
-/// Implements lanes by the instructions of a level of x86-64: the numbers of the comparisons are those of `vcmpps` for
-/// "less than" and "less or equal, ordered, quiet".
+/// Implements lanes by the instructions of a level of x86-64. The comparison numbers are the codes of `vcmpps` for
+/// "less than" and for "less or equal, ordered, quiet".
 macro_rules! x86_lanes {
     ($lanes:literal, $register:ident, $level:ident: $splat:ident, $add:ident, $sub:ident, $mul:ident, $min:ident,
         $max:ident, $and:ident, $xor:ident, $compare:ident, $bits:ident) => {
@@ -189,10 +190,10 @@ x86_lanes!(8, __m256, avx: _mm256_set1_ps, _mm256_add_ps, _mm256_sub_ps, _mm256_
 x86_lanes!(4, __m128, sse: _mm_set1_ps, _mm_add_ps, _mm_sub_ps, _mm_mul_ps, _mm_min_ps, _mm_max_ps, _mm_and_ps,
     _mm_xor_ps, _mm_cmp_ps, _mm_movemask_ps);
 
-/// Finds the least of eight numbers.
+/// Finds the smallest of eight numbers.
 pub(super) trait First: Lanes<8> {
-    /// The lane of the least number `among` the lanes whose bits are set, of which there is one; of equal numbers the
-    /// first.
+    /// The lane of the smallest number among the lanes whose bits are set in `among` (at least one). Of equal numbers,
+    /// the first lane.
     fn first(self, numbers: &[f32; 8], among: u32) -> usize;
 }
 

@@ -1,7 +1,7 @@
 //! Acceleration structures: a static tree built once, a dynamic tree built every frame, both under one root.
 //!
-//! A scene in which nothing moves has no dynamic tree, and its root is the static tree's own. A kind of tree implements
-//! the traits of `structure` in a folder of its own and has a variant in `kind`.
+//! A scene in which nothing moves has no dynamic tree, and its root is the root of the static tree. Each kind of tree
+//! implements the traits of `structure` in its own folder and has a variant in `kind`.
 
 mod block;
 mod bvh;

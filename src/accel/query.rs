@@ -1,10 +1,10 @@
-//! What is asked of a structure, and what it answers.
+//! Queries to a structure, and their results.
 
 use glam::Vec2;
 
 use crate::quantity::PrimitiveId;
 
-/// What a shadow ray is traced among.
+/// The triangles among which a shadow ray is traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scope {
     /// Everything, static triangles first.
@@ -15,11 +15,11 @@ pub enum Scope {
     Static,
 }
 
-/// In which order a shadow ray visits the children of a node that it meets. It changes what is visited before a blocker
-/// is found, never whether one is.
+/// The order in which a shadow ray visits the children of a node that it meets. The order changes what is visited
+/// before a blocker is found, never whether one is found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Order {
-    /// By where the ray enters their boxes.
+    /// By the distance at which the ray enters their boxes.
     #[default]
     NearestFirst,
     /// By the area of their boxes (SATO: Nah and Manocha 2014).
@@ -29,7 +29,7 @@ pub enum Order {
 /// The nearest hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// What is hit.
+    /// The primitive that is hit.
     pub primitive: PrimitiveId,
     /// Distance in units of the ray's direction.
     pub t: f32,

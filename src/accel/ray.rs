@@ -1,32 +1,32 @@
-//! The ray as traversal wants it.
+//! The ray in the form that a traversal needs.
 
 use glam::Vec3;
 
 /// A ray, or the part of it up to `reach`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
-    /// Where it starts.
+    /// The ray's start.
     pub origin: Vec3,
-    /// Where it goes; of any length but zero. Distances are in units of it.
+    /// The ray's direction; any length but zero. Distances are in units of this length.
     pub direction: Vec3,
     /// One over the direction, finite in every component.
     pub inverse: Vec3,
-    /// Hits beyond this distance don't count.
+    /// Hits beyond this distance do not count.
     pub reach: f32,
-    /// By axis, which plane of a box is crossed first: 1, the upper one, where the ray goes down.
+    /// For each axis, the plane of a box that is crossed first: 1 (the upper plane) where the direction is negative.
     first: [u8; 3],
-    /// Whether the ray keeps its coordinate along an axis.
+    /// Whether the ray is perpendicular to at least one axis.
     is_parallel: bool,
 }
 
-/// The bounds of `N` boxes by axis: the lower ones, then the upper ones.
+/// The bounds of `N` boxes: for each axis the lower planes, then the upper planes.
 pub type Boxes<const N: usize> = [[[f32; N]; 2]; 3];
 
-/// Direction components smaller than this are taken as this: a slab test must not multiply zero by infinity. A ray
-/// strays by it from its course, which no `f32` coordinate can show.
+/// Smallest magnitude of a direction component: a slab test must not multiply zero by infinity. No `f32` coordinate
+/// can show how far this moves a ray.
 const SMALLEST_COMPONENT: f32 = 1e-20;
 
-/// Widens the far side of a slab test, and the reach of a ray, by more than rounding can narrow them: 1 + 2 gamma(3),
+/// Widens the far side of a slab test, and the reach of a ray, by more than the rounding error: 1 + 2 gamma(3),
 /// rounded up (Ize 2013, "Robust BVH Ray Traversal").
 pub(super) const SLAB: f32 = 1.0 + 8.0 * f32::EPSILON;
 
@@ -42,8 +42,8 @@ impl Ray {
         Self { origin, direction, inverse, reach, first, is_parallel }
     }
 
-    /// Where the ray enters each of `N` boxes, and infinity where it misses one. Each step of the arithmetic is
-    /// monotone: a ray that meets a box meets every box around it.
+    /// The distance at which the ray enters each of `N` boxes; infinity for a box that it misses. Each step of the
+    /// arithmetic is monotone: a ray that meets a box meets every box around it.
     #[inline(always)]
     pub fn entries<const N: usize>(&self, bounds: &Boxes<N>) -> [f32; N] {
         if self.is_parallel {
@@ -56,8 +56,8 @@ impl Ray {
         met(near, far)
     }
 
-    /// As [`Ray::entries`], of a ray that keeps its coordinate along an axis: there is no crossing to compute, and a
-    /// ray in the face of a box would leave it where it enters it.
+    /// [`Ray::entries`] for a ray that is perpendicular to an axis. Such a ray crosses no plane of that axis; the
+    /// usual test would drop a ray that lies in the face of a box.
     #[cold]
     fn entries_in_plane<const N: usize>(&self, bounds: &Boxes<N>) -> [f32; N] {
         let (mut near, mut far) = ([0.0f32; N], [self.reach; N]);
@@ -76,7 +76,7 @@ impl Ray {
         met(near, far)
     }
 
-    /// Crosses the planes of boxes along an axis.
+    /// Narrows the ray's interval in each box by the planes of an axis.
     #[inline(always)]
     fn cross<const N: usize>(&self, axis: usize, planes: &[[f32; N]; 2], near: &mut [f32; N], far: &mut [f32; N]) {
         let (origin, inverse) = (self.origin[axis], self.inverse[axis]);
@@ -88,12 +88,12 @@ impl Ray {
         }
     }
 
-    /// Whether the ray keeps its coordinate along `axis`: no plane across it is crossed.
+    /// Whether the ray is perpendicular to `axis`, so that it crosses no plane of this axis.
     pub fn is_parallel(&self, axis: usize) -> bool {
         self.direction[axis].abs() <= SMALLEST_COMPONENT
     }
 
-    /// One over the direction, infinite along an axis that the ray runs across.
+    /// One over the direction; infinite along an axis that the ray is perpendicular to.
     #[inline(always)]
     pub(super) fn inverse_or_infinity(&self) -> Vec3 {
         if !self.is_parallel {
@@ -106,7 +106,7 @@ impl Ray {
         Vec3::new(inverse(0), inverse(1), inverse(2))
     }
 
-    /// Which plane of a box across an axis is crossed first: 1, the upper one, where the ray goes down.
+    /// The plane of a box that is crossed first on an axis: 1 (the upper plane) where the direction is negative.
     #[inline(always)]
     pub(super) fn first_plane(&self, axis: usize) -> usize {
         usize::from(self.first[axis])
@@ -118,7 +118,7 @@ impl Ray {
     }
 }
 
-/// Where boxes are entered that are left behind that, and infinity for the others.
+/// The entry distances; infinity for boxes that the ray leaves before it enters them.
 #[inline(always)]
 fn met<const N: usize>(mut near: [f32; N], far: [f32; N]) -> [f32; N] {
     for at in 0..N {
@@ -129,12 +129,12 @@ fn met<const N: usize>(mut near: [f32; N], far: [f32; N]) -> [f32; N] {
     near
 }
 
-/// The smaller of two numbers that are no NaN: one instruction, where `f32::min` takes several.
+/// The smaller of two numbers that are not NaN: one instruction, where `f32::min` takes several.
 fn smaller(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// The larger of two numbers that are no NaN.
+/// The larger of two numbers that are not NaN.
 fn larger(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }

@@ -1,8 +1,8 @@
-//! Shafts: all shadow rays from a piece of a surface to a lamp at once, and what the static tree says of them.
+//! Shafts: all shadow rays from a piece of a surface to a lamp, and what the static tree proves about them.
 //!
-//! A certificate must foretell what the tracer's `f32` arithmetic will answer for every ray of the shaft, not what is
-//! true of real numbers. So nothing here asks whether the shaft meets a triangle; it asks whether [`Record::blocks`]
-//! and the tree's slab test *can* or *must* answer "blocked", with an error bound between the two.
+//! A certificate must predict the tracer's `f32` answer for every ray of the shaft, not the answer in real numbers. So
+//! this module does not ask whether the shaft meets a triangle. It asks whether [`Record::blocks`] and the tree's slab
+//! test *can* or *must* answer "blocked"; an error bound separates the two.
 //!
 //! **Notation.** `u` = 2^-24, half a unit in the last place of 1. A ray starts at `o`, ends at the light `L`, and has
 //! `d = fl(L - o)`. A record has a corner `A` and edges `a`, `b`, all of them `f32` and taken as exact. With `s = o -
@@ -11,29 +11,27 @@
 //! - `D = n.s` (height over the plane) and `F = -n.d = n.(o - L)` (how much the ray faces it),
 //! - `U = b.(s x d) = b.(s x m)` and `V = -a.(s x d) = -a.(s x m)`, because `d = m - s` and `s x s = 0`.
 //!
-//! All four are affine in `o`. Where an inequality between them holds at the three corners of a piece of a surface, it
-//! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point or several (a
-//! rectangle's); of several, each is decided on by itself, and the shaft says what holds for all.
+//! All four are affine in `o`. An inequality between them that holds at the three corners of a piece of a surface
+//! holds in all of it: three evaluations in `f64` decide for every ray to `L`. A lamp is one point, or several points
+//! of a rectangle. With several points, each point is decided separately; the shaft reports what holds for all.
 //!
-//! **Error bound.** By the standard model, `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`:
-//! a difference
-//! of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
+//! **Error bound.** The standard model is `fl(x op y) = (x op y)(1 + e)`, `|e| <= u`, to first order in `u`. A
+//! difference of vectors errs by `u |.|`, a cross product by `4 u |.||.|`, a dot product by `3 u |.||.|`. Hence
 //! `|fl(D) - D| <= 8 u |s||a||b|`, `|fl(F) - F| <= 8 u |d||a||b|`, `|fl(U) - U| <= 9 u |s||d||b|`, `|fl(V) - V| <= 9 u
-//! |s||d||a|`; the code takes 10, 10, 12 and 12, and adds for the sum `U + V` and for the tie rule of the plane test.
+//! |s||d||a|`. The code takes 10, 10, 12 and 12, and adds for the sum `U + V` and for the tie rule of the plane test.
 //! Products that underflow err by less than [`UNDERFLOW`] each; where a product could overflow, nothing is certified.
-//! Starting points may stray by `spread` from the lifted piece (see [`Shaft::new`]): each bound grows by the gradient
+//! Starting points may lie up to `spread` off the lifted piece (see [`Shaft::new`]): each bound grows by the gradient
 //! times `spread`.
 //!
-//! **Boxes.** A node is left out only if the slab test must miss it, and the slab test misses what is farther away
-//! from the ray than its own widening: entry and exit distances err by 4 u of themselves and are compared with a factor
-//! of 1 + 16 u, that is by at most `26 u |d|` in space (a kd-tree's planes are compared in the same way); the margin is
-//! `48 u |d|` plus the spread plus the stray of [`Ray`](super::Ray)'s smallest component. In the other direction the
-//! slab test never misses a box that the ray meets: if a triangle must be hit inside its edges by the bound above, the
-//! hit point is in the box of its corners, and so in those of all ancestors.
+//! **Boxes.** A node is left out only if the slab test must miss its box. Entry and exit distances err by 4 u of
+//! themselves and are compared with a factor of 1 + 16 u. So the slab test misses every box that is more than `26 u
+//! |d|` away from the ray; the same holds for the comparisons with a kd-tree's planes. The margin is `48 u |d|`, plus
+//! the spread, plus the shift by [`Ray`](super::Ray)'s smallest component. In the other direction, the slab test never
+//! misses a box that the ray meets. If a triangle must be hit inside its edges by the bound above, the hit point is in
+//! the box of its corners, and so in the boxes of all ancestors.
 //!
-//! **What is counted.** A visited node is one visit, as for a ray; a triangle that is tested against a shaft is one
-//! test:
-//! one record is read, and evaluated for three corners (and all points of the lamp) at once.
+//! **Counts.** A visited node counts as one visit, as for a ray. A triangle that is tested against a shaft counts as
+//! one test: one record is read, and evaluated for three corners (and all points of the lamp) at once.
 
 use glam::{DVec3, Vec3};
 use smallvec::SmallVec;
@@ -45,7 +43,7 @@ use crate::stream::Stop;
 
 /// Half a unit in the last place of 1 in `f32`.
 const U: f64 = 1.0 / (1u64 << 24) as f64;
-/// More than the error of any one underflowing product or sum of the triangle test, times the operations in it.
+/// More than the error of one underflowing product or sum of the triangle test, times the number of operations.
 const UNDERFLOW: f64 = 1e-43;
 /// Far enough below the largest `f32` that no intermediate result of the test overflows.
 const OVERFLOW: f64 = 1e37;
@@ -58,11 +56,11 @@ pub struct Shaft {
     spread: f64,
     /// Length of the longest ray.
     length: f64,
-    /// How far apart a box must be.
+    /// Minimum distance of a box that the shaft certainly misses.
     margin: f64,
     low: DVec3,
     high: DVec3,
-    /// Axes that can separate the shaft from a box, besides the box's own, and the shaft's extent on each.
+    /// Axes that can separate the shaft from a box, besides the box's own axes, with the shaft's extent on each.
     axes: SmallVec<[Axis; AXES]>,
 }
 
@@ -74,7 +72,7 @@ struct Beam {
     faces: [Axis; 4],
 }
 
-/// Of a beam: four faces, and the cross products of six edges with three box axes.
+/// Number of axes of a beam: four faces, and the cross products of six edges with three box axes.
 const AXES: usize = 4 + 6 * 3;
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -92,30 +90,30 @@ impl Axis {
     }
 }
 
-/// What a shaft says of a triangle.
+/// The relation of a triangle to a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relation {
-    /// No ray of the shaft is blocked by it.
+    /// The triangle blocks no ray of the shaft.
     Misses,
-    /// Every ray of the shaft is blocked by it.
+    /// The triangle blocks every ray of the shaft.
     Covers,
     /// Neither is certain.
     Crosses,
 }
 
-/// What is known of the static blockers of all rays of a shaft.
+/// Knowledge of the static blockers of all rays of a shaft.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sight {
-    /// No ray has one.
+    /// No ray has a static blocker.
     Clear,
     /// One triangle blocks every ray.
     Blocked,
-    /// Not known: a triangle is in the way of a proof that there is none.
+    /// Unknown: a triangle prevents a proof that there is no blocker.
     Unknown,
 }
 
 impl Relation {
-    /// What a triangle settles for the whole shaft, unless it is out of the way.
+    /// The shaft's answer if this triangle decides it; `None` if the triangle misses the shaft.
     pub(super) fn sight(self) -> Option<Sight> {
         match self {
             Self::Misses => None,
@@ -126,13 +124,13 @@ impl Relation {
 }
 
 impl Shaft {
-    /// The rays to `lights`, the points of a lamp, that start within `spread` of the triangle `corners`.
+    /// The rays to `lights`, the points of a lamp, that start at most `spread` away from the triangle `corners`.
     pub fn new(corners: [DVec3; 3], lights: &[Vec3], spread: f64) -> Self {
         let [a, b, c] = corners;
         let lights: SmallVec<[DVec3; 1]> = lights.iter().map(|light| light.as_dvec3()).collect();
         let rays = corners.iter().flat_map(|corner| lights.iter().map(move |light| corner.distance(*light)));
         let length = rays.fold(0.0, f64::max) + spread;
-        // 1e-18: a hundred times what a ray strays by because its smallest direction component is set to 1e-20.
+        // 1e-18 is a hundred times the shift of a ray whose smallest direction component is set to 1e-20.
         let margin = 48.0 * U * length + spread + 1e-18;
         let points: SmallVec<[DVec3; 4]> = corners.into_iter().chain(lights.iter().copied()).collect();
         let sides = [b - a, c - b, a - c];
@@ -142,7 +140,7 @@ impl Shaft {
             [Axis::new(sides[0].cross(sides[1]), points), ab, bc, ca]
         };
         let beams = lights.iter().map(|&light| Beam { light, faces: faces(light, &[a, b, c, light]) }).collect();
-        // Any axis will do that has the extent of all points on it; those of the beams to a rectangle's corners are
+        // Any axis is valid, because its extent covers all points. The axes of the beams to a rectangle's corners are
         // enough.
         let mut axes = SmallVec::new();
         for &light in corner_points(&lights) {
@@ -170,14 +168,14 @@ impl Shaft {
         })
     }
 
-    /// What the triangle in `slot` does to the rays.
+    /// Tests the triangle in `slot` against the rays, and records the test.
     pub(super) fn test(&self, slot: TriangleSlot, record: &Record, watch: &mut impl Observer) -> Relation {
         let (stop, relation) = self.relation(record);
         watch.triangle(slot, stop);
         relation
     }
 
-    /// What the triangle of `record` does to the rays, and how far the test had to read.
+    /// The triangle's relation to the rays, and the phase of the triangle test that decided it.
     pub fn relation(&self, record: &Record) -> (Stop, Relation) {
         let mut beams = self.beams.iter().map(|beam| self.relation_to(beam, record));
         let first = beams.next().unwrap_or((Stop::Plane, Relation::Misses));
@@ -193,7 +191,7 @@ impl Shaft {
             .unwrap_or_else(|crosses| crosses)
     }
 
-    /// What it does to the rays of one beam.
+    /// The triangle's relation to the rays of one beam.
     fn relation_to(&self, beam: &Beam, record: &Record) -> (Stop, Relation) {
         let corner = record.corner.as_dvec3();
         let [a, b] = record.edges.map(|edge| edge.as_dvec3());
@@ -220,14 +218,14 @@ impl Shaft {
         let of_w = 13.0 * U * moment * (length_a + length_b) + stray_u + stray_v + of_facing;
 
         let height = from_corner.map(|s| s.dot(normal));
-        // D - F is the light's own height, the same for all rays.
+        // D - F is the light's own height, which is the same for all rays.
         let light_height = to_light.dot(normal);
         let facing = height.map(|height| height - light_height);
         let all = |values: [f64; 3], limit: f64| values.into_iter().all(|value| value >= limit);
         let negated = |values: [f64; 3]| values.map(|value: f64| -value);
         let (front, back) = (all(facing, of_facing), all(negated(facing), of_facing));
-        // The test multiplies everything by the sign of F. The plane rejects a sign if F never has it, if the height
-        // does not have it, or if the light is on the same side.
+        // The test multiplies all terms by the sign of F. The plane test excludes a sign if F never has this sign, if
+        // the height does not have it, or if the light is on the same side.
         let plane_front = back || all(negated(height), of_height) || light_height >= of_rest;
         let plane_back = front || all(height, of_height) || -light_height >= of_rest;
         if plane_front && plane_back {
@@ -253,7 +251,7 @@ impl Shaft {
         if covers_front || covers_back {
             return (Stop::Hit, Relation::Covers);
         }
-        // The faces of the shaft itself, where the rays face the triangle well enough to say where a hit would be.
+        // Separate by the faces of the shaft, if the rays face the triangle enough to bound the place of a hit.
         if front || back {
             let least = facing.into_iter().fold(f64::INFINITY, |least, facing| least.min(facing.abs())) - of_facing;
             let on_plane = 2.0 * ((of_u + of_w) * length_a + (of_v + of_w) * length_b);
@@ -271,7 +269,7 @@ impl Shaft {
     }
 }
 
-/// The corners of a rectangle of points in rows as long as there are rows; of another number of points the same places.
+/// The corners of a square grid of points, given row by row. For other counts, the points at the same positions.
 fn corner_points(points: &[DVec3]) -> impl Iterator<Item = &DVec3> {
     let side = points.len().isqrt().max(1);
     let mut corners = vec![0, side - 1, points.len().saturating_sub(side), points.len().saturating_sub(1)];

@@ -5,24 +5,24 @@ use std::array;
 use super::lanes::Lanes;
 use super::ray::{Boxes, Ray, SLAB};
 
-/// A ray as the slab test of eight boxes wants it.
+/// A ray in the form that the slab test of eight boxes needs.
 ///
-/// The test is that of [`Ray::entries`], with the same answers. Along an axis that the ray runs across, the inverse
-/// direction is infinite here: a plane on one side of the ray is then crossed at minus infinity, one on the other side
-/// at infinity, and the product of a plane that the ray lies in is a NaN, which never wins a comparison.
+/// The test gives the same answers as [`Ray::entries`]. Along an axis that the ray is perpendicular to, the inverse
+/// direction is infinite here. A plane on one side of the ray is then crossed at minus infinity, and a plane on the
+/// other side at infinity. For a plane that the ray lies in, the product is a NaN, which never wins a comparison.
 pub(super) struct Slabs<L: Lanes<8>> {
     lanes: L,
     origin: [L::F; 3],
     inverse: [L::F; 3],
-    /// By axis, which plane of a box is crossed first.
+    /// For each axis, the plane of a box that is crossed first.
     first: [usize; 3],
     slab: L::F,
-    /// How far the ray goes, rounding allowed for; finite, so that a box at infinity is never met.
+    /// The ray's reach, widened for rounding; finite, so that a box at infinity is never met.
     limit: L::F,
 }
 
 impl<L: Lanes<8>> Slabs<L> {
-    /// The ray up to its reach.
+    /// Converts the ray, up to its reach.
     #[inline(always)]
     pub(super) fn new(lanes: L, ray: &Ray) -> Self {
         let inverse = ray.inverse_or_infinity();
@@ -36,13 +36,13 @@ impl<L: Lanes<8>> Slabs<L> {
         }
     }
 
-    /// The ray goes no farther than `ray` does.
+    /// Shortens the ray to the reach of `ray`.
     #[inline(always)]
     pub(super) fn shorten(&mut self, ray: &Ray) {
         self.limit = self.lanes.splat(limit(ray));
     }
 
-    /// Where the ray enters each of eight boxes, and a bit for each that it meets.
+    /// The distance at which the ray enters each of eight boxes, and a bit for each box that it meets.
     #[inline(always)]
     pub(super) fn meet(&self, boxes: &Boxes<8>) -> ([f32; 8], u32) {
         let lanes = self.lanes;
@@ -62,7 +62,7 @@ impl<L: Lanes<8>> Slabs<L> {
     }
 }
 
-/// The last distance at which a box may be entered.
+/// The largest distance at which a box may be entered.
 #[inline(always)]
 pub(super) fn limit(ray: &Ray) -> f32 {
     (ray.reach * SLAB).min(f32::MAX)
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
     use crate::accel::lanes::{Plain, Processor};
 
-    /// Coordinates of few values, so that rays lie in planes of boxes and meet their corners, or of many.
+    /// Coordinates from a few values, so that rays lie in planes of boxes and meet their corners, or from many.
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![(-3..4i32).prop_map(|it| it as f32), -3.0..3.0f32, Just(-0.0f32)]
     }
@@ -97,7 +97,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Eight boxes at once are met where each alone is, by rays along axes and in planes of boxes too.
+        /// Eight boxes at once give the same answers as one by one, also for rays along axes and in planes of boxes.
         #[test]
         fn eight_boxes_are_met_as_one_by_one(
             origin in point(),

@@ -9,7 +9,7 @@ use crate::quantity::{PrimitiveId, TriangleSlot};
 use crate::scene::{Frame, Geometry, Scene};
 use crate::stream::{FrameInfo, NO_RECORD, Structure};
 
-/// The static part, made once for a scene.
+/// The static part, built once for a scene.
 pub struct Accel {
     spec: AccelSpec,
     statics: AnyStatic,
@@ -26,7 +26,7 @@ impl Accel {
         Self { spec, statics, slots }
     }
 
-    /// Which structure it is.
+    /// The kind of tree.
     pub fn structure(&self) -> Structure {
         self.spec.structure
     }
@@ -46,7 +46,7 @@ impl Accel {
         self.slots.len() as u32
     }
 
-    /// The record of each static primitive; [`NO_RECORD`] for an invisible one.
+    /// The slot of each static primitive's record; [`NO_RECORD`] for an invisible primitive.
     pub fn static_records(&self) -> &[TriangleSlot] {
         &self.slots
     }
@@ -75,7 +75,8 @@ fn items(geometry: &Geometry, first: u32) -> impl Iterator<Item = Item<'_>> {
     numbered.map(|(index, triangle)| Item { primitive: PrimitiveId(index), triangle })
 }
 
-/// The slot of each primitive from `first` on; a primitive without a record (an invisible triangle) has [`NO_RECORD`].
+/// The slot of each of `count` primitives from `first` on; [`NO_RECORD`] for an invisible triangle, which has no
+/// record.
 fn slots(records: &[Record], first: u32, count: usize) -> Vec<TriangleSlot> {
     let mut slots = vec![NO_RECORD; count];
     for (slot, record) in records.iter().enumerate() {

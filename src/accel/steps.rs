@@ -1,23 +1,23 @@
-//! Packed steps, as a traversal writes them down.
+//! Packed steps in the form that a traversal writes.
 
 use std::ops::Deref;
 
-/// Packed steps in a buffer that is longer than they are. A traversal asks for room before it visits something, where
-/// it has nothing to save from a call that allocates, and then only writes.
+/// Packed steps in a buffer with spare room. A traversal asks for room before each visit, where it has no registers to
+/// save around a call that allocates. After that it only writes.
 #[derive(Clone, Debug, Default)]
 pub struct Steps {
-    /// The steps, and behind them room.
+    /// The steps, followed by spare room.
     words: Vec<u32>,
     length: usize,
 }
 
 impl Steps {
-    /// How many steps [`Steps::make_room`] makes room for.
+    /// Number of steps that [`Steps::make_room`] makes room for.
     pub(super) const ROOM: usize = 8;
-    /// Words of the first buffer.
+    /// Number of words of the first buffer.
     const FIRST: usize = 256;
 
-    /// Makes room for some steps.
+    /// Makes room for [`Steps::ROOM`] steps.
     #[inline(always)]
     pub(super) fn make_room(&mut self) {
         if self.words.len() < self.length + Self::ROOM {
@@ -31,7 +31,7 @@ impl Steps {
         self.words.resize((2 * self.words.len()).max(Self::FIRST), 0);
     }
 
-    /// Writes the first `count` of some words, for all of which there is room.
+    /// Appends the first `count` of `words`. There must be room for all of `words`.
     #[inline(always)]
     pub(super) fn write<const M: usize>(&mut self, words: [u32; M], count: usize) {
         const { assert!(M <= Self::ROOM) };
@@ -39,19 +39,19 @@ impl Steps {
         self.length += count;
     }
 
-    /// Writes a step.
+    /// Appends a step.
     #[inline]
     pub(super) fn push(&mut self, word: u32) {
         self.make_room();
         self.write([word], 1);
     }
 
-    /// Forgets all steps, keeps the memory.
+    /// Removes all steps and keeps the memory.
     pub(super) fn clear(&mut self) {
         self.length = 0;
     }
 
-    /// The steps alone.
+    /// The steps without spare room.
     pub fn into_vec(mut self) -> Vec<u32> {
         self.words.truncate(self.length);
         self.words

@@ -1,4 +1,4 @@
-//! What every structure must do, tried on all of them: find what trying every triangle finds, and record what it does.
+//! Tests for every structure: it must find the same as a test of every triangle, and record its steps.
 
 use std::path::Path as FilePath;
 
@@ -37,7 +37,7 @@ fn geometry(triangles: &[Triangle]) -> Geometry {
     Geometry { triangles: triangles.to_vec(), attributes: vec![Attributes::default(); triangles.len()] }
 }
 
-/// A soup of triangles, the last of which can move; one in four of these is not there.
+/// A soup of triangles. The last ones can move; one in four of the movable triangles is invisible.
 struct Soup {
     scene: Scene,
     frame: Frame,
@@ -70,7 +70,7 @@ impl Soup {
         Self { scene, frame }
     }
 
-    /// All triangles that are there.
+    /// Records of all visible triangles.
     fn records(&self) -> Vec<Record> {
         let there = |&primitive: &PrimitiveId| {
             let moving = primitive.0.checked_sub(self.scene.statics.len() as u32);
@@ -80,7 +80,7 @@ impl Soup {
         primitives.map(|primitive| Record::new(self.scene.triangle(&self.frame, primitive), primitive)).collect()
     }
 
-    /// Holds every structure against trying every triangle, for each of `rays`.
+    /// Compares every structure with the test of all triangles, for each of `rays`.
     fn check(&self, rays: &[Ray]) -> Result<(), TestCaseError> {
         let records = self.records();
         for spec in specs() {
@@ -128,7 +128,7 @@ impl Soup {
     }
 }
 
-/// The steps are what was counted, in bounds, and in an order that the hardware could take.
+/// Checks that the steps match the counts, stay in bounds, and have an order that the hardware could take.
 fn check_trail(trail: &Trail, accel: &Accel, world: &World<'_>) -> Result<(), TestCaseError> {
     let info = world.info();
     let steps: Vec<_> = trail.steps.iter().map(|&word| Step::unpack(word).unwrap()).collect();
@@ -159,8 +159,8 @@ fn check_trail(trail: &Trail, accel: &Accel, world: &World<'_>) -> Result<(), Te
     Ok(())
 }
 
-/// Points with whole coordinates: triangles are often degenerate, equal, coplanar or in a plane with an axis, rays
-/// often meet corners and edges, and yet the triangle test is exact.
+/// Points with integer coordinates. Triangles are often degenerate, equal, coplanar, or in a plane across an axis, and
+/// rays often meet corners and edges; still the triangle test is exact.
 fn lattice_point(half: i32) -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-half..=half).prop_map(|[x, y, z]| Vec3::new(x as f32, y as f32, z as f32))
 }
@@ -185,8 +185,8 @@ fn lattice_ray() -> impl Strategy<Value = Ray> {
     (lattice_point(10), direction, reach).prop_map(|(origin, direction, reach)| Ray::new(origin, direction, reach))
 }
 
-/// In a soup of this size and place every `f32` coordinate is exact: a scale is a power of two, and the place a whole
-/// number of them.
+/// Moves and scales a lattice point. Every coordinate stays exact in `f32`: a scale is a power of two, and a place has
+/// integer coordinates.
 fn put(point: Vec3, place: Vec3, scale: f32) -> Vec3 {
     (point + place) * scale
 }
@@ -195,14 +195,15 @@ fn random_point() -> impl Strategy<Value = Vec3> {
     prop::array::uniform3(-1.0f32..1.0).prop_map(Vec3::from_array)
 }
 
-/// How clearly the line of a ray passes a triangle's edges, and where: `None` if rounding could decide.
+/// The distance at which the ray clearly hits the triangle, or `Some(None)` if it clearly misses; `None` if rounding
+/// could decide.
 fn clear_distance(triangle: &Triangle, ray: &Ray) -> Option<Option<f64>> {
     let [a, b, c] = triangle.v.map(Vec3::as_dvec3);
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let (e1, e2) = (b - a, c - a);
     let normal = e1.cross(e2);
     let facing = -direction.dot(normal);
-    // The relative error of what is divided by `facing`, some thousand roundings wide.
+    // Bound on the relative error of the terms divided by `facing`: about a thousand roundings.
     let margin = 1e-4 * direction.length() * e1.length() * e2.length() / facing.abs();
     let moment = (origin - a).cross(direction);
     let (u, v) = (e2.dot(moment) / facing, -e1.dot(moment) / facing);
@@ -218,7 +219,7 @@ fn clear_distance(triangle: &Triangle, ray: &Ray) -> Option<Option<f64>> {
     Some((t < reach).then_some(t))
 }
 
-/// Whether rounding has no say in what the ray hits.
+/// Whether rounding cannot change what the ray hits.
 fn is_clear(triangles: &[Triangle], ray: &Ray) -> bool {
     let Some(hits) = triangles.iter().map(|triangle| clear_distance(triangle, ray)).collect::<Option<Vec<_>>>() else {
         return false;
@@ -250,7 +251,7 @@ proptest! {
     #[test]
     fn random_soups_are_traced_as_by_brute_force(
         corners in prop::collection::vec((random_point(), random_point(), random_point()), 1..300),
-        // Triangles from as large as the scene to a thousandth of it.
+        // Triangles from the size of the scene down to a thousandth of it.
         size in prop_oneof![Just(1.0f32), Just(0.1), Just(0.001)],
         moving in 0..200usize,
         rays in prop::collection::vec((random_point(), random_point()), 40),
@@ -261,7 +262,7 @@ proptest! {
             .map(|&(middle, a, b)| Triangle { v: [Vec3::ZERO, a, b].map(|corner| middle + corner * size + place) })
             .collect();
         let soup = Soup::new(&triangles, moving);
-        // Half of the rays go to a triangle.
+        // Half of the rays are aimed at a triangle.
         let rays: Vec<_> = rays
             .iter()
             .enumerate()
@@ -313,8 +314,8 @@ fn bart(file: &str) -> Option<Scene> {
     }
 }
 
-/// What all primary rays of a frame hit, and which of the shadow rays from there are blocked (by anything, by what is
-/// dynamic), by every structure.
+/// Checks that all structures agree on the hits of all primary rays of a frame, and on which shadow rays from there
+/// are blocked (by any triangle, or by dynamic ones).
 fn check_frame(scene: &Scene, number: u32) {
     let frame = scene.animation.frame(number);
     let resolution = Resolution { width: 512, height: 512 };
@@ -331,7 +332,7 @@ fn check_frame(scene: &Scene, number: u32) {
         let world = accel.frame(scene, &frame);
         let hits: Vec<_> = rays.iter().map(|ray| world.closest(ray, &mut Silent)).collect();
         let ids: Vec<_> = hits.iter().map(|hit| hit.map(|hit| hit.primitive)).collect();
-        // A little before the surface.
+        // Shadow rays start slightly before the surface.
         let points = rays
             .iter()
             .zip(&hits)
@@ -362,7 +363,7 @@ fn all_structures_see_the_same_robot() {
     check_frame(&scene, 432);
 }
 
-/// A room with a wall in the way, and two lights.
+/// A floor, two smaller walls above it, and two lights.
 fn lit_soup() -> Soup {
     let wall = |z: f32, half: f32| {
         let corner = |x: f32, y: f32| Vec3::new(x * half, y * half, z);
@@ -415,7 +416,7 @@ fn the_records_say_what_the_tracer_counted() {
     }
 }
 
-/// 20,000 equal triangles among 40 others, the latter on both sides: a build in quadratic time takes a minute.
+/// 20,000 equal triangles, with 40 others on both sides of them: a build in quadratic time takes a minute.
 #[test]
 fn many_equal_triangles_are_built_over_in_time() {
     let triangle =

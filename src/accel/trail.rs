@@ -1,10 +1,10 @@
-//! What watches a traversal: a recorder, or nothing.
+//! Observers of a traversal: one records, one does nothing.
 
 use super::steps::Steps;
 use crate::quantity::{ListId, NodeId, TriangleSlot};
 use crate::stream::{Effect, Step, Stop, Store};
 
-/// Is told of every step of a traversal, in order.
+/// Receives every step of a traversal, in order.
 pub trait Observer {
     /// A node was fetched and its children tested.
     fn node(&mut self, node: NodeId);
@@ -13,7 +13,7 @@ pub trait Observer {
     /// A triangle was tested.
     fn triangle(&mut self, slot: TriangleSlot, stop: Stop);
 
-    /// Something is about to be visited in a tree of boxes: two nodes at most, or four triangles.
+    /// A visit in a tree of boxes is about to start: of at most two nodes, or of at most four triangles.
     #[inline(always)]
     fn make_room(&mut self) {}
 
@@ -23,8 +23,8 @@ pub trait Observer {
         nodes.into_iter().take(count).for_each(|node| self.node(node));
     }
 
-    /// The first `count` of the triangles from `slot` on were tested, at most four, and none was hit: the plane's part
-    /// ended those whose bits in `in_plane` are not set.
+    /// The first `count` (at most four) triangles from `slot` on were tested, and none was hit. The plane test
+    /// rejected those whose bits in `in_plane` are not set.
     #[inline(always)]
     fn missed(&mut self, slot: TriangleSlot, count: u32, in_plane: u32) {
         for at in 0..count {
@@ -34,7 +34,7 @@ pub trait Observer {
     }
 }
 
-/// Watches nothing.
+/// Ignores all steps.
 pub struct Silent;
 
 impl Observer for Silent {
@@ -45,37 +45,37 @@ impl Observer for Silent {
     fn triangle(&mut self, _: TriangleSlot, _: Stop) {}
 }
 
-/// Records the steps, and counts them apart: the counts must be equal to what the records say.
+/// Records the steps and counts them separately; the counts must match the recorded steps.
 #[derive(Clone, Debug, Default)]
 pub struct Trail {
     /// Packed steps.
     pub steps: Steps,
-    /// Nodes visited.
+    /// Number of nodes visited.
     pub nodes: u64,
-    /// Entries of primitive lists read.
+    /// Number of primitive list entries read.
     pub lists: u64,
-    /// Triangles tested.
+    /// Number of triangles tested.
     pub triangles: u64,
-    /// Entries of stores read.
+    /// Number of store entries read.
     pub reads: u64,
-    /// Entries of stores written, or read and written.
+    /// Number of store entries written, or read and written.
     pub writes: u64,
-    /// Updates among them that repeat others.
+    /// Number of updates, among the writes, that repeat an earlier update.
     pub repeated: u64,
-    /// Updates among them that change nothing.
+    /// Number of updates, among the writes, that change nothing.
     pub silent: u64,
-    /// Updates of mode words that change something, as far as is known where they are recorded.
+    /// Updates of mode words that change bits, as far as the recorder knows.
     pub fresh: Vec<Fresh>,
 }
 
 /// An update that sets bits of a mode word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fresh {
-    /// The step's place.
+    /// Index of the update among the steps.
     pub at: usize,
-    /// The word.
+    /// Index of the word.
     pub word: u32,
-    /// The bits that it sets.
+    /// The bits that the update sets.
     pub bits: u32,
 }
 
@@ -84,15 +84,15 @@ pub struct Fresh {
 pub struct Path<'a> {
     /// Packed steps.
     pub steps: &'a [u32],
-    /// Nodes visited.
+    /// Number of nodes visited.
     pub nodes: u64,
-    /// Entries of primitive lists read.
+    /// Number of primitive list entries read.
     pub lists: u64,
-    /// Triangles tested.
+    /// Number of triangles tested.
     pub triangles: u64,
 }
 
-/// How far a [`Trail`] had come.
+/// A position in a [`Trail`].
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Mark {
     steps: usize,
@@ -102,7 +102,7 @@ pub struct Mark {
 }
 
 impl Trail {
-    /// How far the trail has come.
+    /// The trail's present end.
     pub fn mark(&self) -> Mark {
         Mark { steps: self.steps.len(), nodes: self.nodes, lists: self.lists, triangles: self.triangles }
     }
@@ -117,12 +117,12 @@ impl Trail {
         }
     }
 
-    /// All of it.
+    /// The whole path.
     pub fn path(&self) -> Path<'_> {
         self.between(Mark::default(), self.mark())
     }
 
-    /// Forgets everything, keeps the memory.
+    /// Removes everything and keeps the memory.
     pub fn clear(&mut self) {
         let (mut steps, mut fresh) = (std::mem::take(&mut self.steps), std::mem::take(&mut self.fresh));
         steps.clear();
@@ -136,7 +136,7 @@ impl Trail {
         self.steps.push(Step::Read { store, index }.pack());
     }
 
-    /// An entry of a store was written whole.
+    /// A whole entry of a store was written.
     pub fn write(&mut self, store: Store, index: u32) {
         self.writes += 1;
         self.steps.push(Step::Write { store, index }.pack());
@@ -181,7 +181,7 @@ impl Observer for Trail {
         self.steps.make_room();
     }
 
-    /// Both are written, and the length says how many count: there is nothing to predict.
+    /// Always writes both nodes; `count` says how many are kept. So there is no branch to predict.
     #[inline(always)]
     fn nodes(&mut self, nodes: [NodeId; 2], count: usize) {
         self.nodes += count as u64;

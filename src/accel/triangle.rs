@@ -8,7 +8,7 @@ use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
 use crate::stream::Stop;
 
-/// What the test reads of a triangle.
+/// The triangle data that the test reads.
 #[derive(Clone, Copy, Debug)]
 pub struct Record {
     /// Corner 0.
@@ -19,7 +19,7 @@ pub struct Record {
     pub normal: Vec3,
     /// The box around the corners.
     bounds: Boxes<1>,
-    /// Whose record it is.
+    /// The primitive that the record describes.
     pub primitive: PrimitiveId,
 }
 
@@ -33,16 +33,16 @@ pub struct TriangleHit {
 }
 
 impl TriangleHit {
-    /// The hit on a triangle that faces the ray by `facing`, at `distance` from its plane in the same units, with
-    /// barycentric coordinates likewise.
+    /// The hit on a triangle. `facing`, `distance` and the barycentric coordinates are scaled by the same factor:
+    /// division by `facing` gives their values.
     #[inline(always)]
     pub(super) fn new(distance: f32, facing: f32, [u, v]: [f32; 2]) -> Self {
         let scale = 1.0 / facing;
         Self { t: distance / facing, barycentric: Vec2::new(u * scale, v * scale) }
     }
 
-    /// Keeps the hit if it is the nearest so far, at equal distance the one on the lowest primitive: the ray's reach is
-    /// then the hit's distance.
+    /// Keeps the hit if it is the nearest so far, and shortens the ray's reach to its distance. At equal distance, the
+    /// hit on the lowest primitive is kept.
     #[inline(always)]
     pub(super) fn keep_nearest(self, primitive: PrimitiveId, ray: &mut Ray, nearest: &mut Option<Hit>) {
         let Self { t, barycentric } = self;
@@ -54,8 +54,8 @@ impl TriangleHit {
     }
 }
 
-/// Lets a hit at the very distance of the nearest one so far pass the plane test, whose product form rounds
-/// differently from the quotient: the tie is settled later, on the quotient.
+/// Widens the plane test, so that a hit at exactly the distance of the nearest hit passes it. Its product form rounds
+/// differently from the quotient; the tie is settled later, on the quotient.
 pub(super) const TIE: f32 = 1.0 + 4.0 * f32::EPSILON;
 
 impl Record {
@@ -73,8 +73,8 @@ impl Record {
         }
     }
 
-    /// Tests the triangle, both sides, for `0 < t <= ray.reach` (a little beyond, see `TIE`). Moeller-Trumbore with
-    /// the normal at hand, so that the plane's part stands alone, as in the T&I engine's first mode (Nah et al. 2011,
+    /// Tests both sides of the triangle, for `0 < t <= ray.reach` (a little beyond, see `TIE`). Moeller-Trumbore with
+    /// a stored normal: the plane test is a separate phase, as in the T&I engine's first mode (Nah et al. 2011,
     /// section 4.3).
     pub fn test(&self, ray: &Ray) -> (Stop, Option<TriangleHit>) {
         let towards = -ray.direction.dot(self.normal);
@@ -82,7 +82,7 @@ impl Record {
         let facing = towards.abs();
         let from_corner = ray.origin - self.corner;
         let distance = from_corner.dot(self.normal) * sign;
-        // A degenerate triangle has a zero normal: nothing lies strictly between.
+        // A degenerate triangle has a zero normal: no distance passes this test.
         if !(distance > 0.0 && distance <= facing * ray.reach * TIE) {
             return (Stop::Plane, None);
         }
@@ -95,11 +95,13 @@ impl Record {
         (Stop::Hit, Some(TriangleHit::new(distance, facing, [u, v])))
     }
 
-    /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach` by a ray that also meets the triangle's box.
-    /// The edge test and the slab test round differently where an edge lies in a face of the box: far from the origin,
-    /// one in some thousand rays that are aimed at such an edge passes the first and not the second, and a tree's boxes
-    /// keep it from the triangle or not, depending on where the traversal starts. With the triangle's own box asked
-    /// too, which lies in all boxes above it, the answer of a traversal is that of all triangles tested one by one.
+    /// Whether the triangle blocks the ray: a hit at `0 < t < ray.reach`, by a ray that also meets the triangle's box.
+    ///
+    /// The edge test and the slab test round differently where an edge lies in a face of the box. Far from the origin,
+    /// one in some thousand rays that are aimed at such an edge passes the edge test but not the slab test. Whether a
+    /// tree's boxes then hide the triangle depends on where the traversal starts. The triangle's own box lies in all
+    /// boxes above it. With the test of this box too, a traversal gives the same answer as testing all triangles one
+    /// by one.
     pub fn blocks(&self, ray: &Ray) -> (Stop, bool) {
         match self.test(ray) {
             (_, Some(hit)) => self.confirm(ray, hit.t),
@@ -107,20 +109,20 @@ impl Record {
         }
     }
 
-    /// Whether a hit of the edge test at the distance `t` blocks the ray.
+    /// Whether a hit of the edge test, at the distance `t`, blocks the ray.
     #[inline]
     pub(super) fn confirm(&self, ray: &Ray, t: f32) -> (Stop, bool) {
         if t < ray.reach {
             let [entry] = ray.entries(&self.bounds);
             if entry < f32::INFINITY { (Stop::Hit, true) } else { (Stop::Edges, false) }
         } else {
-            // Only just out of reach: the plane's part of the hardware, which compares without a tie rule, ends it.
+            // Only just out of reach: the hardware's plane test has no tie rule and stops here.
             (Stop::Plane, false)
         }
     }
 
-    /// Tests the triangle and keeps its hit if that is the nearest so far, at equal distance the one on the lowest
-    /// primitive: the ray's reach is then the hit's distance.
+    /// Tests the triangle and keeps its hit if it is the nearest so far; then the ray's reach is the hit's distance.
+    /// At equal distance, the hit on the lowest primitive is kept.
     pub(super) fn test_nearest(&self, ray: &mut Ray, nearest: &mut Option<Hit>) -> Stop {
         let (stop, hit) = self.test(ray);
         if let Some(hit) = hit {
@@ -129,11 +131,11 @@ impl Record {
         stop
     }
 
-    /// Whether the triangle blocks the ray by more than rounding: then the boxes around it cannot miss the ray either,
-    /// and a traversal is certain to find a blocker. A hit within the error bound of an edge or an end says nothing,
-    /// because the slab test may round the other way.
+    /// Whether the triangle blocks the ray by more than rounding errors. Then the boxes around it cannot miss the ray
+    /// either, and a traversal is certain to find a blocker. A hit within the error bound of an edge or an end proves
+    /// nothing, because the slab test may round the other way.
     ///
-    /// The bounds are those of `shaft`, with 1-norms, which are no shorter than lengths.
+    /// The bounds are those of `shaft`, with 1-norms, which are never shorter than lengths.
     pub fn surely_blocks(&self, ray: &Ray) -> (Stop, bool) {
         const U: f32 = f32::EPSILON;
         let size = |v: Vec3| v.abs().element_sum();
@@ -148,7 +150,7 @@ impl Record {
         let across = 13.0 * U * far * length * (a + b) / facing + share;
         let Vec2 { x: u, y: v } = hit.barycentric;
         let inside = u >= across && v >= across && u + v <= 1.0 - across;
-        // Far below these sizes products underflow; NaN compares as false.
+        // Far below these sizes, products underflow. A comparison with a NaN is false.
         let sizeable = facing > 1e-30 && far * length * a.min(b) > 1e-30;
         (Stop::Hit, sizeable && share < 0.25 && inside && hit.t >= along && hit.t <= ray.reach - along)
     }

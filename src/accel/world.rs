@@ -1,4 +1,4 @@
-//! What rays can meet in one frame, and the questions that they ask.
+//! What rays can meet in one frame, and the queries about it.
 
 use glam::Vec3;
 
@@ -42,13 +42,13 @@ impl<'a> World<'a> {
         on!(&self.tree, tree => tree.closest(ray, watch))
     }
 
-    /// A triangle that blocks the ray; if it is dynamic, no static triangle blocks.
+    /// A triangle that blocks the ray; if it is dynamic, no static triangle blocks the ray.
     pub fn occluded(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
         self.occluded_in_order(ray, scope, Order::NearestFirst, watch)
     }
 
-    /// A triangle that blocks the ray, with the children of a BVH's nodes visited in `order`: the order decides which
-    /// blocker is found, not whether one is. A kd-tree is walked front to back.
+    /// A triangle that blocks the ray, with the children of a BVH's nodes visited in `order`. The order decides which
+    /// blocker is found, not whether one is found. A kd-tree is walked front to back.
     pub fn occluded_in_order(
         &self,
         ray: &Ray,
@@ -69,18 +69,18 @@ impl<'a> World<'a> {
         on!(&self.tree, tree => tree.blocks(ray, self.slot(primitive), watch))
     }
 
-    /// The node that is `levels` levels above the leaf of a static primitive, or the static tree's root if that is
-    /// lower. Level 1 is the node that holds the leaf. For a BVH.
+    /// The node `levels` levels above the leaf of a static primitive; at most the static tree's root. Level 1 is the
+    /// node that holds the leaf. Only for a BVH.
     pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
         on!(&self.tree, tree => tree.ancestor(self.slot(primitive), levels))
     }
 
-    /// The box around all static triangles; empty without any.
+    /// The box around all static triangles; empty if there are none.
     pub fn static_bounds(&self) -> (Vec3, Vec3) {
         on!(&self.tree, tree => tree.static_bounds())
     }
 
-    /// Tests one visible primitive's triangle: the distance of the hit, if there is one.
+    /// Tests one visible primitive's triangle; returns the distance of the hit, if there is one.
     pub fn test(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> Option<f32> {
         let slot = self.slot(primitive);
         let (stop, hit) = self.record(slot).test(ray);
@@ -98,13 +98,14 @@ impl<'a> World<'a> {
         on!(&self.tree, tree => tree.sight(shaft, watch))
     }
 
-    /// What a static triangle does to the rays of `shaft`.
+    /// The relation of a static triangle to the rays of `shaft`.
     pub fn relation(&self, shaft: &Shaft, primitive: PrimitiveId, watch: &mut impl Observer) -> Relation {
         let slot = self.slot(primitive);
         shaft.test(slot, self.record(slot), watch)
     }
 
-    /// Whether one visible primitive's triangle is certain to block `ray`, also when the tree is traversed.
+    /// Whether one visible primitive's triangle is certain to block `ray`, so that a traversal of the tree finds a
+    /// blocker.
     pub fn surely_blocked(&self, ray: &Ray, primitive: PrimitiveId, watch: &mut impl Observer) -> bool {
         let slot = self.slot(primitive);
         let (stop, blocked) = self.record(slot).surely_blocks(ray);

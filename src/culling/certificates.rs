@@ -1,12 +1,13 @@
-//! Certificates: proofs, kept for cells of static receivers, that a lamp's static answer is the same for all of a cell.
+//! Certificates: proofs, kept for cells of static receivers, that a lamp's static answer is the same in the whole
+//! cell.
 //!
-//! A lamp is a light, or all points of an area: one proof, one mode and one count are for all of them. A cell has one
-//! mode a lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both proven), or
-//! PARTIAL_SHADOW: not provable in one piece, look at the four cells within. The tree of cells grows where rays ask for
-//! it and the answer is not uniform; nothing in it depends on a unit of length.
+//! A lamp is a light, or all points of an area light: one proof, one mode and one count serve all its points. A cell
+//! has one mode for each lamp, in the two bits of the published word: nothing known, FULL_SHADOW and NON_SHADOW (both
+//! proven), or PARTIAL_SHADOW (not provable in one piece: see the four child cells). The tree of cells grows where
+//! rays ask for it and the answer is not uniform. Nothing in it depends on a unit of length.
 //!
-//! A certificate holds for one side of a receiver, that of the first ray that came; rays that start on the other side
-//! are traced. Bits 1:0 of the whole primitive's word say which.
+//! A certificate holds for one side of a receiver: the side of the first ray. Rays that start on the other side are
+//! traced. Bits 1:0 of the whole primitive's word give the side.
 
 use std::collections::BTreeSet;
 
@@ -47,8 +48,8 @@ pub struct CertificateSpec {
 }
 
 impl Default for CertificateSpec {
-    /// What saves most on the BART scenes for the memory it takes: a proof costs about as much as one ray, so two rays
-    /// repay it; cells that fewer than eight rays meet are seldom met again before the memory is full.
+    /// The settings that save most on the BART scenes for their memory. A proof costs about as much as one ray, so two
+    /// rays repay it. Cells that fewer than eight rays meet are seldom met again before the memory is full.
     fn default() -> Self {
         Self {
             ask: const { Within::literal(2) },
@@ -63,7 +64,7 @@ impl Default for CertificateSpec {
 /// A node without children.
 const NO_CHILDREN: u32 = 0;
 
-/// The tree of cells, as it was at the frame's start.
+/// The tree of cells, as of the frame's start.
 pub(crate) struct Certificates {
     spec: CertificateSpec,
     facts: SceneFacts,
@@ -73,11 +74,11 @@ pub(crate) struct Certificates {
     /// The first of each node's four children.
     children: Vec<u32>,
     lights: Vec<Light>,
-    /// Words that the light's movement has cleared, to be accounted for at the frame's end.
+    /// Words that a light's movement cleared; their updates are recorded at the frame's end.
     cleared: Vec<u32>,
 }
 
-/// The smallest cell around a hit that the tree has, and what it says.
+/// The smallest cell of the tree around a hit, and its mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Leaf {
     /// The cell.
@@ -101,7 +102,7 @@ fn bits(mode: Shadow) -> u32 {
 }
 
 impl Certificates {
-    /// No certificate yet.
+    /// A tree without certificates.
     pub(crate) fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
         let layout = WordLayout::new(facts.lamps.count(facts.lights as usize));
         Self {
@@ -115,7 +116,7 @@ impl Certificates {
         }
     }
 
-    /// A frame begins with these lights: what was known of one that has moved is forgotten.
+    /// Starts a frame with these lights; clears the modes of lamps that have moved.
     pub(crate) fn begin_frame(&mut self, lights: &[Light]) {
         let moved: Vec<_> = lights
             .iter()
@@ -138,7 +139,7 @@ impl Certificates {
         self.lights = lights.to_vec();
     }
 
-    /// Somebody to use and extend them in a band.
+    /// A worker that uses and extends the certificates in a band.
     pub(crate) fn prover(&self) -> Prover<'_> {
         Prover {
             certificates: self,
@@ -168,7 +169,8 @@ impl Certificates {
         (first != NO_CHILDREN).then_some(first + at)
     }
 
-    /// The entry of a node's reference to its children in the store of mode words: after all words that there can be.
+    /// The entry of a node's reference to its children in the store of mode words: after the words of all possible
+    /// nodes.
     fn reference(&self, node: u32) -> u32 {
         self.nodes() * self.layout.words_per_primitive() + node
     }
@@ -177,14 +179,14 @@ impl Certificates {
         self.facts.statics + self.spec.cells.get() as u32
     }
 
-    /// Takes in what the provers of a frame found. Band for band the findings agree, because what is proven is true; so
-    /// their order leaves no trace but in the side of a receiver that was first seen from both.
+    /// Applies the findings of a frame. The bands' findings agree, because what is proven is true. So their order
+    /// affects only the side of a receiver that was first seen from both sides.
     pub(crate) fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         for word in self.cleared.drain(..) {
             trail.update(Store::ModeWord, word);
         }
         let mut findings: Vec<_> = changes.iter().filter_map(Finding::from_change).collect();
-        // Those around come first, so that a cell is divided before its parts are written.
+        // Outer cells come first, so that a cell is divided before its children are written.
         findings.sort_by_key(|finding| (finding.cell, finding.light));
         for Finding { cell, light, mode, outside } in findings {
             let word = self.layout.first(cell.primitive);
@@ -216,8 +218,8 @@ impl Certificates {
         }
     }
 
-    /// The store of mode words: the words of all nodes that there can be, static primitives first, then as many
-    /// references, then the counts of rays.
+    /// The store of mode words: first the words of all possible nodes (static primitives first), then a reference for
+    /// each node, then the counts of rays.
     pub(crate) fn stores(&self) -> StoreEntries {
         StoreEntries {
             mode_words: self.reference(self.nodes()) + self.spec.counts.get() as u32,
@@ -228,7 +230,7 @@ impl Certificates {
     }
 }
 
-/// What a prover found of a cell and a light.
+/// A prover's result for a cell and a lamp.
 #[derive(Clone, Copy, Debug)]
 struct Finding {
     cell: Cell,
@@ -261,23 +263,23 @@ impl Finding {
     }
 }
 
-/// Uses certificates in a band, and asks for new ones, which count at once within the band. What rays of a cell have
-/// shown is counted within the band only.
+/// Uses certificates in a band and tries new ones, which are valid at once within the band. Answers of rays are
+/// counted within the band only.
 pub(crate) struct Prover<'a> {
     certificates: &'a Certificates,
     sides: FxHashMap<PrimitiveId, bool>,
     modes: FxHashMap<(Cell, LightId), Shadow>,
     seen: RayCounts,
-    /// The leaf around the hit in work, by light.
+    /// The leaf around the current hit, by light.
     leaves: Vec<Option<Leaf>>,
-    /// Words read for the hit in work: all lights share them.
+    /// Words read for the current hit; all lights share them.
     read: Vec<u32>,
-    /// Lamps to which a ray of the hit in work was counted.
+    /// Lamps for which a ray of the current hit was counted.
     counted: Vec<LightId>,
 }
 
 impl Prover<'_> {
-    /// The next hit is worked on.
+    /// Starts the next hit.
     pub(crate) fn hit(&mut self) {
         self.read.clear();
         self.counted.clear();
@@ -290,8 +292,8 @@ impl Prover<'_> {
         }
     }
 
-    /// The leaf around the hit for a light; `None` where there can be no certificate: on what moves, on the strip along
-    /// the edges, and on a receiver's other side.
+    /// The leaf around the hit for a light. `None` where there can be no certificate: on dynamic primitives, on the
+    /// strip along the edges, and on a receiver's other side.
     pub(crate) fn leaf(&mut self, hit: SurfaceHit, light: LightId, probe: &mut Probe<'_>) -> Option<Leaf> {
         let leaf = self.find(hit, light, probe);
         self.leaves[usize::from(light.0)] = leaf;
@@ -328,7 +330,7 @@ impl Prover<'_> {
             let (at, within) = inside.descend();
             if stored == Shadow::Partial {
                 let node = node.filter(|&node| all.child(node, at).is_some());
-                // Without children there was no room for them.
+                // A divided node without children: there was no room for them.
                 let Some(node) = node else { return Some(leaf) };
                 self.read(all.reference(node), probe);
             }
@@ -338,13 +340,14 @@ impl Prover<'_> {
         }
     }
 
-    /// A ray from the last leaf found for the light had this static blocker, or none: asks for a proof if it is time.
+    /// Learns the static blocker of a ray from the last leaf found for the light, or that there is none. Tries a proof
+    /// when enough rays agree.
     pub(crate) fn learn(&mut self, light: LightId, blocker: Option<PrimitiveId>, probe: &mut Probe<'_>) {
         let Some(Leaf { cell, mode: Shadow::Init, outside }) = self.leaves[usize::from(light.0)] else { return };
         let all = self.certificates;
         let light = all.facts.lamps.of(light);
         if self.modes.contains_key(&(cell, light)) {
-            // Another point of the lamp has just settled it.
+            // An earlier point of the lamp has just settled this cell.
             return;
         }
         let first = !self.counted.contains(&light);
@@ -375,7 +378,7 @@ impl Prover<'_> {
         }
     }
 
-    /// What was found.
+    /// The findings of the band.
     pub(crate) fn finish(self) -> impl Iterator<Item = Change> {
         let (all, sides) = (self.certificates, self.sides);
         self.modes.into_iter().filter_map(move |((cell, light), mode)| {

@@ -1,4 +1,4 @@
-//! Certificates alone: a shadow ray is spared only by a proof. Exact, and nothing of it depends on the view.
+//! Certificates only: a shadow ray is culled only by a proof. Exact, and independent of the view.
 
 use super::certificates::{CertificateSpec, Certificates, Prover};
 use super::facts::SceneFacts;
@@ -10,14 +10,14 @@ use crate::quantity::LightId;
 use crate::scene::Light;
 use crate::stream::StoreEntries;
 
-/// The policy.
+/// The policy's state.
 pub(crate) struct Certified {
     certificates: Certificates,
     facts: SceneFacts,
 }
 
 impl Certified {
-    /// Nothing proven yet.
+    /// The policy without any proof.
     pub(crate) fn new(spec: CertificateSpec, facts: SceneFacts) -> Self {
         Self { certificates: Certificates::new(spec, facts), facts }
     }

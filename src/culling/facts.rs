@@ -1,18 +1,18 @@
-//! What a policy must know of a scene.
+//! Scene properties that a policy needs.
 
 use crate::quantity::PrimitiveId;
 use crate::scene::{Lamps, Scene};
 
-/// What a policy must know of a scene before the first frame.
+/// Scene properties that a policy needs before the first frame.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneFacts {
-    /// Static primitives; dynamic ones count from here on.
+    /// Number of static primitives; the ids of dynamic primitives start here.
     pub statics: u32,
-    /// All primitives.
+    /// Number of all primitives.
     pub primitives: u32,
-    /// Lights.
+    /// Number of lights.
     pub lights: u32,
-    /// Which of them belong to one lamp.
+    /// Which lights belong to one lamp.
     pub lamps: Lamps,
 }
 

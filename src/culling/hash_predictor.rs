@@ -1,9 +1,9 @@
 //! The ray intersection predictor (Liu et al. 2021, "Intersection Prediction for Accelerated GPU Ray Tracing") for
-//! shadow rays: a small table says in which part of the tree a similar ray was blocked. That part is searched first; if
-//! nothing blocks there, the ray is traced as ever, so that no decision is wrong.
+//! shadow rays. A small table says in which part of the tree a similar ray was blocked. That part is searched first;
+//! if nothing blocks there, the ray is traced as usual, so no decision is wrong.
 //!
-//! The table stands for an SRAM of 1024 entries of a tag and a node; it is priced as a store of that many occluder ids.
-//! One access reads a set.
+//! The table models an SRAM of 1024 entries, each a tag and a node. It is priced as a store of the same number of
+//! occluder ids. One access reads a set.
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -51,12 +51,13 @@ impl Default for HashPredictorSpec {
 }
 
 impl HashPredictorSpec {
-    /// The ray's hash: its place in a grid over `bounds`, exclusive-or its direction in degrees, cut to leading bits.
+    /// The ray's hash: the cell of its origin in a grid over `bounds`, XOR the leading bits of its direction in
+    /// degrees.
     fn hash(&self, ray: &Ray, (low, high): (Vec3, Vec3)) -> u32 {
         let bits = self.origin_bits.get() as u32;
         let cells = (1 << bits) as f32;
         let place = ((ray.origin - low) / (high - low) * cells).to_array();
-        // Without triangles, and in a box without width, there may be no number: that is cell 0.
+        // An empty box or a box without width may give a NaN here: the cast makes it cell 0.
         let origin = place.into_iter().fold(0, |hash, at| hash << bits | at.clamp(0.0, cells - 1.0) as u32);
         let direction = ray.direction.normalize_or_zero();
         let theta = direction.z.clamp(-1.0, 1.0).acos().to_degrees() as u32;
@@ -71,11 +72,11 @@ impl HashPredictorSpec {
 struct Entry {
     tag: u32,
     node: NodeId,
-    /// When it was last used, on the table's clock; 0 for an empty entry.
+    /// Clock value of the last use; 0 for an empty entry.
     used: u64,
 }
 
-/// The table: sets of entries, the least recently used replaced.
+/// The table: sets of entries with LRU replacement.
 #[derive(Clone)]
 struct Table {
     sets: u32,
@@ -100,14 +101,14 @@ impl Table {
         &mut self.entries[first..first + self.ways]
     }
 
-    /// The node kept for `hash`.
+    /// The node stored for `hash`.
     fn peek(&self, hash: u32) -> Option<NodeId> {
         let first = self.first(hash);
         let set = &self.entries[first..first + self.ways];
         set.iter().find(|entry| entry.used > 0 && entry.tag == hash / self.sets).map(|entry| entry.node)
     }
 
-    /// Marks the entry of `hash` as used, if there is one.
+    /// Marks the entry of `hash` as the most recently used, if there is one.
     fn touch(&mut self, hash: u32) {
         let tag = hash / self.sets;
         let now = self.clock + 1;
@@ -116,7 +117,7 @@ impl Table {
         }
     }
 
-    /// Keeps `node` for `hash`.
+    /// Stores `node` for `hash`.
     fn keep(&mut self, hash: u32, node: NodeId) {
         let tag = hash / self.sets;
         let now = self.clock + 1;
@@ -128,19 +129,19 @@ impl Table {
     }
 }
 
-/// The predictor, as it was at the frame's start.
+/// The predictor, as of the frame's start.
 pub struct HashPredictor {
     spec: HashPredictorSpec,
     facts: SceneFacts,
     table: Table,
 }
 
-/// Kinds of [`Change`]: the entry of a hash was used; a node is to be kept for a hash.
+/// Kinds of [`Change`]: the entry of a hash was used; a node is stored for a hash.
 const TOUCH: u32 = 0;
 const KEEP: u32 = 1;
 
 impl HashPredictor {
-    /// Nothing known yet.
+    /// A predictor with an empty table.
     pub fn new(spec: HashPredictorSpec, facts: SceneFacts) -> Self {
         Self { spec, facts, table: Table::new(&spec) }
     }
@@ -156,7 +157,8 @@ impl Policy for HashPredictor {
     }
 
     fn end_frame(&mut self, changes: &[Change], _: &mut Trail) {
-        // The accesses again, in the order of the stream. They were recorded as they happened.
+        // Repeats the accesses in the order of the stream. They are not recorded again: the workers have recorded
+        // them.
         for change in changes {
             match change.kind {
                 TOUCH => self.table.touch(change.index),
@@ -237,10 +239,10 @@ mod tests {
         let bounds = (Vec3::ZERO, Vec3::splat(32.0));
         let hash =
             |origin: [f32; 3], direction: Vec3| spec.hash(&Ray::new(Vec3::from_array(origin), direction, 1.0), bounds);
-        // Straight up: polar angle 0, azimuth 180 degrees, which is 5 times 32 and a rest.
+        // Straight up: polar angle 0, azimuth 180 degrees, whose leading bits are 5.
         assert_eq!(hash([0.0; 3], Vec3::Z), 5 << 3);
         assert_eq!(hash([1.5, 2.5, 3.5], Vec3::Z), (1 << 10 | 2 << 5 | 3) ^ (5 << 3));
-        // What lies outside counts to the outermost cells.
+        // Points outside belong to the outermost cells.
         assert_eq!(hash([-9.0, 99.0, 31.9], Vec3::Z), (31 << 5 | 31) ^ (5 << 3));
         // Straight down: 180 degrees.
         assert_eq!(hash([0.0; 3], Vec3::new(0.0, 0.0, -1.0)), 5 << 3 | 5);

@@ -1,7 +1,7 @@
 //! Hints: the last static blocker of rays from a cell to a light, to be tested first.
 //!
-//! A hint is tested with the ray itself before it is believed, so nothing depends on it but work. Hence the table needs
-//! no tags: two cells that share an entry spoil each other's hint, never the picture.
+//! A hint is trusted only after a test with the ray itself, so hints change the work but no result. Hence the table
+//! needs no tags: two cells that share an entry spoil each other's hint, never the picture.
 
 use rustc_hash::FxHashMap;
 
@@ -20,7 +20,7 @@ const NONE: u32 = u32::MAX;
 /// The kind of [`Change`] that carries a hint.
 const HINT: u32 = 1 << 17;
 
-/// The table, as it was at the frame's start.
+/// The table, as of the frame's start.
 pub(crate) struct Hints {
     entries: Vec<u32>,
     lights: u32,
@@ -40,15 +40,16 @@ impl Hints {
         (product >> (64 - self.entries.len().trailing_zeros())) as u32
     }
 
-    /// Somebody to use it in a band.
+    /// A worker that uses the table in a band.
     pub(crate) fn worker(&self) -> HintWorker<'_> {
         HintWorker { hints: self, changed: FxHashMap::default(), last: vec![Last::default(); self.lights as usize] }
     }
 
-    /// Takes in what was learned in a frame; of two bands, the later one's stays.
+    /// Applies the changes of a frame; where two bands changed an entry, the later band wins.
     pub(crate) fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
         let mut hints: Vec<_> = changes.iter().filter(|change| change.kind == HINT).collect();
-        // Stable: what one band learned comes in any order, but names an entry once.
+        // The sort is stable, so bands stay in order. The changes of one band have any order, but name each entry only
+        // once.
         hints.sort_by_key(|change| change.index);
         for change in hints {
             self.entries[change.index as usize] = change.value;
@@ -62,7 +63,7 @@ impl Hints {
     }
 }
 
-/// What became of the last rays to a light that no certificate answered, whichever cell they came from.
+/// The latest rays to a light that no certificate answered, from any cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Last {
     /// The last blocker.
@@ -83,9 +84,9 @@ impl HintWorker<'_> {
         self.changed.get(&index).copied().unwrap_or(self.hints.entries[index as usize])
     }
 
-    /// A triangle that is certain to block `ray`, if a hint names one: the cell's own hint, then the light's last
-    /// blocker. A cell without a hint has its last ray lit, or is new: then the last blocker is tried only next to
-    /// other dark rays.
+    /// A triangle that is certain to block `ray`, if a hint names one. The cell's own hint is tested first, then the
+    /// light's last blocker. A cell without a hint is new, or its last ray was lit; then the last blocker is tested
+    /// only if the light's last ray was dark.
     pub(crate) fn blocker(&self, cell: Cell, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Option<PrimitiveId> {
         let index = self.hints.index(cell, light);
         probe.read(Store::OccluderId, index);
@@ -96,7 +97,8 @@ impl HintWorker<'_> {
         own.into_iter().chain(next).find(|&primitive| probe.surely_blocked(ray, primitive))
     }
 
-    /// A ray from a cell to a light had this static blocker, or none: after a lit ray the cell has no hint.
+    /// Learns the static blocker of a ray from a cell to a light, or that there is none. After a lit ray the cell has
+    /// no hint.
     pub(crate) fn learn(&mut self, cell: Cell, light: LightId, blocker: Option<PrimitiveId>) {
         let last = &mut self.last[usize::from(light.0)];
         *last = Last { blocker: blocker.or(last.blocker), dark: blocker.is_some() };
@@ -107,7 +109,7 @@ impl HintWorker<'_> {
         }
     }
 
-    /// What was learned.
+    /// The changes of the band.
     pub(crate) fn finish(self) -> impl Iterator<Item = Change> {
         self.changed.into_iter().map(|(index, value)| Change { kind: HINT, index, value })
     }

@@ -1,10 +1,10 @@
-//! Certificates where they can be had, the last blocker tested again otherwise; both for cells of receivers and for
-//! lamps: the points of an area share a blocker as they share a proof.
+//! Certificates where they are possible; otherwise a test of the last blocker. Both are for cells of receivers and for
+//! lamps: the points of an area light share a blocker as they share a proof.
 //!
-//! The two complement each other: a re-tested blocker answers dark rays for one triangle test and cannot answer lit
-//! ones; a certificate answers both, and cannot be had where the answer changes within a cell, or where no single
-//! triangle blocks all of it. (Two triangles that share an edge block nothing for certain along it: the triangle test
-//! is not watertight, and a ray may slip between them in the tracer.)
+//! The two complement each other. A re-tested blocker answers dark rays for one triangle test, but cannot answer lit
+//! rays. A certificate answers both, but is impossible where the answer changes within a cell, or where no single
+//! triangle blocks the whole cell. (Two triangles that share an edge do not certainly block rays along it: the
+//! triangle test is not watertight, and a ray may slip between them in the tracer.)
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -33,13 +33,13 @@ pub struct HybridSpec {
 }
 
 impl Default for HybridSpec {
-    /// 64 KB of hints: sixteen times as many save two in a hundred more of the triangle tests in the BART kitchen.
+    /// 64 KB of hints: sixteen times this size saves only 2 % more of the triangle tests in the BART kitchen.
     fn default() -> Self {
         Self { certificates: CertificateSpec::default(), hints: const { PowerOfTwo::literal(16_384) } }
     }
 }
 
-/// The policy.
+/// The policy's state.
 pub(crate) struct Hybrid {
     certificates: Certificates,
     hints: Hints,
@@ -47,7 +47,7 @@ pub(crate) struct Hybrid {
 }
 
 impl Hybrid {
-    /// Nothing known yet.
+    /// The policy without any knowledge.
     pub(crate) fn new(spec: HybridSpec, facts: SceneFacts) -> Self {
         let hints = Hints::new(spec.hints, facts.lights);
         Self { certificates: Certificates::new(spec.certificates, facts), hints, facts }
@@ -78,11 +78,11 @@ impl Policy for Hybrid {
     }
 }
 
-/// A ray that no certificate answers.
+/// A ray without a certificate for its answer.
 #[derive(Clone, Copy, Debug)]
 struct Open {
     cell: Cell,
-    /// The hint that blocks it.
+    /// The hinted triangle that blocks the ray.
     blocker: Option<PrimitiveId>,
 }
 
@@ -90,7 +90,7 @@ struct HybridWorker<'a> {
     prover: Prover<'a>,
     hints: HintWorker<'a>,
     facts: SceneFacts,
-    /// The rays of the hit in work that no certificate answers, by light.
+    /// The rays of the current hit without a certificate, by light.
     open: Vec<Option<Open>>,
 }
 

@@ -1,4 +1,4 @@
-//! How fresh the memory is that a decision reads.
+//! How recent the memory is that a decision reads.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

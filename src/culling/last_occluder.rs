@@ -1,4 +1,4 @@
-//! The last blocker of each primitive and light, tested first: the shadow cache of ray tracers, kept over frames.
+//! The last blocker of each primitive and light, tested first: the shadow cache of ray tracers, kept across frames.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

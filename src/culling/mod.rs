@@ -1,8 +1,8 @@
-//! Culling policies: what is kept from frame to frame to answer shadow rays without tracing them.
+//! Culling policies: state kept from frame to frame, which answers shadow rays without tracing them.
 //!
-//! A [`Policy`] holds what is kept, as it was at the frame's start. A [`Worker`] decides for one band of the picture;
-//! it only reads the policy, and hands in what it learned as [`Change`]s, which the policy takes in at the frame's end.
-//! So no result depends on the order in which bands are traced, nor on the number of threads.
+//! A [`Policy`] holds the state as of the frame's start. A [`Worker`] decides for one band of the picture. It only
+//! reads the policy; what it learns it returns as [`Change`]s, which the policy applies at the frame's end. So no
+//! result depends on the order in which bands are traced, or on the number of threads.
 
 pub mod cells;
 pub(crate) mod certificates;

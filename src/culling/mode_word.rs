@@ -1,24 +1,24 @@
 //! The 32-bit word of modes that each primitive keeps (GI09, "Required additional information" of the poster).
 //!
-//! Bits 1:0 hold the occlusion mode, then come two bits a light. Fifteen lights fit; the poster says "less than ten".
-//! Further lights take further words, sixteen a word.
+//! Bits 1:0 hold the occlusion mode, followed by two bits for each light. Fifteen lights fit; the poster says "less
+//! than ten". Further lights use further words, sixteen lights per word.
 
 use crate::quantity::{LightId, PrimitiveId};
 
-/// Whether a primitive is fully seen.
+/// Whether a primitive was seen whole.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Occlusion {
     /// Nothing is known.
     Init,
-    /// Part of it was hidden, or outside the picture.
+    /// A part of it was hidden, or outside the picture.
     PartiallyOccluded,
     /// All of it was seen: its shadow bits can be trusted.
     FullyRendered,
-    /// It can move: nothing is kept for it.
+    /// It can move: no mode is kept for it.
     Dynamic,
 }
 
-/// What was seen of a light from a primitive.
+/// The answers seen for a light on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shadow {
     /// Nothing yet.
@@ -31,9 +31,9 @@ pub(crate) enum Shadow {
     Partial,
 }
 
-/// The bit of "a shadow was seen", before its shift to the light's place.
+/// The bit for "a shadow was seen", before the shift to the light's position.
 pub(crate) const SEEN_DARK: u32 = 0b01;
-/// The bit of "the light was seen", before its shift to the light's place.
+/// The bit for "the light was seen", before the shift to the light's position.
 pub(crate) const SEEN_LIT: u32 = 0b10;
 
 const OCCLUSION_BITS: u32 = 0b11;
@@ -64,24 +64,24 @@ impl ModeWord {
         Self(self.0 & !OCCLUSION_BITS | bits)
     }
 
-    /// The word with the occlusion mode only.
+    /// The word without its shadow modes.
     pub(crate) fn without_shadows(self) -> Self {
         Self(self.0 & OCCLUSION_BITS)
     }
 }
 
-/// Where the modes of a primitive lie, for a number of lights.
+/// The layout of a primitive's modes, for a number of lights.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct WordLayout {
     words: u32,
 }
 
-/// The place of a light's two bits.
+/// The position of a light's two bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ShadowPlace {
-    /// The word, counted over all primitives.
+    /// Index of the word, counted over all primitives.
     pub word: u32,
-    /// The lower bit.
+    /// Position of the lower bit.
     pub shift: u32,
 }
 
@@ -103,17 +103,17 @@ impl WordLayout {
         Self { words: 1 + (lights.saturating_sub(15)).div_ceil(16) as u32 }
     }
 
-    /// Words a primitive.
+    /// Number of words per primitive.
     pub(crate) fn words_per_primitive(self) -> u32 {
         self.words
     }
 
-    /// The first word of a primitive: it holds the occlusion mode.
+    /// Index of a primitive's first word, which holds the occlusion mode.
     pub(crate) fn first(self, primitive: PrimitiveId) -> u32 {
         primitive.0 * self.words
     }
 
-    /// Where a light's modes are.
+    /// The position of a light's mode.
     pub(crate) fn shadow(self, primitive: PrimitiveId, light: LightId) -> ShadowPlace {
         let pair = u32::from(light.0) + 1;
         ShadowPlace { word: self.first(primitive) + pair / 16, shift: 2 * (pair % 16) }

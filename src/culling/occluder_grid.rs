@@ -1,5 +1,5 @@
-//! The last blocker of each light and direction, tested first: a cube of cells around each light, as the light buffer
-//! (Haines and Greenberg 1986) has, with one blocker a cell.
+//! The last blocker of each light and direction, tested first. Each light has a cube of cells around it, as in the
+//! light buffer (Haines and Greenberg 1986), with one blocker per cell.
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -24,7 +24,7 @@ pub struct OccluderGridSpec {
 }
 
 impl Default for OccluderGridSpec {
-    /// 20 x 20 cells a face.
+    /// 20 x 20 cells per face.
     fn default() -> Self {
         Self { cells: Within::new(20).expect("20 is within the range"), knowledge: Knowledge::default() }
     }
@@ -55,7 +55,7 @@ impl ByDirection {
             2
         };
         let face = 2 * axis as u32 + u32::from(direction[axis] < 0.0);
-        // From 0 to `cells`; a direction without length is in cell 0.
+        // From 0 to `cells`; a direction of length zero belongs to cell 0.
         let across = |along: usize| {
             let at = (direction[along] / size[axis] + 1.0) * 0.5 * self.cells as f32;
             (at as u32).min(self.cells - 1)

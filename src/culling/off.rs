@@ -5,7 +5,7 @@ use super::probe::Probe;
 use crate::accel::Ray;
 use crate::quantity::LightId;
 
-/// Keeps nothing and traces every ray.
+/// Keeps no state and traces every ray.
 pub(crate) struct Off;
 
 impl Policy for Off {

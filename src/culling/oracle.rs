@@ -5,7 +5,7 @@ use super::probe::Probe;
 use crate::accel::Ray;
 use crate::quantity::LightId;
 
-/// Knows of every ray whether a static triangle blocks it.
+/// Knows for every ray whether a static triangle blocks it.
 pub(crate) struct Oracle;
 
 impl Policy for Oracle {

@@ -1,4 +1,4 @@
-//! What a policy is: what it keeps from frame to frame, and how it decides in one.
+//! The interface of a policy: its state from frame to frame, and its decisions within a frame.
 
 use glam::Vec2;
 
@@ -8,31 +8,31 @@ use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
 use crate::stream::{Decision, StoreEntries};
 
-/// What a policy needs the tracer to do for it.
+/// What a policy requires from the tracer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Needs {
-    /// It looks at the pixels before the current one.
+    /// It uses the pixels before the current one.
     pub references: bool,
     /// It reads what it learned earlier in the same frame: the frame must be traced as one band, in raster order.
     pub live: bool,
-    /// It must know before the first decision how many pixels show each primitive.
+    /// It needs the number of pixels of each primitive before the first decision.
     pub census: bool,
 }
 
-/// What a policy wants kept; `kind` is the policy's own code.
+/// A change of the policy's state; `kind` is the policy's own code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Change {
-    /// What is to be done.
+    /// The kind of change.
     pub kind: u32,
-    /// To which entry.
+    /// The entry to change.
     pub index: u32,
-    /// With which value.
+    /// The new value.
     pub value: u32,
 }
 
-/// What is kept from frame to frame.
+/// The state kept from frame to frame.
 pub trait Policy: Send + Sync {
-    /// What it needs of the tracer.
+    /// What the policy requires from the tracer.
     fn needs(&self) -> Needs {
         Needs::default()
     }
@@ -42,14 +42,15 @@ pub trait Policy: Send + Sync {
         Order::NearestFirst
     }
 
-    /// A frame begins with these lights; `census` has the pixels of each primitive if [`Needs::census`] asks for them.
+    /// Starts a frame with these lights. `census` has the number of pixels of each primitive, if [`Needs::census`]
+    /// asks for it.
     fn begin_frame(&mut self, _lights: &[Light], _census: Option<Vec<u32>>) {}
 
-    /// Somebody to decide for a band.
+    /// A worker that decides for one band.
     fn worker(&self) -> Box<dyn Worker + '_>;
 
-    /// A frame ends: takes in what all workers learned, in the order of their bands, and records in `steps` the memory
-    /// accesses of doing so.
+    /// Ends a frame: applies the changes of all workers, in the order of their bands, and records the memory accesses
+    /// in `steps`.
     fn end_frame(&mut self, _changes: &[Change], _steps: &mut Trail) {}
 
     /// A primitive's mode word with the modes of the first fifteen lights, if the policy keeps one.
@@ -57,18 +58,18 @@ pub trait Policy: Send + Sync {
         None
     }
 
-    /// Sizes of the stores that it keeps.
+    /// Sizes of the policy's stores.
     fn stores(&self) -> StoreEntries {
         StoreEntries::default()
     }
 }
 
-/// Where a shadow ray starts.
+/// The hit that a shadow ray starts from.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceHit {
     /// The primitive.
     pub primitive: PrimitiveId,
-    /// 1 for a primary ray's hit, 2 for that of the first secondary ray, and so on.
+    /// 1 for a primary ray's hit, 2 for the first secondary ray's hit, and so on.
     pub depth: u32,
     /// Barycentric coordinates of corners 1 and 2.
     pub barycentric: Vec2,
@@ -79,24 +80,24 @@ pub struct SurfaceHit {
 /// A pixel before the current one.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
-    /// What it shows.
+    /// The primitive that the pixel shows.
     pub primitive: PrimitiveId,
     /// Its primary ray.
     pub ray: Ray,
 }
 
-/// What only a primary hit has.
+/// Data that only a primary hit has.
 #[derive(Clone, Copy, Debug)]
 pub struct Primary<'a> {
     /// The pixel's ray.
     pub ray: &'a Ray,
     /// Whether the pixel is at the picture's edge.
     pub border: bool,
-    /// The left, the upper, the upper left and the upper right pixel, where there is one that shows something.
+    /// The left, upper, upper left and upper right pixels; `None` outside the picture or where nothing is hit.
     pub references: &'a [Option<Reference>; 4],
 }
 
-/// What a policy says of a shadow ray.
+/// A policy's decision on a shadow ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Trace it.
@@ -108,7 +109,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// How the stream records it.
+    /// The decision in the stream's form.
     pub fn decision(self) -> Decision {
         match self {
             Self::Trace => Decision::Trace,
@@ -117,7 +118,7 @@ impl Verdict {
         }
     }
 
-    /// What the ray is traced among, if it is traced.
+    /// The triangles to trace the ray among, if it is traced.
     pub fn scope(self) -> Option<Scope> {
         match self {
             Self::Trace => Some(Scope::All),
@@ -127,30 +128,30 @@ impl Verdict {
     }
 }
 
-/// What a shadow ray showed.
+/// The answer of a shadow ray.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence {
     /// The shadow ray.
     pub ray: Ray,
-    /// What the policy had said.
+    /// The policy's decision.
     pub verdict: Verdict,
-    /// What blocks the ray, if it was traced and is blocked. A dynamic blocker of a ray that was traced among
-    /// everything proves that no static triangle blocks.
+    /// The blocker, if the ray was traced and is blocked. A dynamic blocker of a ray that was traced among all
+    /// triangles proves that no static triangle blocks it.
     pub blocker: Option<PrimitiveId>,
 }
 
 /// Decides for one band of the picture.
 pub trait Worker {
-    /// A primary or secondary ray has hit something.
+    /// A primary or secondary ray has hit a primitive.
     fn hit(&mut self, _hit: SurfaceHit, _primary: Option<&Primary<'_>>, _probe: &mut Probe<'_>) {}
 
     /// Whether the shadow ray `ray` from `hit` to `light` must be traced.
     fn decide(&mut self, hit: SurfaceHit, light: LightId, ray: &Ray, probe: &mut Probe<'_>) -> Verdict;
 
-    /// The shadow ray's answer is known.
+    /// Receives a shadow ray's answer.
     fn learn(&mut self, _hit: SurfaceHit, _light: LightId, _evidence: Evidence, _probe: &mut Probe<'_>) {}
 
-    /// What is to be kept.
+    /// The changes to keep.
     fn finish(self: Box<Self>) -> Vec<Change> {
         Vec::new()
     }

@@ -1,4 +1,4 @@
-//! How a policy reaches the scene and its stores: every access is recorded.
+//! A policy's access to the scene and to its stores: every access is recorded.
 
 use glam::Vec3;
 
@@ -7,17 +7,17 @@ use crate::accel::{Ray, Relation, Scope, Shaft, Sight, Silent, Trail, World};
 use crate::quantity::{NodeId, PrimitiveId};
 use crate::stream::{Effect, Store};
 
-/// A worker's hands: tests triangles and touches the policy's stores, and records every access.
+/// Tests triangles and accesses the policy's stores for a worker, and records every access.
 pub struct Probe<'a> {
     world: &'a World<'a>,
     trail: &'a mut Trail,
     offset: f32,
-    /// Tests made to learn which primitives are occluded.
+    /// Number of tests made to learn which primitives are occluded.
     pub occlusion_tests: u64,
 }
 
 impl<'a> Probe<'a> {
-    /// Hands that record in `trail`; shadow rays start `offset` off their surface, in world units.
+    /// A probe that records in `trail`; shadow rays start `offset` off their surface, in world units.
     pub fn new(world: &'a World<'a>, trail: &'a mut Trail, offset: f32) -> Self {
         Self { world, trail, offset, occlusion_tests: 0 }
     }
@@ -28,7 +28,7 @@ impl<'a> Probe<'a> {
         self.world.test(ray, primitive, self.trail).is_some()
     }
 
-    /// Whether a static triangle blocks `ray`; recorded nowhere.
+    /// Whether a static triangle blocks `ray`; not recorded.
     pub(super) fn statically_blocked(&self, ray: &Ray) -> bool {
         self.world.occluded(ray, Scope::Static, &mut Silent).is_some()
     }
@@ -38,7 +38,7 @@ impl<'a> Probe<'a> {
         self.world.surely_blocked(ray, primitive, self.trail)
     }
 
-    /// A static primitive as a receiver of shadow. Nothing is recorded: the unit has just tested its triangle.
+    /// A static primitive as a receiver of shadow. Nothing is recorded, because the unit has just tested its triangle.
     pub fn receiver(&self, primitive: PrimitiveId) -> Receiver<'a> {
         Receiver { record: self.world.static_record(primitive), offset: self.offset }
     }
@@ -48,12 +48,12 @@ impl<'a> Probe<'a> {
         self.world.sight(shaft, self.trail)
     }
 
-    /// What the static triangle `primitive` does to the rays of `shaft`.
+    /// The relation of the static triangle `primitive` to the rays of `shaft`.
     pub fn relation(&mut self, shaft: &Shaft, primitive: PrimitiveId) -> Relation {
         self.world.relation(shaft, primitive, self.trail)
     }
 
-    /// Tests whether one visible primitive blocks a shadow ray: what the tracer would say of it.
+    /// Tests whether one visible primitive blocks a shadow ray, with the tracer's own test.
     pub fn blocks(&mut self, ray: &Ray, primitive: PrimitiveId) -> bool {
         self.world.blocks(ray, primitive, self.trail)
     }
@@ -63,12 +63,12 @@ impl<'a> Probe<'a> {
         self.world.occluded_below(ray, node, self.trail).is_some()
     }
 
-    /// The static node `levels` levels above a static primitive's leaf, or the root.
+    /// The static node `levels` levels above a static primitive's leaf; at most the root.
     pub fn ancestor(&self, primitive: PrimitiveId, levels: u32) -> NodeId {
         self.world.ancestor(primitive, levels)
     }
 
-    /// The box around all static triangles; empty without any.
+    /// The box around all static triangles; empty if there are none.
     pub fn static_bounds(&self) -> (Vec3, Vec3) {
         self.world.static_bounds()
     }
@@ -78,7 +78,7 @@ impl<'a> Probe<'a> {
         self.trail.read(store, index);
     }
 
-    /// Writes an entry of a store whole.
+    /// Writes a whole entry of a store.
     pub fn write(&mut self, store: Store, index: u32) {
         self.trail.write(store, index);
     }
@@ -88,7 +88,7 @@ impl<'a> Probe<'a> {
         self.trail.update(store, index);
     }
 
-    /// Sets bits of a mode word, with this effect as far as the worker knows.
+    /// Sets bits of a mode word; `effect` is what the worker knows of the effect.
     pub fn set_bits(&mut self, word: u32, bits: u32, effect: Effect) {
         self.trail.set_bits(word, bits, effect);
     }

@@ -1,5 +1,5 @@
-//! How many rays of a cell went to a light, lately: what gates a proof. A small table in memory, in which a new pair of
-//! cell and light takes the place of another.
+//! Recent numbers of rays from a cell to a light, which decide when a proof is tried. The table is small and in
+//! memory; a new pair of cell and light replaces another pair in its slot.
 
 use rustc_hash::FxHashMap;
 
@@ -9,28 +9,28 @@ use crate::quantity::LightId;
 use crate::ranged::PowerOfTwo;
 use crate::stream::Store;
 
-/// Rays of a cell towards a light. In memory 32 bits: a count of 8, a flag for each kind of answer and one for a proof
-/// that was asked for, and a tag of 21 (the model compares the whole pair).
+/// Rays of a cell towards a light. In memory an entry takes 32 bits: an 8-bit count, a flag for each of the two
+/// answers, a flag for a requested proof, and a 21-bit tag (the model compares the whole pair).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Seen {
-    /// How many, as far as 8 bits count.
+    /// Number of rays, saturating at 255.
     pub rays: u8,
-    /// Whether some were lit.
+    /// Whether a ray was lit.
     pub lit: bool,
-    /// Whether some were dark.
+    /// Whether a ray was dark.
     pub dark: bool,
-    /// Whether a proof was asked for.
+    /// Whether a proof was requested.
     pub asked: bool,
 }
 
 impl Seen {
-    /// Whether all had the same answer.
+    /// Whether all rays had the same answer.
     pub(crate) fn uniform(self) -> bool {
         !(self.lit && self.dark)
     }
 }
 
-/// The table in a band; it begins empty.
+/// The table of a band; it starts empty.
 pub(crate) struct RayCounts {
     bits: u32,
     /// The entry of the table's first slot in the store of mode words.
@@ -44,8 +44,9 @@ impl RayCounts {
         Self { bits: size.get().trailing_zeros(), base, slots: FxHashMap::default() }
     }
 
-    /// Counts a ray, with one access to memory; what the slot then holds, to be changed. Of the rays of one hit to an
-    /// area's points the first is counted, and the access made, for all (`first`); the unit holds the entry meanwhile.
+    /// Counts a ray, with one memory access, and returns the slot's entry, which may be changed. Of a hit's rays to
+    /// the points of an area light, only the first (`first`) is counted and accesses memory; the unit holds the entry
+    /// for the others.
     pub(crate) fn count(
         &mut self,
         cell: Cell,

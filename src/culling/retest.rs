@@ -1,8 +1,7 @@
-//! What all policies share that keep the last blocker of a shadow ray under some key and test it first: the id that is
-//! read is only a guess, the test of its triangle on the very ray proves it, so they never decide wrongly.
+//! Shared code of the policies that store the last blocker of a shadow ray under a key and test it first. The stored
+//! id is only a guess; the test of its triangle on the ray itself proves it. So these policies never decide wrongly.
 //!
-//! Only static blockers are kept. What a key says is not forgotten when the guess fails, only when another blocker is
-//! found.
+//! Only static blockers are stored. An entry is kept when its guess fails, and replaced when another blocker is found.
 
 use rustc_hash::FxHashMap;
 
@@ -14,9 +13,9 @@ use crate::accel::{Ray, Trail};
 use crate::quantity::{LightId, PrimitiveId};
 use crate::stream::{Store, StoreEntries};
 
-/// Says which entry of the memory a shadow ray uses.
+/// Maps a shadow ray to its entry of the memory.
 pub trait Key: Send + Sync {
-    /// How many entries there are.
+    /// Number of entries.
     fn entries(&self) -> u32;
     /// The entry of the shadow ray `ray` from `hit` to `light`.
     fn entry(&self, hit: SurfaceHit, light: LightId, ray: &Ray) -> u32;
@@ -31,7 +30,7 @@ pub struct Retest<K> {
 }
 
 impl<K: Key> Retest<K> {
-    /// Nothing known yet.
+    /// A memory without any blocker.
     pub fn new(key: K, knowledge: Knowledge, facts: SceneFacts) -> Self {
         let blockers = vec![None; key.entries() as usize];
         Self { key, knowledge, facts, blockers }
@@ -48,7 +47,7 @@ impl<K: Key> Policy for Retest<K> {
     }
 
     fn end_frame(&mut self, changes: &[Change], _: &mut Trail) {
-        // Of several bands that found a blocker the last one's stays. The accesses were recorded as they happened.
+        // Of several bands' blockers, the last band's is kept. The workers have already recorded the accesses.
         for change in changes {
             self.blockers[change.index as usize] = Some(PrimitiveId(change.value));
         }
@@ -61,7 +60,7 @@ impl<K: Key> Policy for Retest<K> {
 
 struct RetestWorker<'a, K> {
     policy: &'a Retest<K>,
-    /// The last blocker found here, by entry.
+    /// The last blocker found in this band, by entry.
     found: FxHashMap<u32, PrimitiveId>,
 }
 
@@ -86,7 +85,7 @@ impl<K: Key> Worker for RetestWorker<'_, K> {
     }
 
     fn finish(self: Box<Self>) -> Vec<Change> {
-        // Each entry is there once: their order does not matter.
+        // Each entry occurs once, so the order does not matter.
         self.found.into_iter().map(|(index, PrimitiveId(value))| Change { kind: 0, index, value }).collect()
     }
 }

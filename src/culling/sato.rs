@@ -1,12 +1,12 @@
 //! No culling, but another order of visits: shadow rays visit the child with the larger box first (SATO: Nah and
-//! Manocha 2014), where a blocker is likelier to be.
+//! Manocha 2014), because a blocker is more likely there.
 
 use super::policy::{Policy, SurfaceHit, Verdict, Worker};
 use super::probe::Probe;
 use crate::accel::{Order, Ray};
 use crate::quantity::LightId;
 
-/// Keeps nothing and traces every ray, in its own order.
+/// Keeps no state and traces every ray, in its own order.
 pub(crate) struct Sato;
 
 impl Policy for Sato {

@@ -36,7 +36,7 @@ pub enum PolicySpec {
 }
 
 impl PolicySpec {
-    /// Whether it needs a tree of boxes (a BVH).
+    /// Whether the policy needs a tree of boxes (a BVH).
     pub fn needs_boxes(&self) -> bool {
         matches!(self, Self::HashPredictor(_) | Self::Sato)
     }

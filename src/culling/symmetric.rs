@@ -1,5 +1,5 @@
 //! The published algorithm with occlusion tests in both directions: the current pixel's ray against the other pixel's
-//! primitive, and the other way round.
+//! primitive, and the other pixel's ray against the current primitive.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -27,7 +27,7 @@ pub enum Neighbours {
 }
 
 impl SymmetricSpec {
-    /// The rules that the published algorithm follows then.
+    /// The rules of the published algorithm with these settings.
     pub fn rules(self) -> PublishedRules {
         let references = match self.neighbours {
             Neighbours::Four => References::LeftAndUpper,

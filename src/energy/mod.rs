@@ -1,4 +1,4 @@
-//! The energy that a machine used: counts times constants. `docs/model/energy.md` has the rules in words.
+//! The energy that a machine uses: counts times constants. `docs/model/energy.md` describes the rules.
 
 #[cfg(test)]
 mod tests;
@@ -14,10 +14,10 @@ use crate::stream::Structure;
 
 /// Joules in a picojoule.
 const PICO: f64 = 1e-12;
-/// Picojoules that a milliwatt makes of a second.
+/// Picojoules of one milliwatt in one second.
 const MILLIWATT: f64 = 1e9;
 
-/// The energy of what `stats` count, on streams of a structure; `None` where the energy of the DRAM is not known.
+/// The energy of the work that `stats` counts, for streams of a structure; `None` if the DRAM's energy is unknown.
 pub(crate) fn of(machine: &MachineSpec, structure: Structure, stats: &MachineStats) -> Option<Energy> {
     let seconds = stats.cycles.0 as f64 / (stats.clock_mhz * 1e6);
     let line_bytes = machine.line_bytes.get();
@@ -31,7 +31,7 @@ pub(crate) fn of(machine: &MachineSpec, structure: Structure, stats: &MachineSta
     Some(sum.energy())
 }
 
-/// Energies by part, and the typical ones by class, in pJ.
+/// Energies by part, and typical energies by class, in pJ.
 #[derive(Default)]
 struct Sum {
     by: BTreeMap<String, Spread>,
@@ -59,7 +59,7 @@ impl Sum {
     }
 }
 
-/// Operations of units, and rays that pass the dispatcher and the FIFOs.
+/// Energy of the units' operations, and of rays that pass the dispatcher and the FIFOs.
 fn units(machine: &MachineSpec, structure: Structure, stats: &MachineStats, sum: &mut Sum) {
     let spec = &machine.energy;
     for (name, operation) in [
@@ -75,17 +75,17 @@ fn units(machine: &MachineSpec, structure: Structure, stats: &MachineStats, sum:
     sum.add("dispatcher", spec.dispatcher * stats.rays as f64);
     sum.add("fifos", spec.fifo_byte * stats.moved("fifos").0 as f64);
     if let Some(bytes) = stats.bytes.get("ray_buffer") {
-        // A buffer of the size of a FIFO.
+        // Priced as a FIFO.
         let moved: u64 = bytes.values().map(|bytes| bytes.0).sum();
         sum.add("ray_buffer", spec.fifo_byte * moved as f64);
     }
 }
 
-/// Accesses of all caches: each reads or writes a line, and so do a fill and a write-back.
+/// Energy of all cache accesses: each reads or writes a line, and so does each fill and each write-back.
 fn caches(machine: &MachineSpec, stats: &MachineStats, sum: &mut Sum) {
     let l1s = Kind::ALL.map(|kind| (kind, kind.spec(machine).cache));
     let l1s = l1s.map(|(kind, cache)| (kind.names().1.to_owned(), cache.bytes.get(), cache.ways.get()));
-    // An access wakes one bank.
+    // An access activates one bank only.
     let l2 = machine.l2.caches().into_iter();
     let l2 = l2.map(|(name, cache)| (name, cache.bytes.get() / cache.banks.get(), cache.ways.get()));
     for (name, bytes, ways) in l1s.into_iter().chain(l2) {
@@ -99,7 +99,7 @@ fn caches(machine: &MachineSpec, stats: &MachineStats, sum: &mut Sum) {
     }
 }
 
-/// Commands of the DRAM, and their classes by the bytes that they moved.
+/// Energy of the DRAM's commands, split between classes by the bytes that they moved.
 fn commands(dram: &[(&'static str, Spread)], stats: &MachineStats, sum: &mut Sum) {
     dram.iter().for_each(|&(part, energy)| sum.add(part, energy));
     let of_data = dram.iter().filter(|(part, _)| !["dram_refresh", "dram_background"].contains(part));

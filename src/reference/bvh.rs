@@ -8,18 +8,18 @@ use crate::quantity::PrimitiveId;
 use crate::scene::Triangle;
 
 const BINS: usize = 16;
-/// Leaves of up to this many triangles are made without asking the heuristic.
+/// Maximum size of leaves that are made without the heuristic.
 const SMALL_LEAF: usize = 2;
-/// Larger leaves are cut in halves even where no plane parts them.
+/// Larger leaves are halved even where no plane separates their triangles.
 const LARGE_LEAF: usize = 8;
-/// Cost of a node's visit in triangle tests.
+/// Cost of a node visit, in triangle tests.
 const VISIT_COST: f32 = 1.0;
-/// Deeper nodes are cut in halves, which bounds the depth: 32 levels by the heuristic and 32 that halve at most 2^32
+/// Deeper nodes are halved, which bounds the depth: 32 levels by the heuristic, and 32 that halve at most 2^32
 /// triangles.
 const HEURISTIC_DEPTH: usize = 32;
 const STACK: usize = HEURISTIC_DEPTH + 32;
 
-/// The box of a part of the tree. Its sides are corners' coordinates, hence exact in `f32`.
+/// The box of a part of the tree. Its sides are coordinates of corners, so they are exact in `f32`.
 #[derive(Clone, Copy)]
 struct Bounds {
     low: Vec3,
@@ -61,7 +61,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// A tree over those triangles that a ray can hit: with an area, and of finite coordinates.
+    /// A tree over the triangles that a ray can hit: those with an area and finite coordinates.
     pub(super) fn new(triangles: impl Iterator<Item = (PrimitiveId, Triangle)>) -> Self {
         let mut items: Vec<Item> = triangles
             .filter(|(_, triangle)| can_be_hit(triangle))
@@ -96,15 +96,15 @@ impl Tree {
         self.build(first + 1, right, depth + 1);
     }
 
-    /// The largest coordinate, without its sign.
+    /// The largest magnitude of a coordinate.
     pub(super) fn reach(&self) -> f64 {
         self.nodes
             .first()
             .map_or(0.0, |root| f64::from(root.bounds.low.abs().max(root.bounds.high.abs()).max_element()))
     }
 
-    /// Shows `visit` every triangle that the ray meets at a t of 0 to `limit`, 0 left out, and others perhaps; near
-    /// boxes come first. `visit` gives the new limit; one below 0 ends the walk.
+    /// Calls `visit` for every triangle that the ray meets at 0 < t <= `limit`, and perhaps for others; near boxes
+    /// come first. `visit` returns the new limit; a limit below 0 ends the walk.
     pub(super) fn walk(&self, ray: &Ray, mut limit: f64, mut visit: impl FnMut(PrimitiveId, Crossing) -> f64) {
         let enter = |child: u32, limit| {
             let Bounds { low, high } = self.nodes[child as usize].bounds;
@@ -152,15 +152,15 @@ impl Tree {
     }
 }
 
-/// Whether a ray can hit a triangle: it has an area, and its corners are somewhere.
+/// Whether a ray can hit a triangle: it has an area and finite corners.
 pub(super) fn can_be_hit(triangle: &Triangle) -> bool {
     let [a, b, c] = triangle.v.map(|corner| corner.as_dvec3());
     let normal = (b - a).cross(c - a);
-    // Infinite and undefined coordinates give an infinite or undefined normal.
+    // Infinite or undefined coordinates give an infinite or undefined normal.
     normal.is_finite() && normal.length_squared() > 0.0
 }
 
-/// Sorts items to two sides and gives the number of the left ones; `None` makes a leaf.
+/// Sorts items to two sides and returns the number on the left; `None` makes a leaf.
 fn cut(items: &mut [Item], bounds: Bounds, depth: usize) -> Option<usize> {
     if items.len() <= SMALL_LEAF {
         return None;
@@ -245,7 +245,8 @@ mod tests {
         (left.0 + right.0, left.1.max(right.1) + 1)
     }
 
-    /// Triangles in one place cannot be parted by a plane; ever larger ones tempt the heuristic to cut off one by one.
+    /// No plane separates triangles in one place; ever larger triangles tempt the heuristic to cut them off one by
+    /// one.
     #[test]
     fn depth_is_bounded() {
         let same = |_: u32| 1.0f32;

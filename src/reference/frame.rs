@@ -1,4 +1,4 @@
-//! The scene at a frame, and what rays meet in it.
+//! The scene at a frame, and its queries for rays.
 
 use glam::DVec3;
 
@@ -13,16 +13,16 @@ pub struct ReferenceFrame<'a> {
     pub(super) frame: &'a Frame,
     pub(super) statics: &'a Tree,
     pub(super) dynamic: Tree,
-    /// The largest coordinate of a triangle.
+    /// The largest magnitude of a triangle's coordinate.
     pub(super) reach: f64,
 }
 
 /// Where a ray hits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hit {
-    /// Where on the ray, in lengths of its direction.
+    /// Position on the ray, in lengths of its direction.
     pub t: f64,
-    /// What it hits.
+    /// The primitive that is hit.
     pub primitive: PrimitiveId,
     /// The weights of the triangle's corners at the hit point.
     pub weights: [f64; 3],
@@ -41,7 +41,7 @@ impl ReferenceFrame<'_> {
         best
     }
 
-    /// Whether any triangle meets the segment from `origin` to `target`, both ends left out.
+    /// Whether any triangle meets the segment from `origin` to `target`, both ends excluded.
     pub fn occluded(&self, origin: DVec3, target: DVec3) -> bool {
         let mut blocked = false;
         self.walk(origin, target - origin, 1.0, |hit| {

@@ -4,26 +4,26 @@ use glam::{DVec3, Vec3};
 
 use crate::scene::Triangle;
 
-/// Boxes are widened by this share of the largest coordinate in play. It is thousands of times what the rounding of a
-/// box test can amount to (three roundings of 2^-53 each), and far below the spacing of `f32` corners.
+/// Boxes are widened by this share of the largest coordinate in use. It is thousands of times the rounding error of a
+/// box test (three roundings of 2^-53 each), and far below the spacing of `f32` corners.
 const PAD: f64 = 1e-12;
 
-/// Below this a direction's component counts as zero; its inverse stays finite, so that no box test gives NaN.
+/// Smaller direction components count as zero; the inverse stays finite, so that no box test gives a NaN.
 const TINY: f64 = 1e-300;
 
-/// A ray, with what its tests need worked out once.
+/// A ray, with precomputed values for its tests.
 ///
-/// The triangle test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013): the
-/// axis along which the ray runs furthest becomes z, a shear turns the ray into that axis, and the signs of three 2D
-/// edge functions decide. Two triangles that share an edge get the same value of its function, so no ray slips through.
+/// The triangle test is that of Woop, Benthin and Wald, "Watertight Ray/Triangle Intersection" (JCGT 2(1), 2013). The
+/// axis with the ray's largest direction component becomes z, a shear turns the ray to this axis, and the signs of
+/// three 2D edge functions decide. Two triangles that share an edge get the same value of its function, so no ray
+/// slips through.
 pub(super) struct Ray {
     origin: DVec3,
-    /// x, y and z of the sheared space: indices of axes in the world.
+    /// x, y and z of the sheared space, as indices of world axes.
     axes: [usize; 3],
-    /// How far x and y move with a step along z, and the length of the step in t.
+    /// Shift of x and y per step along z, and the length of the step in t.
     shear: [f64; 3],
-    /// The origin moved towards larger and smaller coordinates: the low and the high sides of boxes are seen from
-    /// there.
+    /// The origin, moved towards larger and towards smaller coordinates: for the low and the high sides of boxes.
     from_low: DVec3,
     from_high: DVec3,
     inverse: DVec3,
@@ -31,14 +31,14 @@ pub(super) struct Ray {
 
 /// Where a ray meets a triangle's plane inside the triangle.
 pub(super) struct Crossing {
-    /// Where on the ray, in lengths of its direction.
+    /// Position on the ray, in lengths of its direction.
     pub t: f64,
     /// The weights of the three corners; they add up to 1.
     pub weights: [f64; 3],
 }
 
 impl Ray {
-    /// A ray through geometry whose coordinates are not larger than `reach`.
+    /// A ray through geometry whose coordinates have a magnitude of at most `reach`.
     pub(super) fn new(origin: DVec3, direction: DVec3, reach: f64) -> Self {
         let d = direction.to_array();
         let z = (0..3).fold(0, |longest, axis| if d[axis].abs() > d[longest].abs() { axis } else { longest });
@@ -55,8 +55,8 @@ impl Ray {
         }
     }
 
-    /// Where the line of the ray meets a triangle, edges included, from either side. A line in the triangle's plane
-    /// does not meet it.
+    /// The point where the line of the ray meets a triangle, edges included, from either side. A line in the
+    /// triangle's plane does not meet it.
     pub(super) fn meet(&self, triangle: &Triangle) -> Option<Crossing> {
         let [x, y, z] = self.axes;
         let [a, b, c] = triangle.v.map(|corner| {
@@ -77,7 +77,7 @@ impl Ray {
         Some(Crossing { t, weights: [u / sum, v / sum, w / sum] })
     }
 
-    /// Where the ray enters a box, if it does so at a t of 0 to `limit`; errs on the side of entering.
+    /// The t at which the ray enters a box, if it is from 0 to `limit`; rounding errors count as entering.
     pub(super) fn enter(&self, low: Vec3, high: Vec3, limit: f64) -> Option<f64> {
         let first = (low.as_dvec3() - self.from_low) * self.inverse;
         let second = (high.as_dvec3() - self.from_high) * self.inverse;

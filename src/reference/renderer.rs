@@ -29,7 +29,7 @@ impl<'a> Reference<'a> {
         ReferenceFrame { scene: self.scene, frame, statics: &self.statics, dynamic, reach }
     }
 
-    /// Renders `frame`; `offset` is that of `spec` in world units. The picture does not depend on the number of
+    /// Renders `frame`; `offset` is the offset of `spec` in world units. The picture does not depend on the number of
     /// threads.
     ///
     /// The scene has at most [`MAX_LIGHTS`](crate::scene::MAX_LIGHTS) lights.

@@ -10,11 +10,11 @@ use crate::scene::{Material, PixelRay, RenderSpec, ShadowBits, ShadowRays, Textu
 pub(super) struct Shader<'a> {
     pub frame: &'a ReferenceFrame<'a>,
     pub spec: &'a RenderSpec,
-    /// How far from its surface a ray starts, in world units.
+    /// Distance from its surface at which a ray starts, in world units.
     pub offset: f64,
 }
 
-/// A hit point and what is there.
+/// A hit point and its surface.
 struct Surface<'a> {
     point: DVec3,
     /// The ray's direction, of unit length.
@@ -48,7 +48,8 @@ impl Shader<'_> {
         (color.as_vec3(), Some(hit.primitive), shadows)
     }
 
-    /// What a secondary ray brings: it is the last of `depth` in a row, `weight` is its share of the pixel.
+    /// The light that a secondary ray brings. The ray is the last of `depth` in a row; `weight` is its share of the
+    /// pixel.
     fn radiance(&self, origin: DVec3, direction: DVec3, depth: u32, weight: DVec3) -> DVec3 {
         match self.frame.closest(origin, direction) {
             Some(hit) => {
@@ -133,12 +134,12 @@ impl Shader<'_> {
 }
 
 impl Surface<'_> {
-    /// Whether a position is on the viewer's side.
+    /// Whether a position is on the viewer's side of the surface.
     fn faces(&self, position: DVec3) -> bool {
         (position - self.point).dot(self.normal) > 0.0
     }
 
-    /// The reflected ray, and the refracted one unless there is none or all of it is reflected.
+    /// The reflected ray and the refracted ray; no refracted ray on total internal reflection.
     fn secondary(&self) -> (Secondary, Option<Secondary>) {
         let (d, n) = (self.incoming, self.shading);
         let cosine = -d.dot(n);

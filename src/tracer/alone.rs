@@ -1,5 +1,5 @@
-//! Rays of one kind alone, as the tables of ray-tracing hardware have them (Nah et al. 2011, table 11): no culling,
-//! nothing else.
+//! Rays of one kind, as in the tables of papers on ray-tracing hardware (Nah et al. 2011, table 11): no culling, no
+//! other rays.
 
 use std::sync::Arc;
 
@@ -19,28 +19,29 @@ use crate::quantity::{LightId, PixelId};
 use crate::scene::Frame;
 use crate::stream::{Decision, Header, Item, Outcome, RayHead, RayKind, Totals};
 
-/// A kind of rays. All begin at what pixels show, but for primary ones.
+/// A kind of rays. Primary rays start at the camera, all others at the points that pixels show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Alone {
     /// From the camera.
     Primary,
-    /// To all lights on the viewer's side, until something is met.
+    /// To all lights on the viewer's side; the first blocker ends a ray.
     Shadow,
-    /// One from each sample, in a direction that is as likely as a matt surface sends light there, until something is
-    /// met that is near enough.
+    /// One from each sample, with the cosine-weighted distribution of a diffuse surface; the first blocker within the
+    /// reach ends a ray.
     Occlusion,
-    /// One from each sample, in a direction that is as likely as a matt surface sends light there.
+    /// One from each sample, with the cosine-weighted distribution of a diffuse surface.
     Diffuse,
 }
 
-/// How many rays of a kind there are, and how far they go.
+/// Number and length of the rays of a kind.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Samples {
-    /// Rays from the camera through each pixel: one goes through its centre, several through points that a hash gives.
+    /// Rays from the camera through each pixel. A single ray goes through the centre; several go through hashed
+    /// points.
     pub a_pixel: u32,
-    /// How far [`Alone::Occlusion`] rays go, in units of the scene.
+    /// Length of [`Alone::Occlusion`] rays, in units of the scene.
     pub reach: f32,
-    /// Where the rays of a sample go.
+    /// The directions of a sample's rays.
     pub directions: Directions,
 }
 
@@ -59,14 +60,14 @@ impl Alone {
     pub const ALL: [Self; 4] = [Self::Primary, Self::Shadow, Self::Occlusion, Self::Diffuse];
 }
 
-/// What two numbers of a sample are for.
+/// The purpose of a sample's two random numbers.
 #[derive(Clone, Copy)]
 enum Use {
     Direction,
     Lens,
 }
 
-/// Two numbers from 0 to 1, by a hash.
+/// Two numbers from 0 to 1, from a hash.
 fn numbers(pixel: PixelId, sample: u32, purpose: Use) -> [f32; 2] {
     let bits = xxh3_64_with_seed(&pixel.0.to_le_bytes(), 2 * u64::from(sample) + purpose as u64);
     let unit = |bits: u64| (bits as u32) as f32 / 4_294_967_296.0;
@@ -74,7 +75,7 @@ fn numbers(pixel: PixelId, sample: u32, purpose: Use) -> [f32; 2] {
 }
 
 impl Tracer<'_> {
-    /// The stream of the rays of one kind in a frame. A ray that is not from the camera has a parent of no steps.
+    /// The stream of the rays of one kind in a frame. The parent of a ray that is not from the camera has no steps.
     pub fn alone(&self, frame: &Frame, number: u32, kind: Alone, samples: Samples) -> (Header, Vec<Item>) {
         let off = PolicySpec::Off.build(SceneFacts::of(self.scene));
         let world = self.accel.frame(self.scene, frame);

@@ -1,4 +1,4 @@
-//! A band of the picture: some rows, traced for all policies by one thread.
+//! A band of the picture: some rows, traced by one thread for all policies.
 
 use std::ops::Range;
 
@@ -14,7 +14,7 @@ use crate::quantity::{PrimitiveId, Resolution};
 use crate::scene::Frame;
 use crate::stream::{Chunk, RayKind};
 
-/// What all bands of a frame share.
+/// Data that all bands of a frame share.
 pub(super) struct Band<'a> {
     pub world: &'a World<'a>,
     pub shader: &'a Shader<'a>,
@@ -24,7 +24,7 @@ pub(super) struct Band<'a> {
     pub order: PixelOrder,
 }
 
-/// One policy's share of a band.
+/// The results of one policy in a band.
 pub(super) struct BandLane {
     pub chunk: Chunk,
     pub record: BandRecord,
@@ -33,7 +33,7 @@ pub(super) struct BandLane {
 struct PrimaryRay {
     ray: Ray,
     hit: Option<Hit>,
-    /// Its part of the band's trail of primary rays.
+    /// The ray's part of the band's trail of primary rays.
     start: Mark,
     end: Mark,
 }
@@ -44,7 +44,7 @@ impl Band<'_> {
         Ray::new(ray.origin.as_vec3(), ray.direction.as_vec3(), f32::INFINITY)
     }
 
-    /// What the pixels of a row show.
+    /// The primitives that the pixels of a row show.
     pub(super) fn row(&self, y: u32) -> Vec<Option<PrimitiveId>> {
         let show = |x| self.world.closest(&self.ray(x, y), &mut Silent).map(|hit| hit.primitive);
         (0..self.resolution.width).map(show).collect()
@@ -65,7 +65,7 @@ impl Band<'_> {
             .collect();
         let above = (self.needs.references && rows.start > 0).then(|| self.row(rows.start - 1));
         let primary = |x: u32, y: u32| &primaries[((y - rows.start) * width + x) as usize];
-        // A pixel that may be outside the picture, or show nothing.
+        // The reference at a pixel, if it is inside the picture and shows a primitive.
         let reference = |x: Option<u32>, y: Option<u32>| -> Option<Reference> {
             let (x, y) = (x.filter(|&x| x < width)?, y?);
             if y < rows.start {
@@ -87,8 +87,8 @@ impl Band<'_> {
         let mut colors = vec![Vec3::ZERO; policies.len()];
         for (x, y) in self.pixels(rows.clone()) {
             if x == 0 && y > rows.start && y % BAND_ROWS == 0 {
-                // The band is the whole picture for the sake of a live policy: what others learn in some rows must not
-                // depend on that.
+                // A live policy makes the whole picture one band. The other policies change workers at the usual
+                // borders, so that their results do not depend on the live policy.
                 for (lane, policy) in whitted.lanes.iter_mut().zip(policies).filter(|(_, policy)| !policy.needs().live)
                 {
                     lane.change_worker(policy.worker());
@@ -118,10 +118,10 @@ impl Band<'_> {
         whitted.lanes.into_iter().map(finish).collect()
     }
 
-    /// The pixels of `rows` in the order of the stream.
+    /// The pixels of `rows`, in the order of the stream.
     fn pixels(&self, rows: Range<u32>) -> impl Iterator<Item = (u32, u32)> {
         let width = self.resolution.width;
-        // A live policy's band is the whole picture: its raster order is the published one.
+        // A live policy needs raster order, as in the published algorithm.
         let tile = match self.order {
             PixelOrder::Tiles if !self.needs.live => BAND_ROWS,
             PixelOrder::Tiles | PixelOrder::Scanline => width,

@@ -22,7 +22,7 @@ pub struct Tracer<'a> {
     pub(super) spec: TracerSpec,
     pub(super) resolution: Resolution,
     pub(super) accel: Accel,
-    /// How far off their surface rays start, in world units.
+    /// Distance from their surface at which rays start, in world units.
     pub(super) offset: f64,
 }
 
@@ -39,12 +39,12 @@ impl<'a> Tracer<'a> {
         &self.accel
     }
 
-    /// How far off their surface rays start, in world units.
+    /// Distance from their surface at which rays start, in world units.
     pub fn offset(&self) -> f64 {
         self.offset
     }
 
-    /// The header of the stream of `policy`; `input` is what else the stream depends on, as text.
+    /// The header of the stream of `policy`; `input` describes, as text, everything else that the stream depends on.
     pub fn header(&self, name: &str, policy: &dyn Policy, frames: Vec<u32>, input: &str) -> Header {
         let mut hash = Xxh3Default::new();
         hash.update(input.as_bytes());
@@ -71,11 +71,11 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// Traces a frame for `policies`, in the order of the animation, and hands each policy's stream to `sink` with the
-    /// policy's index. The streams come interleaved, each in its own order.
+    /// Traces a frame for `policies`; frames must come in the order of the animation. Hands each policy's stream to
+    /// `sink` with the policy's index. The streams are interleaved, each in its own order.
     ///
     /// # Errors
-    /// Those of `sink`.
+    /// The errors of `sink`.
     pub fn frame<E: Send>(
         &self,
         frame: &Frame,
@@ -111,7 +111,7 @@ impl<'a> Tracer<'a> {
             .step_by(band_rows as usize)
             .map(|start| start..(start + band_rows).min(self.resolution.height))
             .collect();
-        // A few bands a thread at a time: memory stays bounded, and the sink sees them in order.
+        // A few bands per thread at a time: memory stays bounded, and the sink receives the bands in order.
         for batch in rows.chunks(4 * rayon::current_num_threads()) {
             let traced: Vec<_> = batch.par_iter().map(|rows| band.trace(rows.clone(), policies)).collect();
             for bands in traced {
@@ -131,7 +131,7 @@ impl<'a> Tracer<'a> {
         Ok(lanes)
     }
 
-    /// How many pixels show each primitive.
+    /// The number of pixels that show each primitive.
     fn census(&self, band: &Band<'_>) -> Vec<u32> {
         let mut pixels = vec![0; self.scene.primitive_count()];
         let rows: Vec<_> = (0..self.resolution.height).into_par_iter().map(|y| band.row(y)).collect();

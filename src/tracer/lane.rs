@@ -1,4 +1,4 @@
-//! One policy's share of a frame: its stream, its counts, its picture.
+//! One policy's results in a frame: its stream, its counts, its picture.
 
 use glam::Vec3;
 
@@ -8,21 +8,21 @@ use crate::quantity::{LightId, PixelId, PrimitiveId, Resolution};
 use crate::scene::{Picture, Scene, ShadowBits};
 use crate::stream::{Chunk, Decision, Outcome, RayHead, RayKind, Totals};
 
-/// Shadow decisions that differ from the same ray's traced without culling.
+/// Number of shadow decisions that differ from the answer without culling.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WrongDecisions {
-    /// The light is seen, and the policy said that it is not.
+    /// The light is visible, but the policy said shadow.
     pub false_dark: u64,
-    /// The light is not seen, and the policy said that it is.
+    /// The light is hidden, but the policy said light.
     pub false_lit: u64,
 }
 
-/// What one policy did in a frame, besides its stream.
+/// The results of one policy in a frame, besides its stream.
 #[derive(Clone, Debug)]
 pub struct LaneFrame {
-    /// What the tracer counted.
+    /// The tracer's counts.
     pub totals: Totals,
-    /// Triangle tests made to learn which primitives are occluded.
+    /// Number of triangle tests made to learn which primitives are occluded.
     pub occlusion_tests: u64,
     /// Wrong decisions of all shadow rays, by light.
     pub wrong: Vec<WrongDecisions>,
@@ -46,7 +46,7 @@ impl LaneFrame {
         }
     }
 
-    /// Takes in what was recorded in a band; gives back what the policy has to learn.
+    /// Adds the record of a band; returns the changes for the policy.
     pub(super) fn take(&mut self, record: BandRecord) -> Vec<Change> {
         self.totals += record.totals;
         self.occlusion_tests += record.occlusion_tests;
@@ -63,7 +63,7 @@ impl LaneFrame {
         record.changes
     }
 
-    /// Counts what the policy did at the frame's end; gives the frame's totals.
+    /// Counts the policy's end-of-frame accesses; returns the frame's totals.
     pub(super) fn end(&mut self, trail: &Trail) -> Totals {
         count_policy(&mut self.totals, trail);
         self.totals
@@ -89,7 +89,7 @@ pub(super) struct BandPixel {
     pub shadows: ShadowBits,
 }
 
-/// What a lane counted and learned in a band.
+/// Counts and changes of a lane in a band.
 #[derive(Debug, Default)]
 pub(super) struct BandRecord {
     pub totals: Totals,
@@ -97,20 +97,20 @@ pub(super) struct BandRecord {
     pub wrong: Vec<WrongDecisions>,
     pub pixels: Vec<BandPixel>,
     pub changes: Vec<Change>,
-    /// Updates of mode words that change something, as far as the band knows, by their places in the band's chunk.
+    /// Updates of mode words that change bits, as far as the band knows, with their positions in the band's chunk.
     pub fresh: Vec<Fresh>,
 }
 
 /// A policy at work in a band.
 pub(super) struct Lane<'a> {
     pub worker: Box<dyn Worker + 'a>,
-    /// The order in which its shadow rays visit nodes.
+    /// The order in which the policy's shadow rays visit nodes.
     pub order: Order,
     pub chunk: Chunk,
     pub record: BandRecord,
     /// The shadows of the current pixel's primary hit.
     pub shadows: ShadowBits,
-    /// What the policy does on the current ray's account.
+    /// The policy's accesses for the current ray.
     pub policy: Trail,
 }
 
@@ -127,13 +127,13 @@ impl<'a> Lane<'a> {
         }
     }
 
-    /// Another worker goes on.
+    /// Continues with another worker.
     pub(super) fn change_worker(&mut self, worker: Box<dyn Worker + 'a>) {
         let done = std::mem::replace(&mut self.worker, worker);
         self.record.changes.extend(done.finish());
     }
 
-    /// Records a primary or secondary ray, with what the policy has done since the last record.
+    /// Records a primary or secondary ray, with the policy's accesses since the last record.
     pub(super) fn push(&mut self, head: RayHead, path: Path<'_>) {
         let totals = &mut self.record.totals;
         match head.kind {
@@ -145,7 +145,7 @@ impl<'a> Lane<'a> {
         self.finish_ray(head, path);
     }
 
-    /// Records a shadow ray, with what the policy has done since the last record.
+    /// Records a shadow ray, with the policy's accesses since the last record.
     pub(super) fn push_shadow(&mut self, head: RayHead, path: Path<'_>, truth_dark: bool, primary: bool) {
         let totals = &mut self.record.totals;
         totals.shadow_rays += 1;

@@ -1,4 +1,4 @@
-//! What the updates of a frame have set so far, in the order of the stream. A band knows its own updates only.
+//! Bits that the updates of a frame have set so far, in the order of the stream. A band knows only its own updates.
 
 use rustc_hash::FxHashMap;
 
@@ -10,7 +10,7 @@ use crate::stream::{Chunk, Effect};
 pub(super) struct Learned(FxHashMap<u32, u32>);
 
 impl Learned {
-    /// The next band of the frame: its updates that repeat those of earlier bands say so from now on.
+    /// Takes the next band of the frame, and marks its updates that repeat those of earlier bands.
     pub(super) fn settle(&mut self, chunk: &mut Chunk, record: &mut BandRecord) {
         for fresh in record.fresh.drain(..) {
             let known = self.0.entry(fresh.word).or_default();

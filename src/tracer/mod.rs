@@ -1,9 +1,8 @@
-//! The tracer: turns a frame into rays, once for all policies at the same time, and records what each policy leaves of
-//! them.
+//! The tracer: turns a frame into rays, once for all policies, and records the rays that each policy leaves to trace.
 //!
-//! Which rays there are depends on no policy: only which shadow rays are traced does. So every ray is traced once
-//! without culling, every policy's stream takes from it what that policy would have done, and the truth that culling is
-//! judged by is at hand for each shadow ray.
+//! Policies do not change which rays exist, only which shadow rays are traced. So every ray is traced once without
+//! culling, and each policy's stream takes its part of that result. The true answer of each shadow ray is then known,
+//! to judge the policy by.
 
 mod alone;
 mod band;

@@ -1,6 +1,6 @@
-//! Surfaces and light: what a hit looks like, and which rays leave it.
+//! Surfaces and light: the colour of a hit, and the rays that leave it.
 //!
-//! The rules are those of the reference renderer, in `f32`; MODEL.md has them in words.
+//! The rules are those of the reference renderer, in `f32`; MODEL.md describes them.
 
 use glam::{Vec2, Vec3};
 
@@ -22,7 +22,7 @@ pub(super) struct Surface<'a> {
     diffuse: Vec3,
     ambient: Vec3,
     point: Vec3,
-    /// Towards where the ray came from, of unit length.
+    /// The geometric normal of unit length, turned to the ray's origin.
     geometric: Vec3,
     /// The interpolated normal, on the same side.
     shading: Vec3,
@@ -31,14 +31,14 @@ pub(super) struct Surface<'a> {
     direction: Vec3,
 }
 
-/// A shadow ray, and what its light adds to the picture if it is seen.
+/// A shadow ray, and the light's contribution to the picture if it is visible.
 pub(super) struct ShadowRay {
     pub light: LightId,
     pub ray: Ray,
     pub color: Vec3,
 }
 
-/// A secondary ray, and its weight in what is seen at the hit.
+/// A secondary ray, and its weight in the colour of the hit.
 pub(super) struct SecondaryRay {
     pub ray: Ray,
     pub weight: Vec3,
@@ -86,7 +86,7 @@ impl<'a> Shader<'a> {
             material,
             diffuse: material.diffuse * texel,
             ambient: self.scene.ambient * material.ambient * texel,
-            // From the corners: nearer to the plane than origin + t * direction.
+            // From the corners: this is nearer to the plane than origin + t * direction.
             point: a + (b - a) * u + (c - a) * v,
             geometric,
             shading,
@@ -95,13 +95,13 @@ impl<'a> Shader<'a> {
         }
     }
 
-    /// What is seen of the surface without any light.
+    /// The surface's colour without any light.
     pub(super) fn ambient(&self, surface: &Surface<'_>) -> Vec3 {
         surface.ambient
     }
 
-    /// A ray from the surface in a direction whose density goes with the cosine of its angle to the normal (Malley's
-    /// method, Pharr et al., "Physically Based Rendering"); `at` are two numbers from 0 to 1.
+    /// A ray from the surface, with a density proportional to the cosine of its angle to the normal (Malley's method,
+    /// Pharr et al., "Physically Based Rendering"). `at` is two random numbers from 0 to 1.
     pub(super) fn diffuse_ray(&self, surface: &Surface<'_>, at: [f32; 2]) -> Ray {
         let normal = surface.geometric;
         let (tangent, other) = normal.any_orthonormal_pair();
@@ -110,7 +110,7 @@ impl<'a> Shader<'a> {
         Ray::new(surface.point + normal * self.offset, direction, f32::INFINITY)
     }
 
-    /// The shadow rays that the surface asks for: none if it sends back no light.
+    /// The shadow rays of the surface; none for a perfect mirror.
     pub(super) fn shadow_rays(&self, surface: &Surface<'_>) -> impl Iterator<Item = ShadowRay> {
         let start = surface.point + surface.geometric * self.offset;
         let asking = if surface.material.is_perfect_mirror() { &[] } else { &self.frame.lights[..] };
@@ -138,7 +138,8 @@ impl<'a> Shader<'a> {
         })
     }
 
-    /// The reflected and the refracted ray, where they weigh enough; `weight` is that of the surface in the picture.
+    /// The reflected and the refracted ray, if their weights are large enough; `weight` is the surface's weight in the
+    /// picture.
     pub(super) fn secondary_rays(&self, surface: &Surface<'_>, weight: Vec3) -> SecondaryRays {
         let Surface { material, shading: normal, direction, geometric, point, .. } = *surface;
         let from =
@@ -167,7 +168,7 @@ impl<'a> Shader<'a> {
     }
 }
 
-/// The nearest texel; coordinates repeat, v runs upwards.
+/// The nearest texel; coordinates repeat, and v points upwards.
 fn texel(texture: &Texture, uv: Vec2) -> Vec3 {
     let place = |coordinate: f32, size: u32| {
         let share = coordinate - coordinate.floor();

@@ -28,6 +28,6 @@ pub enum PixelOrder {
     Tiles,
 }
 
-/// Rows that are traced and recorded as one chunk. It bounds memory, and the work lost to the row above that is traced
-/// again for the reference pixels; as high as a tile.
+/// Number of rows that are traced and recorded as one chunk, equal to a tile's height. It bounds memory, and the share
+/// of work for the row above, which is traced again for the reference pixels.
 pub(super) const BAND_ROWS: u32 = 8;

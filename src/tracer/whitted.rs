@@ -1,4 +1,4 @@
-//! Whitted's tree of rays under one pixel, traced once, recorded in every lane.
+//! Whitted's tree of rays of one pixel: traced once, recorded in every lane.
 
 use glam::Vec3;
 use smallvec::SmallVec;
@@ -16,7 +16,7 @@ pub(super) struct Traced<'a> {
     pub ray: &'a Ray,
     pub hit: Option<Hit>,
     pub path: Path<'a>,
-    /// The parent's place in the chunk.
+    /// Index of the parent in the chunk.
     pub parent: Option<usize>,
     /// 1 for a primary ray.
     pub depth: u32,
@@ -31,12 +31,12 @@ pub(super) struct Whitted<'a> {
     pub lanes: Vec<Lane<'a>>,
     /// A shadow ray's path without culling.
     pub full: Trail,
-    /// Its path in a lane that traces it differently.
+    /// A shadow ray's path in a lane that traces it differently.
     pub own: Trail,
 }
 
 impl Whitted<'_> {
-    /// Records a ray and all that follows from it; adds what it shows to each lane's colour.
+    /// Records a ray and all rays that follow from it; adds its contribution to each lane's colour.
     pub(super) fn follow(
         &mut self,
         pixel: PixelId,
@@ -69,7 +69,7 @@ impl Whitted<'_> {
             outside: surface.outside,
         };
 
-        // The policies decide on all lights before the first shadow ray leaves.
+        // The policies decide on all lights before the first shadow ray starts.
         let mut verdicts = SmallVec::<[_; 32]>::new();
         for (lane, color) in self.lanes.iter_mut().zip(colors.iter_mut()) {
             let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);

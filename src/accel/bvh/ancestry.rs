@@ -1,11 +1,11 @@
-//! The way up in a tree: which node holds a triangle's leaf, and which node holds that one.
+//! The way up in a tree: the node that holds a triangle's leaf, and the parents of this node.
 
 use super::tree::Tree;
 use crate::quantity::{NodeId, TriangleSlot};
 
 /// Parents of the static tree's nodes and leaves.
 pub(crate) struct Ancestry {
-    /// The parent of each node; the root's is itself.
+    /// The parent of each node; the root is its own parent.
     parents: Vec<u32>,
     /// The node that holds each slot's leaf.
     holders: Vec<u32>,
@@ -29,7 +29,7 @@ impl Ancestry {
         Self { parents, holders }
     }
 
-    /// The node `levels` levels above the leaf of `slot`, or the root; level 1 is the node that holds the leaf.
+    /// The node `levels` levels above the leaf of `slot`; at most the root. Level 1 is the node that holds the leaf.
     pub(crate) fn ancestor(&self, slot: TriangleSlot, levels: u32) -> NodeId {
         let holder = self.holders[slot.0 as usize];
         NodeId((1..levels).fold(holder, |node, _| self.parents[node as usize]))

@@ -19,12 +19,13 @@ use crate::accel::spec::Quality;
 use crate::accel::structure::{Base, Item};
 use crate::accel::triangle::Record;
 
-/// Up to so many triangles all nodes of the best tree are tried at other places (Meister and Bittner 2017). Of a larger
-/// tree as many are, the uppermost. All nodes of three million triangles take four minutes instead of ten seconds, and
-/// all of a million saved rays a tenth of their steps or less (docs/decisions).
+/// Number of triangles up to which the best tree tries other places for all nodes (reinsertion, Meister and Bittner
+/// 2017). A larger tree tries the same number of nodes, the uppermost. For three million triangles, all nodes take
+/// four minutes instead of ten seconds; for a million, all nodes save rays at most a tenth of their steps
+/// (docs/decisions).
 const ALL_REINSERTED: usize = 400_000;
 
-/// The parameters of obvhs for a tree of a quality over so many triangles.
+/// The parameters of obvhs for a tree of this quality over this many triangles.
 pub(super) fn params(quality: Quality, triangles: usize) -> BvhBuildParams {
     let preset = match quality {
         Quality::Fast => BvhBuildParams::fast_build(),
@@ -38,7 +39,7 @@ pub(super) fn params(quality: Quality, triangles: usize) -> BvhBuildParams {
 
 /// A node width that obvhs can build.
 pub(crate) trait Build: Sized {
-    /// Builds the tree over `items`, of which there is at least one.
+    /// Builds the tree over `items`, which must not be empty.
     fn build(items: &[Item<'_>], params: BvhBuildParams, base: Base) -> Self;
 }
 
@@ -56,7 +57,7 @@ impl Build for Tree<8> {
     }
 }
 
-/// Builds over one item of each group of equal boxes, and lays out all.
+/// Builds over one item of each group of equal boxes, and lays out all items.
 fn over_groups<const N: usize, B: Built>(
     items: &[Item<'_>],
     base: Base,
@@ -75,7 +76,7 @@ fn over_groups<const N: usize, B: Built>(
         Some(groups) => {
             let firsts: Vec<_> = groups.iter().map(|group| corners(&items[group[0] as usize])).collect();
             let built = build(&firsts);
-            // Where the members of each place of the built order begin.
+            // Start of each group in `order`, by the group's place in the built order.
             let mut starts = vec![0];
             let mut order = Vec::with_capacity(items.len());
             for &group in built.order() {
@@ -98,13 +99,13 @@ struct Part {
 enum PartChild {
     /// A node to be laid out.
     Node(Open),
-    /// A part of the items in leaf order.
+    /// A range of the items in leaf order.
     Leaf(Range<usize>),
 }
 
-/// What the layout reads of a tree that obvhs built; node 0 is the root.
+/// The parts of an obvhs tree that the layout reads; node 0 is the root.
 trait Built {
-    /// The children of a node; a leaf is a part of the built order.
+    /// The children of a node; a leaf is a range of the built order.
     fn parts(&self, node: usize) -> Vec<Part>;
     /// The primitives in leaf order.
     fn order(&self) -> &[u32];
@@ -123,7 +124,7 @@ impl Built for Bvh2 {
             Part { at, low: source.aabb().min.into(), high: source.aabb().max.into(), child }
         };
         if self.nodes[node].is_leaf() {
-            // Only the root of a tree of one leaf: it becomes the one child of a node.
+            // Only in a tree that is one leaf: this leaf becomes the only child of the root.
             return vec![part(0, node)];
         }
         let first = self.nodes[node].first_index as usize;
@@ -141,8 +142,8 @@ impl Built for CwBvh {
         let present = (0..8).filter(|&at| !source.is_child_empty(at));
         let part = |at: usize| {
             let bounds = source.child_aabb(at);
-            // The stored planes are exact multiples of a power of two from the node's corner, but their sum in f32 is
-            // rounded: one step outwards makes up for it.
+            // The stored planes are exact multiples of a power of two from the node's corner, but their sum is rounded
+            // to `f32`. One step outwards covers this error.
             let low = Vec3::from(bounds.min).to_array().map(f32::next_down).into();
             let high = Vec3::from(bounds.max).to_array().map(f32::next_up).into();
             let child = if source.is_leaf(at) {
@@ -161,19 +162,19 @@ impl Built for CwBvh {
     }
 }
 
-/// What is to be laid out as a node.
+/// A node that is still to be laid out.
 enum Open {
     /// A node that obvhs built.
     Built(usize),
-    /// A run of items with one box, too many for a leaf.
+    /// A range of items with the same box, too many for a leaf.
     Run(Range<usize>, Vec3, Vec3),
 }
 
-/// The most items of a leaf that is cut from a run: as many as a leaf of the CwBVH holds.
+/// Maximum number of items in a leaf that is cut from a run: the maximum of a CwBVH leaf.
 const RUN_LEAF: usize = 3;
 
-/// Lays out a built tree. `order` are all items in leaf order; `members` gives the part of it that a leaf's part of the
-/// built order stands for.
+/// Lays out a built tree. `order` lists all items in leaf order; `members` maps a leaf's range of the built order to
+/// its range of `order`.
 fn lay_out<const N: usize>(
     built: &impl Built,
     items: &[Item<'_>],
@@ -182,7 +183,7 @@ fn lay_out<const N: usize>(
     base: Base,
 ) -> Tree<N> {
     let mut tree = Tree { nodes: Vec::new(), records: Vec::with_capacity(items.len()) };
-    // Nodes to lay out, each with its parent's place and its own place among the children; the first child on top, so
+    // Nodes to lay out, each with its parent's place and its index among the children. The first child is on top, so
     // that it follows its parent in memory.
     let mut waiting: Vec<(Open, Option<(usize, usize)>)> = vec![(Open::Built(0), None)];
     while let Some((node, parent)) = waiting.pop() {
@@ -216,7 +217,7 @@ fn lay_out<const N: usize>(
     tree
 }
 
-/// A part of a built node whose leaf stands for all members of its groups.
+/// A part of a built node, with its leaf extended to all members of its groups.
 fn with_members(part: Part, members: &impl Fn(Range<usize>) -> Range<usize>) -> Part {
     let Part { low, high, .. } = part;
     let child = match part.child {
@@ -229,7 +230,7 @@ fn with_members(part: Part, members: &impl Fn(Range<usize>) -> Range<usize>) -> 
     Part { child, ..part }
 }
 
-/// The children of a run, of even length, all in the run's box.
+/// The children of a run: ranges of even length, all with the run's box.
 fn run_parts<const N: usize>(run: Range<usize>, low: Vec3, high: Vec3) -> Vec<Part> {
     let length = run.len().div_ceil(N);
     let starts = run.clone().step_by(length).enumerate();

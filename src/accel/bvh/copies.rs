@@ -1,5 +1,5 @@
-//! Items whose boxes are equal: obvhs builds over one of them, as its clustering takes quadratic time where all boxes
-//! are alike (ties leave one pair of mutual neighbours a round).
+//! Items with equal boxes: obvhs builds over one item of each group. Its clustering takes quadratic time on equal
+//! boxes, because ties leave one pair of mutual neighbours per round.
 
 use rustc_hash::FxHashMap;
 
@@ -8,8 +8,8 @@ use crate::accel::structure::Item;
 /// Groups of up to this many are left to obvhs.
 const FEW: usize = 16;
 
-/// Items in groups of equal boxes, in the order of their first members; a group of [`FEW`] at most is taken apart.
-/// `None` if there is no larger group.
+/// Items in groups of equal boxes, in the order of their first members. A group of at most [`FEW`] items is split into
+/// single items. `None` if there is no larger group.
 pub(super) fn groups(items: &[Item<'_>]) -> Option<Vec<Vec<u32>>> {
     let mut sizes: FxHashMap<[u32; 6], usize> = FxHashMap::default();
     items.iter().for_each(|item| *sizes.entry(bounds(item)).or_default() += 1);
@@ -33,7 +33,7 @@ pub(super) fn groups(items: &[Item<'_>]) -> Option<Vec<Vec<u32>>> {
     Some(groups)
 }
 
-/// The corners of an item's box, by their bits; both zeros are one number.
+/// The bits of the corners of an item's box; both zeros have the same bits.
 fn bounds(item: &Item<'_>) -> [u32; 6] {
     let [a, b, c] = item.triangle.v;
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));

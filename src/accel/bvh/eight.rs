@@ -1,7 +1,7 @@
-//! Nodes of the packed CwBVH: the tree's own.
+//! Nodes of the packed CwBVH: one for each node of the tree.
 //!
-//! The children that a ray meets are not sorted: what waits of a node is all of them, and the next is looked for when
-//! the ray comes to it. Most of those behind a hit are then dropped together.
+//! The children that a ray meets are not sorted: one stack entry holds all waiting children of a node. The next child
+//! is looked for when the ray returns to the entry. Most children behind a hit are then dropped together.
 
 use super::packed::{Goal, NO_BOXES, Packed, Packing, Wide, set_box};
 use super::stack::Stack;
@@ -20,16 +20,16 @@ pub(crate) struct Eight {
     boxes: Boxes<8>,
     goals: [Goal; 8],
     id: u32,
-    /// For each child its key in a visit by area: the larger the area, the smaller.
+    /// Sort key of each child in a visit by area: the larger the area, the smaller the key.
     sizes: [f32; 8],
 }
 
-/// What waits of a node.
+/// The waiting children of a node.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Rest {
-    /// What is visited first has the smallest.
+    /// Sort keys of the children: the smallest is visited first.
     keys: [f32; 8],
-    /// A bit for each child that waits.
+    /// A bit for each waiting child.
     lanes: u32,
     /// The node.
     node: Goal,

@@ -1,4 +1,4 @@
-//! Trees of boxes: the binary BVH and the 8-wide one, by one code for both widths.
+//! Trees of boxes: the binary BVH and the 8-wide BVH, with the same code for both widths.
 
 mod ancestry;
 mod build;

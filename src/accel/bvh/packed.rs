@@ -1,7 +1,7 @@
 //! Trees in the layout that rays walk: nodes of eight boxes, and leaves of blocks of triangles.
 //!
-//! A [`Tree`] says what is recorded: which nodes there are, with their ids. A packed tree is the same once more for the
-//! processor's sake.
+//! A [`Tree`] defines the nodes and the ids that are recorded. A packed tree holds the same content in a form that the
+//! processor walks faster.
 
 use glam::Vec3;
 
@@ -15,24 +15,24 @@ use crate::accel::slabs::Slabs;
 use crate::accel::structure::Base;
 use crate::accel::trail::Observer;
 
-/// What a ray comes to: a leaf, by its first block, or a node, by its place.
+/// The target of a ray: a leaf, given by its first block, or a node, given by its place.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Goal(u32);
 
 impl Goal {
     const LEAF: u32 = 1 << 31;
 
-    /// The leaf that begins with a block.
+    /// The leaf whose first block is `block`.
     fn leaf(block: usize) -> Self {
         Self(Self::LEAF | block as u32)
     }
 
-    /// A node.
+    /// The node at `place`.
     pub(super) fn node(place: usize) -> Self {
         Self(place as u32)
     }
 
-    /// The first block, if it is a leaf.
+    /// The first block of a leaf; `None` for a node.
     #[inline(always)]
     pub(super) fn block(self) -> Option<usize> {
         (self.0 & Self::LEAF != 0).then_some((self.0 & !Self::LEAF) as usize)
@@ -45,23 +45,24 @@ impl Goal {
     }
 }
 
-/// A node of a packed tree of a width.
+/// A packed node, for trees of width `N`.
 pub(crate) trait Packing<const N: usize>: Sized {
-    /// What a ray puts off of a node that it visits.
+    /// The entry of the stack for children that wait.
     type Rest: Copy + Default;
-    /// As many of these as most trees need.
+    /// An array of stack entries, large enough for most trees.
     type Few: AsMut<[Self::Rest]>;
 
     /// Packs a node of a tree, and its leaves.
     fn pack(packed: &mut Packed<Self>, tree: &Tree<N>, node: usize) -> Self;
 
-    /// How many of them wait at most of a node with so many children.
+    /// The largest number of stack entries that a node with this many children adds.
     fn rests(children: usize) -> usize;
 
-    /// A stack that needs no memory of its own.
+    /// A stack without heap memory.
     fn few() -> Self::Few;
 
-    /// Visits the node, and perhaps a child of it: gives what the ray comes to next, in `order`, and puts off the rest.
+    /// Visits the node, and perhaps one of its children. Returns the ray's next target, by `order`, and pushes the
+    /// rest.
     fn visit<L: Processor>(
         &self,
         lanes: L,
@@ -72,13 +73,13 @@ pub(crate) trait Packing<const N: usize>: Sized {
         watch: &mut impl Observer,
     ) -> Option<Goal>;
 
-    /// Takes from the stack what a ray that goes up to `last` comes to next.
+    /// Takes the next target from the stack, for a ray that ends at `last`.
     fn next<L: First>(lanes: L, nodes: &[Self], stack: &mut Stack<'_, Self::Rest>, last: f32) -> Option<Goal>;
 }
 
-/// A tree of a width, by the nodes that it is packed into.
+/// Maps a tree of width `N` to its packed nodes.
 pub(crate) trait Wide<const N: usize> {
-    /// A node of the packed tree.
+    /// The packed node.
     type Node: Packing<N>;
 }
 
@@ -88,16 +89,16 @@ pub(crate) struct Packed<P> {
     pub nodes: Vec<P>,
     /// Triangles, leaf by leaf.
     pub blocks: Vec<Block>,
-    /// Places that a ray's stack needs.
+    /// Number of places that a ray's stack needs.
     pub stack: usize,
     /// Ids of the tree's first node and first slot.
     base: Base,
-    /// Where leaves are packed, by their first records.
+    /// The first block of each leaf, by the leaf's first record.
     leaves: Vec<u32>,
 }
 
 impl<P> Packed<P> {
-    /// Packs a tree whose ids count from `base` on.
+    /// Packs a tree whose ids start at `base`.
     pub(crate) fn new<const N: usize>(tree: &Tree<N>, base: Base) -> Self
     where
         P: Packing<N>,
@@ -118,7 +119,7 @@ impl<P> Packed<P> {
         self.base.node + node as u32
     }
 
-    /// The number of the tree's node `id`.
+    /// The index in the tree of the node `id`.
     pub(super) fn local(&self, id: u32) -> usize {
         (id - self.base.node) as usize
     }
@@ -129,7 +130,7 @@ impl<P> Packed<P> {
         self.base.slot
     }
 
-    /// What a ray comes to in `child`; packs it if it is a leaf that is not packed yet.
+    /// The target for `child`; packs a leaf that is not packed yet.
     pub(super) fn goal<const N: usize>(&mut self, tree: &Tree<N>, child: Child) -> Goal {
         if child.count == 0 {
             return Goal::node(self.local(child.index));
@@ -143,7 +144,7 @@ impl<P> Packed<P> {
     }
 }
 
-/// The most that a ray puts off at a time.
+/// The largest number of entries that a ray's stack holds.
 fn stack_places<const N: usize, P: Packing<N>>(tree: &Tree<N>, base: Base) -> usize {
     let mut below = vec![0; tree.nodes.len()];
     // Children come after their parents.
@@ -159,7 +160,7 @@ fn stack_places<const N: usize, P: Packing<N>>(tree: &Tree<N>, base: Base) -> us
 /// Boxes that no ray meets.
 pub(super) const NO_BOXES: Boxes<8> = [[[f32::INFINITY; 8], [f32::NEG_INFINITY; 8]]; 3];
 
-/// Makes the box `lane` that between two corners.
+/// Sets the box in `lane` to the given corners.
 pub(super) fn set_box(boxes: &mut Boxes<8>, lane: usize, (low, high): (Vec3, Vec3)) {
     for (side, corner) in [low, high].into_iter().enumerate() {
         for (planes, coordinate) in boxes.iter_mut().zip(corner.to_array()) {

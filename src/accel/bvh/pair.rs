@@ -1,12 +1,12 @@
-//! Nodes of the packed BVH2: each with its children's boxes and their children's, so that one slab test is that of two
-//! or three visits.
+//! Nodes of the packed BVH2. Each holds the boxes of its children and of its grandchildren, so that one slab test does
+//! the work of two or three visits.
 //!
-//! A ray that visits node A visits next the child that it enters first, say B, and after all that is below B the other
-//! one, C. What it meets in B is known with what it meets in A, since nothing is hit in between. C has a node of its
-//! own.
+//! A ray that visits node A next visits the child that it enters first, for example B; after everything below B, it
+//! visits the other child, C. Nothing is hit between A and B, so the test of A can also tell what the ray meets in B.
+//! C has a node of its own.
 //!
-//! Each outcome of the test has code of its own. The processor predicts which it is, and goes on with the next node
-//! long before the test is done; a next node that is read from a table is waited for.
+//! Each outcome of the test has its own code. The processor predicts the outcome and continues with the next node long
+//! before the test is done. It would have to wait for a next node that is read from a table.
 
 use super::packed::{Goal, NO_BOXES, Packed, Packing, Wide, set_box};
 use super::stack::Stack;
@@ -18,8 +18,8 @@ use crate::accel::slabs::Slabs;
 use crate::accel::trail::Observer;
 use crate::quantity::NodeId;
 
-/// Lanes of child B, of its two children, and of C's. A child that is a leaf stands in the first lane of its children
-/// too.
+/// Lanes of child B and of its two children; then lanes of C and its children. A child that is a leaf also takes the
+/// first lane of its children.
 const FAMILIES: [[usize; 3]; 2] = [[0, 1, 5], [4, 2, 6]];
 
 /// Node A of the tree and its children B and C.
@@ -27,18 +27,18 @@ const FAMILIES: [[usize; 3]; 2] = [[0, 1, 5], [4, 2, 6]];
 #[repr(align(64))]
 pub(crate) struct Pair {
     boxes: Boxes<8>,
-    /// What each box is around.
+    /// The content of each box.
     goals: [Goal; 8],
     /// Ids of A, B and C.
     ids: [u32; 3],
-    /// How many nodes a visit is of A alone, of A and B, and of A and C: a leaf is none.
+    /// Number of nodes that a visit records: of A alone, of A and B, and of A and C. A leaf does not count.
     nodes: [u8; 3],
-    /// Which of two siblings has the larger box, as [`decide`] wants it.
+    /// Bits that say whether the second sibling has the larger box, in the order of [`decide`].
     larger: u32,
 }
 
-/// What a visit comes to, as [`decide`] says, by the lanes that the ray meets (bits 0 to 6) and the second siblings
-/// that come first: C, and the second children of B and C (bits 7 to 9).
+/// The outcomes of [`decide`]. Index: the lanes that the ray meets (bits 0 to 6), and the second siblings that come
+/// first: C, and the second children of B and C (bits 7 to 9).
 static DECISIONS: [u8; 1024] = decisions();
 
 const fn decisions() -> [u8; 1024] {
@@ -51,8 +51,9 @@ const fn decisions() -> [u8; 1024] {
     all
 }
 
-/// 0 if nothing is met; else the sum of 1, which child comes first (0 for B, 1 for C), 2 if both are met, and 4 times
-/// what is met of its children: 0 none, 1 the first, 2 the second, 3 both, 4 both and the second first.
+/// 0 if nothing is met; otherwise 1 + first + 2 both + 4 children. "First" is the child that comes first (0 for B, 1
+/// for C); "both" is 1 if both are met. "Children" says which of the first child's children are met: 0 none, 1 the
+/// first, 2 the second, 3 both, 4 both with the second first.
 const fn decide(met: u32, second_first: u32) -> u8 {
     let [b, c] = [met & 1 << FAMILIES[0][0] != 0, met & 1 << FAMILIES[1][0] != 0];
     if !b && !c {
@@ -162,14 +163,14 @@ impl Packing<2> for Pair {
 }
 
 impl Pair {
-    /// Makes a lane that of a child of `node`.
+    /// Fills a lane with a child of `node`.
     fn put(&mut self, lane: usize, goal: Goal, node: &Node<2>, child: usize) {
         set_box(&mut self.boxes, lane, node.corners(child));
         self.goals[lane] = goal;
     }
 
-    /// Goes to child `FIRST`, and puts off the other one if `BOTH` are met; `CHILDREN` says which children of the first
-    /// are met, and in which order, as [`decide`] has it.
+    /// Goes to child `FIRST`, and pushes the other child if `BOTH` are met. `CHILDREN` says which children of the
+    /// first child are met, and in which order, in the code of [`decide`].
     #[inline(always)]
     fn go<const FIRST: usize, const BOTH: usize, const CHILDREN: usize>(
         &self,

@@ -1,4 +1,4 @@
-//! What a ray is asked that walks a tree of boxes.
+//! The queries of a ray that walks a tree of boxes.
 
 use crate::accel::query::{Hit, Order};
 use crate::accel::ray::Ray;
@@ -6,20 +6,20 @@ use crate::accel::triangle::{Record, TriangleHit};
 use crate::quantity::PrimitiveId;
 use crate::stream::Stop;
 
-/// A question, and what is known of its answer.
+/// A query, and its result so far.
 pub(super) trait Question<'a> {
-    /// The order in which it visits children.
+    /// The order in which the query visits children.
     fn order(&self) -> Order;
-    /// The ray as far as it goes.
+    /// The ray, up to its present reach.
     fn ray(&self) -> &Ray;
     /// Whether hits shorten the ray.
     const SHORTENS: bool;
-    /// Takes in a hit on the triangle of `primitive`, whose record `record` gives: tells where the hardware's test
-    /// ends, and whether the question is answered.
+    /// Receives a hit on the triangle of `primitive`; `record` returns its record. Returns where the hardware's test
+    /// stops, and whether the query is answered.
     fn hit(&mut self, hit: TriangleHit, primitive: PrimitiveId, record: impl FnOnce() -> &'a Record) -> (Stop, bool);
 }
 
-/// Which hit is the nearest, at equal distance that on the lowest primitive.
+/// Finds the nearest hit; at equal distance, the hit on the lowest primitive.
 pub(super) struct Nearest {
     pub ray: Ray,
     pub hit: Option<Hit>,
@@ -45,7 +45,7 @@ impl<'a> Question<'a> for Nearest {
     }
 }
 
-/// Whether anything blocks the ray.
+/// Finds any triangle that blocks the ray.
 pub(super) struct Blocker<'a> {
     pub ray: &'a Ray,
     pub order: Order,

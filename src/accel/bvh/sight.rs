@@ -12,7 +12,7 @@ impl<const N: usize> Forest<'_, N>
 where
     Tree<N>: Wide<N>,
 {
-    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss.
+    /// Looks for static blockers in the shaft, up to the first triangle that the shaft does not miss.
     pub(crate) fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         if self.statics.records.is_empty() {
             return Sight::Clear;

@@ -1,16 +1,16 @@
-//! Trees of boxes with `N` children a node: `N` = 2 for the BVH2, 8 for the CwBVH.
+//! Trees of boxes with `N` children per node: `N` = 2 for the BVH2, 8 for the CwBVH.
 
 use glam::Vec3;
 
 use crate::accel::ray::Boxes;
 use crate::accel::triangle::Record;
 
-/// A reference to a child: a run of triangle slots, another node, or nothing.
+/// A reference to a child: a range of triangle slots, another node, or nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Child {
     /// The first slot of a leaf, or the node's id.
     pub index: u32,
-    /// Triangles of a leaf; 0 for a node.
+    /// Number of triangles of a leaf; 0 for a node.
     pub count: u32,
 }
 
@@ -40,7 +40,7 @@ impl<const N: usize> Default for Node<N> {
 }
 
 impl<const N: usize> Node<N> {
-    /// Makes `child` the child number `at`, with the given box.
+    /// Sets child number `at` to `child`, with the given box.
     pub(crate) fn set(&mut self, at: usize, child: Child, low: Vec3, high: Vec3) {
         for (side, corner) in [low, high].into_iter().enumerate() {
             let [x, y, z] = &mut self.bounds;

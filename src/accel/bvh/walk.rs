@@ -1,7 +1,7 @@
 //! How a ray walks a packed tree: one loop for both widths.
 //!
-//! Children are visited nearest first, unless a shadow ray asks for another order; ties go by the node's own order. A
-//! child that lies behind the nearest hit by the time it is taken from the stack is dropped without a visit.
+//! Children are visited nearest first, unless a shadow ray asks for another order; ties follow the node's own order. A
+//! child that is behind the nearest hit when it is taken from the stack is dropped without a visit.
 
 use pulp::NullaryFnOnce;
 
@@ -22,7 +22,7 @@ use crate::quantity::{NodeId, PrimitiveId, TriangleSlot};
 /// Where a walk begins.
 #[derive(Clone, Copy)]
 enum Start {
-    /// At the roots of the trees of a scope.
+    /// At the roots of the trees in the scope.
     Roots(Scope),
     /// At a node of the static tree.
     Node(NodeId),
@@ -59,7 +59,8 @@ where
         };
         let mut stack = Stack::new(places);
         let mut last = limit(question.ray());
-        // A bit for each tree that is walked, where the ray enters their boxes, and where the static one's walk begins.
+        // A bit for each tree to walk, the distances at which the ray enters their boxes, the first static node, and
+        // whether the dynamic tree goes first.
         let (mut met, mut entries, mut first, mut swap) = (1, [0.0; 8], 0, false);
         match start {
             Start::Node(node) => first = node.0 as usize,
@@ -71,7 +72,8 @@ where
                     Scope::Static => 0b01,
                     Scope::Dynamic => 0b10,
                 };
-                // A blocker that is dynamic proves that no static triangle blocks.
+                // A shadow ray walks the static tree first, so that a dynamic blocker proves that no static triangle
+                // blocks.
                 (first, swap) = (1, Q::SHORTENS && entries[1] < entries[0]);
             }
             Start::Roots(_) => {}
@@ -121,7 +123,7 @@ where
     }
 }
 
-/// Tests the triangles of a block; whether that answers the question.
+/// Tests the triangles of a block; returns whether the query is answered.
 #[inline(always)]
 fn test<'a, L: Lanes<LANES>, Q: Question<'a>>(
     block: &Block,
@@ -157,7 +159,7 @@ fn test<'a, L: Lanes<LANES>, Q: Question<'a>>(
     false
 }
 
-/// A node of a packed tree.
+/// A packed node of a tree of width `N`.
 type Node<const N: usize> = <Tree<N> as Wide<N>>::Node;
 
 impl<'a, L: Processor, Q: Question<'a>, W: Observer, const N: usize> NullaryFnOnce for Walk<'a, '_, L, Q, W, N>
@@ -176,7 +178,7 @@ impl<const N: usize> Forest<'_, N>
 where
     Tree<N>: Wide<N>,
 {
-    /// Walks by the best instructions that the processor has.
+    /// Walks with the best vector instructions of the processor.
     #[inline]
     fn walk<'a, Q: Question<'a>>(&'a self, start: Start, mut question: Q, watch: &mut impl Observer) -> Q {
         let (forest, question_of) = (self, &mut question);
@@ -189,13 +191,13 @@ where
         question
     }
 
-    /// The nearest hit; at equal distance the one on the lowest primitive.
+    /// The nearest hit; at equal distance, the hit on the lowest primitive.
     pub(crate) fn nearest(&self, ray: &Ray, watch: &mut impl Observer) -> Option<Hit> {
         self.walk(Start::Roots(Scope::All), Nearest { ray: *ray, hit: None }, watch).hit
     }
 
-    /// A triangle that blocks the ray within `scope`, the first found in `order`; static triangles are all tried before
-    /// the first dynamic one, so that a dynamic blocker proves that no static one blocks.
+    /// A triangle that blocks the ray within `scope`: the first found in `order`. All static triangles are tried
+    /// before the first dynamic one, so a dynamic blocker proves that no static triangle blocks.
     pub(crate) fn blocker(
         &self,
         ray: &Ray,
@@ -209,7 +211,7 @@ where
         self.walk(Start::Roots(scope), Blocker { ray, order, found: None }, watch).found
     }
 
-    /// A triangle that blocks the ray, among those below a static node, the nearest children first.
+    /// A triangle below a static node that blocks the ray; the nearest children are visited first.
     pub(crate) fn blocker_below(&self, ray: &Ray, node: NodeId, watch: &mut impl Observer) -> Option<PrimitiveId> {
         self.walk(Start::Node(node), Blocker { ray, order: Order::NearestFirst, found: None }, watch).found
     }
@@ -227,7 +229,7 @@ mod tests {
     use crate::accel::trail::Trail;
     use crate::scene::Triangle;
 
-    /// Numbers from -1 to 1 that look random.
+    /// Pseudo-random numbers from -1 to 1.
     fn numbers() -> impl FnMut() -> f32 {
         let mut state = 1u32;
         move || {
@@ -240,7 +242,7 @@ mod tests {
         move || Vec3::new(number(), number(), number())
     }
 
-    /// Rays in all directions, along axes, and of every reach.
+    /// Rays in all directions, some perpendicular to an axis, with different reaches.
     fn rays() -> Vec<Ray> {
         let mut next = vectors(numbers());
         let ray = |number: usize| {
@@ -254,7 +256,8 @@ mod tests {
         (0..400).map(ray).collect()
     }
 
-    /// What all rays come to in a tree over `triangles`, the last of which move: trails and answers.
+    /// Compares trails and answers of all rays in a tree over `triangles`, the last of which move. Returns the stack's
+    /// size.
     fn check<const N: usize>(triangles: &[Triangle], moving: usize) -> usize
     where
         Tree<N>: Build + Wide<N>,
@@ -303,7 +306,7 @@ mod tests {
 
     #[test]
     fn a_tree_deeper_than_most_is_walked_too() {
-        // Each triangle is half the size of the next, and all have a corner in common.
+        // Each triangle is half the size of the next, and all share a corner.
         let triangle = |number| {
             let size = f32::exp2(number as f32 - 110.0);
             Triangle { v: [Vec3::ZERO, Vec3::new(size, 0.0, size), Vec3::new(0.0, size, size)] }

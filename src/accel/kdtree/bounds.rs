@@ -1,4 +1,4 @@
-//! Boxes, and the box around what lies of a triangle in a box.
+//! Boxes, and the box around the part of a triangle in a box.
 
 use glam::{DVec3, Vec3};
 
@@ -14,7 +14,7 @@ pub(crate) struct Bounds {
 }
 
 impl Bounds {
-    /// Nothing.
+    /// The empty box.
     pub(crate) const EMPTY: Self = Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY };
 
     /// The box around a triangle.
@@ -23,12 +23,12 @@ impl Bounds {
         Self { low: a.min(b).min(c), high: a.max(b).max(c) }
     }
 
-    /// The box around both.
+    /// The box around both boxes.
     pub(crate) fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// What both have in common.
+    /// The common part of both boxes; empty if there is none.
     pub(crate) fn intersection(self, other: Self) -> Self {
         Self { low: self.low.max(other.low), high: self.high.min(other.high) }
     }
@@ -41,14 +41,14 @@ impl Bounds {
         [left, right]
     }
 
-    /// The surface's area.
+    /// The area of the surface.
     pub(crate) fn area(self) -> f64 {
         let size = (self.high.as_dvec3() - self.low.as_dvec3()).max(DVec3::ZERO);
         2.0 * (size.x * size.y + size.y * size.z + size.z * size.x)
     }
 
-    /// The box around the part of `triangle` that lies in this box; `None` if no part does. Computed in `f64` and
-    /// rounded outwards, so that the part never sticks out.
+    /// The box around the part of `triangle` that lies in this box; `None` if no part does. It is computed in `f64`
+    /// and rounded outwards, so that it contains the whole part.
     pub(crate) fn clip(self, triangle: &Triangle) -> Option<Self> {
         let mut polygon = Polygon::new(triangle);
         for axis in 0..3 {
@@ -71,7 +71,7 @@ fn round_down(x: f64) -> f32 {
     if f64::from(rounded) > x { rounded.next_down() } else { rounded }
 }
 
-/// A triangle that is cut by up to six planes, each of which adds one corner at most.
+/// A triangle cut by up to six planes, each of which adds at most one corner.
 struct Polygon {
     corners: [DVec3; 9],
     count: usize,
@@ -90,7 +90,7 @@ impl Polygon {
         &self.corners[..self.count]
     }
 
-    /// Keeps what lies on the plane across `axis` or on the side `sign` of it (Sutherland and Hodgman 1974).
+    /// Keeps the part in the plane across `axis` and on its side `sign` (Sutherland and Hodgman 1974).
     fn clip(&mut self, axis: usize, plane: f64, sign: f64) {
         let outside = |point: DVec3| (point[axis] - plane) * sign < 0.0;
         if !self.points().iter().any(|&point| outside(point)) {

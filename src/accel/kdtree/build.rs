@@ -8,9 +8,10 @@ use super::split::{BINS, Plane, bins, leaf_cost, sweep};
 use crate::accel::spec::{KdLayout, Quality};
 use crate::accel::structure::{Base, Item};
 
-/// The level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based Rendering",
-/// the kd-tree). It bounds the stack, and ends the trimming of empty slivers, which the bonus for empty parts would pay
-/// for ever deeper where triangles meet in a point: that makes nodes, and hardly saves a triangle test.
+/// The default level at which no cell is split any more: 8 + 1.3 log2 n (Pharr and Humphreys, "Physically Based
+/// Rendering", the kd-tree). It bounds the stack. It also ends the trimming of empty slivers where triangles meet in a
+/// point: the bonus for empty parts would pay for ever deeper splits, which make nodes and save hardly a triangle
+/// test.
 fn usual_depth(items: usize) -> u32 {
     (8.0 + 1.3 * f64::from(items.ilog2())).round() as u32
 }
@@ -18,17 +19,17 @@ fn usual_depth(items: usize) -> u32 {
 /// How a tree is built.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BuildSpec {
-    /// How much work goes into it.
+    /// How much work goes into the tree.
     pub quality: Quality,
     /// The order of its nodes.
     pub layout: KdLayout,
     /// The level at which no cell is split any more; `None` for 8 + 1.3 log2 n.
     pub max_depth: Option<u32>,
-    /// With so many items or fewer, a cell is not split.
+    /// A cell with this many items or fewer is not split.
     pub leaf: usize,
 }
 
-/// An item's part in a cell.
+/// The part of an item that lies in a cell.
 #[derive(Clone, Copy)]
 struct Part {
     item: u32,
@@ -44,8 +45,8 @@ struct Builder<'a> {
 }
 
 /// Builds the tree over `items`. [`Quality::Best`] clips triangles to their cells ("perfect splits") and considers
-/// every plane; [`Quality::Medium`] cuts boxes instead of triangles; [`Quality::Fast`] besides considers a few planes
-/// only where there are many triangles. O(n log^2 n) all, events being sorted anew for each cell.
+/// every plane. [`Quality::Medium`] cuts boxes instead of triangles. [`Quality::Fast`] also cuts boxes, and considers
+/// only a few planes where there are many triangles. Events are sorted anew for each cell: O(n log^2 n) in all.
 pub(super) fn build(items: &[Item<'_>], spec: BuildSpec, base: Base) -> Tree {
     let parts: Vec<_> = items
         .iter()
@@ -82,13 +83,13 @@ impl Builder<'_> {
         self.cell(above, right, depth + 1);
     }
 
-    /// The plane to split at, if a split is expected to be cheaper than a leaf (Wald and Havran 2006).
+    /// The plane to split at, if the split is expected to cost less than a leaf (Wald and Havran 2006).
     fn plane(&self, cell: Bounds, parts: &[Part], depth: u32) -> Option<Plane> {
         if parts.len() <= self.leaf || depth == self.max_depth {
             return None;
         }
         let boxes = parts.iter().map(|part| part.bounds);
-        // With fewer triangles, bins are no cheaper than the sweep.
+        // For fewer triangles, bins are no cheaper than the sweep.
         let (cost, plane) = if self.quality == Quality::Fast && parts.len() > 2 * BINS {
             bins(cell, boxes)
         } else {
@@ -97,7 +98,7 @@ impl Builder<'_> {
         (cost < leaf_cost(parts.len())).then_some(plane)
     }
 
-    /// The parts on either side. What merely touches the plane from one side is not in the other.
+    /// The parts on either side. A part that only touches the plane belongs to its own side alone.
     fn divide(&self, plane: Plane, cells: [Bounds; 2], parts: &[Part]) -> [Vec<Part>; 2] {
         let mut sides = [Vec::new(), Vec::new()];
         for &part in parts {

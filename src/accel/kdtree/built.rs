@@ -1,6 +1,6 @@
-//! A kd-tree between its building and its layout.
+//! A built kd-tree before its layout in memory.
 
-/// A cell that is built, before the layout; the left child of a split follows it.
+/// A cell before the layout; the left child of a split follows the split.
 pub(super) enum Built {
     Split {
         axis: usize,

@@ -1,5 +1,5 @@
-//! Lays a built tree out in memory: nodes depth-first, lists in the order of the leaves, records as the lists name
-//! them.
+//! Lays a built tree out in memory: nodes depth-first, lists in the order of the leaves, records in the order in which
+//! the lists first name them.
 
 use super::bounds::Bounds;
 use super::built::Built;
@@ -30,7 +30,7 @@ pub(super) fn lay_out(cells: &[Built], bounds: Bounds, items: &[Item<'_>], layou
     };
     let mut placer = Placer { cells, items, layout, base, slots: vec![UNPLACED; items.len()], tree };
     placer.node(0, bounds);
-    // What clipping left out of every leaf (no ray can hit it) has a record all the same: each primitive has one.
+    // Each primitive has a record, also one that clipping left out of every leaf because no ray can hit it.
     for index in 0..items.len() {
         placer.slot(index);
     }
@@ -67,7 +67,7 @@ impl Placer<'_> {
         self.base.list + self.tree.lists.len() as u32
     }
 
-    /// The item's slot; makes its record if there is none yet.
+    /// The item's slot; adds its record if it has none.
     fn slot(&mut self, index: usize) -> u32 {
         if self.slots[index] == UNPLACED {
             self.slots[index] = self.base.slot + self.tree.records.len() as u32;

@@ -1,8 +1,8 @@
-//! The kd-tree: nodes of eight bytes, lists of primitives, one plane test a step.
+//! The kd-tree: nodes of eight bytes, lists of primitives, one plane test per step.
 //!
-//! Space is split, not the set of triangles: a triangle is listed in each leaf that it lies in. There is no mailbox, as
-//! there is none in the hardware (Nah et al. 2011): a triangle is tested again in each leaf of its that a ray comes to,
-//! and every test is recorded.
+//! The tree splits space, not the set of triangles: each leaf lists every triangle that reaches into it. There is no
+//! mailbox, as in the hardware (Nah et al. 2011). A ray tests a triangle again in each leaf that lists it, and every
+//! test is recorded.
 
 mod bounds;
 mod build;

@@ -5,13 +5,13 @@ use std::ops::Range;
 use super::bounds::Bounds;
 use crate::accel::triangle::Record;
 
-/// A node as it is in memory: a plane with its axis, or a run of list entries. The first word is the plane's position
-/// or the run's start; the second has the axis (3 for a leaf) in 2 bits, the reorder bit, and in 29 bits the id of the
-/// child that does not follow, or the run's length.
+/// A node as stored: a plane with its axis, or a range of list entries. The first word is the plane's position or the
+/// start of the range. The second word has the axis (3 for a leaf) in 2 bits, the reorder bit, and 29 bits for the id
+/// of the child that does not follow, or for the length of the range.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Node([u32; 2]);
 
-/// What a node says.
+/// The content of a node.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum View {
     /// Two children, left (below) and right (above) of a plane.
@@ -23,14 +23,15 @@ pub(crate) enum View {
         /// Ids of the left and the right child.
         children: [u32; 2],
     },
-    /// List entries.
+    /// The leaf's list entries.
     Leaf(Range<u32>),
 }
 
 const LEAF: u32 = 3;
 
 impl Node {
-    /// A node of two children, of which `other` does not follow: the right one, or the left one if `reordered`.
+    /// A node with two children. Child `other` does not follow the node: it is the right child, or the left one if
+    /// `reordered`.
     pub(crate) fn split(axis: usize, at: f32, other: u32, reordered: bool) -> Self {
         Self([at.to_bits(), other << 3 | u32::from(reordered) << 2 | axis as u32])
     }
@@ -40,7 +41,7 @@ impl Node {
         Self([entries.start, (entries.end - entries.start) << 3 | LEAF])
     }
 
-    /// What the node with this id says.
+    /// Decodes the node; `id` is its own id.
     pub(crate) fn view(self, id: u32) -> View {
         let Self([first, second]) = self;
         let rest = second >> 3;
@@ -57,7 +58,7 @@ impl Node {
 pub(crate) struct Tree {
     /// The box around all triangles.
     pub bounds: Bounds,
-    /// Nodes in depth-first order; none for a tree over nothing.
+    /// Nodes in depth-first order; empty for a tree without triangles.
     pub nodes: Vec<Node>,
     /// The slots that the leaves list, in the order of the leaves.
     pub lists: Vec<u32>,

@@ -1,4 +1,4 @@
-//! How a shaft walks the static kd-tree: down to every cell that a ray of it may come to.
+//! How a shaft walks the static kd-tree: down to every cell that one of its rays may enter.
 
 use super::node::View;
 use super::traverse::Forest;
@@ -8,8 +8,8 @@ use crate::accel::trail::Observer;
 use crate::quantity::{ListId, NodeId};
 
 impl Forest<'_> {
-    /// Looks for static blockers in the shaft, up to the first triangle that it does not miss. A triangle that several
-    /// leaves list is tested in each.
+    /// Looks for static blockers in the shaft, up to the first triangle that the shaft does not miss. A triangle in
+    /// the lists of several leaves is tested in each.
     pub(crate) fn look(&self, shaft: &Shaft, watch: &mut impl Observer) -> Sight {
         let mut stack = vec![(u32::from(self.joined), self.statics.bounds)];
         while let Some((id, cell)) = stack.pop() {

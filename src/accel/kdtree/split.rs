@@ -1,24 +1,24 @@
 //! Where to split a cell: the surface area heuristic, over all planes at which the count of triangles changes, or over
-//! a few planes at even distances.
+//! a few evenly spaced planes.
 
 use glam::DVec3;
 
 use super::bounds::Bounds;
 
-/// Cost of a traversal step, and of a triangle test beside it (Wald and Havran 2006).
+/// Relative costs of a traversal step and of a triangle test (Wald and Havran 2006).
 const TRAVERSAL: f64 = 15.0;
 const INTERSECTION: f64 = 20.0;
-/// What a split costs that cuts off an empty part, as a share of its cost otherwise (Wald and Havran 2006).
+/// Factor on the cost of a split that cuts off an empty part (Wald and Havran 2006).
 const EMPTY: f64 = 0.8;
 
 /// A plane that splits a cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Plane {
-    /// The axis across which it lies.
+    /// The axis that the plane is perpendicular to.
     pub axis: usize,
     /// Its position.
     pub at: f32,
-    /// Whether triangles that lie in it go to the left.
+    /// Whether triangles that lie in the plane go to the left.
     pub flat_left: bool,
 }
 
@@ -30,7 +30,7 @@ pub(super) fn leaf_cost(count: usize) -> f64 {
 /// The best plane so far.
 struct Search {
     cell: Bounds,
-    /// Over the cell's area.
+    /// One over the cell's area.
     per_area: f64,
     /// The cell's sides.
     size: DVec3,
@@ -43,10 +43,12 @@ impl Search {
         Self { cell, per_area: 1.0 / cell.area(), size, best: None }
     }
 
-    /// Considers a plane with `counts` triangles to the left and to the right. Of equals, the first is kept.
+    /// Considers a plane with `counts` triangles to the left and to the right. Of equal costs, the first plane is
+    /// kept.
     ///
-    /// A plane in a face of the cell parts the triangles in the face from the rest: a flat cell of them, such as a
-    /// wall, is cheap, since only the rays that reach the wall come to it. A flat cell of nothing would part nothing.
+    /// A plane in a face of the cell separates the triangles in the face from the rest. A flat cell with such
+    /// triangles, for example a wall, is cheap, because only rays that reach the wall enter it. An empty flat cell
+    /// would separate nothing.
     fn consider(&mut self, plane: Plane, counts: [usize; 2]) {
         let (low, high) = (self.cell.low[plane.axis], self.cell.high[plane.axis]);
         let parting = (plane.at > low || counts[0] > 0) && (plane.at < high || counts[1] > 0);
@@ -87,8 +89,8 @@ fn position(key: u64) -> f32 {
     f32::from_bits(if ordered >> 31 == 1 { ordered & !(1 << 31) } else { !ordered })
 }
 
-/// The cheapest of all planes at the faces of `boxes`, which lie in `cell`, with its cost (Wald and Havran 2006:
-/// sorted events, O(n log n) for a cell).
+/// The cheapest of all planes at the faces of `boxes`, which lie in `cell`, with its cost. Sorted events, O(n log n)
+/// for a cell (Wald and Havran 2006).
 pub(super) fn sweep(cell: Bounds, boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Option<(f64, Plane)> {
     let mut search = Search::new(cell);
     let mut events = Vec::with_capacity(2 * boxes.len());
@@ -125,10 +127,10 @@ pub(super) fn sweep(cell: Bounds, boxes: impl ExactSizeIterator<Item = Bounds> +
     search.best
 }
 
-/// Planes that [`bins`] considers on each axis are one fewer.
+/// Number of bins on each axis; [`bins`] considers one plane fewer.
 pub(super) const BINS: usize = 32;
 
-/// The cheapest of evenly spaced planes, with its cost; counts by the bins in which `boxes` begin and end (min-max
+/// The cheapest of evenly spaced planes, with its cost. It counts boxes by the bins of their starts and ends (min-max
 /// binning, Shevtsov et al. 2007). O(n) for a cell.
 pub(super) fn bins(cell: Bounds, boxes: impl ExactSizeIterator<Item = Bounds> + Clone) -> Option<(f64, Plane)> {
     let mut search = Search::new(cell);
@@ -177,7 +179,7 @@ mod tests {
         let part = Bounds { low: Vec3::ZERO, high: Vec3::new(1.0, 4.0, 4.0) };
         let (cost, plane) = sweep(cube(0.0, 4.0), std::iter::repeat_n(part, 4)).unwrap();
         assert_eq!(plane, Plane { axis: 0, at: 1.0, flat_left: true });
-        // Areas: 48 of 96. The bonus takes a fifth.
+        // Each half has an area of 48 of 96. The bonus for an empty part is a fifth.
         assert_eq!(cost, 0.8 * (15.0 + 20.0 * 0.5 * 4.0));
     }
 

@@ -1,10 +1,9 @@
-//! The stack of cells that a ray comes to later, and what it costs if it is short: a short stack drops its deepest
-//! entry when it is full, and a ray that needs that entry goes down again from the node where its ways first parted
-//! ("short stack" with "push-down"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing"; the T&I engine has four
-//! entries).
+//! The stack of cells that a ray visits later, and the cost of a short stack. A full short stack drops its deepest
+//! entry. A ray that needs this entry goes down again from the node where its paths first split ("short stack" with
+//! "push-down"; Horn et al. 2007, "Interactive k-D Tree GPU Raytracing"; the T&I engine has four entries).
 //!
-//! All entries are kept here, dropped ones too, with the path to the present node: so a restart is the nodes of that
-//! path once more, and what a ray hits cannot depend on the stack's size.
+//! This model keeps all entries, also dropped ones, with the path to the current node. A restart visits the nodes of
+//! that path again, so the stack's size cannot change what a ray hits.
 
 use crate::accel::trail::Observer;
 use crate::quantity::NodeId;
@@ -12,40 +11,40 @@ use crate::quantity::NodeId;
 /// A cell that the ray crosses between the distances `enter` and `exit`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
-    /// Its node.
+    /// The cell's node.
     pub node: u32,
-    /// Where the ray enters.
+    /// The distance at which the ray enters.
     pub enter: f32,
-    /// Where it leaves.
+    /// The distance at which the ray leaves.
     pub exit: f32,
     /// The node's level; 0 is a tree's root.
     pub depth: u32,
 }
 
-/// The stack.
+/// A ray's stack in a walk of the trees.
 #[derive(Debug)]
 pub(super) struct Stack {
     entries: Vec<Span>,
-    /// Places, if there is a limit.
+    /// Number of places, if limited.
     places: Option<usize>,
-    /// Of the entries, how many at the bottom are dropped.
+    /// Number of entries at the bottom that are dropped.
     dropped: usize,
-    /// The path to the present node, by level.
+    /// Nodes on the path to the current node, by level.
     path: Vec<u32>,
-    /// The level from which a restart goes down: where ways first parted that are not both gone.
+    /// The level from which a restart goes down: the first split with a side still to visit.
     restart: Option<u32>,
 }
 
 impl Stack {
-    /// A stack of `places`, or without a limit, for a walk of `trees`, the last of which is the first. Their roots are
-    /// in registers.
+    /// A stack of `places`, or without a limit, for a walk of `trees`; the last of them is walked first. Their roots
+    /// are in registers.
     pub(super) fn new(places: Option<usize>, trees: Vec<Span>) -> Self {
         let mut entries = trees;
         entries.reserve(64);
         Self { entries, places, dropped: 0, path: Vec::new(), restart: None }
     }
 
-    /// The ray visits a node.
+    /// Adds a visited node to the path.
     pub(super) fn visit(&mut self, span: &Span) {
         if self.places.is_some() {
             self.path.truncate(span.depth as usize);
@@ -53,7 +52,7 @@ impl Stack {
         }
     }
 
-    /// The ray comes to `span`, a child of the present node, later.
+    /// Pushes `span`, a child of the current node that the ray visits later.
     pub(super) fn push(&mut self, span: Span) {
         self.entries.push(span);
         if let Some(places) = self.places {
@@ -61,7 +60,7 @@ impl Stack {
             let kept = self.entries[self.dropped..].iter().filter(|entry| entry.depth > 0).count();
             if kept > places {
                 self.dropped += 1;
-                // Roots are never dropped: the next one up is.
+                // Roots are never dropped: the next entry above is dropped instead.
                 while self.entries[self.dropped - 1].depth == 0 {
                     self.dropped += 1;
                 }
@@ -69,8 +68,8 @@ impl Stack {
         }
     }
 
-    /// The cell that the ray comes to next, of those that it enters within `reach`. If it was dropped, the nodes on the
-    /// way to it are visited once more.
+    /// Pops the next cell that the ray enters within `reach`. If the cell was dropped, the nodes on the path to it are
+    /// visited again.
     pub(super) fn pop(&mut self, reach: f32, watch: &mut impl Observer) -> Option<Span> {
         let span = loop {
             let span = self.entries.pop()?;
@@ -80,12 +79,12 @@ impl Stack {
         };
         let Some(places) = self.places else { return Some(span) };
         if span.depth == 0 {
-            // Another tree.
+            // The walk begins another tree.
             (self.restart, self.dropped) = (None, self.dropped.min(self.entries.len()));
         } else if self.entries.len() < self.dropped {
             let way = self.restart.unwrap_or(0) as usize..span.depth as usize;
             self.path[way].iter().for_each(|&node| watch.node(NodeId(node)));
-            // On the way down the last of what is still to come is found again; the ways before it are gone.
+            // The way down finds the last `places` pending entries again; earlier paths are finished.
             let left = || self.entries.iter().filter(|entry| entry.depth > 0);
             self.restart = left().map(|entry| entry.depth - 1).min();
             self.dropped = self.entries.len() - places.min(left().count());
@@ -99,8 +98,8 @@ mod tests {
     use super::*;
     use crate::accel::trail::Trail;
 
-    /// Nodes visited again by a ray that goes down five levels, leaves a cell for later on each, and then comes to all
-    /// of them.
+    /// Nodes visited again by a ray that goes down five levels, leaves a cell for later on each level, and then visits
+    /// all these cells.
     fn visited_again(places: Option<usize>) -> Vec<u32> {
         let span = |node, depth| Span { node, enter: 0.0, exit: 1.0, depth };
         let (mut stack, mut trail) = (Stack::new(places, vec![span(0, 0)]), Trail::default());
@@ -122,9 +121,9 @@ mod tests {
     fn what_was_dropped_is_found_from_where_the_ways_parted() {
         assert!(visited_again(None).is_empty());
         assert!(visited_again(Some(5)).is_empty());
-        // Levels 4 and 5 are kept; on the way to level 3 those of 1 and 2 are found again.
+        // Levels 4 and 5 are kept. The restart to level 3 finds those of levels 1 and 2 again.
         assert_eq!(visited_again(Some(2)), [0, 1, 2]);
-        // Level 5 is kept; with level 4 that of 3 is found, with 2 that of 1.
+        // Level 5 is kept. The restart to level 4 finds that of level 3; the one to level 2 finds that of level 1.
         assert_eq!(visited_again(Some(1)), [0, 1, 2, 3, 0, 1]);
     }
 

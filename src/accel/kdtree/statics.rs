@@ -76,7 +76,7 @@ impl JoinedTree for Forest<'_> {
         self.nearest(*ray, watch)
     }
 
-    /// Walks front to back, whatever the order.
+    /// Walks front to back and ignores the order.
     fn occluded(&self, ray: &Ray, scope: Scope, _: Order, watch: &mut impl Observer) -> Option<PrimitiveId> {
         self.blocker(ray, scope, watch)
     }
@@ -85,7 +85,7 @@ impl JoinedTree for Forest<'_> {
         self.look(shaft, watch)
     }
 
-    /// Cells are no boxes around the triangle's own: only a hit by more than rounding is certain to be found.
+    /// A kd-tree's cells need not enclose a triangle's box: only a hit by more than rounding is certain to be found.
     fn blocks(&self, ray: &Ray, slot: TriangleSlot, watch: &mut impl Observer) -> bool {
         let (stop, blocked) = self.record(slot).surely_blocks(ray);
         watch.triangle(slot, stop);

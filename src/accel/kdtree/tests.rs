@@ -1,4 +1,4 @@
-//! What a built kd-tree must be like.
+//! Invariants of a built kd-tree.
 
 use glam::Vec3;
 use proptest::prelude::*;
@@ -26,8 +26,8 @@ impl Tree {
         self.nodes[(id - BASE.node) as usize].view(id)
     }
 
-    /// All leaves under node `id`, with their cells; checks that nodes and runs of entries follow one another, and how
-    /// the children are ordered.
+    /// All leaves under node `id`, with their cells. Checks that nodes and ranges of entries are consecutive, and the
+    /// order of the children.
     fn leaves(&self, id: u32, cell: Bounds, layout: Layout, leaves: &mut Vec<(Bounds, Range<u32>)>) -> u32 {
         match self.view(id) {
             View::Leaf(entries) => {
@@ -76,7 +76,7 @@ proptest! {
         prop_assert_eq!(tree.nodes.len(), 2 * leaves.len() - 1);
         prop_assert_eq!(leaves.last().unwrap().1.end as usize, BASE.list as usize + tree.lists.len());
 
-        // Each primitive has one record; records are in the order in which they are listed first.
+        // Each primitive has one record; records are in the order in which the lists first name them.
         let mut primitives: Vec<_> = tree.records.iter().map(|record| record.primitive.0).collect();
         let mut seen = 0;
         for &slot in &tree.lists {
@@ -101,12 +101,12 @@ proptest! {
                     entries.clone().any(|entry| tree.lists[(entry - BASE.list) as usize] == BASE.slot + slot as u32)
                 };
                 prop_assert!(leaves.iter().any(|(cell, entries)| holds(cell) && lists(entries)));
-                // Well inside a leaf, there is no doubt which.
+                // A point well inside a leaf belongs to this leaf only.
                 let within = |cell: &Bounds| point.cmpgt(cell.low + slack).all() && point.cmplt(cell.high - slack).all();
                 prop_assert!(leaves.iter().all(|(cell, entries)| !within(cell) || lists(entries)));
             }
         }
-        // With clipping, what is listed lies in the cell.
+        // With clipping, every listed triangle reaches into the cell.
         if quality == Quality::Best {
             for (cell, entries) in &leaves {
                 for entry in entries.clone() {
@@ -147,7 +147,7 @@ fn triangles_that_all_meet_in_a_point_make_a_tree() {
         .collect();
     let all = tree(&fan, Quality::Best, Layout::Ordered, 0);
     assert!(all.nodes.len() < 100 * fan.len(), "{} nodes", all.nodes.len());
-    // Cells that hold few are left whole.
+    // Cells with few triangles are not split.
     let large = tree(&fan, Quality::Best, Layout::Ordered, 16);
     assert!(2 * large.nodes.len() < all.nodes.len(), "{} of {} nodes", large.nodes.len(), all.nodes.len());
     assert_eq!(tree(&fan, Quality::Best, Layout::Ordered, fan.len()).nodes.len(), 1);

@@ -1,13 +1,13 @@
-//! How a ray walks the kd-trees: front to back, with a stack of the parts that it comes to later.
+//! How a ray walks the kd-trees: front to back, with a stack of the parts that it visits later.
 //!
-//! The two trees overlap in space, so no plane parts them: the node that joins them, node 0, has the static tree right
-//! behind it and the dynamic one's root as its other child, and the boxes of both are in registers of the unit that
-//! tests the scene's box (the ray dispatcher of the T&I engine). A shadow ray walks the static tree first. One that is
-//! traced among dynamic objects stops at the first node that has none under it, as the published algorithm asks: that
-//! is the static tree's root, which is not even fetched, since the joining node tells.
+//! The two trees overlap in space, so no plane separates them. Node 0 joins them: the static tree follows it directly,
+//! and the dynamic tree's root is its other child. The boxes of both trees are in registers of the unit that tests the
+//! scene's box (the ray dispatcher of the T&I engine). A shadow ray walks the static tree first. A ray that is traced
+//! among dynamic objects stops at the first node without dynamic objects below it, as the published algorithm asks.
+//! That node is the static tree's root, which is not even fetched: node 0 already tells.
 //!
-//! Every ray fetches node 0, as it does in the other structures. The stack is unbounded, or a short one that forgets
-//! what lies deepest and finds it again by going down once more ([`super::stack`]).
+//! Every ray fetches node 0, as in the other structures. The stack is unbounded, or short: a short stack drops its
+//! deepest entries and finds them again by another descent ([`super::stack`]).
 
 use std::ops::Range;
 
@@ -22,18 +22,18 @@ use crate::quantity::{ListId, NodeId, PrimitiveId, TriangleSlot};
 
 /// The static tree and the dynamic one under one root.
 pub(crate) struct Forest<'a> {
-    /// Whether node 0 joins two trees; else it is the static tree's own root.
+    /// Whether node 0 joins two trees; otherwise node 0 is the static tree's own root.
     pub joined: bool,
-    /// Nodes, list entries and records with ids from 0 on.
+    /// The static tree, with ids from 0 on.
     pub statics: &'a Tree,
-    /// Those with ids after the static ones.
+    /// The dynamic tree, with ids after the static ones.
     pub dynamic: Tree,
-    /// Places of a ray's stack, if it is a short one.
+    /// Places of a ray's stack, if it is short.
     pub short_stack: Option<usize>,
 }
 
 impl Bounds {
-    /// The part of the ray in the box, as `node`'s.
+    /// The part of the ray in the box, as a span of `node`.
     fn span(&self, ray: &Ray, node: u32) -> Option<Span> {
         let (mut enter, mut exit) = (0.0f32, ray.reach * SLAB);
         for axis in 0..3 {
@@ -66,8 +66,8 @@ impl Forest<'_> {
         TriangleSlot(entry.unwrap_or_else(|| self.dynamic.lists[id - self.statics.lists.len()]))
     }
 
-    /// The static and the dynamic tree, where the ray meets their boxes. Visits node 0, unless the static tree's walk
-    /// is going to.
+    /// The ray's spans in the static and the dynamic tree, where it meets their boxes. Visits node 0, unless the walk
+    /// of the static tree will visit it.
     fn start(&self, ray: &Ray, watch: &mut impl Observer) -> [Option<Span>; 2] {
         let spans = [
             self.statics.bounds.span(ray, u32::from(self.joined)),
@@ -79,7 +79,7 @@ impl Forest<'_> {
         spans
     }
 
-    /// Goes down to the leaf that the ray comes to first; gives its entries.
+    /// Goes down to the first leaf that the ray enters; returns its entries.
     fn descend(&self, mut span: Span, ray: &Ray, stack: &mut Stack, watch: &mut impl Observer) -> Range<u32> {
         loop {
             stack.visit(&span);
@@ -92,10 +92,10 @@ impl Forest<'_> {
             let (near, far) = if inverse < 0.0 { (right, left) } else { (left, right) };
             span.depth += 1;
             let plane = (at - origin) * inverse;
-            // The comparisons allow for the rounding of both sides, so that a ray through an edge of cells comes to all
-            // of them.
+            // The comparisons allow for rounding on both sides, so that a ray through an edge of cells visits all
+            // these cells.
             if at == origin && ray.is_parallel(axis) {
-                // The ray lies in the plane, and meets both sides all along.
+                // The ray lies in the plane, so it runs along both sides.
                 stack.push(Span { node: far, ..span });
                 span.node = near;
             } else if plane > span.exit * SLAB {
@@ -109,14 +109,15 @@ impl Forest<'_> {
         }
     }
 
-    /// The nearest hit; at equal distance the one on the lowest primitive.
+    /// The nearest hit; at equal distance, the hit on the lowest primitive.
     pub(crate) fn nearest(&self, mut ray: Ray, watch: &mut impl Observer) -> Option<Hit> {
         let mut nearest: Option<Hit> = None;
         let mut trees: Vec<_> = self.start(&ray, watch).into_iter().flatten().collect();
-        // The tree that is entered first on top; the static one if they are entered together.
+        // The tree that is entered first is on top; if both are entered together, the static tree.
         trees.sort_by(|a, b| b.enter.total_cmp(&a.enter).then(b.node.cmp(&a.node)));
         let mut stack = Stack::new(self.short_stack, trees);
-        // A hit counts wherever it is found: it may lie beyond the leaf, so what comes before it is still walked.
+        // A hit counts in whichever leaf it is found. It may lie beyond the leaf, so the cells before it are still
+        // walked.
         while let Some(span) = stack.pop(ray.reach * SLAB, watch) {
             let exit = span.exit.min(ray.reach * SLAB);
             for entry in self.descend(Span { exit, ..span }, &ray, &mut stack, watch) {
@@ -129,8 +130,8 @@ impl Forest<'_> {
         nearest
     }
 
-    /// A triangle that blocks the ray within `scope`, the first found; static triangles are all tried before the first
-    /// dynamic one, so that a dynamic blocker proves that no static one blocks.
+    /// The first triangle found that blocks the ray within `scope`. All static triangles are tried before the first
+    /// dynamic one, so a dynamic blocker proves that no static triangle blocks.
     pub(crate) fn blocker(&self, ray: &Ray, scope: Scope, watch: &mut impl Observer) -> Option<PrimitiveId> {
         if scope == Scope::Dynamic && !self.joined {
             return None;

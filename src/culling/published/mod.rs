@@ -1,4 +1,4 @@
-//! The published algorithm (GI09): shadow modes learned ray by ray, and trusted once a primitive was seen whole.
+//! The published algorithm (GI09): it learns shadow modes ray by ray, and trusts them once a primitive was seen whole.
 
 mod policy;
 pub mod rules;

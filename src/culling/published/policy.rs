@@ -1,4 +1,4 @@
-//! The published algorithm (GI09): shadow modes learned ray by ray, and trusted once a primitive was seen whole.
+//! The published algorithm (GI09): it learns shadow modes ray by ray, and trusts them once a primitive was seen whole.
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -15,7 +15,7 @@ use crate::quantity::{LightId, PrimitiveId};
 use crate::scene::Light;
 use crate::stream::{Effect, Store, StoreEntries};
 
-/// Modes and counters of all primitives, as they were at the frame's start.
+/// Modes and counters of all primitives, as of the frame's start.
 pub struct Published {
     rules: PublishedRules,
     facts: SceneFacts,
@@ -23,22 +23,24 @@ pub struct Published {
     words: Vec<u32>,
     /// The highest number of rendered pixels of each primitive.
     highest: Vec<u32>,
-    /// The lights of the frame before.
+    /// The lights of the previous frame.
     lights: Vec<Light>,
-    /// Pixels of each primitive in this frame, if the rules want them in advance.
+    /// Number of pixels of each primitive in this frame, if the rules need it in advance.
     census: Option<Vec<u32>>,
 }
 
-/// Kinds of [`Change`]: shadow bits to OR into a word; pixels to add to a primitive's count; a primitive seen occluded.
+/// Kinds of [`Change`]: shadow bits to OR into a word; pixels to add to a primitive's count; a primitive seen
+/// occluded.
 const MODES: u32 = 0;
 const RENDERED: u32 = 1;
 const OCCLUDED: u32 = 2;
 
-/// The bits of a first word that an update sets whose primitive is seen occluded: the lower one of the occlusion mode.
+/// The bits of a first word that an update sets when its primitive is seen occluded: the low bit of the occlusion
+/// mode.
 const SEEN_OCCLUDED: u32 = 0b01;
 
 impl Published {
-    /// Nothing known yet.
+    /// The policy without any knowledge.
     pub fn new(rules: PublishedRules, facts: SceneFacts) -> Self {
         let layout = WordLayout::new(facts.lights as usize);
         let primitives = facts.primitives as usize;
@@ -68,7 +70,7 @@ impl Published {
         self.words[first + 1..first + self.layout.words_per_primitive() as usize].fill(0);
     }
 
-    /// Whether a primitive's mode becomes PARTIALLY_OCCLUDED if it is seen occluded in the frame.
+    /// Whether a primitive that is seen occluded in the frame becomes PARTIALLY_OCCLUDED.
     fn becomes_partial(&self, primitive: PrimitiveId) -> bool {
         match self.first_word(primitive).occlusion() {
             Occlusion::Init => true,
@@ -83,7 +85,8 @@ impl Published {
             self.set_occlusion(primitive, Occlusion::PartiallyOccluded);
         }
         if pixels > 0 {
-            // What was counted before the shadows is compared with the same of earlier frames, not with all hits.
+            // A census counts pixels before the shadows. It is compared with the census of earlier frames, not with
+            // all hits.
             let pixels = self.census.as_ref().map_or(pixels, |census| census[primitive.0 as usize]);
             match self.first_word(primitive).occlusion() {
                 Occlusion::Init => {
@@ -148,7 +151,7 @@ impl Policy for Published {
     }
 
     fn end_frame(&mut self, changes: &[Change], trail: &mut Trail) {
-        // By primitive, so that the order of bands leaves no trace, in the modes or in the accesses.
+        // Sorted by primitive, so that neither the modes nor the accesses depend on the order of bands.
         let mut touched: Vec<(PrimitiveId, u32, bool)> = Vec::new();
         let mut sorted: Vec<_> = changes.iter().filter(|change| change.kind != MODES).collect();
         sorted.sort_by_key(|change| change.index);
@@ -191,9 +194,9 @@ impl Policy for Published {
 
 struct PublishedWorker<'a> {
     policy: &'a Published,
-    /// Shadow bits learned, by word.
+    /// Learned shadow bits, by word.
     modes: FxHashMap<u32, u32>,
-    /// Pixels rendered, by primitive.
+    /// Number of pixels rendered, by primitive.
     rendered: FxHashMap<PrimitiveId, u32>,
     occluded: FxHashSet<PrimitiveId>,
 }
@@ -291,7 +294,7 @@ impl Worker for PublishedWorker<'_> {
             return;
         }
         let dark = match evidence.verdict {
-            // The answer came from the word itself.
+            // The word itself gave this answer: there is nothing to learn.
             Verdict::Dark => return,
             Verdict::DynamicOnly if rules.evidence == EvidenceRule::StaticBlockers => return,
             Verdict::Trace | Verdict::DynamicOnly => match rules.evidence {

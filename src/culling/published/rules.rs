@@ -1,11 +1,11 @@
-//! Everything that the text of GI09 leaves open, as options. MODEL.md lists the holes by the numbers H1 to H10 used
+//! Everything that the text of GI09 leaves open, as options. MODEL.md lists the gaps by the numbers H1 to H10 used
 //! here.
 
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
-/// Declares the answers once: the full set, and the set of departures from a preset that a config gives.
+/// Declares the answers once, for two types: the full set, and a config's departures from a preset.
 macro_rules! answers {
     ($($(#[$doc:meta])* $field:ident: $kind:ty),* $(,)?) => {
         /// Answers to all that the text leaves open.
@@ -85,7 +85,7 @@ pub enum Preset {
 }
 
 impl Preset {
-    /// The preset's answers.
+    /// The answers of the preset.
     pub fn rules(self) -> PublishedRules {
         match self {
             Self::Sensible => PublishedRules {

@@ -1,4 +1,4 @@
-//! The renderer against trying every triangle: the same hits, the same shadows, exactly.
+//! The renderer against a test of every triangle: exactly the same hits and the same shadows.
 
 use glam::{DVec2, DVec3, Vec3};
 use proptest::prelude::*;
@@ -9,7 +9,7 @@ use crate::reference::ray::Ray;
 use crate::reference::{Hit, Reference, bvh};
 use crate::scene::{Attributes, Camera, Frame, Geometry, Material, Scene, ShadowBits, ShadowRays, Triangle};
 
-/// The nearest hit by trying every triangle.
+/// The nearest hit, from a test of every triangle.
 fn closest_of_all(scene: &Scene, frame: &Frame, origin: DVec3, direction: DVec3) -> Option<Hit> {
     let ray = Ray::new(origin, direction, 0.0);
     let hits = hittable(scene, frame).filter_map(|primitive| {
@@ -26,7 +26,7 @@ fn hittable(scene: &Scene, frame: &Frame) -> impl Iterator<Item = PrimitiveId> {
         .filter(|primitive| bvh::can_be_hit(scene.triangle(frame, *primitive)))
 }
 
-/// The shadows of a hit by trying every triangle.
+/// The shadows of a hit, from a test of every triangle.
 fn shadows_of_all(scene: &Scene, frame: &Frame, ray: (DVec3, DVec3), hit: &Hit, rays: ShadowRays) -> ShadowBits {
     let [a, b, c] = scene.triangle(frame, hit.primitive).v.map(|corner| corner.as_dvec3());
     let normal = (b - a).cross(c - a).normalize();
@@ -48,7 +48,7 @@ fn shadows_of_all(scene: &Scene, frame: &Frame, ray: (DVec3, DVec3), hit: &Hit, 
     bits
 }
 
-/// Corners on a coarse grid, so that many triangles coincide, touch or have no area; or anywhere.
+/// Corners on a coarse grid, so that many triangles coincide, touch or have no area; or at random positions.
 fn soup(count: usize) -> impl Strategy<Value = Vec<[Vec3; 3]>> {
     let corner = |grid: bool| {
         prop::array::uniform3(-1.0f32..1.0)

@@ -1,11 +1,11 @@
-//! The renderer against pictures that are known pixel by pixel.
+//! The renderer against pictures of which every pixel is known.
 
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::{OFFSET, add_rectangle, glow, render, samples, scene, spec, window};
 use crate::scene::{Camera, Geometry, Material, RenderSpec, ShadowBits, ShadowRays, Texture, TextureId};
 
-/// A floor seen from below a blocker: its shadow is the blocker as seen from the light, and every pixel is known.
+/// A floor below a blocker: its shadow is the blocker projected from the light, so every pixel is known.
 #[test]
 fn shadow_of_a_rectangle() {
     let (low, high, height) = ([-0.3f32, -0.1], [0.5f32, 0.4], 2.0f32);
@@ -16,7 +16,7 @@ fn shadow_of_a_rectangle() {
     let camera = window(1.0, DVec3::NEG_Z);
     let scene = scene(statics, Geometry::default(), vec![Material::default()], &[light], camera);
     let picture = render(&scene, &spec(1, ShadowRays::ViewerSide));
-    // How far the ray from the start point has come at the blocker's height.
+    // The share of its way that a ray from the start point has covered at the blocker's height.
     let share = (f64::from(height) - OFFSET) / (f64::from(light.z) - OFFSET);
     let mut dark_pixels = 0;
     for (pixel, x, y) in samples(&camera) {
@@ -38,7 +38,7 @@ fn highlight_of_a_corner_normal() {
     let light = Vec3::new(0.0, 0.0, 3.0);
     let mut statics = Geometry::default();
     add_rectangle(&mut statics, [-2.0; 2], [2.0; 2], 0.0, 0);
-    // Tilted by 30 degrees and turned to the wrong side, which must not matter.
+    // Tilted by 30 degrees and turned to the wrong side, which must not change the result.
     let tilted = -Vec3::new(0.5, 0.0, 0.75f32.sqrt());
     statics.attributes.iter_mut().for_each(|attributes| attributes.normals = Some([tilted; 3]));
     let material = Material { specular: Vec3::splat(0.2), shininess: 8.0, ..Material::default() };
@@ -52,14 +52,14 @@ fn highlight_of_a_corner_normal() {
         let expected = 0.1 + 0.7 * cosine + 0.2 * mirrored.max(0.0).powi(8);
         assert!((f64::from(picture.rgb[pixel].y) - expected).abs() < 1e-6, "{x} {y}");
     }
-    // Normals that cancel out give way to the geometric one.
+    // Where normals cancel out, the geometric normal is used.
     scene.statics.attributes.iter_mut().for_each(|attributes| attributes.normals = Some([Vec3::ZERO; 3]));
     let flat = render(&scene, &spec(1, ShadowRays::ViewerSide));
     scene.statics.attributes.iter_mut().for_each(|attributes| attributes.normals = None);
     assert_eq!(flat, render(&scene, &spec(1, ShadowRays::ViewerSide)));
 }
 
-/// A glowing half-plane at z = 3 seen in a floor of mirror: every pixel is known.
+/// A glowing half-plane at z = 3, seen in a mirror floor: every pixel is known.
 #[test]
 fn mirror_image() {
     let mirror = Material { specular: Vec3::new(1.0, 0.5, 0.0), ..glow(Vec3::ZERO) };
@@ -71,7 +71,7 @@ fn mirror_image() {
     let scene = scene(statics, Geometry::default(), vec![mirror, glow(Vec3::ONE)], &[], camera);
     let (direct, mirrored) =
         (render(&scene, &spec(1, ShadowRays::Always)), render(&scene, &spec(2, ShadowRays::Always)));
-    // One unit down to the mirror and three up; the ray starts above the mirror, not aside of it.
+    // One unit down to the mirror and three up; the offset moves the start upwards only.
     let shift = direction.x * (1.0 + 3.0 - OFFSET);
     for (pixel, x, _) in samples(&camera) {
         let expected = if x + shift > f64::from(0.3f32) { mirror.specular } else { Vec3::ZERO };
@@ -92,8 +92,8 @@ fn mirror_image() {
     }
 }
 
-/// A water surface at z = 0 over a glowing half-plane at z = -2, looked at along `direction` from `z`; gives the
-/// colours and the camera. Above, at z = 2, glows another colour.
+/// A water surface at z = 0 over a glowing half-plane at z = -2, seen along `direction` from `z`; another colour glows
+/// at z = 2. Returns the colours and the camera.
 fn water(direction: DVec3, z: f64, transmittance: f32) -> (Vec<Vec3>, Camera) {
     let surface = Material { transmittance, specular: Vec3::splat(0.25), index_of_refraction: 1.5, ..glow(Vec3::ZERO) };
     let mut statics = Geometry::default();
@@ -108,7 +108,8 @@ fn water(direction: DVec3, z: f64, transmittance: f32) -> (Vec<Vec3>, Camera) {
 #[test]
 fn refraction_follows_snell() {
     let border = f64::from(0.1f32);
-    // Down into the water at an angle with a sine of 0.6: below, the sine is 0.4. Up and out of it from 0.4: 0.6.
+    // Down into the water with a sine of 0.6: below, the sine is 0.4. Up and out of it with 0.4: above, the sine is
+    // 0.6.
     for (sine, direction_z, eye) in [(0.6f64, -1.0, 1.0), (0.4, 1.0, -1.0)] {
         let cosine = (1.0 - sine * sine).sqrt();
         let (colors, camera) = water(DVec3::new(sine, 0.0, direction_z * cosine), eye, 0.5);
@@ -136,7 +137,7 @@ fn total_internal_reflection() {
     }
 }
 
-/// The back of a triangle, lit from its front: asked for only by `Always`, and then its own triangle blocks.
+/// The back of a triangle, lit from its front: only `Always` asks for the light, and then the triangle itself blocks.
 #[test]
 fn lights_behind_the_surface() {
     let mut statics = Geometry::default();
@@ -151,7 +152,7 @@ fn lights_behind_the_surface() {
     assert_eq!(side.rgb, always.rgb);
 }
 
-/// A picture of 4 x 2 pixels laid twice across the window and once upwards.
+/// A texture of 4 x 2 pixels, repeated twice across the window and once upwards.
 #[test]
 fn textures_lie_as_the_corners_say() {
     let rgb: Vec<[u8; 3]> = (0..8).map(|gray| [gray * 30; 3]).collect();

@@ -1,4 +1,4 @@
-//! Scenes to test with, and the edges of the rules.
+//! Test scenes, and tests of the limits of the rules.
 
 mod brute_force;
 mod closed_form;
@@ -43,7 +43,7 @@ fn scene(statics: Geometry, dynamic: Geometry, materials: Vec<Material>, lights:
     }
 }
 
-/// Sends back ambient light alone: a surface's colour in the picture is its material's.
+/// A material that reflects ambient light only: the surface's colour in the picture is `color`.
 fn glow(color: Vec3) -> Material {
     Material { ambient: color, diffuse: Vec3::ZERO, ..Material::default() }
 }
@@ -57,7 +57,7 @@ fn add_rectangle(to: &mut Geometry, low: [f32; 2], high: [f32; 2], z: f32, mater
     to.push(Triangle { v: [a, c, d] }, attributes);
 }
 
-/// Parallel rays along `direction`; the window is 2 high and pixel centres lie in the plane of `z`.
+/// Parallel rays along `direction`; the window is 2 units high, and pixel centres lie in the plane `z`.
 fn window(z: f64, direction: DVec3) -> Camera {
     Camera {
         eye: DVec3::Z * z,
@@ -79,7 +79,7 @@ fn spec(depth: u32, shadow_rays: ShadowRays) -> RenderSpec {
     RenderSpec { depth, shadow_rays, offset: Offset::Absolute(OFFSET), min_weight: 1.0 / 256.0 }
 }
 
-/// Pixel indices with the x and y of their sample in the window.
+/// Pixel indices, with the x and y of each sample in the window.
 fn samples(camera: &Camera) -> impl Iterator<Item = (usize, f64, f64)> {
     (0..SQUARE.height).flat_map(move |y| (0..SQUARE.width).map(move |x| (x, y))).map(move |(x, y)| {
         let origin = camera.ray(SQUARE, x, y).origin;
@@ -121,7 +121,7 @@ fn nothing_to_see() {
     assert!(picture.hits.iter().all(Option::is_none));
     assert!(picture.shadows.iter().all(|bits| *bits == ShadowBits::default()));
 
-    // Triangles without area are not there, neither to be seen nor to throw a shadow.
+    // Triangles without area are invisible and cast no shadow.
     let mut floor = Geometry::default();
     add_rectangle(&mut floor, [-2.0; 2], [2.0; 2], 0.0, 0);
     let mut with_slivers = floor.clone();
