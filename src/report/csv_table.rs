@@ -2,7 +2,7 @@
 
 use super::error::ReportError;
 
-/// A table on its way to a CSV file.
+/// The content of a CSV file.
 pub(crate) struct CsvTable {
     /// The file's name.
     pub file: &'static str,

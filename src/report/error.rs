@@ -1,4 +1,4 @@
-//! Why a report cannot be written, read or drawn.
+//! Errors of writing, reading and drawing reports.
 
 use std::io;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ pub(crate) enum ReportError {
     Write {
         /// The file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A file cannot be read.
@@ -22,13 +22,13 @@ pub(crate) enum ReportError {
     Read {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The folder cannot be used.
     #[error(transparent)]
     Folder(#[from] FolderError),
-    /// The file is no summary.
+    /// The file is no summary of a report.
     #[error("{} is not the summary of a report of `umbrasim run`, which is what is read here", path.display())]
     Broken {
         /// The file.
@@ -44,12 +44,12 @@ pub(crate) enum ReportError {
         /// What is wrong, and where.
         source: csv::Error,
     },
-    /// The summary is of another version.
+    /// The summary has another schema version.
     #[error("{} has schema {found}; this version reads schema {schema}: run the experiment again", path.display())]
     Schema {
         /// The file.
         path: PathBuf,
-        /// Its version, as it stands there.
+        /// The version in the file.
         found: String,
         /// The version that can be read.
         schema: u32,
@@ -62,20 +62,20 @@ pub(crate) enum ReportError {
         /// The picture's path.
         file: String,
     },
-    /// A picture cannot be made.
+    /// A picture cannot be encoded.
     #[error("cannot make the picture {file}")]
     Picture {
         /// Its file.
         file: String,
-        /// What is wrong with it.
+        /// The cause.
         source: png::EncodingError,
     },
-    /// Numbers cannot be put in words.
+    /// Numbers cannot be serialized.
     #[error("cannot make {file}")]
     Numbers {
-        /// The file that was to hold them.
+        /// The file for the numbers.
         file: &'static str,
-        /// Why not.
+        /// The cause.
         source: serde_json::Error,
     },
     /// A table cannot be made.
@@ -83,7 +83,7 @@ pub(crate) enum ReportError {
     Table {
         /// Its file.
         file: &'static str,
-        /// Why not.
+        /// The cause.
         source: csv::Error,
     },
     /// Rows cannot be written as Parquet.
@@ -92,7 +92,7 @@ pub(crate) enum ReportError {
     Parquet {
         /// The file.
         file: &'static str,
-        /// Why not.
+        /// The cause.
         source: parquet::errors::ParquetError,
     },
     /// A plot cannot be made.

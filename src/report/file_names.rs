@@ -2,20 +2,20 @@
 
 use std::collections::BTreeSet;
 
-/// The longest part of a file's name that a name gives, in bytes: file systems allow 255 for the whole.
+/// The longest part of a file name that comes from a name, in characters; file systems allow 255 bytes for the whole.
 const MAX_LENGTH: usize = 64;
 
-/// A name, and what stands for it in file names.
+/// A name, and its form in file names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct FileNamed<'a> {
     /// The name.
     pub(crate) name: &'a str,
-    /// The part of file names: ASCII letters, digits, `-` and `_`.
+    /// The form in file names: ASCII letters, digits, `-` and `_`.
     pub(crate) file: String,
 }
 
-/// Gives each name a file name of its own: what is no letter, digit or `-` becomes `_`, and one that another name has
-/// already, in small or capital letters, gets a number.
+/// Gives each name a unique file name. A character that is no letter, digit or `-` becomes `_`; a file name that is
+/// already taken, upper and lower case being equal, gets a number.
 pub(crate) fn file_names<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<FileNamed<'a>> {
     let mut taken = BTreeSet::new();
     let unique = |name: &'a str| {

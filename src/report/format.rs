@@ -1,11 +1,11 @@
-//! Numbers as people read them.
+//! Numbers in a readable form.
 
 use crate::quantity::Bytes;
 
-/// What stands where there is no number.
+/// The sign for a missing number.
 pub(crate) const ABSENT: &str = "\u{2013}";
 
-/// A whole number with its thousands apart: `17,012`.
+/// A whole number with separated thousands: `17,012`.
 pub(crate) fn exact(value: u64) -> String {
     let digits = value.to_string();
     let mut text = String::with_capacity(digits.len() * 4 / 3);
@@ -18,12 +18,12 @@ pub(crate) fn exact(value: u64) -> String {
     text
 }
 
-/// A number in three digits or so and a decimal prefix: `63.0 M`, `812`, `0.203`.
+/// A number with about three digits and a decimal prefix: `63.0 M`, `812`, `0.203`.
 pub(crate) fn short(value: f64) -> String {
     prefixed(value, &["", " k", " M", " G", " T", " P"])
 }
 
-/// A number on an axis, as short as can be: `5 M`.
+/// A number on an axis, without trailing zeros: `5 M`.
 pub(crate) fn tick(value: f64) -> String {
     let text = short(value);
     let (digits, prefix) = text.split_once(' ').map_or((text.as_str(), ""), |(digits, prefix)| (digits, prefix));
@@ -31,7 +31,7 @@ pub(crate) fn tick(value: f64) -> String {
     format!("{digits} {prefix}").trim_end().to_owned()
 }
 
-/// A number for other programs, with six digits at most behind the point.
+/// A number for other programs, with at most six decimals.
 pub(crate) fn number(value: f64) -> String {
     let text = format!("{value:.6}");
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -43,7 +43,7 @@ pub(crate) fn bytes(value: Bytes) -> String {
 }
 
 fn prefixed(value: f64, units: &[&str]) -> String {
-    // 999.5 is the least number that three digits would round up to a thousand.
+    // 999.5 is the least number that rounds up to a thousand at three digits.
     let mut rank = 0;
     let mut scaled = value;
     while scaled.abs() >= 999.5 && rank + 1 < units.len() {
@@ -61,10 +61,10 @@ fn prefixed(value: f64, units: &[&str]) -> String {
     format!("{scaled:.digits$}{}", units[rank])
 }
 
-/// A share as percent: `18.7 %`, and `0.027 %` where one decimal would say nothing.
+/// A share as percent: `18.7 %`, and `0.027 %` where one decimal is too few.
 pub(crate) fn percent(share: f64) -> String {
     let percent = share * 100.0;
-    // Below 0.0005 nothing is left but the sign.
+    // Below 0.0005, all decimals are 0, and only the sign would remain.
     let (percent, digits) = match percent.abs() {
         size if size < 0.0005 => (0.0, 1),
         size if size < 0.0995 => (percent, 3),
@@ -78,7 +78,7 @@ pub(crate) fn percent_tick(share: f64) -> String {
     percent(share).replace(".0 ", " ")
 }
 
-/// The change from `before` to `after` as percent, with its sign; `None` from nothing.
+/// The change from `before` to `after` as percent, with its sign; `None` if `before` is 0.
 pub(crate) fn change(before: f64, after: f64) -> Option<String> {
     (before != 0.0).then(|| {
         let change = percent(after / before - 1.0);
@@ -101,12 +101,12 @@ pub(crate) fn signed(share: f64) -> String {
     if share > 0.0 { format!("+{}", percent(share)) } else { percent(share) }
 }
 
-/// A number or the sign for its absence.
+/// Formats a number, or gives the sign for its absence.
 pub(crate) fn or_absent<T>(value: Option<T>, show: impl FnOnce(T) -> String) -> String {
     value.map_or_else(|| ABSENT.into(), show)
 }
 
-/// A key of a file in words: `l1_traversal` is `L1 traversal`.
+/// A key of a file as words: `l1_traversal` becomes `L1 traversal`.
 pub(crate) fn words(key: &str) -> String {
     const UPPER: [&str; 9] = ["l1", "l2", "dram", "trv", "ist", "ist1", "ist2", "scu", "ra"];
     let shown = |word: &str| match word {

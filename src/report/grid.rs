@@ -1,4 +1,4 @@
-//! Tables of texts, and how a terminal shows them.
+//! Tables of texts, and their layout in a terminal.
 
 use comfy_table::{CellAlignment, ColumnConstraint, ContentArrangement, Table};
 
@@ -9,25 +9,25 @@ use super::terminal;
 pub(crate) struct Grid {
     /// Headers.
     pub head: Vec<String>,
-    /// How many of the columns are names.
+    /// Number of columns that are names; they come first.
     pub names: usize,
     /// Rows, each as long as `head`.
     pub rows: Vec<Vec<String>>,
 }
 
-/// Nothing but a line under the header.
+/// A table style with a line under the header alone.
 const PLAIN: &str = "     ──            ";
-/// Nothing at all.
+/// A table style without lines.
 const BARE: &str = "                   ";
-/// Letters between two columns.
+/// Number of letters between two columns.
 const GAP: usize = 2;
 
-/// A table as wide as the terminal at most, without a line's end at the end.
+/// A table at most as wide as the terminal, without a final line break.
 pub(crate) fn drawn(grid: &Grid) -> String {
     fitted(grid, terminal::width())
 }
 
-/// A table whose columns behind the first `needed` are left out where the terminal has no room for them.
+/// A table that loses its last columns, but not the first `needed`, if the terminal is too narrow for all.
 pub(crate) fn drawn_most(grid: &Grid, needed: usize) -> String {
     let width = terminal::width();
     let fits = |columns: &usize| fitted(&first(grid, *columns), width).lines().all(|line| !line.is_empty());
@@ -41,8 +41,8 @@ fn first(grid: &Grid, columns: usize) -> Grid {
     Grid { head: of(&grid.head), names: grid.names, rows: grid.rows.iter().map(of).collect() }
 }
 
-/// A table of at most `width` letters a line, if its columns are no wider. Headers go over several lines; columns that
-/// find no room follow in a further table, behind the names.
+/// A table of at most `width` letters per line, if its columns allow it. Headers are broken into several lines;
+/// columns that do not fit follow in further tables, which repeat the names.
 fn fitted(grid: &Grid, width: usize) -> String {
     let cells: Vec<usize> = (0..grid.head.len())
         .map(|column| grid.rows.iter().map(|row| letters(&row[column])).max().unwrap_or_default())
@@ -77,7 +77,7 @@ fn letters(text: &str) -> usize {
     text.lines().map(|line| line.chars().count()).max().unwrap_or_default()
 }
 
-/// A header in lines that are no longer than `width` and its longest word.
+/// A header in lines no longer than `width` or its longest word.
 fn wrapped(head: &str, width: usize) -> String {
     let width = head.split(' ').map(letters).max().unwrap_or_default().max(width);
     let mut lines: Vec<String> = Vec::new();
@@ -90,7 +90,7 @@ fn wrapped(head: &str, width: usize) -> String {
     lines.join("\n")
 }
 
-/// The columns of a grid that `columns` names, at most `width` letters a line.
+/// The columns `columns` of a grid, at most `width` letters per line.
 fn table(head: &[String], grid: &Grid, columns: &[usize], width: usize) -> String {
     let row = |row: &[String]| columns.iter().map(|&column| row[column].clone()).collect::<Vec<_>>();
     let mut table = Table::new();
@@ -98,7 +98,8 @@ fn table(head: &[String], grid: &Grid, columns: &[usize], width: usize) -> Strin
     for cells in &grid.rows {
         table.add_row(row(cells));
     }
-    // Names alone may be too wide: these go on in the next line, between words as long as words have room.
+    // Names alone may be too wide: they are broken over lines, and columns of single words are kept whole if there is
+    // room.
     if table.lines().any(|line| letters(&line) > width) {
         table.set_content_arrangement(ContentArrangement::Dynamic);
         table.set_width(u16::try_from(width).unwrap_or(u16::MAX));
@@ -121,7 +122,7 @@ fn table(head: &[String], grid: &Grid, columns: &[usize], width: usize) -> Strin
     table.trim_fmt()
 }
 
-/// A text in lines of the terminal's width.
+/// A text broken at the terminal's width.
 pub(crate) fn paragraph(text: &str) -> String {
     let mut table = Table::new();
     table.load_preset(BARE).set_content_arrangement(ContentArrangement::Dynamic);
@@ -132,7 +133,7 @@ pub(crate) fn paragraph(text: &str) -> String {
     table.trim_fmt()
 }
 
-/// Names with what they mean beside them, in the terminal's width, without a line's end at the end.
+/// Names with their meanings beside them, at the terminal's width, without a final line break.
 pub(crate) fn definitions(rows: &[(String, String)]) -> String {
     let mut table = Table::new();
     table.load_preset(BARE).set_content_arrangement(ContentArrangement::Dynamic);

@@ -1,8 +1,9 @@
-//! Reports: what a run or a study found, as numbers (`summary.json` and CSV tables), plots, pictures and a page that
+//! Reports: the results of a run or study as numbers (`summary.json` and CSV tables), plots, pictures and a page that
 //! shows all.
 //!
-//! This side sees statistics and pictures as data, never what made them. A report is a folder of files: `data` holds
-//! its numbers, each plot has a file, and `write` lists its files (`writer::Report`), which `writer` alone writes.
+//! This module sees statistics and pictures as data, and nothing of the code that made them. A report is a folder of
+//! files: `data` holds its numbers, each plot has a file, and `write` lists its files (`writer::Report`). Only
+//! `writer` writes them.
 
 #![warn(unreachable_pub)]
 

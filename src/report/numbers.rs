@@ -1,4 +1,4 @@
-//! The numbers of a report, as they are read back.
+//! Reads the numbers of a report back.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use super::run::read_summary;
 use super::sweep::SweepSummary;
 use crate::json;
 
-/// Reads what the summary of a run, of a sweep or of a replay holds.
+/// Reads the summary of a run, of a sweep or of a replay.
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.

@@ -11,7 +11,7 @@ use super::writer::{Report, ReportFile};
 use crate::named::Named;
 use crate::stats::MachineStats;
 
-/// What machines measured on a recorded stream; `summary.json` holds it.
+/// Measurements of machines on a recorded stream; `summary.json` holds them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ReplaySummary {
     scene: String,
@@ -19,7 +19,7 @@ pub(crate) struct ReplaySummary {
 }
 
 impl ReplaySummary {
-    /// What machines found on the stream of `policy` in `scene` at a fidelity level.
+    /// The measurements of machines on the stream of `policy` in `scene` at a fidelity level.
     pub(crate) fn new(scene: &str, policy: &str, fidelity: &str, found: &Named<MachineStats>) -> Self {
         let machine = |(name, stats): (&str, &MachineStats)| {
             let frames =

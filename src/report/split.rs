@@ -1,4 +1,4 @@
-//! What culling saves and what its words cost: three replays of a machine tell the two apart.
+//! Savings of culling and costs of its mode words: three replays of a machine separate the two.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,41 +9,41 @@ use crate::quantity::Bytes;
 use crate::stats::{MachineStats, TrafficClass};
 use crate::stream::Totals;
 
-/// A policy on a machine, measured three times: without culling, with words that cost nothing, and as it is.
+/// A policy on a machine, measured three times: without culling, with free words, and with its words.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Split {
-    /// Cycles without culling, with free words, and as it is.
+    /// Cycles without culling, with free words, and with the policy's words.
     pub cycles: [u64; 3],
-    /// DRAM bytes of the same three.
+    /// DRAM bytes of the same three replays.
     pub dram: [Bytes; 3],
-    /// Energy of the same three in J, typical; none where a replay has none.
+    /// Energy of the same three replays in J, with typical constants; `None` if a replay has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joules: Option<[f64; 3]>,
-    /// Half the widths of the 95 % intervals of the changes of cycles and of DRAM bytes, from the first to the last, if
-    /// they are of samples.
+    /// Half the widths of the 95 % intervals of the changes of cycles and of DRAM bytes, from the first replay to the
+    /// last; of samples only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub half_widths: Option<[f64; 2]>,
-    /// Half the widths of the 95 % intervals of what follows from differences, if they are of samples.
+    /// Half the widths of the 95 % intervals of figures that follow from differences; of samples only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub within: Option<Within>,
-    /// DRAM bytes that culling saved, words not counted: first less second.
+    /// DRAM bytes of other classes that culling saves: first replay minus second.
     pub saved: i64,
     /// DRAM bytes of the words' own classes.
     pub words: u64,
     /// DRAM bytes of other classes that the words drove out of caches.
     pub interference: i64,
-    /// Misses of other classes in all caches that are not there with free words; none of samples, which have no
-    /// interval of it.
+    /// Misses of other classes in all caches that free words do not cause; `None` for samples, which have no interval
+    /// of them.
     pub extra_misses: Option<i64>,
-    /// Hits over accesses of words and counters in the first cache that they meet; none without one.
+    /// Hits over accesses of words, counters and ids in the first cache that they meet; `None` without such a cache.
     pub word_hit_rate: Option<f64>,
-    /// Shadow rays asked for, and the share of them that was skipped or traced among dynamic objects only.
+    /// Shadow rays asked for.
     pub shadow_rays: u64,
-    /// See above.
+    /// Share of shadow rays that were skipped or traced among dynamic objects only.
     pub culled: f64,
-    /// DRAM bytes a ray without culling.
+    /// DRAM bytes per ray without culling.
     pub bytes_per_ray: f64,
-    /// The share of shadow rays that must be culled to save what the words cost, at that many bytes a ray.
+    /// The share of shadow rays that must be culled to save what the words cost, at [`Split::bytes_per_ray`].
     pub break_even: Option<f64>,
 }
 
@@ -59,8 +59,8 @@ pub(crate) struct Within {
 }
 
 impl Within {
-    /// Those of three samples, if they are of samples. Errors of a difference and of what it is scaled with add up, at
-    /// worst.
+    /// The half widths of three samples; `None` for exact replays. The errors of a difference and of its scale add
+    /// up: the worst case.
     fn new([off, free, real]: [&MachineStats; 3], possible: f64) -> Option<Self> {
         let all = |stats: &MachineStats| stats.moved("dram").0 as f64;
         let less = |from: &MachineStats, other: &MachineStats| {
@@ -83,20 +83,20 @@ fn dram(stats: &MachineStats, of: impl Fn(TrafficClass) -> bool) -> u64 {
     classes.filter(|(class, _)| of(**class)).map(|(_, bytes)| bytes.0).sum()
 }
 
-/// Energy of three replays, if all have it.
+/// Energies of three replays, if all have one.
 fn energies([off, free, real]: [&MachineStats; 3]) -> Option<[f64; 3]> {
     let of = |stats: &MachineStats| stats.energy.as_ref().map(|energy| energy.joules);
     Some([of(off)?, of(free)?, of(real)?])
 }
 
-/// Half the widths of the intervals of how cycles and DRAM bytes change, if samples tell them.
+/// Half the widths of the intervals of the changes of cycles and DRAM bytes; `None` if they are not known.
 pub(crate) fn half_widths(before: &MachineStats, after: &MachineStats) -> Option<[f64; 2]> {
     let cycles = after.cycles.0 as f64 / before.cycles.0.max(1) as f64;
     let bytes = after.moved("dram").0 as f64 / before.moved("dram").0.max(1) as f64;
     Some([after.half_width_of_ratio(before, 0, cycles)?, after.half_width_of_ratio(before, 2, bytes)?])
 }
 
-/// How a figure changes, with its interval if it has one.
+/// Formats the change of a figure, with its interval if there is one.
 pub(crate) fn change_within(before: f64, after: f64, half_width: Option<f64>) -> String {
     let text = or_absent(change(before, after), |it| it);
     match half_width {
@@ -105,7 +105,7 @@ pub(crate) fn change_within(before: f64, after: f64, half_width: Option<f64>) ->
     }
 }
 
-/// A change as a share, and half the width of its interval if it is of samples.
+/// A change as a share, and half the width of its interval for samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shift {
     /// The change.
@@ -115,22 +115,23 @@ pub(crate) struct Shift {
 }
 
 impl Shift {
-    /// From a number that is not 0.
+    /// The change from `without`; `None` if it is 0.
     pub(crate) fn new(with: u64, without: u64, half_width: Option<f64>) -> Option<Self> {
         (without > 0).then(|| Self { share: with as f64 / without as f64 - 1.0, half_width })
     }
 
-    /// The ends of its interval; of what is exact, twice the same.
+    /// The ends of its interval; both are the change itself if it is exact.
     pub(crate) fn ends(self) -> [f64; 2] {
         [-1.0, 1.0].map(|side| self.share + side * self.half_width.unwrap_or_default())
     }
 }
 
-/// A column of a table of splits: its header, and its text.
+/// A column of a table of splits: its header, and the function that formats it.
 pub(crate) type Column = (&'static str, fn(&Split) -> String);
 
 impl Split {
-    /// The split of three measurements (without culling, with free words, as it is) of a stream that holds `totals`.
+    /// The split of three measurements (without culling, with free words, with the policy's words) of a stream with
+    /// `totals`.
     pub(crate) fn new([off, free, real]: [&MachineStats; 3], totals: &Totals) -> Self {
         let all = |stats| Bytes(dram(stats, |_| true));
         let others = |stats| dram(stats, |class| !WORDS.contains(&class)) as i64;
@@ -168,7 +169,7 @@ impl Split {
         }
     }
 
-    /// How culling changes cycles and DRAM bytes; none of what there is nothing of without it.
+    /// The changes of cycles and DRAM bytes by culling; `None` for a figure that is 0 without culling.
     pub(crate) fn shifts(&self) -> [Option<Shift>; 2] {
         let half_width = |at: usize| self.half_widths.map(|both| both[at]);
         [
@@ -177,10 +178,11 @@ impl Split {
         ]
     }
 
-    /// Hands over the numbers as rows of `results.csv`. What samples cannot tell is a row without a number.
+    /// Hands over the numbers as rows of `results.csv`. A number that samples cannot estimate has a row without a
+    /// value.
     ///
     /// # Errors
-    /// A number has no form in JSON, or `take` fails.
+    /// A number cannot be represented in JSON, or `take` fails.
     pub(in crate::report) fn rows(
         &self,
         is_exact: bool,
@@ -205,7 +207,7 @@ impl Split {
         }
     }
 
-    /// The columns of a table for people.
+    /// The columns of a readable table.
     pub(crate) const COLUMNS: [Column; 9] = [
         ("cycles", |it| {
             change_within(it.cycles[0] as f64, it.cycles[2] as f64, it.half_widths.map(|[cycles, _]| cycles))
@@ -227,7 +229,8 @@ impl Split {
         }),
     ];
 
-    /// Columns of energy for people: how it changes, what culling saves of it if words cost nothing, what words cost.
+    /// Columns of energy in a readable table: its change, the part that culling saves with free words, and the cost
+    /// of words.
     pub(crate) const ENERGY: [Column; 3] = [
         ("energy", |it| or_absent(it.joules, |[off, _, real]| change_within(off, real, None))),
         ("energy saved", |it| or_absent(it.joules, |[off, free, _]| signed_joules(off - free))),

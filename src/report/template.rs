@@ -1,4 +1,4 @@
-//! How pages are made of templates: all share a layout, a style sheet and the form of tables.
+//! Renders pages from templates, which share a layout, a style sheet and the form of tables.
 
 use minijinja::{Environment, HtmlEscape, Value, context};
 
@@ -6,7 +6,7 @@ use super::draw::Drawing;
 use super::draw::palette::{Color, css};
 use super::grid::Grid;
 
-/// What templates may extend, import or include.
+/// Files that templates may extend, import or include.
 const SHARED: [(&str, &str); 5] = [
     ("layout.html", include_str!("layout.html")),
     ("parts.html", include_str!("parts.html")),
@@ -15,7 +15,7 @@ const SHARED: [(&str, &str); 5] = [
     ("style.css", include_str!("style.css")),
 ];
 
-/// The page of the template `source`, which is called `name`.
+/// Renders the template `source` under the name `name`.
 pub(super) fn render(name: &str, source: &str, context: Value) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.add_filter("code", code);
@@ -27,19 +27,19 @@ pub(super) fn render(name: &str, source: &str, context: Value) -> Result<String,
     environment.get_template(name)?.render(context)
 }
 
-/// Text whose names stand between backticks, as in messages.
+/// Converts names between backticks, as in messages, to HTML code elements.
 fn code(text: &str) -> Value {
     let escaped = HtmlEscape(text).to_string();
     let part = |(at, part): (usize, &str)| if at % 2 == 0 { part.into() } else { format!("<code>{part}</code>") };
     Value::from_safe_string(escaped.split('`').enumerate().map(part).collect())
 }
 
-/// Text of a paragraph: no line ends between a number and its percent sign.
+/// Text of a paragraph: a no-break space keeps a percent sign with its number.
 fn prose(text: &str) -> String {
     text.replace(" %", "\u{a0}%")
 }
 
-/// The drawings that stand in `section`, as the macro `figures` takes them.
+/// The drawings of `section`, as the macro `figures` takes them.
 pub(super) fn plots<S: PartialEq>(drawings: &[Drawing<S>], section: &S) -> Vec<Value> {
     let there = drawings.iter().filter(|drawing| drawing.section == *section);
     let value = |it: &Drawing<S>| {
@@ -62,7 +62,7 @@ pub(super) fn grid(grid: Grid) -> Value {
     defined(grid, &[])
 }
 
-/// A table with what columns of some names mean.
+/// A table with the meanings of its columns, where `meanings` has them.
 pub(super) fn defined(grid: Grid, meanings: &[(&str, &str)]) -> Value {
     let meaning = |name: &String| {
         meanings.iter().find(|(of, _)| of == name).map_or_else(String::new, |(_, meaning)| (*meaning).into())

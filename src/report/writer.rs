@@ -1,4 +1,4 @@
-//! Writes reports: whatever a report is of, its files are made and put into their places here.
+//! Writes reports of all kinds: makes their files and puts them in place.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,7 @@ use crate::output::{ResultsFolder, write_whole};
 
 /// The file with all numbers; a directory that holds it is a report.
 pub(crate) const SUMMARY_FILE: &str = "summary.json";
-/// The page.
+/// The name of the page's file.
 const PAGE_FILE: &str = "index.html";
 /// The folder of the plots.
 const PLOTS_FOLDER: &str = "plots";
@@ -20,18 +20,18 @@ const PLOTS_FOLDER: &str = "plots";
 /// A file of a report: its path in the report's folder, and its bytes.
 pub(super) type ReportFile = (PathBuf, Vec<u8>);
 
-/// What a report is made of.
+/// The content of a report.
 pub(crate) trait Report {
-    /// Sections of the page that plots belong to.
+    /// Sections of the page for plots.
     type Section;
 
-    /// What [`SUMMARY_FILE`] holds.
+    /// The content of [`SUMMARY_FILE`].
     fn numbers(&self) -> &impl Serialize;
 
     /// The tables.
     fn tables(&self) -> Vec<CsvTable>;
 
-    /// Files beside numbers, tables, plots and page.
+    /// Files other than numbers, tables, plots and page.
     ///
     /// # Errors
     /// A file cannot be made.
@@ -45,20 +45,20 @@ pub(crate) trait Report {
     /// A plot cannot be drawn.
     fn plots(&self) -> Result<Vec<Drawing<Self::Section>>, DrawError>;
 
-    /// The page, which holds the plots; none if the report has no page.
+    /// The page with the plots; `None` if the report has no page.
     ///
     /// # Errors
     /// The page's template does not fit its values.
     fn page(&self, plots: &[Drawing<Self::Section>]) -> Result<Option<String>, minijinja::Error>;
 }
 
-/// The files of a report, and which of them to look at first.
+/// The files of a report, and the one to look at first.
 struct Files {
     all: Vec<ReportFile>,
     first: PathBuf,
 }
 
-/// What is drawn from a report's numbers: plots and page.
+/// Draws plots and page from a report's numbers.
 fn drawings(report: &impl Report) -> Result<Files, ReportError> {
     let plots = report.plots()?;
     let page = report.page(&plots)?;
@@ -88,14 +88,14 @@ fn files(report: &impl Report) -> Result<Files, ReportError> {
 /// A JSON file's bytes.
 ///
 /// # Errors
-/// A value has no form in JSON.
+/// A value cannot be represented in JSON.
 pub(super) fn json(file: &'static str, value: &impl Serialize) -> Result<Vec<u8>, ReportError> {
     let text = crate::json::pretty(value).map_err(|source| ReportError::Numbers { file, source })?;
     Ok((text + "\n").into_bytes())
 }
 
-/// Writes a report into `folder`, in the place of an earlier one if there is one: complete or not at all. Files that
-/// are not the report's stay. Returns the file to look at first.
+/// Writes a report into `folder`, complete or not at all, and replaces an earlier one. Foreign files stay. Returns
+/// the file to look at first.
 ///
 /// # Errors
 /// A file cannot be made, or a file or folder cannot be written.
@@ -103,7 +103,7 @@ pub(crate) fn write(folder: &ResultsFolder, report: &impl Report) -> Result<Path
     let Files { all, first } = files(report)?;
     folder.replace(|dir| {
         put_all(dir, &all).map_err(|error| match error {
-            // The place that the file was meant for: the new directory is gone when the user reads this.
+            // The error names the file's final place, since the new directory is gone when the user reads it.
             ReportError::Write { path, source } => ReportError::Write {
                 path: path.strip_prefix(dir).map_or(path.clone(), |file| folder.path().join(file)),
                 source,
@@ -114,7 +114,7 @@ pub(crate) fn write(folder: &ResultsFolder, report: &impl Report) -> Result<Path
     Ok(folder.path().join(first))
 }
 
-/// Writes files into `folder`, each whole, with the folders that they lie in.
+/// Writes files into `folder`, each whole, and creates their folders.
 fn put_all(folder: &Path, files: &[ReportFile]) -> Result<(), ReportError> {
     files.iter().try_for_each(|(file, bytes)| {
         let path = folder.join(file);

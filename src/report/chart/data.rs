@@ -18,35 +18,35 @@ pub(crate) struct ChartSummary {
     pub experiments: Vec<String>,
     /// The policies, in the order in which they first occur.
     pub policies: Vec<String>,
-    /// A point an experiment and policy.
+    /// One point per experiment and policy.
     pub points: Vec<Point>,
 }
 
-/// What a policy saved in an experiment, and what it got wrong.
+/// What a policy saved in an experiment, and its wrong decisions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Point {
     /// The experiment's name.
     pub experiment: String,
     /// The scene.
     pub scene: String,
-    /// Frames that the means are of.
+    /// Number of frames that the means cover.
     pub frames: usize,
     /// The policy's name.
     pub policy: String,
-    /// Node visits of shadow rays saved, mean of the frames.
+    /// Share of the shadow rays' node visits that the policy saves: mean over the frames.
     pub traversal_saved: Option<f64>,
-    /// Triangle tests of shadow rays saved, mean of the frames.
+    /// Share of the shadow rays' triangle tests that the policy saves: mean over the frames.
     pub intersection_saved: Option<f64>,
-    /// All accesses on account of shadows saved, mean of the frames; see [`PolicySummary::accesses_saved`].
+    /// Share of all accesses for shadows that the policy saves; see [`PolicySummary::accesses_saved`].
     pub accesses_saved: Option<f64>,
     /// Wrong shadow decisions.
     pub wrong: u64,
-    /// The same a million shadow rays.
+    /// Wrong shadow decisions per million shadow rays.
     pub wrong_per_million: f64,
 }
 
 impl ChartSummary {
-    /// The policies that cull, of all runs in which somebody looked for wrong decisions.
+    /// A point for every culling policy of every run in which wrong decisions were looked for.
     pub(crate) fn new(runs: &[Summary]) -> Self {
         let experiments = names(runs);
         let points = runs.iter().zip(&experiments).flat_map(|(run, name)| points(run, name));
@@ -80,7 +80,7 @@ impl ChartSummary {
     }
 }
 
-/// The runs' names; those that are there already have a number.
+/// The runs' names; a repeated name gets a number.
 fn names(runs: &[Summary]) -> Vec<String> {
     let name = |(at, run): (usize, &Summary)| {
         let before = runs[..at].iter().filter(|other| other.experiment == run.experiment).count();

@@ -6,14 +6,14 @@ use crate::report::draw::palette::{Color, FAINT, GRID, INK, PAPER, series_color}
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{percent, percent_tick, tick};
 
-/// Height of a panel's axes, and of what stands above and below them.
+/// Height of a panel's axes, and of the parts above and below them.
 const PANEL: i32 = 190;
 const ABOVE: i32 = 34;
 const BELOW: i32 = 54;
-/// Where the axes begin and end.
+/// The columns where the axes begin and end.
 const AXIS: i32 = 76;
 const END: i32 = WIDE - 20;
-/// Where the axis of wrong decisions begins, and how wide its place for none is.
+/// Where the axis of wrong decisions begins, and the width of its place for points without a wrong decision.
 const SPLIT: i32 = 640;
 const NONE: i32 = 64;
 
@@ -28,7 +28,7 @@ const PANELS: [(&str, Share); 3] = [
 pub(super) const PLOT: Plot<ChartSummary> =
     Plot { name: "saving-against-error", section: (), figure: |chart| Some(figure(chart)) };
 
-/// The policy that saves most without a wrong decision, over all runs.
+/// Names the policy that saves most without a wrong decision, over all runs.
 pub(crate) fn finding(chart: &ChartSummary) -> String {
     let points = |policy: &str| -> Vec<&Point> { chart.points.iter().filter(|point| point.policy == policy).collect() };
     let mean = |policy: &String| {
@@ -68,7 +68,7 @@ fn figure(chart: &ChartSummary) -> Figure<'_> {
     }
 }
 
-/// The axis' lower end: 0, or as many fifths below as a policy that costs more than it saves asks for, down to -1.
+/// The lower end of the axis: 0, or the fifth below the lowest share, but not below -1.
 fn low(chart: &ChartSummary, share: Share) -> f64 {
     let least = chart.points.iter().filter_map(share).fold(0.0, f64::min);
     ((least * 5.0).floor() / 5.0).max(-1.0)
@@ -110,7 +110,7 @@ impl Panel<'_, '_> {
         self.errors(wrong, bottom)
     }
 
-    /// The policies that are sometimes wrong, over the logarithm of how often.
+    /// Draws the policies with wrong decisions over the logarithm of their number per million shadow rays.
     fn errors(&self, policies: &[&String], bottom: i32) -> Result<(), DrawError> {
         if policies.is_empty() {
             return Ok(());

@@ -13,7 +13,7 @@ const CONFIG_FILE: &str = "config.ron";
 /// Values by the paths of their fields.
 pub(super) type Fields = BTreeMap<String, String>;
 
-/// The fields of the experiment that the report in `folder` is of; none if it tells no experiment.
+/// The fields of the experiment in the report `folder`; empty if the folder holds no config.
 pub(super) fn read(folder: &Path) -> Result<Fields, ReportError> {
     let path = folder.join(CONFIG_FILE);
     match std::fs::read_to_string(&path) {
@@ -23,11 +23,11 @@ pub(super) fn read(folder: &Path) -> Result<Fields, ReportError> {
     }
 }
 
-/// Takes a config apart that the program wrote: a field, a name or an item of a list a line, and what stands in
-/// brackets on lines of its own.
+/// Splits a config that the program wrote into fields. Each line holds a field, a name or a list item; the content of
+/// brackets is on lines of its own.
 fn fields(text: &str) -> Fields {
     let mut found = Fields::new();
-    // Names of the brackets that are open, and how many items each has had.
+    // Names of the open brackets, and the number of items that each has had.
     let mut open: Vec<(String, usize)> = Vec::new();
     for line in text.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#')) {
         let line = line.trim_end_matches(',');
@@ -67,8 +67,8 @@ fn path(open: &[(String, usize)], name: &str) -> String {
     outer.chain([name]).filter(|name| !name.is_empty()).collect::<Vec<_>>().join(".")
 }
 
-/// Fields whose values differ, with both; a field that is not there is told as absent. What one config has and the
-/// other has no part of, such as a machine, is one row.
+/// Fields whose values differ, with both values; a missing field is shown as absent. A part that only one config has,
+/// such as a machine, is one row.
 pub(super) fn differences(a: &Fields, b: &Fields) -> Vec<[String; 3]> {
     let paths: BTreeSet<&str> = a.keys().chain(b.keys()).map(String::as_str).collect();
     let whole: BTreeSet<&str> = paths.into_iter().map(|path| whole(a, b, path)).collect();
@@ -76,20 +76,20 @@ pub(super) fn differences(a: &Fields, b: &Fields) -> Vec<[String; 3]> {
     rows.filter(|[_, a, b]| a != b).collect()
 }
 
-/// The part that `path` belongs to of which one config has nothing, or `path` itself.
+/// The outermost part of `path` that only one config has, or `path` itself.
 fn whole<'a>(a: &Fields, b: &Fields, path: &'a str) -> &'a str {
     let ends = path.match_indices('.').map(|(end, _)| &path[..end]);
     let is_apart = |part: &&str| (count(a, part) == 0) != (count(b, part) == 0);
     ends.into_iter().find(is_apart).unwrap_or(path)
 }
 
-/// How many fields `part` has.
+/// Number of fields in `part`.
 fn count(fields: &Fields, part: &str) -> usize {
     let inside = fields.range(part.to_owned()..).take_while(|(path, _)| path.starts_with(part));
     inside.filter(|(path, _)| path.len() == part.len() || path[part.len()..].starts_with('.')).count()
 }
 
-/// The value of a field, or how many fields a part has.
+/// The value of a field, or the number of fields in a part.
 fn value(fields: &Fields, path: &str) -> String {
     match (fields.get(path), count(fields, path)) {
         (Some(value), _) => value.clone(),

@@ -17,16 +17,16 @@ use crate::report::writer::SUMMARY_FILE;
 pub(crate) struct Diff {
     /// The reports' folders.
     pub(super) folders: [String; 2],
-    /// Fields of the experiments as run: the path, and the value in each.
+    /// Fields of the experiments that differ: the path, and the value in each.
     config: Vec<[String; 3]>,
     pub(super) figures: Vec<Figure>,
 }
 
 impl Diff {
-    /// Compares the reports in two folders; all their numbers if `all` is set, and the key figures of runs otherwise.
+    /// Compares the reports in two folders: all their numbers if `all` is set, otherwise the key figures of runs.
     ///
     /// # Errors
-    /// A folder has no report that can be read.
+    /// A folder has no readable report.
     pub(crate) fn of(folders: [&Path; 2], all: bool) -> Result<Self, ReportError> {
         let [a, b] = folders.map(|folder| read_numbers(&folder.join(SUMMARY_FILE)));
         let [a, b] = [a?, b?];
@@ -36,12 +36,12 @@ impl Diff {
         Ok(Self { folders, config, figures: figures::differences(&a, &b, all) })
     }
 
-    /// How many figures differ.
+    /// Number of figures that differ.
     fn differing(&self) -> usize {
         self.figures.iter().filter(|figure| figure.differs()).count()
     }
 
-    /// What was found, in a sentence.
+    /// Summarizes the comparison in a sentence.
     pub(crate) fn verdict(&self) -> String {
         let config = match self.config.len() {
             0 => "no field of the configuration".to_owned(),
@@ -52,7 +52,7 @@ impl Diff {
         format!("{config} and {} of {} figures differ{most}", self.differing(), self.figures.len())
     }
 
-    /// Both, without what is the same.
+    /// The tables of fields and of figures that differ; an empty table is left out.
     pub(crate) fn grids(&self) -> impl Iterator<Item = Grid> {
         [self.config_grid(), self.figures_grid()].into_iter().filter(|grid| !grid.rows.is_empty())
     }
@@ -70,7 +70,7 @@ impl Diff {
     }
 }
 
-/// Figures that change, the largest change first; equal ones in the order of the report.
+/// Figures that change, the largest change first; equal changes in the order of the report.
 pub(super) fn changes(diff: &Diff) -> Vec<(&Figure, f64)> {
     let changes = diff.figures.iter().filter_map(|it| Some((it, it.change()?)));
     let mut changes: Vec<_> = changes.filter(|(_, change)| *change != 0.0).collect();

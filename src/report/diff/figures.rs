@@ -7,11 +7,11 @@ use serde_json::Value;
 
 use crate::report::format::{ABSENT, change, exact, joules, or_absent, short, words};
 
-/// Parts of a report that say how it was made, not what was found.
+/// Parts of a report that say how it was made; they are no results.
 const ASIDE: [&str; 6] =
     ["schema", "frames", "pictures", "provenance", "wall_seconds", "simulated_rays_per_wall_second"];
 
-/// Figures of a run that are its result: the end of their paths.
+/// Key figures of a run: the ends of their paths.
 const KEY: [&str; 12] = [
     "milliseconds_per_frame",
     "rays_answered_per_second",
@@ -39,17 +39,17 @@ impl Figure {
         self.values[0] != self.values[1]
     }
 
-    /// What it is.
+    /// The figure's path in words.
     pub(super) fn name(&self) -> &str {
         &self.path
     }
 
-    /// Its values in both.
+    /// Its values in A and B.
     pub(super) fn values(&self) -> [Option<f64>; 2] {
         self.values
     }
 
-    /// The change from A to B as a share of A's; none if one has none, or A's is 0.
+    /// The change from A to B as a share of A's value; `None` if a value is missing, or A's is 0.
     pub(super) fn change(&self) -> Option<f64> {
         let [a, b] = self.values;
         a.zip(b).filter(|(a, _)| *a != 0.0).map(|(a, b)| b / a - 1.0)
@@ -65,7 +65,7 @@ impl Figure {
     }
 }
 
-/// What the energy of a frame is called.
+/// The end of the path, in words, of the energy of a frame.
 const ENERGY: &str = "energy/frame";
 
 fn number(value: f64) -> String {
@@ -77,7 +77,7 @@ fn number(value: f64) -> String {
     }
 }
 
-/// All figures, or the key figures of runs, that one of two reports has.
+/// All figures, or the key figures of runs, that at least one of the two reports has.
 pub(super) fn differences(a: &Value, b: &Value, all: bool) -> Vec<Figure> {
     let is_run = [a, b].iter().all(|report| report["policies"].is_object());
     let mut found: Vec<String> = Vec::new();
@@ -121,7 +121,7 @@ fn collect<'a>(value: &'a Value, path: &mut Vec<String>, found: &mut impl FnMut(
     }
 }
 
-/// Whether a figure is one of a policy's or of a machine's run, and among [`KEY`].
+/// Whether a figure belongs to a policy, or to a policy on a machine, and is among [`KEY`].
 fn is_key(path: &[String]) -> bool {
     let depth = match path.first().map(String::as_str) {
         Some("policies") => 2,
@@ -131,7 +131,7 @@ fn is_key(path: &[String]) -> bool {
     path.len() > depth && KEY.contains(&path[depth..].join(".").as_str())
 }
 
-/// The path in words: whose figure it is, and which.
+/// The path in words: the policy or machine, then the figure.
 fn told(path: &[String], is_run: bool) -> String {
     if !is_run {
         return path.join(".");

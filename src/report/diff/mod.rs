@@ -1,4 +1,4 @@
-//! Two reports beside each other: what of the configuration differs, and which figures.
+//! The comparison of two reports: fields of the configuration that differ, and figures that differ.
 
 mod config;
 mod data;

@@ -1,4 +1,4 @@
-//! How far figures change from one report to the other: a bar a figure.
+//! Change of each figure from one report to the other, one bar per figure.
 
 use super::data::{Diff, changes, told};
 use super::figures::Figure as Compared;
@@ -9,7 +9,7 @@ use crate::report::format::signed;
 
 pub(super) const PLOT: Plot<Diff> = Plot { name: "changes", section: (), figure };
 
-/// More figures than these stand in the table alone: those that change least.
+/// Number of figures that the plot shows, the largest changes first; the others are in the table alone.
 const MOST: usize = 30;
 
 fn figure(diff: &Diff) -> Option<Figure<'_>> {

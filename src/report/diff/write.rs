@@ -1,4 +1,4 @@
-//! The files of a report on two reports.
+//! The files of a comparison of two reports.
 
 use minijinja::context;
 use serde::Serialize;

@@ -6,21 +6,21 @@ use super::palette::{Color, FAINT, GRID};
 use crate::report::format::number;
 use crate::report::grid::Grid;
 
-/// A chart.
+/// A bar chart.
 pub(crate) struct BarChart {
-    /// What the data says.
+    /// What the data shows, in a sentence.
     pub title: String,
     /// How to read it.
     pub about: String,
     /// The meaning of colours; may be empty.
     pub key: Key,
-    /// What the bars' length is, with its unit.
+    /// What the length of bars means, with its unit.
     pub axis: &'static str,
     /// The unit of values.
     pub unit: &'static str,
-    /// The length at the right end.
+    /// The length at the right end of the axis.
     pub max: f64,
-    /// A length as text.
+    /// Formats a length.
     pub tick: fn(f64) -> String,
     /// The bars, from the top.
     pub groups: Vec<Group>,
@@ -30,9 +30,9 @@ pub(crate) struct BarChart {
 pub(crate) struct Group {
     /// Their name.
     pub name: String,
-    /// The value that is as long as 1 on the axis.
+    /// The value whose bar has length 1 on the axis.
     pub whole: f64,
-    /// From the top.
+    /// The bars, from the top.
     pub bars: Vec<Bar>,
 }
 
@@ -40,9 +40,9 @@ pub(crate) struct Group {
 pub(crate) struct Bar {
     /// Its name within the group.
     pub name: String,
-    /// From the left.
+    /// Its segments, from the left.
     pub segments: Vec<Segment>,
-    /// What stands at its end.
+    /// The text at its end.
     pub note: String,
 }
 
@@ -52,13 +52,13 @@ pub(crate) struct Segment {
     pub part: String,
     /// Its value.
     pub value: f64,
-    /// What it stands for.
+    /// The colour of its meaning.
     pub color: Color,
 }
 
 const BAR: i32 = 20;
 const GAP: i32 = 14;
-/// Heights of a narrow bar: its text, and itself.
+/// On a narrow sheet, the height of a bar's text and of the bar.
 const NARROW_TEXT: i32 = 18;
 const NARROW_BAR: i32 = 12;
 const AXIS: i32 = 46;
@@ -85,7 +85,7 @@ impl BarChart {
         }
     }
 
-    /// A row a bar, a column a part.
+    /// One row per bar, one column per part.
     fn data(&self) -> Grid {
         let bars = || self.groups.iter().flat_map(|group| group.bars.iter().map(move |bar| (group, bar)));
         let mut parts: Vec<&str> = Vec::new();
@@ -123,7 +123,7 @@ impl BarChart {
         left + (length / self.max * f64::from(right - left)).round() as i32
     }
 
-    /// Draws a bar's segments; returns where they end. A value below zero has no bar.
+    /// Draws a bar's segments; returns the column where they end. A value below zero has no segment.
     fn bar(
         &self,
         canvas: &Canvas<'_>,
@@ -136,7 +136,7 @@ impl BarChart {
             let from = self.at(length, left, right);
             length += segment.value / group.whole;
             if segment.value > 0.0 {
-                // What is there is seen, however little it is.
+                // A value above zero is at least one pixel wide, so that it is visible.
                 let to = self.at(length, left, right).max(from + 1);
                 canvas.rect((from, top), (to, bottom), segment.color)?;
             }

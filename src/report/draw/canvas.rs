@@ -1,4 +1,4 @@
-//! What all plots are drawn with: a sheet in pixels, text, lines, shapes.
+//! The canvas of all plots: a sheet in pixels, with text, lines and shapes.
 
 use std::cell::RefCell;
 
@@ -11,7 +11,7 @@ use plotters::style::{Color as _, FontDesc, FontFamily, FontStyle, ShapeStyle, T
 
 use super::palette::{Color, FAINT, INK, PAPER};
 
-/// Nothing can be drawn.
+/// A drawing failed.
 #[derive(Debug, thiserror::Error)]
 #[error("cannot draw: {0}")]
 pub(crate) struct DrawError(String);
@@ -20,12 +20,12 @@ pub(crate) struct DrawError(String);
 pub(crate) const WIDE: i32 = 960;
 /// Width of a plot on a narrow page.
 pub(crate) const NARROW: i32 = 360;
-/// Where data and text begin.
+/// The column where data and text begin.
 pub(crate) const LEFT: i32 = 4;
 /// Height of a line of small text.
 pub(crate) const LINE: i32 = 20;
 
-/// How a text looks and to which side of its point it lies.
+/// Size, weight and colour of a text, and the side of its point on which it lies.
 #[derive(Clone, Copy)]
 pub(crate) struct Text {
     size: i32,
@@ -37,17 +37,17 @@ pub(crate) struct Text {
 impl Text {
     /// A plot's title, in files.
     pub(crate) const TITLE: Self = Self { size: 17, bold: true, color: INK, side: HPos::Left };
-    /// What is named beside the data.
+    /// Names beside the data.
     pub(crate) const LABEL: Self = Self { size: 13, bold: false, color: INK, side: HPos::Left };
     /// Ticks, axes and explanations.
     pub(crate) const NOTE: Self = Self { size: 12, bold: false, color: FAINT, side: HPos::Left };
 
-    /// Ends at its point.
+    /// The text ends at its point.
     pub(crate) const fn right(self) -> Self {
         Self { side: HPos::Right, ..self }
     }
 
-    /// Has its point in the middle.
+    /// The text is centred on its point.
     pub(crate) const fn centered(self) -> Self {
         Self { side: HPos::Center, ..self }
     }
@@ -62,21 +62,21 @@ impl Text {
         Self { color, ..self }
     }
 
-    /// The width to keep free for a text. No font is at hand to measure with: it is an estimate for wide fonts.
+    /// The width to keep free for a text. Fonts cannot be measured here, so this is an estimate for wide fonts.
     pub(crate) fn width(self, text: &str) -> i32 {
         let em = if self.bold { 0.62 } else { 0.57 };
         (text.chars().count() as f64 * f64::from(self.size) * em).ceil() as i32
     }
 }
 
-/// A sheet of paper in pixels, from the top left.
+/// A sheet of paper in pixels; the origin is at the top left.
 pub(crate) struct Canvas<'a> {
     area: DrawingArea<SVGBackend<'a>, Shift>,
     width: i32,
     attributes: RefCell<String>,
 }
 
-/// What was painted on a sheet.
+/// The SVG of a painted sheet.
 pub(crate) struct Painted {
     /// The elements of the SVG.
     pub elements: String,
@@ -84,7 +84,7 @@ pub(crate) struct Painted {
     pub attributes: String,
 }
 
-/// A sheet of this size on which `paint` paints.
+/// Makes a sheet of this size and lets `paint` draw on it.
 pub(crate) fn sheet(
     width: i32,
     height: i32,
@@ -100,8 +100,8 @@ pub(crate) fn sheet(
     Ok(Painted { elements: compact(&text), attributes })
 }
 
-/// The elements of what the backend writes, without its root and what is so by itself. Ink follows the text's colour,
-/// and paper that of the card below.
+/// The elements that the backend wrote, without its root and without attributes that are defaults. Ink becomes the
+/// text colour, and paper the colour of the card.
 fn compact(text: &str) -> String {
     let inside = text.find('>').map_or("", |root| &text[root + 1..]);
     let inside = inside.trim_end().trim_end_matches("</svg>");
@@ -140,7 +140,7 @@ impl<'a> Canvas<'a> {
         is_narrow(self.width)
     }
 
-    /// Sets an attribute of the SVG's root, for the page's script.
+    /// Sets the attribute of the SVG's root that the page's script reads. A sheet has one.
     pub(crate) fn attribute(&self, name: &str, value: &str) {
         *self.attributes.borrow_mut() = format!(" {name}=\"{value}\"");
     }
@@ -180,7 +180,7 @@ impl<'a> Canvas<'a> {
         self.draw(&Circle::new(at, radius, stroke(color, width)))
     }
 
-    /// A text whose middle is at the height of `at`.
+    /// A text that is vertically centred on `at`.
     pub(crate) fn text(&self, text: &str, at: (i32, i32), look: Text) -> Result<(), DrawError> {
         let style = if look.bold { FontStyle::Bold } else { FontStyle::Normal };
         // The SVG backend divides sizes by 1.24.
@@ -189,7 +189,7 @@ impl<'a> Canvas<'a> {
         self.area.draw_text(text, &style, at).map_err(failed)
     }
 
-    /// A text over whatever is drawn there already.
+    /// A text on a rectangle of paper, which hides the drawing below it.
     pub(crate) fn text_on_paper(&self, text: &str, at: (i32, i32), look: Text) -> Result<(), DrawError> {
         let width = look.width(text);
         let left = match look.side {
@@ -211,7 +211,7 @@ pub(crate) fn is_narrow(width: i32) -> bool {
     width < (WIDE + NARROW) / 2
 }
 
-/// The distance of ticks: 1, 2 or 5 times a power of ten, so that `span` has at most `most` of them.
+/// The distance between ticks: 1, 2 or 5 times a power of ten, so that `span` has at most `most` ticks.
 pub(crate) fn tick_step(span: f64, most: u32) -> f64 {
     let least = span / f64::from(most);
     let power = 10f64.powf(least.log10().floor());

@@ -1,26 +1,26 @@
-//! Changes as bars on both sides of a reference, each under a line that tells it, in groups.
+//! Changes as bars on both sides of a reference, in groups. The line above each bar describes it.
 
 use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, tick_step};
 use super::palette::{Color, FAINT, GRID};
 use crate::report::format::percent_tick;
 
-/// Height of a bar with its line, and of the axis.
+/// Height of a bar with its line of text, and of the axis.
 const BAR: i32 = 42;
 const AXIS: i32 = 30;
-/// Below a group.
+/// Space below a group.
 const GAP: i32 = 10;
 
 /// A bar.
 pub(crate) struct Bar {
-    /// Its line, and where there is little room.
+    /// Its line of text on a wide sheet, and on a narrow one.
     pub text: String,
     pub short: String,
-    /// The least change, and the most: a bar reaches from below the reference to above it.
+    /// The least and the largest change: the bar extends from one to the other.
     pub least: f64,
     pub most: f64,
 }
 
-/// Bars in groups, each with a name if it has one.
+/// Bars in groups; a group may have a name.
 pub(crate) struct Bars {
     /// The groups.
     pub groups: Vec<(Option<String>, Vec<Bar>)>,
@@ -33,16 +33,16 @@ impl Bars {
         self.groups.iter().flat_map(|(_, all)| all)
     }
 
-    /// The height of all.
+    /// The height of all groups and the axis.
     pub(crate) fn height(&self) -> i32 {
         let names = self.groups.iter().filter(|(name, _)| name.is_some()).count() as i32;
         self.all().count() as i32 * BAR + names * LINE + self.groups.len() as i32 * GAP + AXIS
     }
 
-    /// Draws all.
+    /// Draws all groups.
     ///
     /// # Errors
-    /// The sheet takes no more.
+    /// The drawing fails.
     pub(crate) fn paint(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
         let low = self.all().map(|bar| bar.least).fold(-0.001, f64::min);
         let high = self.all().map(|bar| bar.most).fold(0.001, f64::max);

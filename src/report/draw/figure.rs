@@ -1,4 +1,4 @@
-//! A plot of a report: what it is of, what it says, its data, and how it is painted at any width.
+//! A plot of a report: its texts, its data, and a function that paints it at any width.
 
 use minijinja::HtmlEscape;
 
@@ -6,16 +6,16 @@ use super::canvas::{Canvas, DrawError, LEFT, LINE, NARROW, Painted, Text, WIDE, 
 use super::palette::Color;
 use crate::report::grid::Grid;
 
-/// What a colour stands for.
+/// Names of meanings, each with its colour.
 pub(crate) type Key = Vec<(String, Color)>;
 
-/// The height that a sheet of some width takes.
+/// Maps the width of a sheet to its height.
 type Height<'a> = Box<dyn Fn(i32) -> i32 + 'a>;
 type Paint<'a> = Box<dyn Fn(&Canvas<'_>) -> Result<(), DrawError> + 'a>;
 
 /// A plot before it is drawn.
 pub(crate) struct Figure<'a> {
-    /// What the data says, in a sentence.
+    /// What the data shows, in a sentence.
     pub title: String,
     /// How to read it.
     pub about: String,
@@ -23,32 +23,32 @@ pub(crate) struct Figure<'a> {
     pub key: Key,
     /// The numbers.
     pub data: Grid,
-    /// Whether it can be painted on a narrow sheet; a narrow page scrolls the wide one otherwise.
+    /// Whether the figure can be painted on a narrow sheet; otherwise a narrow page scrolls the wide sheet.
     pub narrow: bool,
-    /// The height of a sheet.
+    /// The height of a sheet, by its width.
     pub height: Height<'a>,
     /// Paints the data.
     pub paint: Paint<'a>,
 }
 
-/// A plot of data `D` that stands in section `S` of the page.
+/// A plot of data `D` in section `S` of the page.
 pub(crate) struct Plot<D, S = ()> {
     /// Its name in files.
     pub name: &'static str,
-    /// Where it belongs.
+    /// Its section of the page.
     pub section: S,
-    /// Its figure; none where the data has nothing to show.
+    /// Its figure; `None` if there is nothing to show.
     pub figure: for<'a> fn(&'a D) -> Option<Figure<'a>>,
 }
 
-/// A plot, drawn.
+/// A drawn plot.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Drawing<S = ()> {
-    /// The file's name, without its end.
+    /// The file's name, without its extension.
     pub name: String,
-    /// Where it belongs.
+    /// Its section of the page.
     pub section: S,
-    /// What the data says.
+    /// What the data shows.
     pub title: String,
     /// How to read it.
     pub about: String,
@@ -60,11 +60,12 @@ pub(crate) struct Drawing<S = ()> {
     pub file: String,
     /// For wide pages: SVG without title and key.
     pub wide: String,
-    /// The same for narrow pages; empty if these scroll the wide one.
+    /// The same for narrow pages; empty if a narrow page scrolls the wide one.
     pub narrow: String,
 }
 
-/// What the style sheet of pages says of many elements, and what is left of it: a page has thousands of them.
+/// Attributes that thousands of elements of a page share, and the class that stands for them in the style sheet of
+/// pages.
 const IN_STYLE_SHEET: [(&str, &str); 15] = [
     (" dy=\"0.5ex\" text-anchor=\"start\"", ""),
     (" dy=\"0.5ex\"", ""),
@@ -108,7 +109,7 @@ impl<S> Drawing<S> {
     }
 }
 
-/// All plots that there is data for, in order.
+/// Draws all plots that have data, in order.
 ///
 /// # Errors
 /// A plot cannot be drawn.
@@ -151,7 +152,7 @@ fn file(figure: &Figure<'_>) -> Result<String, DrawError> {
     ))
 }
 
-/// Where the entries of a key stand, in rows.
+/// The places of a key's entries, in rows.
 fn key_places(key: &Key) -> Vec<(i32, i32)> {
     let (mut x, mut y) = (LEFT, 0);
     let place = |(name, _): &(String, Color)| {
@@ -166,7 +167,7 @@ fn key_places(key: &Key) -> Vec<(i32, i32)> {
     key.iter().map(place).collect()
 }
 
-/// Text in lines of at most `width`.
+/// Splits a text into lines of at most `width` pixels; a longer word has a line of its own.
 pub(crate) fn wrapped(text: &str, look: Text, width: i32) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

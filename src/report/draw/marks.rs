@@ -1,4 +1,4 @@
-//! Marks of points, by shape, and names beside them.
+//! Marks of points, which differ by shape, and names beside points.
 
 use super::canvas::{Canvas, DrawError, LINE, Text};
 use super::palette::{Color, PAPER};
@@ -34,7 +34,7 @@ pub(crate) fn mark(
     canvas.line(points, color, 2)
 }
 
-/// Draws the interval of a point, across or upright, with its ends.
+/// Draws the interval of a point, horizontally or vertically, with its ends.
 pub(crate) fn whisker(
     canvas: &Canvas<'_>,
     (from, to): ((i32, i32), (i32, i32)),
@@ -47,26 +47,26 @@ pub(crate) fn whisker(
         .try_for_each(|(x, y)| canvas.line(vec![(x - across, y - along), (x + across, y + along)], color, 1))
 }
 
-/// Names beside points, none on another.
+/// Places names beside points so that they do not overlap.
 #[derive(Default)]
 pub(crate) struct Names {
-    /// Corners of what is taken.
+    /// Opposite corners of the occupied rectangles.
     taken: Vec<((i32, i32), (i32, i32))>,
 }
 
 impl Names {
-    /// Keeps the place of a point free.
+    /// Reserves the place of a point's mark.
     pub(crate) fn point(&mut self, (x, y): (i32, i32)) {
         self.taken.push(((x - HALF, y - HALF), (x + HALF, y + HALF)));
     }
 
-    /// Keeps what lies between two corners free.
+    /// Reserves the rectangle between two corners.
     pub(crate) fn keep(&mut self, (from, to): ((i32, i32), (i32, i32))) {
         self.taken.push(((from.0.min(to.0), from.1.min(to.1)), (from.0.max(to.0), from.1.max(to.1))));
     }
 
-    /// Writes a name beside the point at `at`: to its right, to its left, above or below, further off if these are
-    /// taken.
+    /// Writes a name beside the point at `at`: to its right, to its left, above or below; further away if these
+    /// places are taken.
     pub(crate) fn write(&mut self, canvas: &Canvas<'_>, name: &str, at: (i32, i32)) -> Result<(), DrawError> {
         let look = Text::NOTE;
         let width = look.width(name);

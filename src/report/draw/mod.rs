@@ -1,4 +1,4 @@
-//! Drawing: a canvas, colours by meaning, forms of plots that several reports use, and what a plot is.
+//! Drawing: a canvas, colours by meaning, plot types that several reports use, and the parts of a plot.
 
 pub(super) mod bars;
 pub(super) mod canvas;

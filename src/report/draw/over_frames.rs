@@ -3,30 +3,30 @@
 use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, is_narrow, tick_step};
 use super::palette::{Color, FAINT, GRID};
 
-/// Where panels' data begins and ends on a sheet.
+/// The first and last column of a panel's data.
 fn data_range(width: i32) -> (i32, i32) {
     if is_narrow(width) { (56, width - 10) } else { (70, width - 300) }
 }
 
 /// The height of a panel's data.
 const DATA: i32 = 150;
-/// The height of a label: two lines beside the data, or one below.
+/// The height of a label beside the data: two lines.
 const LABEL: i32 = 2 * LINE;
 
-/// The height of a panel that has this many labels.
+/// The height of a panel with this many labels.
 pub(crate) fn panel_height(width: i32, labels: usize) -> i32 {
     if is_narrow(width) { DATA + 58 + labels as i32 * LINE } else { DATA.max(labels as i32 * LABEL) + 58 }
 }
 
-/// What stands beside or below a panel: a colour, a name and a note; and the value that they belong to.
+/// A label beside or below a panel: a colour, a name and a note, and the value that it belongs to.
 pub(crate) struct Label {
-    /// Where the label would best stand.
+    /// The value at which the label should stand.
     pub value: f64,
     /// Its colour.
     pub color: Color,
-    /// What is meant.
+    /// The subject.
     pub name: String,
-    /// What is said of it.
+    /// The text about the subject.
     pub note: String,
 }
 
@@ -41,31 +41,31 @@ pub(crate) struct Panel<'a, 'b> {
     values: (f64, f64),
 }
 
-/// What a panel is of.
+/// The content of a panel and its axes.
 pub(crate) struct Axes<'a> {
-    /// What is drawn.
+    /// The panel's heading.
     pub heading: &'a str,
     /// Numbers of the frames that share the axis, in order.
     pub frames: &'a [u32],
     /// Least and largest value; the first is 0 or less.
     pub values: (f64, f64),
-    /// How many labels the panel has.
+    /// Number of the panel's labels.
     pub labels: usize,
-    /// Least distance of two ticks.
+    /// Least distance between two ticks.
     pub least_tick: f64,
-    /// A value as text.
+    /// Formats a value.
     pub tick: fn(f64) -> String,
 }
 
 impl<'a, 'b> Panel<'a, 'b> {
-    /// Draws axes from height `top` on, for [`panel_height`] pixels. The page's script finds the columns of frames in
-    /// the attribute `data-frames`.
+    /// Draws axes from height `top` on, [`panel_height`] pixels high. The attribute `data-frames` tells the page's
+    /// script the columns of the frames.
     pub(crate) fn new(canvas: &'a Canvas<'b>, top: i32, axes: &Axes<'_>) -> Result<Self, DrawError> {
         let (low, high) = axes.values;
         let step = tick_step((high - low).max(axes.least_tick), 4).max(axes.least_tick);
         let first = axes.frames.first().copied().map_or(0.0, f64::from);
         let last = axes.frames.last().copied().map_or(0.0, f64::from);
-        // Half a bar's room at both ends.
+        // Room for half a bar at both ends.
         let margin = spacing(axes.frames) * 0.6;
         let x = data_range(canvas.width());
         let data = if canvas.is_narrow() { DATA } else { panel_height(canvas.width(), axes.labels) - 58 };
@@ -86,9 +86,14 @@ impl<'a, 'b> Panel<'a, 'b> {
             canvas.text(&(axes.tick)(value), (x.0 - 8, y), Text::NOTE.right())?;
         }
         let most = if canvas.is_narrow() { 6 } else { 12 };
-        let step = tick_step((last - first).max(1.0), most).max(1.0);
-        let ticks = (first / step).ceil() as i64..=(last / step).floor() as i64;
-        for frame in ticks.map(|tick| tick as f64 * step) {
+        let few = || axes.frames.iter().map(|&frame| f64::from(frame)).collect();
+        let round = || {
+            let step = tick_step((last - first).max(1.0), most).max(1.0);
+            let ticks = (first / step).ceil() as i64..=(last / step).floor() as i64;
+            ticks.map(|tick| tick as f64 * step).collect()
+        };
+        let ticks: Vec<f64> = if axes.frames.len() <= most as usize { few() } else { round() };
+        for frame in ticks {
             let x = panel.x(frame);
             canvas.line(vec![(x, panel.bottom), (x, panel.bottom + 4)], FAINT, 1)?;
             canvas.text(&frame.to_string(), (x, panel.bottom + 15), Text::NOTE.centered())?;
@@ -110,7 +115,7 @@ impl<'a, 'b> Panel<'a, 'b> {
         self.bottom - ((value - low) / (high - low) * f64::from(self.bottom - self.top)).round() as i32
     }
 
-    /// A line with a dot at each value, which ends where a frame has none.
+    /// A line with a dot at each value; a frame without a value interrupts it.
     pub(crate) fn curve(
         &self,
         values: impl Iterator<Item = (u32, Option<f64>)>,
@@ -127,7 +132,8 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// Labels beside the data at their values as far as there is room, or one below the other below the data.
+    /// Draws labels: on a wide sheet beside the data, as close to their values as there is room; on a narrow one,
+    /// below the data.
     pub(crate) fn labels(&self, labels: &[Label]) -> Result<(), DrawError> {
         if self.canvas.is_narrow() {
             for (label, y) in labels.iter().zip((self.bottom + 36..).step_by(LINE as usize)) {
@@ -147,7 +153,7 @@ impl<'a, 'b> Panel<'a, 'b> {
         Ok(())
     }
 
-    /// A dashed line over all frames.
+    /// A dashed line across all frames at a value.
     pub(crate) fn level(&self, value: f64, color: Color) -> Result<(), DrawError> {
         self.canvas.dashes(self.x.0, self.x.1, self.y(value), color)
     }
@@ -165,13 +171,13 @@ pub(crate) fn name_frames(canvas: &Canvas<'_>, top: i32) -> Result<(), DrawError
     canvas.text("frame number", ((from + to) / 2, top + LINE / 2), Text::NOTE.centered())
 }
 
-/// The least distance of two frames; 1 if there are not two.
+/// The least distance between two frames; 1 for fewer than two frames.
 fn spacing(frames: &[u32]) -> f64 {
     frames.windows(2).map(|pair| f64::from(pair[0].abs_diff(pair[1]))).reduce(f64::min).unwrap_or(1.0)
 }
 
-/// Heights of labels that are wanted at `wanted`, in the same order: at least [`LABEL`] apart, and the lowest not below
-/// `bottom`.
+/// Heights of labels, in the order of the heights `wanted`. Labels are at least [`LABEL`] apart, and the lowest is
+/// not below `bottom`.
 fn apart(wanted: &[i32], bottom: i32) -> Vec<i32> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by_key(|&index| wanted[index]);

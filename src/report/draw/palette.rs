@@ -1,12 +1,12 @@
-//! Colours by meaning: a meaning has one colour in all plots and pictures of all pages.
+//! Colours by meaning: each meaning has one colour in all plots and pictures of all pages.
 //!
-//! Hues are those that people with any colour vision tell apart (Okabe and Ito 2008).
+//! People with any type of colour vision can tell the hues apart (Okabe and Ito 2008).
 
 use plotters::style::RGBAColor;
 
 use crate::stats::{Cause, TrafficClass};
 
-/// A colour and its strength, on light and dark paper.
+/// A colour and its opacity, for light and dark paper.
 pub(crate) type Color = RGBAColor;
 
 pub(crate) const ORANGE: Color = RGBAColor(0xe6, 0x9f, 0x00, 1.0);
@@ -24,16 +24,16 @@ pub(crate) const INK: Color = RGBAColor(0x22, 0x26, 0x2a, 1.0);
 pub(crate) const FAINT: Color = RGBAColor(0x22, 0x26, 0x2a, 0.78);
 pub(crate) const GRID: Color = RGBAColor(0x22, 0x26, 0x2a, 0.16);
 
-/// Decided dark, though the light is seen.
+/// Decided dark, though the light is visible.
 pub(crate) const FALSE_DARK: Color = VERMILLION;
 /// Decided lit, though the light is hidden.
 pub(crate) const FALSE_LIT: Color = YELLOW;
 /// Rounding differs.
 pub(crate) const NUMERIC: Color = SKY;
 
-/// What a change saves.
+/// The colour of savings.
 pub(crate) const SAVED: Color = GREEN;
-/// What it costs.
+/// The colour of costs.
 pub(crate) const PAID: Color = VERMILLION;
 
 /// A class of traffic.
@@ -67,23 +67,23 @@ pub(crate) fn cause_look(cause: Cause) -> (&'static str, Color) {
 /// The run without culling.
 pub(crate) const WITHOUT: Color = RGBAColor(0x80, 0x88, 0x90, 1.0);
 
-/// The one of several policies or machines in place `index`, the run without culling not counted.
+/// The colour of the policy or machine number `index`; the run without culling is not counted.
 pub(crate) fn series_color(index: usize) -> Color {
     const COLORS: [Color; 8] = [BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, INK, YELLOW];
     COLORS[index % COLORS.len()]
 }
 
-/// A colour less than half as strong.
+/// The colour with an opacity of 0.42.
 pub(crate) fn pale(color: Color) -> Color {
     faded(color, 0.42)
 }
 
-/// A colour of some strength, from 0 to 1.
+/// The colour with another opacity, from 0 to 1.
 pub(crate) fn faded(color: Color, strength: f64) -> Color {
     RGBAColor(color.0, color.1, color.2, strength)
 }
 
-/// A colour as style sheets have it; ink is the text's.
+/// A colour as CSS; ink is the text colour.
 pub(crate) fn css(color: Color) -> String {
     let RGBAColor(red, green, blue, strength) = color;
     match color {

@@ -1,4 +1,4 @@
-//! How far each of many things moves a figure: a bar from the least to the most, by groups.
+//! How far each of several fields moves a figure: a bar from the least to the largest change, by groups.
 
 use super::changes::{Bar, Bars};
 use super::figure::Figure;
@@ -6,24 +6,25 @@ use super::palette::{GREEN, VERMILLION};
 use crate::report::format::{number, signed};
 use crate::report::grid::Grid;
 
-/// What a field does to a figure: the values with the least and the most of it, as changes against a reference.
+/// The effect of a field on a figure: the field's values with the least and the largest figure, as changes against a
+/// reference.
 pub(crate) struct Reach {
     /// The field.
     pub field: String,
-    /// The value with the least, and the change.
+    /// The value with the least figure, and the change.
     pub least: (String, f64),
-    /// The value with the most.
+    /// The value with the largest figure, and the change.
     pub most: (String, f64),
 }
 
 impl Reach {
-    /// From the least, or the reference, to the most.
+    /// The distance from the least change to the largest; the reference, 0, is included.
     pub(crate) fn width(&self) -> f64 {
         self.most.1.max(0.0) - self.least.1.min(0.0)
     }
 }
 
-/// The bars of all groups; `figure` names what moves.
+/// The bars of all groups; `figure` names the figure that changes.
 pub(crate) fn reaches<'a>(
     (title, about): (String, String),
     figure: &str,
@@ -54,7 +55,7 @@ pub(crate) fn reaches<'a>(
 
 /// The bar of a field.
 fn bar(it: &Reach) -> Bar {
-    // The last two words of a path tell it where there is no room for all.
+    // A narrow sheet shows the last two words of a path.
     let short = it.field.rmatch_indices('.').nth(1).map_or(it.field.as_str(), |(at, _)| &it.field[at + 1..]);
     let changes = format!("{} {} \u{2026} {} {}", it.least.0, signed(it.least.1), it.most.0, signed(it.most.1));
     Bar {

@@ -1,8 +1,8 @@
-//! An axis of shares, with 0 on it, from a round share to a round share.
+//! An axis of shares that includes 0; both ends are round shares.
 
 use super::canvas::tick_step;
 
-/// The least that an axis spans, and the most ticks for what it does.
+/// The least span of an axis, and the number of ticks that its step allows.
 const LEAST: f64 = 0.01;
 const MOST: u32 = 4;
 
@@ -15,7 +15,7 @@ pub(crate) struct Ticks {
 }
 
 impl Ticks {
-    /// Around shares; nothing of them lies beyond the first or the last tick.
+    /// An axis for these shares; no share lies beyond the first or the last tick.
     pub(crate) fn around(shares: impl Iterator<Item = f64>) -> Self {
         let (low, high) = shares.fold((0.0, 0.0), |(low, high): (f64, f64), it| (low.min(it), high.max(it)));
         let step = tick_step((high - low).max(LEAST), MOST);
@@ -29,7 +29,7 @@ impl Ticks {
         (0..=ticks).map(move |tick| self.low + f64::from(tick) * self.step)
     }
 
-    /// How far along the axis a share lies: 0 is the first tick, 1 the last.
+    /// The position of a share on the axis: 0 is the first tick, 1 the last.
     pub(crate) fn place(self, share: f64) -> f64 {
         (share - self.low) / (self.high - self.low)
     }
@@ -39,7 +39,7 @@ impl Ticks {
 mod tests {
     use super::*;
 
-    /// Small changes one way have an axis to 0, and no tick lies off the axis.
+    /// An axis of small changes in one direction includes 0, and no tick lies outside the axis.
     #[test]
     fn all_ticks_and_shares_lie_on_the_axis() {
         for (all, ticks) in

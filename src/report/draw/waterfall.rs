@@ -1,4 +1,4 @@
-//! A waterfall: steps from one amount to another, those that lessen it to the left.
+//! A waterfall: steps from one amount to another; a step that lowers the amount goes to the left.
 
 use super::canvas::{Canvas, DrawError, LEFT, LINE, Text, is_narrow, tick_step};
 use super::figure::{Figure, Key, wrapped};
@@ -8,7 +8,7 @@ use crate::report::grid::Grid;
 
 /// A waterfall.
 pub(crate) struct Waterfall {
-    /// What the data says.
+    /// What the data shows, in a sentence.
     pub title: String,
     /// How to read it.
     pub about: String,
@@ -16,9 +16,9 @@ pub(crate) struct Waterfall {
     pub key: Key,
     /// What is measured, with its unit.
     pub axis: &'static str,
-    /// An amount as text.
+    /// Formats an amount.
     pub tick: fn(f64) -> String,
-    /// Ways from one amount to another, each with its name.
+    /// Series of steps from one amount to another, each with its name.
     pub ways: Vec<(String, Vec<Level>)>,
 }
 
@@ -26,11 +26,11 @@ pub(crate) struct Waterfall {
 pub(crate) struct Level {
     /// Its name.
     pub name: &'static str,
-    /// From where to where it goes; a whole amount goes from 0.
+    /// Where it starts and ends; a whole amount starts at 0.
     pub span: (f64, f64),
     /// Its colour.
     pub color: Color,
-    /// What stands beside it.
+    /// The text beside it.
     pub note: String,
 }
 
@@ -39,7 +39,7 @@ const GAP: i32 = 12;
 const NARROW_BAR: i32 = 34;
 const AXIS: i32 = 46;
 
-/// The height of a way with its name.
+/// The height of a series with its name.
 fn way_height(name: &str, bars: usize, width: i32) -> i32 {
     let bar = if is_narrow(width) { NARROW_BAR } else { BAR };
     wrapped(name, Text::LABEL.bold(), width - LEFT).len() as i32 * LINE + bars as i32 * bar + GAP

@@ -1,6 +1,6 @@
-//! The numbers of reports that are no counters.
+//! Meanings of the numbers of reports that are no counters.
 
-/// The numbers that are no counters: name, unit, meaning.
+/// Numbers that are no counters: name, unit, meaning.
 pub(super) const OTHERS: &[(&str, &str, &str)] = &[
     ("schema", "version", "version of the names in this file and of their meanings"),
     ("scene.triangles_static", "triangles", "triangles that stay"),

@@ -1,4 +1,5 @@
-//! What every number of a report means, for `umbrasim explain`: counters from their declarations, others from a table.
+//! The meaning of every number of a report, for `umbrasim explain`: counters from their declarations, others from a
+//! table.
 
 mod declared;
 
@@ -12,10 +13,10 @@ use crate::stream::Totals;
 /// A number of `summary.json`, or a column of `frames.csv`.
 #[derive(Clone, Debug)]
 pub struct Statistic {
-    /// Its path in `summary.json`; `*` stands for a name of the experiment's, a part of the machine, or a class of
-    /// traffic. What is declared of a policy is there of all its frames together and of each (`policies.*.frames.*`),
-    /// and what is declared of what a policy saved and paid on a machine (`machines.*.split.*`) is there of each point
-    /// of a sweep (`points.*`).
+    /// Its path in `summary.json`; `*` stands for a name in the experiment, a part of the machine, or a class of
+    /// traffic. A declaration of a policy's number holds for all its frames together and for each frame
+    /// (`policies.*.frames.*`). A declaration of what a policy saved and paid on a machine (`machines.*.split.*`)
+    /// holds for each point of a sweep too (`points.*`).
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
@@ -23,7 +24,7 @@ pub struct Statistic {
     pub about: &'static str,
 }
 
-/// The counters of a report by the path of their group: each is declared where it is counted.
+/// The counters of a report by the path of their group; the code that counts declares them.
 const COUNTERS: &[(&str, &[Counter])] = &[
     ("policies.*", Totals::DECLARED),
     ("machines.*.policies.*.caches.*.*", CacheCounts::DECLARED),
@@ -47,7 +48,7 @@ pub fn statistics() -> Vec<Statistic> {
     counters.chain(others).collect()
 }
 
-/// The numbers of a summary: each with its path.
+/// Collects the numbers of a summary, each with its path.
 fn numbers(value: &Value, path: &mut Vec<String>, found: &mut Vec<(Vec<String>, String)>) {
     let mut below = |name: String, value: &Value| {
         path.push(name);
@@ -82,7 +83,7 @@ impl Statistic {
             && path.next().is_none()
     }
 
-    /// The words of `name` that stand for names of the report's, a `*` of this one.
+    /// The words of `name` in places where this statistic's path has `*`.
     fn named<'a>(&self, name: &'a str) -> Vec<&'a str> {
         let asked: Vec<_> = name.split('.').collect();
         let own: Vec<_> = self.parts().collect();
@@ -90,7 +91,7 @@ impl Statistic {
         own.filter(|(own, asked)| **own == "*" && **asked != "*").map(|(_, asked)| *asked).collect()
     }
 
-    /// Whether somebody who asks for `name`, a path or the end of one, means this.
+    /// Whether `name`, a path or the end of one, refers to this statistic.
     fn is_meant(&self, name: &str) -> bool {
         let asked: Vec<_> = name.split('.').collect();
         let own: Vec<_> = self.parts().collect();
@@ -99,7 +100,7 @@ impl Statistic {
     }
 }
 
-/// The numbers of a `summary.json` that are not declared once.
+/// The numbers of a `summary.json` without a declaration, or with several.
 pub fn undeclared(summary: &Value) -> Vec<String> {
     let mut found = Vec::new();
     numbers(summary, &mut Vec::new(), &mut found);
@@ -108,8 +109,8 @@ pub fn undeclared(summary: &Value) -> Vec<String> {
     found.into_iter().filter(|(path, _)| declarations(path) != 1).map(|(path, _)| path.join(".")).collect()
 }
 
-/// The number of the frame that the number at `path` is of, and whether it warms up; empty if it is of no frame. Its
-/// place in the path is that in the list of frames.
+/// The number of the frame to which the number at `path` belongs, and whether that frame is warm-up; empty if it
+/// belongs to no frame. The path holds the frame's index in the list, which differs from its number.
 fn frame(report: &Value, path: &[String]) -> String {
     let of_path = || {
         let at = path.iter().position(|part| part == "frames")?;
@@ -123,10 +124,10 @@ fn frame(report: &Value, path: &[String]) -> String {
     of_path().unwrap_or_default()
 }
 
-/// What the statistics mean that end with `name`, or all of them, with their values in `report` if there is one.
+/// Explains the statistics whose paths end with `name`, or all; adds their values in `report`, if there is one.
 ///
 /// # Errors
-/// Nothing is called so; the error says what else is there.
+/// No statistic has this name; the error lists similar names.
 pub fn explain(name: Option<&str>, report: Option<&Value>) -> Result<String, String> {
     let meant = |statistic: &&Statistic| name.is_none_or(|name| statistic.is_meant(name));
     let statistics = statistics();
@@ -174,7 +175,7 @@ mod tests {
         assert_eq!(undeclared(&summary), Vec::<String>::new());
         let mut found = Vec::new();
         numbers(&summary, &mut Vec::new(), &mut found);
-        // The written sample is of an exact rung; what estimates add is in the one made for tests.
+        // The shipped sample is of an exact fidelity level; the sample for tests adds the numbers of estimates.
         let estimated = crate::report::run::tests::sample::sample(&[0]).summary;
         let of_machines = frames_csv(&estimated).head;
         let estimated = serde_json::to_value(estimated).unwrap();
@@ -193,7 +194,7 @@ mod tests {
         let statistics = statistics();
         let columns: Vec<_> =
             csv.lines().next().unwrap().split(',').skip(1).map(|name| format!("policies.*.{name}")).collect();
-        // A column of a machine is named as the number of the summary.
+        // The column of a machine has the name of the summary's number.
         let of_machine = |name: &str| {
             let (machine, path) = name.split_once('.').unwrap();
             let path = format!("machines.{machine}.policies.off.frames.0.{path}");
@@ -228,7 +229,7 @@ mod tests {
         assert_eq!(values("bytes.*.*"), ["1", "2", "3"]);
     }
 
-    /// A frame's place in the list is not its number.
+    /// A frame's index in the list differs from its number.
     #[test]
     fn values_of_frames_have_their_frames() {
         let frame = |frame: u32, warmup: bool| serde_json::json!({ "frame": frame, "warmup": warmup, "dram": { "row_hits": frame + 1 } });

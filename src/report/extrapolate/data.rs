@@ -1,18 +1,18 @@
-//! Machines of many cores as their scale models predict them.
+//! Machines with many cores, predicted from scale models.
 
 use serde::{Deserialize, Serialize};
 
-/// What several large machines take; `summary.json` holds it.
+/// Predictions for several large machines; `summary.json` holds them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub(crate) struct Extrapolations(pub Vec<Extrapolation>);
 
-/// What a large machine takes for a stream.
+/// The prediction for a large machine on a stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Extrapolation {
     /// The stream's scene and policy.
     pub scene: String,
-    /// See above.
+    /// The stream's policy.
     pub policy: String,
     /// The machine's name.
     pub machine: String,
@@ -20,36 +20,36 @@ pub(crate) struct Extrapolation {
     pub cores: u64,
     /// Its DRAM, in words.
     pub dram: String,
-    /// What its scale models were replayed by.
+    /// The fidelity level at which its scale models were replayed.
     pub fidelity: String,
     /// Rays that it traces.
     pub rays: u64,
-    /// Rays of a frame for each entry of its pool.
+    /// Rays of a frame per entry of its pool.
     pub rays_an_entry: f64,
-    /// Its rays a second, as predicted.
+    /// Its predicted rays per second.
     pub rays_per_second: f64,
     /// Its scale models, the smallest first.
     pub models: Vec<ScaleModel>,
-    /// What follows from them.
+    /// The predictions from the models.
     pub predicted: Figures<Prediction>,
-    /// Its energy in J; none if that of its DRAM is not known.
+    /// Its predicted energy in J; `None` if the energy of its DRAM is not known.
     pub joules: Option<Prediction>,
-    /// What the large machine took by `Event`; none if that was not asked for.
+    /// The large machine's figures by `Event`; `None` if no check was requested.
     pub checked: Option<Figures<u64>>,
-    /// Its energy in J by `Event`; none if that was not asked for, or is not known.
+    /// Its energy in J by `Event`; `None` if no check was requested or the energy is not known.
     pub checked_joules: Option<f64>,
 }
 
-/// What a scale model measured, times as many as the rays that one of its rays stands for.
+/// Figures of a scale model, scaled up to the rays of the large machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ScaleModel {
     /// Its cores.
     pub cores: u64,
     /// Rays that it traced itself.
     pub rays: u64,
-    /// What it stands for.
+    /// The scaled figures.
     pub figures: Figures<f64>,
-    /// The energy in J that it stands for; none if that of the DRAM is not known.
+    /// The scaled energy in J; `None` if the energy of the DRAM is not known.
     pub joules: Option<f64>,
 }
 
@@ -73,16 +73,16 @@ impl<T: Copy> Figures<T> {
 
 /// A figure of a large machine, and of its models.
 pub(super) struct Told {
-    /// What it is called, and its name in files.
+    /// Its name in texts, and in files.
     pub name: &'static str,
     pub key: &'static str,
     /// Its unit.
     pub unit: Unit,
-    /// Of each model, the smallest first: its cores, and what it stands for.
+    /// For each model, the smallest first: its cores, and its scaled figure.
     pub models: Vec<(u64, f64)>,
-    /// What follows.
+    /// The prediction.
     pub predicted: Prediction,
-    /// What `Event` says, where that was asked for.
+    /// The figure by `Event`, if it was checked.
     pub truth: Option<f64>,
 }
 
@@ -108,13 +108,13 @@ impl Unit {
 /// A predicted figure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Prediction {
-    /// By the law.
+    /// The figure by the law.
     pub value: f64,
-    /// As far below and above as other laws are away.
+    /// The lower end of a range that is symmetric around `value` and reaches as far as the other laws.
     pub low: f64,
-    /// See above.
+    /// The upper end of the range.
     pub high: f64,
-    /// The least that any such machine can take: predictions are not below it.
+    /// A lower bound for every such machine: predictions are not below it.
     pub least: u64,
 }
 
@@ -124,7 +124,7 @@ impl Extrapolation {
         format!("{}, {} cores", self.machine, self.cores)
     }
 
-    /// All figures; the energy if it is known.
+    /// All figures; energy only if it is known.
     pub(super) fn told(&self) -> Vec<Told> {
         let names = [("cycles", "cycles"), ("L2 bytes", "l2_bytes"), ("DRAM bytes", "dram_bytes")];
         let figures = names.into_iter().zip([Unit::Cycles, Unit::Bytes, Unit::Bytes]).enumerate();
@@ -148,8 +148,8 @@ impl Extrapolation {
         counts.chain(energy).collect()
     }
 
-    /// What the prediction of each figure and of the energy is off, where it was checked; of what never moved, no
-    /// share.
+    /// The relative errors of the predicted cycles, L2 bytes, DRAM bytes and energy; `None` without a check. A figure
+    /// that is 0 by `Event` has no error.
     pub(super) fn errors(&self) -> Option<[Option<f64>; 4]> {
         let checked = self.checked?.all().map(|it| it as f64);
         let predicted = self.predicted.all();

@@ -1,4 +1,4 @@
-//! Machines of many cores as their scale models predict them.
+//! Machines with many cores, predicted from scale models.
 
 mod data;
 mod plot;

@@ -1,4 +1,5 @@
-//! Scale models and what they predict: a row of panels a machine, a panel a figure, over the cores of the models.
+//! Scale models and their predictions over the cores of the models: one row of panels per machine, one panel per
+//! figure.
 
 use super::data::{Extrapolation, Extrapolations, Told, Unit};
 use super::words::grid;
@@ -10,12 +11,12 @@ use crate::report::draw::{Figure, Plot};
 use crate::report::format::{bytes, exact, joules, percent, tick};
 use crate::report::grid::Grid;
 
-/// Height of a panel's axes, of what stands above and below them, and of a machine's name.
+/// Height of a panel's axes, of the parts above and below them, and of a machine's name.
 const PANEL: i32 = 150;
 const ABOVE: i32 = 34;
 const BELOW: i32 = 34;
 const NAME: i32 = 26;
-/// Where the axes of a panel begin, and the room behind them and beside their first and last point.
+/// Where the axes of a panel begin, the room to their right, and the room beside their first and last point.
 const AXIS: i32 = 70;
 const BEHIND: i32 = 14;
 const BESIDE: i32 = 16;
@@ -23,7 +24,7 @@ const BESIDE: i32 = 16;
 pub(super) const PLOT: Plot<Extrapolations> =
     Plot { name: "models", section: (), figure: |found| Some(figure(&found.0)) };
 
-/// What the largest machine would take; where predictions of cycles were checked, how far off they are.
+/// The predicted cycles of the largest machine; for several machines with checks, the largest error of cycles.
 pub(super) fn finding(found: &[Extrapolation]) -> String {
     let off = found.iter().filter_map(|it| it.errors()?[0]).max_by(|a, b| a.abs().total_cmp(&b.abs()));
     if let (Some(off), true) = (off, found.len() > 1) {
@@ -36,7 +37,7 @@ pub(super) fn finding(found: &[Extrapolation]) -> String {
     told + &than.unwrap_or_default()
 }
 
-/// How values of a unit are shown.
+/// Formats a value of a unit.
 fn shown(unit: Unit, value: f64) -> String {
     match unit {
         _ if value == 0.0 => "0".into(),
@@ -46,7 +47,7 @@ fn shown(unit: Unit, value: f64) -> String {
     }
 }
 
-/// Panels beside each other on a sheet of this width.
+/// Number of panels side by side on a sheet of this width.
 fn columns(width: i32) -> i32 {
     if is_narrow(width) { 1 } else { 4 }
 }
@@ -85,7 +86,7 @@ fn figure(found: &[Extrapolation]) -> Figure<'_> {
     }
 }
 
-/// A figure of a machine with so many cores, from `left` and `top` on.
+/// Draws the panel of a figure of a machine with `large` cores, from `left` and `top` on.
 fn panel(
     canvas: &Canvas<'_>,
     large: u64,
@@ -95,7 +96,7 @@ fn panel(
     let Told { models, predicted, truth, unit, name, .. } = told;
     let (begin, end, top) = (left + AXIS, left + width - BEHIND, top + ABOVE);
     let bottom = top + PANEL;
-    // Over one over the cores, from the large machine on.
+    // The axis is 1 / cores; the large machine is at its start.
     let from_large = |cores: u64| 1.0 / cores as f64 - 1.0 / large as f64;
     let farthest = models.iter().map(|&(cores, _)| from_large(cores)).fold(0.0, f64::max);
     let room = f64::from(end - begin - 2 * BESIDE);

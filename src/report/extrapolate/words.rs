@@ -5,11 +5,11 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, exact, joules, or_absent, short, signed};
 use crate::report::grid::Grid;
 
-/// Rays of a frame for each entry of the pool, below which a frame is mostly its beginning and its end, so that it is
+/// Minimum of rays per frame and pool entry. With fewer rays, a frame is mostly its beginning and end, and it is
 /// chance which rays a model has there: docs/validation/extrapolate.md.
 const FEW: f64 = 32.0;
 
-/// What was measured and predicted: a row a model, then the large machine.
+/// Measured and predicted figures: a row per model, then the large machine.
 pub(crate) fn grid(found: &Extrapolation) -> Grid {
     let name = format!("{}, {}", found.machine, found.policy);
     let head = [name.as_str(), "cycles", "L2 bytes", "DRAM bytes", "energy"].map(String::from);
@@ -37,7 +37,7 @@ pub(crate) fn grid(found: &Extrapolation) -> Grid {
     Grid { head: head.to_vec(), names: 1, rows }
 }
 
-/// A number with its prefix in front of a unit: `1.77 G`.
+/// A number with its decimal prefix, before a unit: `1.77 G`.
 fn prefixed(value: f64) -> String {
     let text = short(value);
     if text.contains(' ') { text } else { format!("{text} ") }
@@ -51,7 +51,7 @@ fn cores(count: u64) -> String {
     if count == 1 { "1 core".into() } else { format!("{count} cores") }
 }
 
-/// What the table comes to, in a sentence.
+/// The result of the table, in sentences.
 pub(crate) fn verdict(found: &Extrapolation) -> String {
     let Prediction { value, low, high, .. } = found.predicted.cycles;
     let range = format!("{} to {}", exact(low.round() as u64), exact(high.round() as u64));

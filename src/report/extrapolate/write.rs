@@ -1,4 +1,4 @@
-//! The files of a report of predictions.
+//! The files of a report on predictions.
 
 use minijinja::context;
 use serde::Serialize;
@@ -13,7 +13,8 @@ use crate::report::writer::Report;
 
 const PLOTS: &[Plot<Extrapolations>] = &[plot::PLOT];
 
-/// Columns of `extrapolate.csv`: of each machine and figure a row a model, one of the prediction, and one of `Event`.
+/// Columns of `extrapolate.csv`. Each figure of a machine has a row per model, one for the prediction, and one for
+/// `Event`.
 const COLUMNS: [&str; 11] =
     ["scene", "policy", "machine", "cores", "figure", "unit", "of", "model_cores", "value", "low", "high"];
 

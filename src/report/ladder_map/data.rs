@@ -1,4 +1,5 @@
-//! The failure map of the ladder: how far each level is from `Event` where streams and machines are made to hurt it.
+//! The failure map of the fidelity levels: how far each level is from `Event` on streams and machines that are hard
+//! for it.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,13 +11,13 @@ use crate::stats::MachineStats;
 /// The map; `summary.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct LadderMap {
-    /// The rows' names.
+    /// Names of the rows; a row is a level.
     pub rows: Vec<String>,
-    /// What was swept.
+    /// The parameters that were swept.
     pub axes: Vec<Axis>,
 }
 
-/// Something that was swept while all else stayed.
+/// A parameter that was swept while all others stayed fixed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Axis {
     /// Its name, with a unit.
@@ -28,34 +29,34 @@ pub(crate) struct Axis {
 /// A stream on a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Point {
-    /// What the axis is at.
+    /// The parameter's value.
     pub value: String,
     /// Cycles that `Event` takes.
     pub cycles: Cycle,
-    /// What each of [`LadderMap::rows`] makes of it.
+    /// The results of each of [`LadderMap::rows`].
     pub rows: Vec<Row>,
 }
 
-/// How often samples of other rays each had the truth in their interval of cycles.
+/// How many samples' intervals of cycles held the true cycles; the samples differ in their seeds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Covered {
-    /// How many had.
+    /// Samples whose interval held the truth.
     pub held: u32,
-    /// How many had an interval.
+    /// Samples with an interval.
     pub told: u32,
 }
 
-/// What a level makes of a point.
+/// The result of a level at a point.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Row {
-    /// Share by which each of [`Figure::ALL`] is off; absent where the level doesn't say, or `Event` has none. The
-    /// worst of several samples.
+    /// Relative error of each of [`Figure::ALL`]; absent where the level gives no figure, or `Event`'s is 0. For
+    /// several samples, the worst.
     pub errors: [Option<f64>; Figure::ALL.len()],
-    /// What a sample's intervals are worth.
+    /// How often a sample's intervals held.
     pub covered: Option<Covered>,
 }
 
-/// What is compared.
+/// A figure that is compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Figure {
     /// Cycles of the run.
@@ -95,12 +96,12 @@ impl Figure {
         }
     }
 
-    /// The share by which `found` is off `truth`.
+    /// The relative error of `found` against `truth`; `None` without a figure, or if the true figure is 0.
     pub(crate) fn error(self, found: &MachineStats, truth: &MachineStats) -> Option<f64> {
         off(self.of(found)?, self.of(truth)?)
     }
 
-    /// The share by which a ratio of misses is off, if this is about that.
+    /// The relative error of misses that are given as a miss ratio; `None` for all other figures.
     pub(crate) fn error_of_ratio(self, ratio: f64, truth: &MachineStats) -> Option<f64> {
         if self != Self::L1Misses {
             return None;
@@ -114,7 +115,7 @@ fn off(found: f64, truth: f64) -> Option<f64> {
     (truth > 0.0).then(|| found / truth - 1.0)
 }
 
-/// The worst of each row and figure, and where that is.
+/// Mean and worst error of each row and figure, and the point of the worst error.
 pub(crate) fn grid(map: &LadderMap) -> Grid {
     let head = ["level", "figure", "mean", "worst", "where"].map(String::from).to_vec();
     let mut rows = Vec::new();
@@ -142,7 +143,7 @@ pub(crate) fn grid(map: &LadderMap) -> Grid {
     Grid { head, names: 2, rows }
 }
 
-/// The worst error of cycles of each level.
+/// Names the worst error of cycles of each level.
 pub(crate) fn verdict(map: &LadderMap) -> String {
     let worst = |(index, name): (usize, &String)| {
         let points = map.axes.iter().flat_map(|axis| &axis.points);

@@ -1,4 +1,5 @@
-//! The failure map of the ladder: a panel a figure and band of axes, a row a level, a column a point.
+//! The failure map of the fidelity levels: one panel per figure and band of axes, one row per level, one column per
+//! point.
 
 use super::data::{Axis, Figure, LadderMap, Point, Row, grid};
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
@@ -6,15 +7,15 @@ use crate::report::draw::palette::{Color, GREEN, INK, ORANGE, SKY, VERMILLION, Y
 use crate::report::draw::{Figure as Drawn, Plot};
 use crate::report::format::percent;
 
-/// Where columns begin, the gap between axes, and the width of a column at least.
+/// Where columns begin, the gap between axes, and the least width of a column.
 const COLUMNS: i32 = 128;
 const GAP: i32 = 12;
 const COLUMN: i32 = 36;
-/// Height of a row, and of what stands above a panel's rows.
+/// Height of a row, and of the part above a panel's rows.
 const ROW: i32 = 22;
 const HEAD: i32 = 60;
 
-/// What an error is at most, and how it looks.
+/// Upper limit of an error, its name and its colour.
 const LOOKS: [(f64, &str, Color); 5] = [
     (0.01, "within 1 %", GREEN),
     (0.03, "3 %", SKY),
@@ -30,7 +31,7 @@ fn look(error: f64) -> Color {
 
 pub(super) const PLOT: Plot<LadderMap> = Plot { name: "ladder", section: (), figure: |map| Some(figure(map)) };
 
-/// The level that is closest in cycles at its worst point.
+/// Names the levels whose worst errors of cycles are smallest and largest.
 pub(super) fn finding(map: &LadderMap) -> String {
     let worst = |index: usize| {
         let points = map.axes.iter().flat_map(|axis| &axis.points);
@@ -71,22 +72,22 @@ fn figure(map: &LadderMap) -> Drawn<'_> {
     }
 }
 
-/// The rows that say something about a figure.
+/// The rows that have a figure.
 fn shown(map: &LadderMap, figure: Figure) -> Vec<usize> {
     let says = |row: &Row| row.errors[figure as usize].is_some();
     let points = || map.axes.iter().flat_map(|axis| &axis.points);
     (0..map.rows.len()).filter(|&index| points().any(|point| says(&point.rows[index]))).collect()
 }
 
-/// Points of an axis that stand beside each other: all, if there is room.
+/// Points of an axis that stand side by side: all points, if there is room.
 type Piece<'a> = (&'a Axis, &'a [Point]);
 
-/// How wide a piece is: as its points, or as the axis's name.
+/// The width of a piece: that of its points or of the axis's name, whichever is larger.
 fn piece_width((axis, points): Piece<'_>) -> i32 {
     (points.len() as i32 * COLUMN).max(Text::NOTE.width(&axis.name))
 }
 
-/// The axes in bands, each as wide as the sheet at most.
+/// Distributes the axes over bands, each at most as wide as the sheet.
 fn bands(map: &LadderMap, sheet: i32) -> Vec<Vec<Piece<'_>>> {
     let room = ((sheet - COLUMNS - LEFT) / COLUMN).max(1) as usize;
     let pieces = map.axes.iter().flat_map(|axis| axis.points.chunks(room).map(move |points| (axis, points)));

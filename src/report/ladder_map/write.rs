@@ -12,7 +12,7 @@ use crate::report::writer::Report;
 
 const PLOTS: &[Plot<LadderMap>] = &[plot::PLOT];
 
-/// Columns of `ladder.csv`: a row a point, row of the map and figure.
+/// Columns of `ladder.csv`: one row per point, level and figure.
 const COLUMNS: [&str; 8] =
     ["axis", "value", "event_cycles", "rung", "figure", "error", "intervals_that_hold", "intervals"];
 

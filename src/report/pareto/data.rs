@@ -11,16 +11,16 @@ use crate::report::grid::Grid;
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 2;
 
-/// What every rung found, and how far off it was.
+/// The figures of every fidelity level, and their errors.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ParetoSummary {
     /// The version of these names.
     pub schema: u32,
-    /// The rung that the others are held to.
+    /// The level that is taken as the truth.
     pub truth: String,
     /// The policies, in the order in which they first occur.
     pub policies: Vec<String>,
-    /// What the rungs are off by, in the order of the file.
+    /// Errors of the levels, in the order of the file.
     pub rungs: Vec<Rung>,
     /// All runs.
     pub runs: Vec<Run>,
@@ -39,7 +39,7 @@ impl ParetoSummary {
         Self { schema: SCHEMA, truth, policies, rungs, runs }
     }
 
-    /// The rungs, with their speed, that none beats in both speed and mean error of `figure`.
+    /// For each level, whether no other level beats it in both speed and mean error of `figure`.
     pub(crate) fn frontier(&self, timings: &[Timing], figure: fn(&Rung) -> Option<Spread>) -> Vec<bool> {
         let points: Vec<_> =
             self.rungs.iter().zip(timings.iter().skip(1)).map(|(rung, it)| (it.speed(), figure(rung))).collect();
@@ -57,7 +57,7 @@ impl ParetoSummary {
         points.iter().map(|point| !beaten(point)).collect()
     }
 
-    /// Which levels no other one beats in speed and in the error of cycles.
+    /// Names the levels that no other level beats in both speed and error of cycles.
     pub(crate) fn verdict(&self, timings: &[Timing]) -> String {
         let front = self.frontier(timings, |rung| rung.cycles);
         let names = self.rungs.iter().zip(front).filter(|(_, is_front)| *is_front).map(|(rung, _)| rung.name.as_str());
@@ -65,7 +65,7 @@ impl ParetoSummary {
         format!("no level is both faster and closer to {} than: {}", self.truth, names.join("; "))
     }
 
-    /// A row a rung.
+    /// One row per level.
     pub(crate) fn grid(&self, timings: &[Timing]) -> Grid {
         const HEAD: [&str; 11] = [
             "level",
@@ -146,8 +146,8 @@ pub(crate) mod tests {
         close(cycles.worst, 1100.0 / 980.0 - 1.0);
         close(cycles.mean, (0.02 + 1100.0 / 980.0 - 1.0) / 2.0);
         assert_eq!(rung.dram_bytes, None);
-        // Of seven figures that are claimed one lies outside: the cycles of `A`. What `A` saves is within twice as
-        // much.
+        // One of the seven claimed figures lies outside its interval: the cycles of `A`. The saving of `A` lies
+        // within an interval that is twice as wide.
         assert_eq!(rung.within, Some([6, 7]));
         close(rung.claimed.unwrap()[3].unwrap(), 1100.0 / 1020.0 * 0.1);
         close(rung.saving.unwrap().worst, 1100.0 / 1020.0 - 0.98);

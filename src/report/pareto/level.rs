@@ -1,4 +1,4 @@
-//! How far off a rung of the ladder is, over all runs of a comparison.
+//! The errors of a fidelity level, over all runs of a comparison.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,7 +6,7 @@ use super::run::{Figures, Found, Run};
 use crate::report::format::percent;
 use crate::stats::half_width_of_ratio;
 
-/// How far off a rung is, over all runs.
+/// The errors of a level, over all runs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Rung {
     /// Its name.
@@ -19,11 +19,11 @@ pub(crate) struct Rung {
     pub dram_bytes: Option<Spread>,
     /// Error of the share of cycles that a policy saves.
     pub saving: Option<Spread>,
-    /// Half the widths that it claims for cycles, for L2 and for DRAM bytes, and for savings, at 95 %, on average.
+    /// Mean half width of the 95 % intervals that it claims for cycles, L2 bytes, DRAM bytes and savings.
     pub claimed: Option<[Option<f64>; 4]>,
-    /// Of the figures with an interval, how many lay in it, and how many there are.
+    /// Number of figures that lay in their interval, and number of figures with an interval.
     pub within: Option<[usize; 2]>,
-    /// Where it puts two policies or two machines in another order than the truth does.
+    /// Pairs of policies or of machines whose order differs from that of the truth.
     pub disagreements: Vec<String>,
     /// Runs that it refused, and why.
     pub refusals: Vec<String>,
@@ -51,7 +51,7 @@ fn off_by(found: f64, truth: f64) -> Option<f64> {
 }
 
 impl Rung {
-    /// From what rung number `index` found.
+    /// The errors of level number `index`.
     pub(super) fn new(name: String, index: usize, runs: &[Run]) -> Self {
         let figure = |figure: usize| {
             let error = |run: &Run| off_by(run.found(index)?.figures.all()[figure], run.truth.all()[figure]);
@@ -102,8 +102,8 @@ impl Rung {
     }
 }
 
-/// Pairs of runs that differ in the policy only, or in the machine only, and whose times a rung puts in another order
-/// than the truth.
+/// Pairs of runs that differ in the policy only, or in the machine only, and whose order by time is not that of the
+/// truth.
 fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
     let time = |figures: Figures, run: &Run| figures.cycles as f64 / run.clock_mhz as f64;
     let mut found = Vec::new();
@@ -130,7 +130,7 @@ fn disagreements(index: usize, runs: &[Run]) -> Vec<String> {
     found
 }
 
-/// That a rung refused a run, and why.
+/// The reason why a level refused a run; `None` if it did not.
 fn refusal(index: usize, run: &Run) -> Option<String> {
     let Found::Refused { refused } = &run.rungs[index] else { return None };
     Some(format!("{} on `{}` under `{}`: {refused}", run.scene, run.machine, run.policy))

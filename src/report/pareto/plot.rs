@@ -1,4 +1,5 @@
-//! Error of the fidelity levels over their speed: mean and worst, what they claim, and which none beats.
+//! Error of the fidelity levels over their speed: mean, worst and claimed error, and the levels that no other level
+//! beats.
 
 use super::data::ParetoSummary;
 use super::level::{Rung, Spread};
@@ -11,19 +12,19 @@ use crate::report::draw::{Figure, Plot};
 use crate::report::format::{number, percent, tick};
 use crate::report::grid::Grid;
 
-/// Height of a panel's logarithmic axis, of the place for smaller errors below it, and of what stands above and below.
+/// Height of a panel's logarithmic axis, of the place for smaller errors below it, and of the parts above and below.
 const PANEL: i32 = 160;
 const NONE: i32 = 26;
 const ABOVE: i32 = 52;
 const BELOW: i32 = 46;
 /// Where the axes begin.
 const AXIS: i32 = 64;
-/// The axis' end: errors below this share have a place of their own.
+/// The end of the axis: errors below this share have a place of their own.
 const LEAST: f64 = 1e-4;
 
 type ErrorOf = fn(&Rung) -> Option<Spread>;
 
-/// Panels: a title, and the errors, in the order of what rungs claim.
+/// Panels: a title, and the errors, in the order of [`Rung::claimed`].
 const PANELS: [(&str, ErrorOf); 4] = [
     ("Cycles", |rung| rung.cycles),
     ("Bytes between L1s and L2", |rung| rung.l2_bytes),
@@ -34,7 +35,7 @@ const PANELS: [(&str, ErrorOf); 4] = [
 pub(super) const PLOT: Plot<ParetoReport> =
     Plot { name: "pareto", section: (), figure: |report| Some(figure(&report.summary, &report.timings)) };
 
-/// The fastest level that is within 2 % of the truth's cycles at worst.
+/// Names the fastest level whose worst error of cycles is at most 2 %.
 pub(super) fn finding(summary: &ParetoSummary, timings: &[Timing]) -> String {
     let levels = summary.rungs.iter().zip(timings.iter().skip(1));
     let close = levels.filter(|(rung, _)| rung.cycles.is_some_and(|spread| spread.worst <= 0.02));

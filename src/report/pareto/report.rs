@@ -1,12 +1,12 @@
-//! All that a report on speed against accuracy is made of.
+//! The content of a report on speed against accuracy.
 
 use super::data::ParetoSummary;
 use super::timing::Timing;
 
-/// What every level found, and how long each took.
+/// Results and times of every fidelity level.
 pub(crate) struct ParetoReport {
-    /// What every level found.
+    /// The results of every level.
     pub summary: ParetoSummary,
-    /// Of the truth, then of each level.
+    /// Times of the truth, then of each level.
     pub timings: Vec<Timing>,
 }

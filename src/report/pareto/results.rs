@@ -1,11 +1,11 @@
-//! The rows of `results.csv` of a comparison of fidelity levels: what each level found of each run.
+//! The rows of `results.csv` of a comparison of fidelity levels: the figures of each level for each run.
 
 use super::data::ParetoSummary;
 use super::run::{Figures, Run};
 use crate::report::error::ReportError;
 use crate::report::results::{Amount, Family, Results, Row, Scope, Subject, Take};
 
-/// The figures of a run by their paths, in the order of [`Figures::all`], each with its part.
+/// The figures of a run by their paths, in the order of [`Figures::all`], each with its part of the machine.
 const FIGURES: [(&str, Option<&str>); 3] =
     [("cycles", None), ("bytes.l2.node", Some("l2")), ("bytes.dram.node", Some("dram"))];
 
@@ -23,7 +23,8 @@ impl Results for ParetoSummary {
     }
 }
 
-/// What a level found of a run; `claimed` has half the widths of its intervals over the figures.
+/// Hands over the figures of a level for a run; `claimed` holds half the widths of their intervals as shares of the
+/// figures.
 fn rows(
     family: &Family,
     run: &Run,

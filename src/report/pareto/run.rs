@@ -1,4 +1,4 @@
-//! What fidelity levels found in a run, beside the truth.
+//! The figures of fidelity levels for a run, with those of the truth.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,33 +11,33 @@ pub(crate) struct Run {
     pub scene: String,
     /// The machine.
     pub machine: String,
-    /// The machine's clock.
+    /// The machine's clock in MHz.
     pub clock_mhz: u64,
     /// The policy.
     pub policy: String,
-    /// Whether savings are measured against it.
+    /// Whether savings are measured against this policy.
     pub is_baseline: bool,
-    /// The truth.
+    /// The figures of the truth.
     pub truth: Figures,
-    /// What each rung found.
+    /// The result of each level.
     pub rungs: Vec<Found>,
 }
 
-/// What became of a run by a rung.
+/// The result of a level for a run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub(crate) enum Found {
-    /// It was replayed.
+    /// The run was replayed.
     Measured(Measured),
-    /// The rung refused it.
+    /// The level refused the run.
     Refused {
-        /// Why.
+        /// The reason.
         refused: String,
     },
 }
 
 impl Run {
-    /// What a rung found, if it did not refuse the run.
+    /// The figures of level number `rung`, unless it refused the run.
     pub(super) fn found(&self, rung: usize) -> Option<&Measured> {
         match &self.rungs[rung] {
             Found::Measured(measured) => Some(measured),
@@ -46,7 +46,7 @@ impl Run {
     }
 }
 
-/// What is compared.
+/// The figures that are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Figures {
     /// Cycles.
@@ -68,21 +68,21 @@ impl Figures {
         }
     }
 
-    /// All, in this order.
+    /// All figures, in the order of the fields.
     pub(super) fn all(self) -> [f64; 3] {
         [self.cycles, self.l2_bytes, self.dram_bytes].map(|figure| figure as f64)
     }
 }
 
-/// What a rung found.
+/// The figures of a level.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Measured {
     /// The figures.
     #[serde(flatten)]
     pub figures: Figures,
-    /// What it says of their error.
+    /// The error that the level claims.
     pub accuracy: Accuracy,
-    /// What its windows leave over, if it is a sample.
+    /// The residuals of its windows, if it is a sample.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub residuals: Option<Residuals>,
 }
@@ -93,12 +93,12 @@ impl Measured {
         Self { figures: Figures::of(&stats), accuracy: stats.accuracy, residuals: stats.residuals }
     }
 
-    /// What it says of its error.
+    /// The data on its error: what it claims, and the residuals of a sample.
     pub(super) fn trust(&self) -> (&Accuracy, Option<&Residuals>) {
         (&self.accuracy, self.residuals.as_ref())
     }
 
-    /// Half the widths of its intervals over the figures.
+    /// Half the widths of its intervals, as shares of the figures; `None` for exact figures.
     pub(super) fn claimed(&self) -> Option<[f64; 3]> {
         self.accuracy.shares().filter(|_| self.accuracy != Accuracy::Exact)
     }

@@ -14,12 +14,12 @@ use crate::report::results;
 use crate::report::template;
 use crate::report::writer::{Report, ReportFile, json};
 
-/// The file with times.
+/// The file of times.
 const TIMINGS_FILE: &str = "timings.json";
 
 const PLOTS: &[Plot<ParetoReport>] = &[plot::PLOT];
 
-/// Columns of `pareto.csv`: a row a run and level.
+/// Columns of `pareto.csv`: one row per run and level.
 const COLUMNS: [&str; 13] = [
     "scene",
     "machine",
@@ -81,7 +81,7 @@ impl Report for ParetoReport {
             orders => orders.collect::<Vec<_>>(),
             refused => refused.collect::<Vec<_>>(),
             rungs => template::grid(self.summary.grid(&self.timings)),
-            // The truth stands first, and needs no claim.
+            // The truth is the first row, and claims no error.
             silent => std::iter::once(false).chain(rungs.iter().map(|rung| rung.claimed.is_none())).collect::<Vec<_>>(),
             finding => finding(&self.summary, &self.timings),
             truth => truth.as_str(),

@@ -2,20 +2,20 @@
 
 use super::row::{Amount, Row};
 
-/// The file of the rows.
+/// The name of the file.
 pub(super) const RESULTS_FILE: &str = "results.csv";
 
 /// A column.
 pub(super) struct Column {
     /// Its header.
     pub name: &'static str,
-    /// What it holds.
+    /// The meaning of its values.
     pub about: &'static str,
-    /// What it holds of a row.
+    /// Its value for a row.
     pub of: Of,
 }
 
-/// What a column holds of a row, by type.
+/// A column's value for a row, by type.
 pub(super) enum Of {
     /// A name; empty where it does not apply.
     Text(for<'a> fn(&Row<'a>) -> &'a str),
@@ -25,7 +25,7 @@ pub(super) enum Of {
     Number(fn(&Row<'_>) -> Option<Amount>),
 }
 
-/// Columns in front of the varied fields.
+/// Columns before the varied fields.
 pub(super) const NAMES: [Column; 7] = [
     Column { name: "run", about: "name of the experiment", of: Of::Text(|row| row.of.run) },
     Column { name: "scene", about: "name of the scene", of: Of::Text(|row| row.of.scene) },
@@ -49,7 +49,7 @@ pub(super) const NAMES: [Column; 7] = [
     },
 ];
 
-/// Columns behind the varied fields.
+/// Columns after the varied fields.
 pub(super) const VALUES: [Column; 7] = [
     Column {
         name: "part",
@@ -79,5 +79,5 @@ pub(super) const VALUES: [Column; 7] = [
     Column { name: "reason", about: "why half_width, or value with it, is empty", of: Of::Text(|row| row.reason()) },
 ];
 
-/// What a varied field holds.
+/// The meaning of a varied field's column.
 pub(super) const VARIED: &str = "varied field of the machine's file; empty where the value is the file's own";

@@ -1,4 +1,4 @@
-//! What the columns and metrics of `results.csv` mean.
+//! The meanings of the columns and metrics of `results.csv`.
 
 use std::collections::BTreeMap;
 
@@ -8,15 +8,15 @@ use crate::report::csv_table::CsvTable;
 use crate::report::error::ReportError;
 use crate::report::writer::ReportFile;
 
-/// The file.
+/// The name of the file.
 const DICTIONARY_FILE: &str = "results.dictionary.csv";
 
-/// The metrics that rows have, by name and path.
+/// The metrics of all rows, by name and path.
 #[derive(Default)]
 pub(super) struct Dictionary(BTreeMap<String, BTreeMap<String, Metric>>);
 
 impl Dictionary {
-    /// Adds the metric of a row. Rows come by the million and have few metrics: what is known costs no allocation.
+    /// Adds the metric of a row. There are millions of rows and few metrics: a known metric costs no allocation.
     pub(super) fn add(&mut self, metric: &Metric) {
         let is_known = self.0.get(&metric.name).is_some_and(|paths| paths.contains_key(&metric.path));
         if !is_known {
@@ -24,7 +24,7 @@ impl Dictionary {
         }
     }
 
-    /// The file: a row for each column, in their order, and for each metric. A metric of totals and of frames has two.
+    /// The file: one row per column, in order, then one per metric. A metric of totals and of frames has two rows.
     pub(super) fn file(&self, varied: &[&str]) -> Result<ReportFile, ReportError> {
         let row = |cells: [&str; 5]| cells.map(str::to_owned).to_vec();
         let column = |name, about| row(["column", name, "", about, ""]);

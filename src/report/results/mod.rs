@@ -1,8 +1,8 @@
-//! `results.csv`: every number that a report measured, one a row, for pandas, R and other tools.
+//! `results.csv`: every number that a report measured, one per row, for pandas, R and other tools.
 //!
-//! The rows are the numbers of `summary.json`, walked along their declarations in `explain`. A metric's name is its
+//! The rows are the numbers of `summary.json`, found through their declarations in `explain`. A metric's name is its
 //! path there without the names of policies, machines, parts and classes, which are columns: `bytes.l2.node` is the
-//! metric `bytes` of part `l2` and class `node`. A new counter appears by its declaration alone.
+//! metric `bytes` of part `l2` and class `node`. A new counter needs only its declaration to appear here.
 
 mod columns;
 mod dictionary;

@@ -1,11 +1,11 @@
-//! Metrics, and how the names in a declaration's path become columns.
+//! Metrics, and the columns for the names in a declaration's path.
 
 use std::collections::BTreeMap;
 
 use crate::report::explain::{Statistic, statistics};
 use crate::stats::Cause;
 
-/// The column that a name in a number's path stands in.
+/// The column for a name in a number's path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Place {
     /// The level, cache, unit, queue or kind of rays.
@@ -17,25 +17,25 @@ pub(super) enum Place {
 /// The only bytes without a level in their path.
 const DRAM_BYTES_OF_POINT: &str = "points.*.bytes.*";
 
-/// What a row's number is.
+/// The meaning of a row's number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(in crate::report) struct Metric {
     /// Its name.
     pub name: String,
     /// Its unit.
     pub unit: &'static str,
-    /// What it is.
+    /// Its meaning.
     pub about: &'static str,
-    /// Its path in `summary.json`, as `explain` has it.
+    /// Its path in `summary.json`, as declared in `explain`.
     pub path: String,
     /// Columns of the names in the path, in order.
     pub(super) places: Vec<Place>,
-    /// The class that the path's last word is.
+    /// The class, if the path's last word is one.
     pub(super) class: Option<&'static str>,
 }
 
 impl Metric {
-    /// The metric of a statistic whose path continues with `rest` behind its family's prefix.
+    /// The metric of a statistic; `rest` is its path after the family's prefix.
     fn new(statistic: &Statistic, group: &str, rest: &str) -> Self {
         let mut words: Vec<&str> = rest.split('.').collect();
         let cause = words.last().and_then(|last| Cause::ALL.into_iter().map(Cause::name).find(|name| name == last));
@@ -59,17 +59,17 @@ impl Metric {
     }
 }
 
-/// What has columns or rows of its own.
+/// Numbers with columns or rows of their own, by the first word after the prefix.
 const APART: [&str; 9] =
     ["frame", "frames", "light", "lights", "warmup", "half_widths", "within", "residuals", "choice"];
 
-/// The metrics whose paths begin alike, by the words that follow.
+/// Metrics whose paths have the same prefix, as a tree of the words that follow.
 #[derive(Debug, Default)]
 pub(in crate::report) struct Family {
     root: Node,
 }
 
-/// What follows a word.
+/// The words that can follow a word.
 #[derive(Debug, Default)]
 pub(super) struct Node {
     words: BTreeMap<String, Node>,
@@ -78,7 +78,7 @@ pub(super) struct Node {
 }
 
 impl Node {
-    /// What follows `word`, and whether the word is a name.
+    /// The node of `word`, and whether the word is a name.
     pub(super) fn follow(&self, word: &str) -> Option<(&Self, bool)> {
         let named = || self.any.as_deref().map(|node| (node, true));
         self.words.get(word).map(|node| (node, false)).or_else(named)
@@ -86,8 +86,8 @@ impl Node {
 }
 
 impl Family {
-    /// The statistics that `explain` declares under `prefix`; `group` begins the names of their metrics. What only says
-    /// which frame or light numbers are of, or how they were estimated, is left out.
+    /// The statistics that `explain` declares under `prefix`; `group` is the first part of their metrics' names. Left
+    /// out: numbers that only tell the frame or light of others, or how these were estimated.
     pub(in crate::report) fn new(prefix: &str, group: &str) -> Self {
         let mut family = Self::default();
         for statistic in statistics() {

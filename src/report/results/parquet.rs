@@ -1,4 +1,4 @@
-//! The rows as `results.parquet`: the columns of `results.csv`, with types. What is empty there is null here.
+//! The rows as `results.parquet`: the columns of `results.csv`, with types. An empty field is null.
 
 use std::sync::Arc;
 
@@ -14,20 +14,20 @@ use super::row::{Amount, Row};
 use crate::report::error::ReportError;
 use crate::report::writer::ReportFile;
 
-/// The file.
+/// The name of the file.
 const PARQUET_FILE: &str = "results.parquet";
 
 /// Rows of a row group.
 const GROUP_ROWS: usize = 1 << 17;
 
-/// The rows on their way into the file.
+/// A writer of rows.
 pub(super) struct ParquetRows {
     writer: SerializedFileWriter<Vec<u8>>,
     columns: Vec<Values>,
     rows: usize,
 }
 
-/// A column's values that are there, and for every row whether one is.
+/// The values of a column for the current row group, and for every row whether it has a value.
 enum Values {
     Text(Filled<ByteArrayType>),
     Frame(Filled<Int64Type>),

@@ -1,4 +1,4 @@
-//! A row of `results.csv`, and who gives rows.
+//! A row of `results.csv`, and the trait of reports that have rows.
 
 use std::fmt;
 
@@ -7,14 +7,14 @@ use serde_json::Number;
 use super::names::Metric;
 use crate::report::error::ReportError;
 
-/// What a row's number is summed over.
+/// The frames over which a row's number is summed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::report) enum Scope {
-    /// Of a machine, all measured frames; of a policy's own counts, all traced frames.
+    /// All measured frames for a machine's number; all traced frames for a policy's own counts.
     Total,
     /// One measured or traced frame.
     Frame,
-    /// One frame that warms a machine up: it is in no total.
+    /// One warm-up frame of a machine: it is in no total.
     Warmup,
 }
 
@@ -39,7 +39,7 @@ pub(in crate::report) enum Amount {
 }
 
 impl Amount {
-    /// The number as JSON holds it.
+    /// Converts a JSON number.
     pub(super) fn of(number: &Number) -> Self {
         let whole = number.as_u64().map(i128::from).or_else(|| number.as_i64().map(i128::from));
         whole.map_or_else(|| Self::Real(number.as_f64().unwrap_or(f64::NAN)), Self::Whole)
@@ -66,44 +66,45 @@ impl fmt::Display for Amount {
     }
 }
 
-/// What a number is of. What does not apply is absent.
+/// The subject of a number. A field that does not apply is absent.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::report) struct Subject<'a> {
     /// The run's name.
     pub run: &'a str,
     /// The scene's name.
     pub scene: &'a str,
-    /// What the number is summed over.
+    /// The frames over which the number is summed.
     pub scope: Scope,
-    /// The frame, if it is of one.
+    /// The frame, if the number belongs to one.
     pub frame: Option<u32>,
     /// The culling policy.
     pub policy: &'a str,
-    /// The machine and its fidelity level; none of what the tracer counted.
+    /// The machine and its fidelity level; `None` for counts of the tracer.
     pub machine: Option<(&'a str, &'a str)>,
-    /// Values of the varied fields, in the order of [`Results::varied`]; absent is as in the machine's file.
+    /// Values of the varied fields, in the order of [`Results::varied`]; absent where the value is the machine file's
+    /// own.
     pub varied: &'a [Option<&'a str>],
 }
 
 /// One number.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::report) struct Row<'a> {
-    /// What it is of.
+    /// Its subject.
     pub of: Subject<'a>,
     /// The part of the machine, or the light.
     pub part: Option<&'a str>,
     /// The class of traffic, or the cause of a unit's cycles.
     pub class: Option<&'a str>,
-    /// What the number is.
+    /// The meaning of the number.
     pub metric: &'a Metric,
-    /// The number; absent where a sample cannot tell it.
+    /// The number; absent where a sample cannot estimate it.
     pub value: Option<Amount>,
-    /// Half the width of its 95 % interval: 0 of an exact number, absent where nobody knows.
+    /// Half the width of its 95 % interval: 0 for an exact number, absent where it is not known.
     pub half_width: Option<f64>,
 }
 
 impl Row<'_> {
-    /// Why the interval is absent, or the number with it.
+    /// The reason why the interval, or the number too, is absent.
     pub(super) fn reason(&self) -> &'static str {
         if self.half_width.is_some() {
             return "";
@@ -118,12 +119,12 @@ impl Row<'_> {
     }
 }
 
-/// Takes a row.
+/// A function that receives a row.
 pub(in crate::report) type Take<'t> = dyn FnMut(&Row<'_>) -> Result<(), ReportError> + 't;
 
 /// A report whose numbers are rows.
 pub(in crate::report) trait Results {
-    /// Fields of machines that differ from row to row, each a column of its own.
+    /// Fields of machines that differ between rows, each a column of its own.
     fn varied(&self) -> Vec<&str> {
         Vec::new()
     }
@@ -131,6 +132,6 @@ pub(in crate::report) trait Results {
     /// Hands over all rows, in a fixed order.
     ///
     /// # Errors
-    /// A number has no form in JSON, or `take` fails.
+    /// A number cannot be represented in JSON, or `take` fails.
     fn rows(&self, take: &mut Take<'_>) -> Result<(), ReportError>;
 }

@@ -12,7 +12,7 @@ use crate::report::writer::ReportFile;
 /// `results.csv`, its dictionary, and with the feature `parquet` the same rows in `results.parquet`.
 ///
 /// # Errors
-/// A number has no form in the files.
+/// A number cannot be represented in the files.
 pub(in crate::report) fn files(results: &impl Results) -> Result<Vec<ReportFile>, ReportError> {
     let varied = results.varied();
     let mut csv = CsvRows::new(&varied)?;

@@ -1,4 +1,4 @@
-//! The rows say what the summary says, and sum up.
+//! Tests that the rows hold the numbers of the summary, and that frames sum up to totals.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,13 +25,13 @@ fn written(results: &impl Results) -> [Vec<BTreeMap<String, String>>; 2] {
     [read("results.csv"), read("results.dictionary.csv")]
 }
 
-/// The report that is shipped to look at: of a real run.
+/// The shipped sample report, which is of a real run.
 fn shipped() -> (Summary, Value) {
     let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/reports/sample/summary.json"));
     (read_summary(path).unwrap(), read_numbers(path).unwrap())
 }
 
-/// The numbers below a value, but for those that say which frame or light others are of and how they were estimated.
+/// The numbers below a value, without those that tell the frame or light of others, or how these were estimated.
 fn numbers(value: &Value, found: &mut Vec<f64>) {
     const APART: [&str; 7] = ["frame", "light", "warmup", "half_widths", "within", "residuals", "choice"];
     match value {
@@ -45,7 +45,7 @@ fn numbers(value: &Value, found: &mut Vec<f64>) {
     }
 }
 
-/// The stats of a run that is made up.
+/// The statistics of an invented run.
 fn stats() -> MachineStats {
     sample(&[0, 16]).summary.machines.get("small").unwrap().policies.get("published").unwrap().stats.clone()
 }
@@ -54,7 +54,7 @@ fn replay() -> ReplaySummary {
     ReplaySummary::new("room", "published", "Event", &[("small", stats())].into_iter().collect())
 }
 
-/// A cache that misses half of its accesses at every size, a tenth of them in the sample.
+/// A cache that misses half of its accesses at every size; the sample has a tenth of them.
 fn profile() -> ReuseSummary {
     let misses = ReuseCurve::sizes().map(|_| 50.0).collect();
     let curve = ReuseCurve { accesses: 1000, sampled: 100.0, first_touches: 1.0, misses, misses_in_sets: 50.0 };
@@ -181,7 +181,7 @@ fn columns_and_metrics_are_in_the_dictionary() {
 fn what_is_absent_has_no_row_and_what_is_estimated_has_its_interval() {
     let [results, _] = written(&sample(&[0, 16]).summary);
     let metric = |name: &'static str| results.iter().filter(move |row| row["metric"] == name);
-    // Nobody looked for wrong decisions towards lights under `off`.
+    // Decisions towards lights were not checked under `off`.
     let lights: BTreeSet<_> = metric("lights.false_lit").map(|row| (&row["policy"], &row["part"])).collect();
     assert_eq!(lights.len(), 3);
     assert!(metric("psnr.decibel").any(|row| row["value"] == "inf" && row["policy"] == "off"));
@@ -190,7 +190,7 @@ fn what_is_absent_has_no_row_and_what_is_estimated_has_its_interval() {
     assert_eq!(wide.len(), 6, "a machine and policy each");
     assert!(metric("cycles").all(|row| row["half_width"].is_empty()), "its interval is not known");
     assert!(metric("shadow_rays").all(|row| row["half_width"] == "0"), "a count");
-    // What a sample cannot tell is empty, with the reason beside it; what needs none has none.
+    // A number that a sample cannot estimate is empty, with its reason; a known number has no reason.
     let of = |row: &BTreeMap<String, String>| ["value", "half_width", "reason"].map(|column| row[column].clone());
     let untold: BTreeSet<_> = metric("split.extra_misses").map(of).collect();
     assert_eq!(untold, BTreeSet::from([["", "", "the sample has no interval of this"].map(String::from)]));

@@ -1,4 +1,4 @@
-//! Walks measured numbers along their declarations.
+//! Hands over measured numbers as rows, by their declarations.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -12,14 +12,14 @@ use crate::report::error::ReportError;
 /// Half the width of the interval of the number at a path.
 type HalfWidth<'a> = &'a dyn Fn(&str) -> Option<f64>;
 
-/// Numbers of one subject, and where their declarations are.
+/// A subject whose numbers become rows, and their declarations.
 #[derive(Clone, Copy)]
 pub(in crate::report) struct Walk<'a> {
     /// The declarations.
     pub family: &'a Family,
-    /// What the numbers are of.
+    /// The subject of the numbers.
     pub of: Subject<'a>,
-    /// The part of numbers whose path names none.
+    /// The part for numbers whose path names none.
     pub part: Option<&'a str>,
     /// Their intervals.
     pub half_width: HalfWidth<'a>,
@@ -29,7 +29,7 @@ impl Walk<'_> {
     /// Hands over a row for each declared number of `measured`.
     ///
     /// # Errors
-    /// `measured` has no form in JSON, or `take` fails.
+    /// `measured` cannot be represented in JSON, or `take` fails.
     pub(in crate::report) fn rows(&self, measured: &impl Serialize, take: &mut Take<'_>) -> Result<(), ReportError> {
         let failed = |source| ReportError::Numbers { file: RESULTS_FILE, source };
         let value = json::value(measured).map_err(failed)?;
@@ -83,14 +83,14 @@ impl Walk<'_> {
     }
 }
 
-/// The way to a number.
+/// The path to a number.
 #[derive(Default)]
 struct Way<'v> {
-    /// All words of its path.
+    /// All words of the path.
     path: Vec<&'v str>,
-    /// Those of them that are names.
+    /// The words that are names.
     names: Vec<&'v str>,
 }
 
-/// The words of a list's places. The only list that is declared has the three replays of a split.
+/// Names for the places of a list. The only declared list holds the three replays of a split.
 const PLACES: [&str; 3] = ["without_culling", "free_words", "as_it_is"];

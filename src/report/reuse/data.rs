@@ -13,17 +13,17 @@ pub(crate) struct ReuseSummary {
     pub machine: String,
     /// The stream's scene and policy.
     pub scene: String,
-    /// See above.
+    /// The stream's policy.
     pub policy: String,
-    /// Whose reuse was measured, in words.
+    /// The accesses whose reuse was measured, in words.
     pub of: String,
-    /// What the machine measured on the way.
+    /// The machine's statistics.
     pub stats: MachineStats,
     /// The caches.
     pub levels: Vec<ReuseLevel>,
 }
 
-/// The size of a cache.
+/// Formats the size of a cache.
 pub(super) fn size(bytes: u64) -> String {
     if bytes < 1 << 20 {
         format!("{} KiB", bytes as f64 / 1024.0)
@@ -32,8 +32,8 @@ pub(super) fn size(bytes: u64) -> String {
     }
 }
 
-/// Misses of the caches as the machine has them, by class: counted in its sets, and from reuse distances without sets
-/// and in random ones.
+/// Miss ratios of the machine's caches, by class: counted in the replay, and from reuse distances for caches without
+/// sets and with random sets.
 pub(crate) fn grid(summary: &ReuseSummary) -> Grid {
     let head = ["cache", "class", "each", "accesses", "misses", "without sets", "random sets", "first touches"];
     let mut rows = Vec::new();

@@ -1,4 +1,4 @@
-//! Miss ratios over the size of a cache, a panel a kind of caches, a line a class.
+//! Miss ratios over the size of a cache: one panel per kind of cache, one line per class.
 
 use super::data::{ReuseSummary, size as named};
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, Text, is_narrow, tick_step};
@@ -33,7 +33,7 @@ fn all_misses(level: &ReuseLevel, place: usize) -> f64 {
     sum(|curve, place| curve.misses[place]) / sum(|curve, _| curve.sampled).max(1.0)
 }
 
-/// What doubling the cache that gains most would do.
+/// Names the cache with the largest drop of its miss ratio at twice its size.
 pub(crate) fn finding(levels: &[ReuseLevel]) -> String {
     let gain = |level: &ReuseLevel| {
         let place = ReuseCurve::sizes().position(|size| size == level.bytes)?;
@@ -54,12 +54,12 @@ pub(crate) fn finding(levels: &[ReuseLevel]) -> String {
     }
 }
 
-/// Panels beside each other.
+/// Number of panels side by side.
 fn columns(width: i32) -> i32 {
     if is_narrow(width) { 1 } else { 2 }
 }
 
-/// Miss ratios of all sizes; `asked` says of what.
+/// Miss ratios at all sizes; `asked` names the machine and the accesses.
 pub(crate) fn figure(levels: &[ReuseLevel], title: String, asked: String) -> Figure<'_> {
     let all = || levels.iter().flat_map(|level| level.classes.keys());
     let classes: Vec<_> = TrafficClass::ALL.into_iter().filter(|class| all().any(|other| other == class)).collect();
@@ -83,12 +83,12 @@ pub(crate) fn figure(levels: &[ReuseLevel], title: String, asked: String) -> Fig
     }
 }
 
-/// A row a size, a column a class of a cache.
+/// One row per size, one column per class of a cache.
 fn data(levels: &[ReuseLevel]) -> Grid {
     let curves: Vec<_> = levels.iter().flat_map(|level| level.classes.iter().map(move |it| (level, it))).collect();
     let names = curves.iter().map(|(level, (class, _))| format!("{}: {}", words(&level.name), words(class.name())));
     let row = |(place, size): (usize, u64)| {
-        // Four digits are more than the eye sees.
+        // More than four decimals cannot be seen in a plot.
         let share = |curve: &ReuseCurve| number((ratio(curve, curve.misses[place]) * 1e4).round() / 1e4);
         std::iter::once(size.to_string()).chain(curves.iter().map(|(_, (_, curve))| share(curve))).collect()
     };

@@ -1,11 +1,11 @@
-//! The rows of a profile's `results.csv`: what the machine counted, and misses of caches of all sizes.
+//! The rows of a profile's `results.csv`: the machine's statistics, and misses of caches of all sizes.
 
 use super::data::ReuseSummary;
 use crate::report::error::ReportError;
 use crate::report::results::{Amount, Family, Results, Row, Scope, Subject, Take, Walk};
 use crate::stats::ReuseCurve;
 
-/// The column of a cache's size: empty of the caches as the machine has them.
+/// The column of a cache's size: empty for the machine's own caches.
 const SIZE: &str = "cache.bytes";
 
 impl Results for ReuseSummary {

@@ -1,9 +1,9 @@
-//! What `Auto` did with streams, in one line.
+//! The decisions of `Auto` on streams, in one line.
 
 use crate::report::format::{counted, percent};
 use crate::stats::{Choice, MachineStats, Why};
 
-/// The line for the streams of one machine; none of runs that `Auto` did not make.
+/// The line for the streams of one machine; `None` if `Auto` replayed none of them.
 pub(crate) fn choice<'a>(runs: impl IntoIterator<Item = &'a MachineStats>) -> Option<String> {
     let runs: Vec<_> = runs.into_iter().filter_map(|stats| Some((stats, stats.choice?))).collect();
     let of = |why: Why| runs.iter().filter(move |(_, choice)| choice.why == why);

@@ -1,4 +1,4 @@
-//! The files of a run's report, before they are written and after.
+//! The files of a run's report, in memory and read back.
 
 use std::fs;
 use std::path::{Component, Path};
@@ -20,7 +20,7 @@ const MAX_SUMMARY_BYTES: u64 = 1 << 28;
 /// A picture and its PNG file.
 pub(super) type PngPicture = (PictureInfo, Vec<u8>);
 
-/// What a run found.
+/// The content of a run's report.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct RunFiles {
     /// The numbers.
@@ -29,15 +29,15 @@ pub(crate) struct RunFiles {
     pub config: String,
     /// The pictures, in the page's order.
     pub pictures: Vec<PngPicture>,
-    /// What machines that were replayed cycle by cycle did over time.
+    /// What machines did over time; only machines replayed by `Event` or `Cycle` are recorded.
     pub over_time: OverTime,
 }
 
 impl RunFiles {
-    /// The files of a run that found `summary` and made `pictures`, which the summary then names.
+    /// The files of a run with these numbers and pictures; the summary lists the pictures.
     ///
     /// # Errors
-    /// A picture cannot be made.
+    /// A picture cannot be encoded.
     pub(crate) fn new(
         mut summary: Summary,
         config: String,
@@ -55,7 +55,7 @@ impl RunFiles {
     /// Reads the files of the report in `folder`.
     ///
     /// # Errors
-    /// A file cannot be read, the summary is none of this version, or names a picture outside the report.
+    /// A file cannot be read, the summary is not of this version, or it names a picture outside the report.
     pub(crate) fn read(folder: &Path) -> Result<Self, ReportError> {
         let path = folder.join(SUMMARY_FILE);
         let summary = read_summary(&path)?;
@@ -75,7 +75,7 @@ impl RunFiles {
     }
 }
 
-/// Reads a run's summary of this version.
+/// Reads a run's summary.
 ///
 /// # Errors
 /// The file cannot be read, or holds no summary of this version.

@@ -7,7 +7,7 @@ use crate::quantity::Bytes;
 use crate::report::format::{bytes, change, counted, exact, joules, milliseconds, or_absent, percent, short};
 use crate::stats::TrafficClass;
 
-/// What the run is of.
+/// The scene, frames and resolution of the run.
 pub(super) fn setting(summary: &Summary) -> String {
     let scene = &summary.scene;
     format!(
@@ -22,14 +22,14 @@ pub(super) fn setting(summary: &Summary) -> String {
     )
 }
 
-/// A policy's name and what goes on from it, for each that culls: what it skipped, saved and got wrong; then what that
-/// did to each machine.
+/// For each culling policy its name and sentences about it: what it skipped, saved and got wrong, then its effect on
+/// each machine.
 pub(super) fn of_policies(summary: &Summary) -> Vec<(String, Vec<String>)> {
     let culling = summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     culling.map(|(name, policy)| (name.to_owned(), of_policy(summary, name, policy))).collect()
 }
 
-/// Mean share of the node visits of shadow rays that is saved in frames after the first.
+/// Mean share of the shadow rays' node visits that is saved in the frames after the first.
 fn after_the_first(policy: &PolicySummary) -> Option<f64> {
     let shares: Vec<f64> = policy.frames.iter().skip(1).filter_map(|frame| frame.traversal_saved).collect();
     (!shares.is_empty()).then(|| shares.iter().sum::<f64>() / shares.len() as f64)
@@ -86,7 +86,7 @@ fn of_policy(summary: &Summary, name: &str, policy: &PolicySummary) -> Vec<Strin
     all
 }
 
-/// What a policy does to a machine in the mean of the measured frames, and in the first one.
+/// The effect of a policy on a machine: mean of the measured frames, and cold start.
 fn on_machine(machine: &str, off: &MachineRun, run: &MachineRun) -> String {
     let pair = |figure: fn(&MachineRun) -> Option<f64>, show: fn(f64) -> String| {
         let (before, after) = (figure(off)?, figure(run)?);

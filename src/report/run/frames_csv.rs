@@ -8,7 +8,7 @@ use crate::stream::Totals;
 /// A column of `frames.csv`: its header, and the field of a frame (empty where absent).
 type Column = (&'static str, fn(&FrameSummary) -> String);
 
-/// The columns behind the frame's number and the tracer's counters.
+/// The columns after the frame's number and the tracer's counters.
 const COLUMNS: [Column; 9] = [
     ("occlusion_tests", |row| row.counts.occlusion_tests.to_string()),
     ("occlusion_tests_per_pixel", |row| cell(row.counts.occlusion_tests_per_pixel)),
@@ -25,7 +25,7 @@ const COLUMNS: [Column; 9] = [
     }),
 ];
 
-/// `frames.csv`: a row a policy and frame, policies in the experiment's order, columns of machines last.
+/// `frames.csv`: one row per policy and frame, policies in the experiment's order, columns of machines last.
 pub(in crate::report) fn frames_csv(summary: &Summary) -> CsvTable {
     let machines = MachineColumns::of(summary);
     let counters = Totals::DECLARED.iter().map(|counter| counter.name);

@@ -1,34 +1,35 @@
-//! What limits a machine, in words.
+//! The part that limits a machine, in words.
 
 use super::summary::MachineRun;
 use crate::report::format::{percent, words};
 use crate::stats::Cause;
 
-/// A part that is used this much is the limit, whatever else is slow.
+/// The DRAM or a kind of unit with at least this utilization is the limit, unless an intake is full.
 const FULL: f64 = 0.75;
-/// From this share of lost cycles on a full intake is the limit.
+/// A full intake is the limit if it costs at least this share of a kind of unit's cycles.
 const INTAKE: f64 = 0.2;
-/// Kinds of units that lack rays in so much more of their cycles than another kind do not limit the run.
+/// A kind of unit does not limit the run if its share of cycles without rays exceeds another kind's by more than
+/// this.
 const IDLER: f64 = 0.1;
 
-/// What limits a run.
+/// The limit of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Limit {
     /// In a few words: `its traversal units are busy`.
     pub short: String,
-    /// With its figures.
+    /// A sentence with its figures.
     pub text: String,
 }
 
-/// The kind of units that is busy in the largest share of its cycles, and that share. The dispatcher, which only hands
-/// rays out, is not asked.
+/// The kind of unit that is busy in the largest share of its cycles, and that share. The dispatcher does not count,
+/// since it only hands out rays.
 pub(super) fn busiest(run: &MachineRun) -> Option<(&str, f64)> {
     let units = run.utilization.iter().filter(|(unit, _)| *unit != "dispatcher");
     units.map(|(unit, &share)| (unit.as_str(), share)).max_by(|a, b| a.1.total_cmp(&b.1)).filter(|it| it.1 > 0.0)
 }
 
-/// The kind of units that limits the run, and the share of its cycles in which it is busy: of those that have rays in
-/// most of their cycles, the busiest. A kind that lacks rays waits for one that holds them.
+/// The kind of unit that limits the run, and the share of its cycles in which it is busy. It is the busiest kind
+/// among those that have rays in most of their cycles: a kind without rays waits for a kind that holds them.
 fn limiting(run: &MachineRun) -> Option<(&str, f64)> {
     let has_rays = |unit: &str| 1.0 - share(run, unit, Cause::Starved);
     let units = || run.utilization.iter().filter(|(unit, _)| *unit != "dispatcher");
@@ -43,7 +44,7 @@ fn share(run: &MachineRun, unit: &str, cause: Cause) -> f64 {
     causes.get(&cause).map_or(0.0, |&cycles| cycles as f64 / whole.max(1) as f64)
 }
 
-/// What limits a run; `None` if its units were not told apart.
+/// The limit of a run; `None` without cycles by unit and cause.
 pub(super) fn limit(run: &MachineRun) -> Option<Limit> {
     let (unit, busy) = busiest(run)?;
     let intake = run.stats.units.keys().map(|unit| (unit.as_str(), share(run, unit, Cause::Intake)));
@@ -100,7 +101,7 @@ mod tests {
     use crate::quantity::Cycle;
     use crate::stats::MachineStats;
 
-    /// A run of 100 cycles in which units of one kind lost cycles to these causes.
+    /// A run of 100 cycles in which one kind of unit lost cycles to these causes.
     fn run(causes: &[(Cause, u64)]) -> MachineRun {
         let lost: u64 = causes.iter().map(|(_, cycles)| cycles).sum();
         let mut all: BTreeMap<Cause, u64> = causes.iter().copied().collect();
@@ -130,7 +131,7 @@ mod tests {
         assert_eq!(limit(&MachineRun::from(MachineStats::default())), None);
     }
 
-    /// The intersection units are the busiest, and have no rays since the shadow-cache units hold them.
+    /// The intersection units are the busiest, but they lack rays because the shadow-cache units hold them.
     #[test]
     fn units_that_hold_the_rays_are_the_limit() {
         let mut run = run(&[(Cause::Memory, 60), (Cause::Starved, 5)]);

@@ -1,10 +1,10 @@
-//! What machines measured in a frame, as columns of `frames.csv`.
+//! Numbers of machines in a frame, as columns of `frames.csv`.
 
 use super::summary::{MachineSummary, Summary};
 use crate::report::csv_table::cell;
 use crate::stats::{CacheCounts, DramCounts, Energy, FrameStats};
 
-/// A column: the number's path in a frame of the summary, and its text of a frame.
+/// A column: the number's path in a frame of the summary, and the function that formats it.
 pub(crate) type CountedColumn = (String, Box<dyn Fn(&FrameStats) -> String>);
 
 /// The columns of one machine.
@@ -15,7 +15,7 @@ pub(crate) struct MachineColumns<'a> {
 }
 
 impl<'a> MachineColumns<'a> {
-    /// Those of all machines.
+    /// The columns of all machines.
     pub(crate) fn of(summary: &'a Summary) -> Vec<Self> {
         let columns = |(name, machine)| Self { name, machine, columns: columns(machine) };
         summary.machines.iter().map(columns).collect()
@@ -26,7 +26,7 @@ impl<'a> MachineColumns<'a> {
         self.columns.iter().map(|(column, _)| format!("{}.{column}", self.name))
     }
 
-    /// The fields of a policy's frame; empty if the machine did not replay it.
+    /// The fields of a policy's frame; empty if the machine did not replay the frame.
     pub(crate) fn row(&self, policy: &str, number: u32) -> impl Iterator<Item = String> {
         let run = self.machine.policies.get(policy);
         let frame = run.and_then(|run| run.stats.frames.iter().find(|frame| frame.frame == number));
@@ -48,7 +48,7 @@ fn columns(machine: &MachineSummary) -> Vec<CountedColumn> {
     columns
 }
 
-/// The counts of levels, caches, units and DRAM, and the energy, of all that `first` has.
+/// Columns of counts of levels, caches, units and DRAM, and of energy, as far as the frame `first` has them.
 pub(crate) fn counted_columns(first: &FrameStats) -> Vec<CountedColumn> {
     let mut columns: Vec<CountedColumn> = Vec::new();
     for level in first.bytes.keys() {

@@ -1,4 +1,4 @@
-//! The report of a run: what culling policies did, what machines measured, pictures, and a page that shows all.
+//! The report of a run: effects of culling policies, measurements of machines, pictures, and a page that shows all.
 
 mod choice;
 mod files;

@@ -1,13 +1,13 @@
-//! What a reader must know before the numbers: that a run was stopped, sampled too thinly, or cannot tell much.
+//! Warnings before the numbers: a run was stopped, sampled too thinly, or has little to tell.
 
 use super::summary::{MachineRun, Summary};
 use crate::report::format::percent;
 use crate::stats::Accuracy;
 
-/// An interval wider than this makes a figure of little use.
+/// Half width, as a share, above which an interval makes a figure of little use.
 const WIDE: f64 = 0.1;
 
-/// The notices of a run, the gravest first; none of a run that tells all it was asked.
+/// The warnings of a run, the gravest first.
 pub(crate) fn notices(summary: &Summary) -> Vec<String> {
     let mut all = Vec::new();
     if let Some(done) = summary.provenance.get("stopped early") {
@@ -39,7 +39,7 @@ pub(crate) fn notices(summary: &Summary) -> Vec<String> {
     all
 }
 
-/// That a sample is too thin to tell much.
+/// The warning that a sample is too thin, or that its error is not known.
 fn thin(machine: &str, policy: &str, run: &MachineRun) -> Option<String> {
     let whose = format!("`{machine}` under `{policy}`");
     match run.stats.accuracy {

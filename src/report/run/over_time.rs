@@ -15,29 +15,29 @@ const MAX_BYTES: u64 = 1 << 28;
 /// Columns before those of units.
 const FIRST: [&str; 6] = ["machine", "policy", "frame", "begin", "cycles", "dram_bytes"];
 
-/// Some cycles of a frame.
+/// A range of cycles of a frame.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Span {
     /// The frame.
     pub frame: u32,
-    /// The first cycle, from the frame's begin.
+    /// The first cycle, counted from the start of the frame.
     pub begin: u64,
-    /// How many cycles.
+    /// Number of cycles.
     pub cycles: u64,
     /// Bytes that the DRAM moved.
     pub dram_bytes: u64,
-    /// Cycles of every unit kind, summed over its instances, by cause.
+    /// Cycles of every kind of unit, summed over its instances, by cause.
     pub units: BTreeMap<String, BTreeMap<Cause, u64>>,
 }
 
 impl Span {
-    /// Those in which `stats` was counted.
+    /// The range of cycles in which `stats` was counted.
     pub(crate) fn new(frame: u32, begin: u64, stats: &MachineStats) -> Self {
         let (cycles, dram_bytes) = (stats.cycles.0, stats.moved("dram").0);
         Self { frame, begin, cycles, dram_bytes, units: stats.units.clone() }
     }
 
-    /// Adds the cycles that follow.
+    /// Adds the cycles of the next span.
     fn extend(&mut self, next: &Self) {
         self.cycles += next.cycles;
         self.dram_bytes += next.dram_bytes;
@@ -47,14 +47,14 @@ impl Span {
         }
     }
 
-    /// Spans that follow one another as one; the default if there are none.
+    /// Joins consecutive spans into one; the default without any.
     pub(crate) fn joined(spans: &[Self]) -> Self {
         let mut joined = spans.first().cloned().unwrap_or_default();
         spans.iter().skip(1).for_each(|next| joined.extend(next));
         joined
     }
 
-    /// The share of a unit kind's cycles that have a cause.
+    /// The share of a kind of unit's cycles with a cause.
     pub(super) fn share(&self, unit: &str, cause: Cause) -> f64 {
         let Some(causes) = self.units.get(unit) else { return 0.0 };
         let whole: u64 = causes.values().sum();
@@ -62,7 +62,7 @@ impl Span {
     }
 }
 
-/// Spans by machine and policy, in the order of time.
+/// Spans by machine and policy, in chronological order.
 pub(crate) type OverTime = BTreeMap<(String, String), Vec<Span>>;
 
 /// The table of all spans.
@@ -82,10 +82,10 @@ pub(super) fn table(all: &OverTime) -> CsvTable {
     CsvTable::new(FILE, head.iter().map(String::as_str), rows.map(|(of, span)| row(of, span)).collect())
 }
 
-/// Reads the spans of the report in `folder`; none where the file is absent.
+/// Reads the spans of the report in `folder`; empty if it has no such file.
 ///
 /// # Errors
-/// The file cannot be read, or is none of ours.
+/// The file cannot be read, or is no table of spans.
 pub(super) fn read(folder: &Path) -> Result<OverTime, ReportError> {
     let path = folder.join(FILE);
     if !path.exists() {
@@ -111,7 +111,7 @@ fn parse(text: &[u8]) -> Result<OverTime, csv::Error> {
         for (column, text) in row.iter().filter(|(_, text)| !text.is_empty()) {
             let not_a_count = || broken(format!("column {column}: `{text}` is no count"));
             let number: u64 = text.parse().map_err(|_| not_a_count())?;
-            // Whoever adds some of the counts up need not look.
+            // Checked here for all counts of the file together, so that no later sum can overflow.
             sum = sum.checked_add(number).ok_or_else(not_a_count)?;
             match column.as_str() {
                 "frame" => span.frame = u32::try_from(number).map_err(|_| not_a_count())?,

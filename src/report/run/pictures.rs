@@ -1,4 +1,4 @@
-//! Pictures of a report: colours from colours, from wrong pixels and from mode words, and PNG files.
+//! Pictures of a report: from colours, wrong pixels and mode words; and PNG files.
 
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,7 @@ use crate::report::draw::palette::{Color, FALSE_DARK, FALSE_LIT, NUMERIC};
 use crate::report::file_names::FileNamed;
 use crate::validate::PixelVerdict;
 
-/// Red, green and blue, 8 bits each, as on the screen.
+/// Red, green and blue, 8 bits each, as shown on a screen.
 pub(crate) type Rgb = [u8; 3];
 
 /// A picture ready to be written.
@@ -16,25 +16,25 @@ pub(crate) type Rgb = [u8; 3];
 pub(crate) struct Image {
     /// Its size.
     pub resolution: Resolution,
-    /// Row by row from the top left: as many as `resolution` says.
+    /// Row by row from the top left; their number follows from `resolution`.
     pub pixels: Vec<Rgb>,
 }
 
-/// What a picture of the report is, and where it lies.
+/// A picture of the report: its content and its file.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct PictureInfo {
     /// Path inside the report, with `/` between folders.
     pub file: String,
-    /// What it shows.
+    /// Its content.
     pub kind: PictureKind,
-    /// The policy whose picture it is; `None` for the reference renderer's.
+    /// The policy that the picture belongs to; `None` for the reference renderer's.
     pub policy: Option<String>,
     /// The frame's number.
     pub frame: u32,
 }
 
 impl PictureInfo {
-    /// A picture of the kind, with the file's name that follows from the rest.
+    /// A picture of this kind; the file's name follows from kind, policy and frame.
     pub(crate) fn new(kind: PictureKind, policy: Option<&FileNamed<'_>>, frame: u32) -> Self {
         let whose = policy.map(|policy| format!("-{}", policy.file)).unwrap_or_default();
         let what = match kind {
@@ -53,7 +53,7 @@ impl PictureInfo {
     }
 }
 
-/// What a picture shows.
+/// The content of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum PictureKind {
@@ -66,15 +66,15 @@ pub(crate) enum PictureKind {
         /// The light's number; `None` for all lights together.
         light: Option<u32>,
     },
-    /// The mode words of what is seen, towards a light, as latched at the start of the frame.
+    /// The mode words of the visible primitives, towards a light, as latched at the start of the frame.
     Words {
         /// The light's number.
         light: u32,
     },
 }
 
-/// Verdicts that stand out in a picture, the strongest last, each with its name in legends and its colour in
-/// plots.
+/// Verdicts that a picture highlights, each with its name in legends and its colour in plots. Later ones are drawn
+/// over earlier ones.
 pub(crate) const SHOWN_VERDICTS: [(PixelVerdict, &str, Rgb); 3] = [
     (PixelVerdict::Numeric, "numeric difference", rgb(NUMERIC)),
     (PixelVerdict::FalseLit, "false lit", rgb(FALSE_LIT)),
@@ -85,14 +85,14 @@ const fn rgb(color: Color) -> Rgb {
     [color.0, color.1, color.2]
 }
 
-/// Colours of 0..1 as on the screen. The scenes' colours are made for the screen: no curve is put on them.
+/// Converts colours of 0..1 to 8 bits. The scenes' colours are made for the screen, so no tone curve is applied.
 pub(crate) fn render(resolution: Resolution, colors: &[Vec3]) -> Image {
     let shown = |level: f32| (level.clamp(0.0, 1.0) * 255.0).round() as u8;
     Image { resolution, pixels: colors.iter().map(|color| color.to_array().map(shown)).collect() }
 }
 
-/// Pixels by verdict on a dimmed grey `render`. Wrong ones are drawn larger than they are, by one pixel to each side
-/// for every 256 pixels of the picture's width, so that a single one is seen.
+/// Pixels by verdict on a dimmed grey `render`. Wrong pixels are enlarged so that a single one is visible: by one
+/// pixel to each side for every 256 pixels of the picture's width. Numeric differences are not enlarged.
 pub(crate) fn difference(render: &Image, verdicts: &[PixelVerdict]) -> Image {
     let Resolution { width, height } = render.resolution;
     let mut pixels: Vec<Rgb> = render.pixels.iter().map(|&rgb| dimmed(rgb)).collect();
@@ -123,14 +123,15 @@ pub(crate) const OCCLUSION_MODES: [&str; 4] = ["INIT", "PARTIALLY_OCCLUDED", "FU
 /// Names of the shadow modes, by their two bits.
 pub(crate) const SHADOW_MODES: [&str; 4] = ["INIT", "FULL_SHADOW", "NON_SHADOW", "PARTIAL_SHADOW"];
 
-/// Lights that a 32-bit word has room for.
+/// Number of lights that a 32-bit word has room for.
 pub(crate) const LIGHTS_A_WORD: u32 = 15;
 
 /// The colour of a word's two modes: the occlusion mode gives the hue, the shadow mode the lightness.
 pub(crate) fn word_color(occlusion: usize, shadow: usize) -> Rgb {
     // Hues: grey, orange, blue, purple (Okabe and Ito 2008).
     const HUES: [[f32; 3]; 4] = [[150.0; 3], [230.0, 159.0, 0.0], [0.0, 114.0, 178.0], [204.0, 121.0, 167.0]];
-    // Share of the hue, and of white, by shadow mode: dark for shadow, light for none, its middle for both.
+    // Share of the hue, and of white, by shadow mode: dark for shadow, light for no shadow, the pure hue for partial
+    // shadow.
     const LIGHTNESS: [(f32, f32); 4] = [(0.75, 0.0), (0.4, 0.0), (0.45, 0.55), (1.0, 0.0)];
     let (own, white) = LIGHTNESS[shadow & 3];
     HUES[occlusion & 3].map(|level| (own * level + white * 255.0).round() as u8)
@@ -139,15 +140,16 @@ pub(crate) fn word_color(occlusion: usize, shadow: usize) -> Rgb {
 /// Colour where a primary ray hits nothing.
 pub(crate) const NO_WORD: Rgb = [0x18, 0x18, 0x18];
 
-/// Mode words by colour: per pixel the word of what is seen (`None` for nothing). `place` is the light's place in the
-/// word, from 0 to [`LIGHTS_A_WORD`] less one. A word's bits 1:0 are the occlusion mode, bits 3:2 the first light's.
+/// A picture of mode words: each pixel has the colour of the visible primitive's word (`None` where nothing is hit).
+/// `place` is the light's place in the word, from 0 to [`LIGHTS_A_WORD`] - 1. A word's bits 1:0 are the occlusion
+/// mode; bits 3:2 are the first light's shadow mode.
 pub(crate) fn words(resolution: Resolution, words: &[Option<u32>], place: u32) -> Image {
     assert!(place < LIGHTS_A_WORD, "a word has room for {LIGHTS_A_WORD} lights");
     let color = |word: u32| word_color((word & 3) as usize, (word >> (2 + 2 * place) & 3) as usize);
     Image { resolution, pixels: words.iter().map(|word| word.map_or(NO_WORD, color)).collect() }
 }
 
-/// The picture as a PNG file. Fails if there are more or fewer pixels than the size says.
+/// Encodes the picture as PNG. Fails if the number of pixels does not match the size.
 pub(crate) fn png(image: &Image) -> Result<Vec<u8>, png::EncodingError> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, image.resolution.width, image.resolution.height);

@@ -26,7 +26,7 @@ impl Families {
     }
 }
 
-/// Of a number that is a count or follows from counts.
+/// The half width of counts, and of numbers that follow from counts.
 fn exact(_: &str) -> Option<f64> {
     Some(0.0)
 }
@@ -53,7 +53,7 @@ impl Results for Summary {
     }
 }
 
-/// The rows of what a machine measured.
+/// Hands over the rows of a machine.
 ///
 /// # Errors
 /// See [`Results::rows`].
@@ -66,7 +66,7 @@ pub(in crate::report) fn machine_rows(
 }
 
 impl Families {
-    /// What the tracer counted.
+    /// Hands over the rows of a policy, as counted by the tracer.
     fn of_policy(&self, of: Subject<'_>, policy: &PolicySummary, take: &mut Take<'_>) -> Result<(), ReportError> {
         let walk = Walk { family: &self.policy, of, part: None, half_width: &exact };
         walk.rows(policy, take)?;
@@ -85,7 +85,7 @@ impl Families {
         Ok(())
     }
 
-    /// What a machine measured.
+    /// Hands over the rows of a machine.
     fn of_machine(&self, of: Subject<'_>, machine: &MachineSummary, take: &mut Take<'_>) -> Result<(), ReportError> {
         for (policy, run) in machine.policies.iter() {
             let of = Subject { policy, ..of };
@@ -95,7 +95,7 @@ impl Families {
             for frame in &run.stats.frames {
                 let scope = if frame.warmup { Scope::Warmup } else { Scope::Frame };
                 let of = Subject { scope, frame: Some(frame.frame), ..of };
-                // Only levels that replay everything know frames apart.
+                // Only levels that replay everything have exact figures of single frames.
                 let half_width = |_: &str| (run.stats.accuracy == Accuracy::Exact).then_some(0.0);
                 Walk { family: &self.frame, of, part: None, half_width: &half_width }.rows(frame, take)?;
             }

@@ -1,21 +1,22 @@
-//! Steady state and cold start: what a policy's first frame costs, and when that is repaid.
+//! Steady state and cold start: the cost of a policy's first frame, and the number of frames that repays it.
 
 use super::summary::{MachineRun, MachineSummary, Summary};
 use crate::report::format::change;
 
-/// What a policy costs in the first frame, which nothing warmed up.
+/// The cost of a policy in the first frame, which starts cold.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ColdStart {
     /// The frame.
     pub(crate) frame: u32,
     /// Cycles without culling, and with the policy.
     pub(crate) cycles: [u64; 2],
-    /// Cycles that a measured frame saves, the mean.
+    /// Mean number of cycles that a measured frame saves.
     pub(crate) saved: f64,
 }
 
 impl ColdStart {
-    /// Of `run` against `off`; `None` if the first frame that was replayed is a measured one, or is not told apart.
+    /// The cold start of `run` against `off`. `None` if the first replayed frame is a measured one, or if figures by
+    /// frame are absent.
     pub(crate) fn of(off: &MachineRun, run: &MachineRun) -> Option<Self> {
         let (first, second) = (off.stats.frames.first()?, run.stats.frames.first()?);
         let measured = run.stats.frames.iter().filter(|frame| !frame.warmup).count();
@@ -24,7 +25,7 @@ impl ColdStart {
         is_cold.then_some(Self { frame: first.frame, cycles: [first.cycles.0, second.cycles.0], saved })
     }
 
-    /// How many measured frames save what the cold frame cost more; `None` if none ever do.
+    /// Number of measured frames whose savings repay the extra cost of the cold frame; `None` if they save nothing.
     pub(crate) fn repaid_after(&self) -> Option<u64> {
         let [off, with] = self.cycles.map(|cycles| cycles as f64);
         if with <= off {
@@ -46,7 +47,7 @@ impl ColdStart {
     }
 }
 
-/// Which frames a machine measured, in words.
+/// The frames that a machine measured, in words.
 fn measured(machine: &MachineSummary) -> String {
     let list = |frames: &[u32]| match frames {
         [] => "none".to_owned(),
@@ -60,7 +61,7 @@ fn measured(machine: &MachineSummary) -> String {
     }
 }
 
-/// A sentence for each set of frames that machines measured.
+/// One sentence for each set of measured frames.
 pub(crate) fn frames(summary: &Summary) -> Vec<String> {
     let mut sentences: Vec<String> = Vec::new();
     for (_, machine) in summary.machines.iter() {
@@ -72,7 +73,7 @@ pub(crate) fn frames(summary: &Summary) -> Vec<String> {
     sentences
 }
 
-/// A line for each machine with cold starts.
+/// One line for each machine with cold starts.
 pub(crate) fn cold_starts(summary: &Summary) -> Vec<String> {
     let mut lines = Vec::new();
     for (name, machine) in summary.machines.iter() {

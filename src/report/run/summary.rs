@@ -1,8 +1,8 @@
-//! What a run found, as data: the types of `summary.json`.
+//! The results of a run as data: the types of `summary.json`.
 //!
-//! Other tools read these names: they change only together with [`SCHEMA`]. A number that was not measured is `null` or
-//! left out, never zero. [`Summary::made`], [`Summary::wall_seconds`] and [`Summary::simulated_rays_per_wall_second`]
-//! alone differ between two runs of the same experiment.
+//! Other tools read these names: they change only together with [`SCHEMA`]. A number that was not measured is `null`
+//! or left out, never zero. Only [`Summary::made`], [`Summary::wall_seconds`] and
+//! [`Summary::simulated_rays_per_wall_second`] differ between two runs of the same experiment.
 
 use std::collections::BTreeMap;
 use std::ops::Deref;
@@ -34,28 +34,28 @@ pub(crate) struct Summary {
     pub resolution: Resolution,
     /// Name of the policy that culls nothing, against which savings are measured.
     pub baseline: Option<String>,
-    /// What each culling policy did.
+    /// Results of each policy.
     pub policies: Named<PolicySummary>,
-    /// What each machine measured.
+    /// Measurements of each machine.
     pub machines: Named<MachineSummary>,
-    /// The pictures that lie beside this file.
+    /// The pictures in the report's folder.
     pub pictures: Vec<PictureInfo>,
-    /// What the run was made of: versions, seeds, hashes of inputs, by name.
+    /// The inputs of the run: versions, seeds, hashes of inputs, by name.
     pub provenance: Named<String>,
-    /// Paths in the configuration as run of what differs from the defaults of machines and tracer.
+    /// Paths in the configuration as run of fields that differ from the defaults of machines and tracer.
     #[serde(default)]
     pub changed: Vec<String>,
-    /// How and where the run was made: command line, date, host. Differs from run to run.
+    /// Command line, date and host of the run: these differ from run to run.
     #[serde(default)]
     pub made: Named<String>,
-    /// Wall time a stage, in seconds.
+    /// Wall time by stage, in seconds.
     pub wall_seconds: Named<f64>,
-    /// The simulator's own speed a stage: rays simulated a second of wall time.
+    /// The simulator's own speed by stage: rays simulated per second of wall time.
     pub simulated_rays_per_wall_second: Named<f64>,
 }
 
 impl Summary {
-    /// Whether no ray of the camera came to anything that a light could reach.
+    /// Whether the scene has lights, but the camera's rays hit nothing that needs a shadow ray.
     pub(crate) fn sees_nothing(&self) -> bool {
         let off = self.baseline.as_deref().and_then(|baseline| self.policies.get(baseline));
         self.scene.lights > 0 && off.is_some_and(|off| off.counts.primary_rays > 0 && off.counts.shadow_rays == 0)
@@ -67,7 +67,7 @@ impl Summary {
 pub(crate) struct SceneSummary {
     /// Its name.
     pub name: String,
-    /// Triangles that stay.
+    /// Static triangles.
     pub triangles_static: u64,
     /// Triangles that can move.
     pub triangles_dynamic: u64,
@@ -75,37 +75,37 @@ pub(crate) struct SceneSummary {
     pub lights: u64,
 }
 
-/// What a policy did in all frames together, and in each.
+/// Results of a policy: all frames together, and each.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct PolicySummary {
     /// Sums over all frames.
     #[serde(flatten)]
     pub counts: Counts,
-    /// Node visits of shadow rays saved; what the policy visits itself is counted in.
+    /// Share of the shadow rays' node visits saved; the policy's own visits count as costs.
     pub traversal_saved: Saved,
-    /// Triangle tests of shadow rays saved; triangles that the policy tests itself are counted in, but for occlusion
-    /// tests, which stand apart in [`Counts::occlusion_tests`].
+    /// Share of the shadow rays' triangle tests saved. The policy's own tests count as costs, except occlusion tests,
+    /// which have a count of their own: [`Counts::occlusion_tests`].
     pub intersection_saved: Saved,
-    /// Wrong decisions a light, where they were looked for.
+    /// Wrong decisions by light, if they were looked for.
     pub lights: Vec<LightWrong>,
     /// The frames.
     pub frames: Vec<FrameSummary>,
 }
 
-/// A share of work saved against the baseline; all `None` where the baseline has no such work, or there is none.
+/// A share of work saved against the baseline; all `None` if there is no baseline, or it has no such work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Saved {
     /// Mean of the frames' shares.
     pub mean: Option<f64>,
     /// The largest share of a frame.
     pub max: Option<f64>,
-    /// The first frame that has it.
+    /// The first frame with the largest share.
     pub max_frame: Option<u32>,
-    /// Share over the rays of all frames together.
+    /// Share saved over the rays of all frames together.
     pub total: Option<f64>,
 }
 
-/// What a policy did in a frame.
+/// Results of a policy in a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct FrameSummary {
     /// The frame's number.
@@ -117,7 +117,7 @@ pub(crate) struct FrameSummary {
     pub traversal_saved: Option<f64>,
     /// Share of triangle tests saved.
     pub intersection_saved: Option<f64>,
-    /// How close the picture is to the reference renderer's.
+    /// The picture's quality against the reference renderer's.
     pub psnr: Option<Psnr>,
 }
 
@@ -136,13 +136,13 @@ pub(crate) enum Psnr {
 pub(crate) struct LightWrong {
     /// The light's number.
     pub light: u32,
-    /// Decided dark where the ray, traced, finds the light.
+    /// Shadow rays decided dark that, traced, find the light.
     pub false_dark: u64,
-    /// Decided lit where the ray, traced, is stopped.
+    /// Shadow rays decided lit that, traced, are stopped.
     pub false_lit: u64,
 }
 
-/// Counts of a policy, of a frame or of many.
+/// Counts of a policy in one frame or several.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Counts {
     /// The tracer's counts.
@@ -150,19 +150,19 @@ pub(crate) struct Counts {
     pub totals: Totals,
     /// Primary rays tested against a neighbour pixel's primitive.
     pub occlusion_tests: u64,
-    /// The same over the number of primary rays.
+    /// Occlusion tests per primary ray.
     pub occlusion_tests_per_pixel: Option<f64>,
-    /// Shadow rays decided dark that find their light when traced; `None` where nobody looked.
+    /// Shadow rays decided dark that find their light when traced; `None` if this was not checked.
     pub false_dark: Option<u64>,
-    /// Shadow rays decided lit that are stopped when traced; `None` where nobody looked.
+    /// Shadow rays decided lit that are stopped when traced; `None` if this was not checked.
     pub false_lit: Option<u64>,
     /// Shadow rays of primary hits that were compared with the reference renderer's.
     pub compared_rays: Option<u64>,
-    /// Those of them on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
+    /// Compared rays on which the tracer (`f32`, nothing culled) and the reference renderer (`f64`) differ: rounding.
     pub numeric_differences: Option<u64>,
 }
 
-/// The tracer's counts read as fields of their own.
+/// Makes the tracer's counts readable as fields of these counts.
 impl Deref for Counts {
     type Target = Totals;
 
@@ -181,19 +181,19 @@ impl Counts {
         Some(self.false_dark? + self.false_lit?)
     }
 
-    /// Node visits on account of shadows.
+    /// Node visits for shadows.
     fn traversal(&self) -> u64 {
         self.shadow_node_visits + self.policy_node_visits
     }
 
-    /// Triangle tests on account of shadows, occlusion tests apart.
+    /// Triangle tests for shadows, without occlusion tests.
     fn intersections(&self) -> u64 {
         self.shadow_triangle_tests + self.policy_triangle_tests - self.occlusion_tests
     }
 
-    /// All that is fetched on account of shadows: nodes, triangles, list entries, and what the policy does itself, its
-    /// stores and occlusion tests included. (Lists are counted for all rays together, so on a kd-tree those of other
-    /// rays are in it.)
+    /// All accesses for shadows: nodes, triangles, list entries, and the policy's own accesses with its writes and
+    /// occlusion tests. List entries are counted for all rays together, so on a kd-tree those of other rays are
+    /// included.
     fn accesses(&self) -> u64 {
         let policy = self.policy_node_visits + self.policy_triangle_tests + self.policy_reads + self.policy_writes;
         self.shadow_node_visits + self.shadow_triangle_tests + self.list_reads + policy
@@ -205,10 +205,11 @@ impl Counts {
         for frame in frames {
             sum.totals += frame.totals;
             sum.occlusion_tests += frame.occlusion_tests;
-            // One frame in which nobody looked, and there is no sum.
+            // If one frame was not checked, there is no sum.
             sum.false_dark = sum.false_dark.zip(frame.false_dark).map(|(a, b)| a + b);
             sum.false_lit = sum.false_lit.zip(frame.false_lit).map(|(a, b)| a + b);
-            // The reference renderer may have been asked about some frames only: `compared_rays` says how many rays.
+            // The reference renderer may have been used for some frames only; `compared_rays` counts the compared
+            // rays.
             sum.compared_rays = known_sum(sum.compared_rays, frame.compared_rays);
             sum.numeric_differences = known_sum(sum.numeric_differences, frame.numeric_differences);
         }
@@ -217,14 +218,14 @@ impl Counts {
     }
 }
 
-/// What a policy did in a frame, as it was counted.
+/// Counted results of a policy in a frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct FrameResult {
     /// The frame's number.
     pub frame: u32,
     /// The tracer's counts.
     pub totals: Totals,
-    /// How many of `totals.policy_triangle_tests` are occlusion tests; never more than those.
+    /// Number of occlusion tests; `totals.policy_triangle_tests` includes them.
     pub occlusion_tests: u64,
     /// See [`Counts::false_dark`].
     pub false_dark: Option<u64>,
@@ -258,7 +259,7 @@ impl FrameResult {
 }
 
 impl PolicySummary {
-    /// Sums a policy's frames up, against what the baseline (`None` if there is none) did in the same frames.
+    /// Sums up a policy's frames, against the baseline's results in the same frames (`None` without a baseline).
     pub(crate) fn new(frames: &[FrameResult], lights: Vec<LightWrong>, baseline: Option<&[FrameResult]>) -> Self {
         let against: BTreeMap<u32, Counts> =
             baseline.unwrap_or_default().iter().map(|result| (result.frame, result.counts())).collect();
@@ -297,8 +298,8 @@ impl PolicySummary {
 }
 
 impl PolicySummary {
-    /// Mean over the frames of the share of accesses on account of shadows that is saved against `baseline`, all that
-    /// the policy does itself counted in; `None` if that did not run the same frames.
+    /// Mean over the frames of the share of accesses for shadows that is saved against `baseline`. The policy's own
+    /// accesses count as costs. `None` if the baseline did not run the same frames.
     pub(crate) fn accesses_saved(&self, baseline: &Self) -> Option<f64> {
         let pairs = self.frames.iter().zip(&baseline.frames);
         let same =
@@ -329,71 +330,71 @@ fn saved(with: u64, without: u64) -> Option<f64> {
     share(with, without).map(|share| 1.0 - share)
 }
 
-/// What a machine measured.
+/// Measurements of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MachineSummary {
-    /// The timing model that measured it.
+    /// The fidelity level of its replays.
     pub fidelity: String,
     /// Numbers of the frames that were measured, in order.
     pub frames: Vec<u32>,
-    /// Numbers of those that it replayed before them, to warm caches and words up.
+    /// Numbers of the frames that it replayed before, to warm up caches and mode words.
     #[serde(default)]
     pub warmup: Vec<u32>,
-    /// A run for each policy's stream.
+    /// One run per policy's stream.
     pub policies: Named<MachineRun>,
-    /// What each policy that culls saved and paid, where the replays for it were made.
+    /// For each culling policy, what it saved and what it cost, if the replays for this were made.
     #[serde(default, skip_serializing_if = "Named::is_empty")]
     pub split: Named<Split>,
-    /// Misses of caches of all sizes, where they were measured.
+    /// Misses of caches of all sizes, if they were measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reuse: Option<FrameReuse>,
 }
 
-/// What a machine measured on the stream of one policy; warm-up frames are in `frames` alone.
+/// Measurements of a machine on the stream of one policy. Warm-up frames are in `frames` alone.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct MachineRun {
     /// The measurements.
     #[serde(flatten)]
     pub stats: MachineStats,
-    /// Time of a measured frame, their mean, in ms of simulated time.
+    /// Mean simulated time of a measured frame, in ms.
     pub milliseconds_per_frame: Option<f64>,
-    /// Measured frames a second of simulated time.
+    /// Measured frames per second of simulated time.
     pub frames_per_second: Option<f64>,
-    /// Rays a second of simulated time.
+    /// Rays per second of simulated time.
     pub rays_per_second: Option<f64>,
-    /// Rays that the measured frames ask for: traced ones, and those whose answers are known.
+    /// Rays that the measured frames ask for: traced rays, and rays whose answers are known without tracing.
     pub rays_answered: Option<u64>,
-    /// The same a second of simulated time.
+    /// Rays answered per second of simulated time.
     pub rays_answered_per_second: Option<f64>,
-    /// Hits over accesses, a cache and class of traffic.
+    /// Hits over accesses, by cache and class of traffic.
     pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
-    /// Share of its cycles in which a unit kind began an operation.
+    /// Share of its cycles in which a kind of unit is busy.
     pub utilization: BTreeMap<String, f64>,
     /// Share of the DRAM's column commands that found their row open.
     pub dram_row_hit_rate: Option<f64>,
-    /// Bytes moved over those that the DRAM could have moved at its peak.
+    /// Share of peak bandwidth of the DRAM.
     pub dram_utilization: Option<f64>,
-    /// Bytes that the DRAM moved a second of simulated time, in GB/s (10^9 bytes).
+    /// Bytes that the DRAM moved per second of simulated time, in GB/s (10^9 bytes).
     pub dram_gigabytes_per_second: Option<f64>,
-    /// Bytes that the DRAM moved a measured frame.
+    /// Mean bytes that the DRAM moved in a measured frame.
     pub dram_bytes_per_frame: Option<f64>,
-    /// Energy a measured frame in J.
+    /// Mean energy of a measured frame in J.
     pub joules_per_frame: Option<f64>,
-    /// Energy a ray that was asked for in J.
+    /// Energy per answered ray in J.
     pub joules_per_ray: Option<f64>,
 }
 
-/// What the measured frames of a run ask for.
+/// Number of the measured frames and of the rays that they ask for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Asked {
-    /// The frames.
+    /// Number of frames.
     pub frames: usize,
-    /// Their rays, skipped ones among them.
+    /// Rays of these frames, including skipped ones.
     pub rays: u64,
 }
 
 impl Asked {
-    /// What the frames of `stats` ask for; `None` of a run that does not tell frames apart.
+    /// Counts the measured frames of `stats` and their rays; `None` if `stats` has no figures by frame.
     pub(crate) fn of(stats: &MachineStats) -> Option<Self> {
         let measured = || stats.frames.iter().filter(|frame| !frame.warmup);
         let asked = Self { frames: measured().count(), rays: measured().map(|frame| frame.answered).sum() };
@@ -402,7 +403,7 @@ impl Asked {
 }
 
 impl MachineRun {
-    /// The figures of `stats`, of frames that ask for so much.
+    /// The figures of `stats`; means by frame and ray need `asked`.
     pub(crate) fn new(stats: MachineStats, asked: Option<Asked>) -> Self {
         let used = stats.units.keys().filter_map(|unit| Some((unit.clone(), stats.utilization(unit)?)));
         let dram = stats.dram;

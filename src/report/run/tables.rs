@@ -1,4 +1,4 @@
-//! The few figures that sum a run up, for the terminal and the page.
+//! Key figures of a run, for the terminal and the page.
 
 use super::choice::choice;
 use super::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
@@ -10,10 +10,10 @@ use crate::report::grid::{Grid, drawn, paragraph};
 use crate::report::split::Split;
 use crate::stats::{Accuracy, Bounds, CacheCounts, CacheStats, Cause, L1Counts, Limit, MachineStats, TrafficClass};
 
-/// A figure of a policy: its name, and its text.
+/// A figure of a policy: its name, and the function that formats it.
 pub(super) type PolicyColumn = (&'static str, fn(&PolicySummary) -> String);
 
-/// What each policy does to shadow rays, and what it gets wrong.
+/// The effect of each policy on shadow rays, and its wrong decisions.
 pub(super) const OF_POLICIES: [PolicyColumn; 7] = [
     ("skipped", |policy| share_of_shadow_rays(policy, Some(policy.counts.shadow_rays_skipped))),
     ("dynamic only", |policy| share_of_shadow_rays(policy, Some(policy.counts.shadow_rays_dynamic_only))),
@@ -24,7 +24,7 @@ pub(super) const OF_POLICIES: [PolicyColumn; 7] = [
     ("false lit", |policy| or_absent(policy.counts.false_lit, exact)),
 ];
 
-/// `rays` as a share of the shadow rays that were asked for.
+/// `rays` as a share of all shadow rays.
 pub(super) fn share_of_shadow_rays(policy: &PolicySummary, rays: Option<u64>) -> String {
     let all = policy.counts.shadow_rays;
     or_absent(rays.filter(|_| all > 0).map(|rays| rays as f64 / all as f64), percent)
@@ -56,8 +56,8 @@ pub(super) fn dram_bytes(run: &MachineRun) -> Option<Bytes> {
     run.stats.bytes.get("dram").map(|classes| classes.values().copied().sum())
 }
 
-/// How `figure` changes from one run to another, with an interval if samples tell it. `share` is the figure's place
-/// among an accuracy's shares.
+/// The change of `figure` from one run to another, with its interval if it is known. `share` is the figure's index in
+/// an accuracy's shares.
 pub(super) fn interval_of(
     figure: fn(&MachineRun) -> Option<f64>,
     share: usize,
@@ -72,7 +72,7 @@ pub(super) fn interval_of(
     })
 }
 
-/// How far a run's cycles and DRAM bytes may be from the truth, in a word.
+/// The error of a run's cycles and DRAM bytes, in short.
 pub(super) fn error(accuracy: &Accuracy) -> String {
     match *accuracy {
         Accuracy::Exact => "exact".into(),
@@ -84,12 +84,12 @@ pub(super) fn error(accuracy: &Accuracy) -> String {
     }
 }
 
-/// DRAM bytes of a frame.
+/// Mean DRAM bytes of a measured frame.
 pub(super) fn dram_per_frame(run: &MachineRun) -> Option<f64> {
     run.dram_bytes_per_frame
 }
 
-/// What each policy saved and paid on a machine.
+/// Savings and costs of each policy on a machine.
 pub(super) fn split(machine: &MachineSummary) -> Grid {
     let row = |(policy, split): (&str, &Split)| {
         let columns = Split::COLUMNS.into_iter().chain(Split::ENERGY);
@@ -103,7 +103,7 @@ pub(super) fn split(machine: &MachineSummary) -> Grid {
     }
 }
 
-/// What machines measured on one stream in a model, for the terminal, without a line's end at the end.
+/// Measurements of machines on one stream in a timing model, for the terminal, without a final line break.
 pub(crate) fn replayed(model: &str, policy: &str, machines: &Named<MachineStats>) -> String {
     let head = ["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"];
     let row = |(machine, stats): (&str, &MachineStats)| {
@@ -127,10 +127,10 @@ pub(crate) fn replayed(model: &str, policy: &str, machines: &Named<MachineStats>
     std::iter::once(drawn(&sum)).chain(parts).collect::<Vec<_>>().join("\n\n")
 }
 
-/// How far the numbers of a machine can be trusted, and where its cycles and bytes go.
+/// The accuracy of a machine's figures, and its caches and cycle breakdown.
 fn in_detail(model: &str, stats: &MachineStats) -> String {
     let units = stats.units.iter().map(|(unit, causes)| {
-        // A rung that does not tell all causes leaves them out.
+        // A fidelity level without figures of a cause has no share for it.
         let all = stats.cycles.0 * stats.unit_counts.get(unit).copied().unwrap_or(0);
         let shares = Cause::ALL.iter().map(|cause| {
             let cycles = causes.get(cause).filter(|_| all > 0);
@@ -151,7 +151,7 @@ fn in_detail(model: &str, stats: &MachineStats) -> String {
     choice.into_iter().chain([trust(model, stats)]).chain(rest).collect::<Vec<_>>().join("\n\n")
 }
 
-/// What each cache counted, a class a row; a counter that a level does not have is absent there.
+/// Counters of each cache, one row per class; a counter is absent where a level does not have it.
 fn caches(stats: &MachineStats) -> Grid {
     let words = |counter: &Counter| counter.name.replace('_', " ");
     let counters = CacheCounts::DECLARED.iter().chain(L1Counts::DECLARED).map(words);
@@ -172,7 +172,7 @@ fn caches(stats: &MachineStats) -> Grid {
     }
 }
 
-/// How far from the truth the numbers may be, and what no machine can leave.
+/// The error of the figures, and bounds that hold for all such machines.
 fn trust(model: &str, stats: &MachineStats) -> String {
     let error = match stats.accuracy {
         Accuracy::Exact if model.starts_with("Sampled") => {
@@ -191,7 +191,7 @@ fn trust(model: &str, stats: &MachineStats) -> String {
     let mut lines = vec![paragraph(&format!("Model: {model} ({error})"))];
     if let Some(Bounds { cycles, dram_bytes, .. }) = stats.bounds {
         let [least, traffic] = [exact(cycles.least.0), bytes(dram_bytes.least)];
-        // The most is far off, and of use only where nothing else is known.
+        // The upper bound is far off, and useful only if nothing else is known.
         let line = if stats.accuracy.shares().is_some() {
             let share = or_absent((stats.cycles.0 > 0).then(|| cycles.least.0 as f64 / stats.cycles.0 as f64), percent);
             format!("Least that any such machine takes: {least} cycles ({share} of these), {traffic} of DRAM traffic")

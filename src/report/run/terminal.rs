@@ -1,4 +1,4 @@
-//! A run on the terminal: its main table, and its verdict in a sentence.
+//! A run in the terminal: its main tables, and its verdict.
 
 use super::choice::choice;
 use super::limits::limit;
@@ -10,12 +10,12 @@ use crate::report::format::{ABSENT, change, counted, exact, joules, milliseconds
 use crate::report::grid::{Grid, drawn_most, paragraph};
 use crate::stats::{Accuracy, MachineStats};
 
-/// Changes below this share are told as none.
+/// Changes below this share count as none.
 const SAME: f64 = 0.005;
-/// Columns of the policies' table that a narrow terminal shows: the others follow where there is room.
+/// Order of the policies' columns: a narrow terminal shows the first ones.
 const POLICY_COLUMNS: [usize; 9] = [0, 1, 3, 4, 6, 7, 5, 8, 2];
 
-/// The run in a dozen lines, without a line's end at the end.
+/// The run in a dozen lines, without a final line break.
 pub(crate) fn terminal(summary: &Summary) -> String {
     let head = format!(
         "{}: {}, {} of {}",
@@ -34,7 +34,7 @@ pub(crate) fn terminal(summary: &Summary) -> String {
     [Some(notes), machines, Some(policies)].into_iter().flatten().collect::<Vec<_>>().join("\n\n")
 }
 
-/// What `Auto` did with the streams of each machine.
+/// The decisions of `Auto` on the streams of each machine.
 fn choices(summary: &Summary) -> impl Iterator<Item = String> {
     let machines = summary.machines.iter();
     machines
@@ -46,10 +46,10 @@ fn chosen(grid: &Grid, columns: &[usize]) -> Grid {
     Grid { head: of(&grid.head), names: grid.names, rows: grid.rows.iter().map(of).collect() }
 }
 
-/// Columns of the machines' table that a terminal of 80 columns shows.
+/// Number of the machines' columns that fit a terminal of 80 columns.
 const MACHINE_COLUMNS: usize = 6;
 
-/// A row for each machine and policy that culls: time and DRAM traffic of a frame without the policy and with it.
+/// One row for each machine and culling policy: time and DRAM traffic of a frame, without the policy and with it.
 pub(super) fn machines(summary: &Summary) -> Grid {
     let runs = || summary.machines.iter().flat_map(|(_, machine)| machine.policies.iter());
     let all_exact = runs().all(|(_, run)| matches!(run.stats.accuracy, Accuracy::Exact));
@@ -63,7 +63,7 @@ pub(super) fn machines(summary: &Summary) -> Grid {
         let off = summary.baseline.as_deref().and_then(|baseline| machine.policies.get(baseline));
         let culling = machine.policies.iter().filter(|(policy, _)| summary.baseline.as_deref() != Some(*policy));
         let culling: Vec<_> = culling.collect();
-        // Without a policy that culls, the machine alone is told.
+        // Without a culling policy, the rows show the machine's own runs.
         let shown = if culling.is_empty() { machine.policies.iter().collect() } else { culling };
         for (policy, run) in shown {
             let pair = |figure: fn(&MachineRun) -> Option<f64>, show: fn(f64) -> String| {
@@ -95,7 +95,7 @@ pub(super) fn machines(summary: &Summary) -> Grid {
     Grid { head: head.into_iter().map(Into::into).collect(), names: 2, rows }
 }
 
-/// What the run found, in sentences: how much time a frame takes, and how many decisions were wrong.
+/// The result of the run, in sentences: the change of a frame's time, and the number of wrong decisions.
 pub(crate) fn verdict(summary: &Summary) -> Option<String> {
     let culling = || summary.policies.iter().filter(|(name, _)| summary.baseline.as_deref() != Some(*name));
     let speed = culling().filter_map(|(policy, _)| {
@@ -119,7 +119,7 @@ pub(crate) fn verdict(summary: &Summary) -> Option<String> {
     (!lines.is_empty()).then(|| lines.join("\n"))
 }
 
-/// What limits each machine that replayed a stream, in a sentence a machine.
+/// One sentence per machine about the part that limits it on a stream.
 pub(crate) fn replay_verdict(machines: &Named<MachineStats>) -> String {
     let told = machines.iter().map(|(name, stats)| {
         let limit = limit(&MachineRun::from(stats.clone()));
@@ -128,7 +128,7 @@ pub(crate) fn replay_verdict(machines: &Named<MachineStats>) -> String {
     told.collect::<Vec<_>>().join("\n")
 }
 
-/// How much less or more time a frame takes.
+/// The change of a frame's time, in words.
 fn time(before: f64, after: f64) -> Option<String> {
     let share = after / before - 1.0;
     let size = change(before, after)?.trim_start_matches(['+', '\u{2212}']).to_owned();

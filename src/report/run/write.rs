@@ -1,4 +1,4 @@
-//! What a run's report is written from, and how it is drawn again.
+//! Writing a run's report, and redrawing it.
 
 use std::path::PathBuf;
 
@@ -44,8 +44,8 @@ impl Report for RunFiles {
     }
 }
 
-/// Draws the plots and the page of the report in `folder` again from the files that lie there. The same files give the
-/// same bytes. Returns the page's path.
+/// Redraws plots and page of the report in `folder` from its own files. The same files give the same bytes. Returns
+/// the page's path.
 ///
 /// # Errors
 /// A file cannot be read, made or written.

@@ -17,18 +17,18 @@ impl Axis {
             .filter(|value| *value > 0.0)
             .fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), value| (low.min(value), high.max(value)));
         let (low, high) = if low <= high { (low, high) } else { (1.0, 10.0) };
-        // A twentieth of the whole is left free at both ends, and no axis is narrower than 4 %.
+        // Both ends have a margin of a twentieth of the axis; an axis spans at least 4 %.
         let margin = (high / low).max(1.04).powf(0.05);
         Self { low: low / margin, high: high.max(low * 1.04) * margin, from, to }
     }
 
-    /// Where a value lies.
+    /// The place of a value.
     pub(super) fn at(&self, value: f64) -> i32 {
         let share = (value.max(self.low) / self.low).ln() / (self.high / self.low).ln();
         self.from + (share * f64::from(self.to - self.from)).round() as i32
     }
 
-    /// Values for ticks: 1, 2 and 5 times powers of ten, or even steps where these are too few.
+    /// Values for ticks: 1, 2 and 5 times powers of ten, or even steps if these give fewer than 3 ticks.
     pub(super) fn ticks(&self, most: u32) -> Vec<f64> {
         let first = self.low.log10().floor() as i32;
         let inside = |value: &f64| (self.low..=self.high).contains(value);

@@ -1,4 +1,4 @@
-//! What a space of machines is like.
+//! The results of exploring a space of machines.
 
 use std::collections::BTreeMap;
 
@@ -20,37 +20,37 @@ pub(crate) struct SpaceSummary {
     pub frames: Vec<u32>,
     /// Size of the pictures.
     pub resolution: Resolution,
-    /// How much there is, and how much of it was replayed.
+    /// The size of the space, and the effort.
     pub size: Size,
     /// Wrong pixels of each policy.
     pub policies: Vec<PolicyPixels>,
-    /// Machines under policies, in the order in which they were drawn.
+    /// Designs, which are machines under policies, in the order in which they were drawn.
     pub designs: Vec<Design>,
-    /// What each field does.
+    /// The effect of each field.
     pub sensitivities: Vec<Sensitivity>,
-    /// How good predictions were, by figure.
+    /// The accuracy of predictions, by figure.
     pub accuracy: BTreeMap<String, Accuracy>,
 }
 
-/// How much there is, and how much of it was replayed.
+/// The size of the space, and the effort.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Size {
-    /// Combinations of values for a machine of the experiment.
+    /// Combinations of values for each machine of the experiment.
     pub combinations: f64,
     /// Machines that were drawn.
     pub machines: u64,
-    /// Combinations that were drawn and are no machines.
+    /// Drawn combinations that are no valid machines.
     pub left_out: u64,
-    /// Why the first of them is none.
+    /// Why the first of these combinations is not valid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub why: Option<String>,
-    /// Replays, and how many the config allows.
+    /// Number of replays.
     pub replays: u64,
-    /// See above.
+    /// Number of replays that the config allows.
     pub budget: u64,
-    /// Passes over streams for what is known of all machines.
+    /// Passes over streams for the estimates of all designs.
     pub passes: u64,
-    /// Designs that may be on the front and were not replayed.
+    /// Designs that may be on the front, but were not replayed.
     pub unsure: u64,
 }
 
@@ -59,9 +59,9 @@ pub(crate) struct Size {
 pub(crate) struct PolicyPixels {
     /// The policy's name.
     pub policy: String,
-    /// Pixels of the measured frames, and those that are wrong.
+    /// Pixels of the measured frames.
     pub pixels: u64,
-    /// See above.
+    /// Wrong pixels of the measured frames.
     pub wrong_pixels: u64,
 }
 
@@ -72,30 +72,31 @@ pub(crate) struct Design {
     pub machine: String,
     /// The policy's name.
     pub policy: String,
-    /// What differs from the machine's file.
+    /// Fields that differ from the machine's file.
     pub changes: Vec<Change>,
-    /// Whether its figures were measured by a replay; predicted otherwise.
+    /// Whether its figures were measured by a replay; otherwise they are predicted.
     pub replayed: bool,
-    /// Whether it was replayed, and no other design that was is better in everything.
+    /// Whether it was replayed and no other replayed design is better in everything.
     pub front: bool,
-    /// Pixels that are wrong.
+    /// Number of wrong pixels.
     pub wrong_pixels: u64,
     /// Cycles.
     pub cycles: f64,
     /// Bytes of the DRAM.
     pub dram_bytes: f64,
-    /// Energy.
+    /// Energy in J.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joules: Option<f64>,
-    /// Half the widths of the 95 % intervals of figures that are predicted.
+    /// Half the widths of the 95 % intervals of predicted figures.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub half_widths: BTreeMap<String, f64>,
-    /// What was predicted before the replay, if anything was: expected value and ends of the 95 % interval.
+    /// The predictions before the replay, if any: expected value and ends of the 95 % interval.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub foreseen: BTreeMap<String, [f64; 3]>,
 }
 
-/// What a field does to a machine under a policy: the values with the least and the most, as means over all designs.
+/// The effect of a field on a machine under a policy: the values with the least and the largest figure, as means over
+/// all designs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Sensitivity {
     /// The machine's name.
@@ -106,42 +107,42 @@ pub(crate) struct Sensitivity {
     pub field: String,
     /// The figure.
     pub figure: String,
-    /// The value with the least of it, and by how much that differs from the mean.
+    /// The value with the least figure, and its relative difference from the mean.
     pub least: (String, f64),
-    /// The value with the most of it.
+    /// The value with the largest figure, and its relative difference from the mean.
     pub most: (String, f64),
     /// The share of the variance of the figure's logarithm that the field alone explains.
     pub share: f64,
 }
 
-/// How good predictions of a figure were.
+/// The accuracy of predictions of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Accuracy {
     /// Designs that were predicted and then replayed.
     pub foreseen: Errors,
-    /// Designs of the first set, each as the surrogate has it without that one.
+    /// Leave-one-out cross-validation: each design of the first set, predicted by a surrogate fitted without it.
     pub left_out: Errors,
 }
 
-/// Errors of predictions, as shares of what was measured.
+/// Errors of predictions, as shares of the measured figures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Errors {
-    /// How many there are.
+    /// Number of predictions.
     pub count: u64,
-    /// Half of them are below this.
+    /// Half of the errors are at most this.
     pub median: f64,
-    /// Nine of ten are below this.
+    /// Nine of ten errors are at most this.
     pub ninth: f64,
-    /// The largest.
+    /// The largest error.
     pub most: f64,
-    /// The share that is within 3 %.
+    /// The share of predictions within 3 %.
     pub within: f64,
-    /// The share whose 95 % interval holds.
+    /// The share of predictions whose 95 % interval holds.
     pub holds: f64,
 }
 
 impl Errors {
-    /// Of errors, each with whether its interval held.
+    /// From errors, each with whether its interval holds.
     pub(crate) fn new(mut errors: Vec<(f64, bool)>) -> Self {
         errors.sort_by(|a, b| a.0.total_cmp(&b.0));
         let Some(&(most, _)) = errors.last() else { return Self::default() };

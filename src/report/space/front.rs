@@ -1,4 +1,4 @@
-//! Cycles against DRAM bytes and energy: what was replayed, what is predicted, and what none beats.
+//! Cycles against DRAM bytes and energy: replayed designs, predicted designs, and the front.
 
 use super::axis::Axis;
 use super::data::{Design, SpaceSummary};
@@ -13,14 +13,14 @@ use crate::report::sweep::label;
 const PANEL: i32 = 300;
 const AXIS: i32 = 70;
 const BELOW: i32 = 54;
-/// More predicted designs than these are no picture.
+/// The most predicted designs in a plot.
 const MOST: usize = 2_000;
 
 pub(super) const PLOT: Plot<SpaceSummary> = Plot { name: "front", section: (), figure };
 
 type Of = fn(&Design) -> Option<f64>;
 
-/// What is drawn against cycles: its name, a design's value, and a tick's text.
+/// A figure that is drawn against cycles: its name, a design's value, and the function that formats a tick.
 type Panel = (&'static str, Of, fn(f64) -> String);
 
 const PANELS: [Panel; 2] = [

@@ -1,4 +1,4 @@
-//! What was predicted of designs before they were replayed, against what the replay measured.
+//! Predictions of designs before their replays, against the measured figures.
 
 use super::data::{Design, SpaceSummary};
 use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text, tick_step};
@@ -14,8 +14,8 @@ const AXIS: i32 = 62;
 
 pub(super) const PLOT: Plot<SpaceSummary> = Plot { name: "predicted", section: (), figure };
 
-/// A figure of all designs that were foreseen: of each, the error and the interval's ends as shares of what was
-/// measured.
+/// A figure of all designs that were predicted before their replays. For each design: the error and the interval's
+/// ends, relative to the measured figure.
 struct Panel {
     name: &'static str,
     errors: Vec<[f64; 3]>,

@@ -1,4 +1,4 @@
-//! How far each field moves each figure.
+//! The effect of each field on each figure.
 
 use super::data::SpaceSummary;
 use crate::report::draw::reach::{Reach, reaches};

@@ -1,4 +1,4 @@
-//! A space in tables and sentences.
+//! The tables and sentences of a space.
 
 use super::data::{Accuracy, Design, Errors, SpaceSummary};
 use crate::quantity::Bytes;
@@ -26,7 +26,7 @@ impl SpaceSummary {
         EXACT.contains(&self.fidelity.as_str())
     }
 
-    /// Whether there is more than one machine of the experiment.
+    /// Whether the experiment has several machines.
     fn has_machines(&self) -> bool {
         self.designs.iter().any(|design| design.machine != self.designs[0].machine)
     }
@@ -39,7 +39,7 @@ impl SpaceSummary {
         front
     }
 
-    /// The front, at most so many of its designs, as a table: figures, then the fields' values.
+    /// The front as a table, at most `most` designs: figures, then the fields' values.
     pub(crate) fn front_grid(&self, most: usize) -> Grid {
         self.grid(&self.front()[..self.front().len().min(most)], false)
     }
@@ -75,7 +75,8 @@ impl SpaceSummary {
         Grid { head, names, rows: designs.iter().map(row).collect() }
     }
 
-    /// What each field does to each figure, as a table: from the best value to the worst.
+    /// The effect of each field on each figure, as a table: the value with the least figure and the value with the
+    /// largest.
     pub(super) fn sensitivity_grid(&self) -> Grid {
         let head = ["field", "policy", "figure", "least with", "change", "most with", "change", "explains"];
         let signed = |change: f64| if change > 0.0 { format!("+{}", percent(change)) } else { percent(change) };
@@ -94,7 +95,7 @@ impl SpaceSummary {
         Grid { head: head.map(Into::into).to_vec(), names: 3, rows: self.sensitivities.iter().map(row).collect() }
     }
 
-    /// How good predictions were, as a table.
+    /// The accuracy of predictions, as a table.
     pub(crate) fn accuracy_grid(&self) -> Grid {
         let head =
             ["figure", "predictions", "how many", "median error", "90 % below", "largest", "within 3 %", "in interval"];
@@ -110,7 +111,7 @@ impl SpaceSummary {
         Grid { head: head.map(Into::into).to_vec(), names: 2, rows: self.accuracy.iter().flat_map(rows).collect() }
     }
 
-    /// What was found, in sentences.
+    /// The result, in sentences.
     pub(crate) fn finding(&self) -> String {
         let front = self.front();
         let size = &self.size;
@@ -134,7 +135,7 @@ impl SpaceSummary {
         found
     }
 
-    /// How much there is, and what it cost.
+    /// The size of the space and the effort, in sentences.
     pub(crate) fn scope(&self) -> String {
         let size = &self.size;
         let mut told = format!(
@@ -152,7 +153,7 @@ impl SpaceSummary {
         told
     }
 
-    /// The field that moves a figure most, in a sentence without its end.
+    /// The field that moves a figure most, in a sentence without a full stop.
     pub(super) fn widest(&self, figure: &str) -> Option<String> {
         let of = self.sensitivities.iter().filter(|it| it.figure == figure);
         let widest = of.max_by(|a, b| (a.most.1 - a.least.1).total_cmp(&(b.most.1 - b.least.1)))?;
@@ -171,7 +172,7 @@ impl SpaceSummary {
 }
 
 impl Design {
-    /// The value that it has in a field; none of a unit that it does not have.
+    /// The design's value of a field; `None` if the machine lacks the field's unit.
     pub(super) fn value(&self, field: &str) -> Option<&str> {
         self.changes.iter().find(|change| change.field == field).map(|change| change.value.as_str())
     }

@@ -1,4 +1,4 @@
-//! Columns of policies, which both plots have.
+//! Columns of policies, which both plots share.
 
 use crate::report::draw::DrawError;
 use crate::report::draw::canvas::{Canvas, LEFT, Text};
@@ -14,7 +14,7 @@ pub(super) const HEAD: i32 = 3 * 15 + 8;
 /// Height of a case's row.
 pub(super) const ROW: i32 = 24;
 
-/// The columns' names, in lines that end above `bottom`; gives the columns' width.
+/// Draws the columns' names, in lines that end above `bottom`; returns the columns' width.
 pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i32, DrawError> {
     let first = first_column(canvas);
     let width = ((canvas.width() - first - LEFT) / names.len().max(1) as i32).min(150);
@@ -28,7 +28,7 @@ pub(super) fn head(canvas: &Canvas<'_>, bottom: i32, names: &[&str]) -> Result<i
     Ok(width)
 }
 
-/// A word that is cut where it would run into the next column.
+/// Cuts a word that would run into the next column.
 fn fitted(word: &str, width: i32) -> String {
     if Text::NOTE.width(word) <= width {
         return word.to_owned();
@@ -40,7 +40,7 @@ fn fitted(word: &str, width: i32) -> String {
     letters.collect::<String>() + "."
 }
 
-/// A name such as `OccluderGrid` or `all repairs` in lines of a word each.
+/// Splits a name such as `OccluderGrid` or `all repairs` into lines of one word each.
 pub(super) fn lines(name: &str) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for letter in name.chars() {

@@ -1,4 +1,4 @@
-//! What policies and timing models did under stress.
+//! Results of policies and timing models under stress.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,20 +8,20 @@ use crate::report::format::{counted, percent};
 /// The version of the names in `summary.json`.
 const SCHEMA: u32 = 3;
 
-/// What all policies did in all cases; `summary.json` holds it.
+/// Results of all policies in all cases; `summary.json` holds them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct StressSummary {
     /// The version of these names.
     pub schema: u32,
     /// The policies, in the order of the columns.
     pub policies: Vec<StressPolicy>,
-    /// The timing models that replayed the cases, the one first that the others are held to.
+    /// The timing models that replayed the cases; the first is the truth for the others.
     pub models: Vec<StressModel>,
     /// The cases.
     pub cases: Vec<CaseSummary>,
-    /// What each answer to an open question changes.
+    /// The effect of each answer to an open question.
     pub effects: Vec<Effect>,
-    /// Random scenes that the effects are of.
+    /// Number of random scenes behind the effects.
     pub effect_scenes: u32,
 }
 
@@ -30,7 +30,7 @@ pub(crate) struct StressSummary {
 pub(crate) struct StressPolicy {
     /// Its name.
     pub name: String,
-    /// Whether it must never be wrong.
+    /// Whether it must never make a wrong decision.
     pub exact: bool,
 }
 
@@ -39,24 +39,24 @@ pub(crate) struct StressPolicy {
 pub(crate) struct StressModel {
     /// Its name.
     pub name: String,
-    /// Whether it must give the same numbers as the first.
+    /// Whether its figures must equal the first model's.
     pub exact: bool,
 }
 
-/// What a timing model made of a case, all streams together.
+/// A timing model's result for a case, over all streams.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ModelVerdict {
-    /// Every number is the first model's.
+    /// Every figure equals the first model's.
     Agrees,
-    /// Some number differs; the cycles by this share at most.
+    /// Some figure differs; the relative difference of cycles is at most this.
     Differs(f64),
-    /// It could not replay a stream, and why.
+    /// It could not replay a stream, for this reason.
     Failed(String),
 }
 
 impl ModelVerdict {
-    /// A stream that takes `truth` cycles took `found` in the model.
+    /// Records that a stream takes `found` cycles in the model instead of `truth`.
     pub(crate) fn off_by(&mut self, truth: Cycle, found: Cycle) {
         let share = (found.0 as f64 - truth.0 as f64).abs() / truth.0.max(1) as f64;
         let before = if let Self::Differs(share) = self { *share } else { 0.0 };
@@ -64,16 +64,16 @@ impl ModelVerdict {
     }
 }
 
-/// What happened in a case.
+/// The results of a case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct CaseSummary {
     /// Its name.
     pub name: String,
-    /// What it is about.
+    /// Its subject.
     pub title: String,
-    /// Of each policy, frame by frame.
+    /// Wrong decisions of each policy, frame by frame.
     pub policies: Vec<Vec<FrameWrong>>,
-    /// Of each timing model.
+    /// The result of each timing model.
     pub models: Vec<ModelVerdict>,
 }
 
@@ -82,9 +82,9 @@ pub(crate) struct CaseSummary {
 pub(crate) struct FrameWrong {
     /// Shadow rays decided on.
     pub shadow_rays: u64,
-    /// Decided dark, though the light is seen.
+    /// Decided dark, though the light is visible.
     pub false_dark: u64,
-    /// Decided lit, though it is not.
+    /// Decided lit, though the light is hidden.
     pub false_lit: u64,
 }
 
@@ -95,19 +95,19 @@ impl FrameWrong {
     }
 }
 
-/// How a case ended for a policy.
+/// The outcome of a case for a policy.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Outcome {
     /// No decision was wrong.
     Right,
-    /// Some were, none in the last frame.
+    /// Some decisions were wrong, but none in the last frame.
     Healed {
         /// Frames with wrong decisions.
         frames: usize,
         /// The most in a frame.
         worst: u64,
     },
-    /// Some are wrong in the last frame.
+    /// Some decisions are wrong in the last frame.
     Wrong {
         /// Frames with wrong decisions.
         frames: usize,
@@ -129,14 +129,15 @@ impl Outcome {
     }
 }
 
-/// What one other answer to what the text leaves open changes, against the default answers on the same scenes.
+/// The effect of another answer to a question that the published text leaves open, against the default answers on the
+/// same scenes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Effect {
-    /// The answer, as a config has it.
+    /// The answer, as written in a config.
     pub option: String,
     /// Change of the share of shadow traversal saved.
     pub saving: Shift,
-    /// Change of wrong decisions in a million shadow rays.
+    /// Change of the number of wrong decisions per million shadow rays.
     pub wrong_per_million: Shift,
 }
 
@@ -150,7 +151,7 @@ pub(crate) struct Shift {
 }
 
 impl Shift {
-    /// Of the changes seen in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
+    /// From the changes in several scenes, by Student's t (12 scenes: 11 degrees of freedom).
     pub(crate) fn of(changes: &[f64]) -> Self {
         const T: f64 = 2.201;
         let count = changes.len() as f64;
@@ -159,7 +160,7 @@ impl Shift {
         Self { mean, error: T * (variance / count).sqrt() }
     }
 
-    /// Whether the change is more than its own error bar.
+    /// Whether the change is larger than half the width of its interval.
     pub(crate) fn matters(&self) -> bool {
         self.mean.abs() > self.error
     }
@@ -177,7 +178,7 @@ impl StressSummary {
         Self { schema: SCHEMA, policies, models, cases, effects, effect_scenes }
     }
 
-    /// How often policies that must never be wrong were: `8 exact policies: 0 wrong in 45 cases`.
+    /// The number of cases in which exact policies were wrong: `8 exact policies: 0 wrong in 45 cases`.
     pub(crate) fn verdict(&self) -> String {
         let exact: Vec<usize> = (0..self.policies.len()).filter(|&at| self.policies[at].exact).collect();
         let is_wrong = |case: &&CaseSummary| exact.iter().any(|&at| Outcome::of(&case.policies[at]) != Outcome::Right);
@@ -189,7 +190,7 @@ impl StressSummary {
         format!("{} exact {policies}: {wrong} wrong in {}{models}", exact.len(), counted(self.cases.len(), "case"))
     }
 
-    /// Wrong decisions of policies that must not make any, and timing models that failed or differ where they must not.
+    /// Wrong decisions of exact policies, and timing models that failed or differ although they must agree.
     pub(crate) fn broken(&self) -> Vec<String> {
         let of_case = |case: &CaseSummary| -> Vec<String> {
             let exact = self.policies.iter().zip(&case.policies).filter(|(policy, _)| policy.exact);

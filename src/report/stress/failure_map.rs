@@ -1,4 +1,4 @@
-//! The failure map: case by policy.
+//! The failure map: cases by policies.
 
 use super::columns::{HEAD, ROW, first_column, head};
 use super::data::{CaseSummary, Outcome, StressSummary};
@@ -24,7 +24,7 @@ pub(super) fn look(outcome: Outcome) -> Color {
     pale(color)
 }
 
-/// How a case ended, in a few signs.
+/// The outcome of a case, in short.
 pub(super) fn text(outcome: Outcome) -> String {
     match outcome {
         Outcome::Right => "0".into(),
@@ -32,7 +32,7 @@ pub(super) fn text(outcome: Outcome) -> String {
     }
 }
 
-/// Case by policy: how each case ended, the most wrong decisions in a frame, and the frames with any.
+/// Cases by policies: the outcome, the most wrong decisions in a frame, and the number of frames with any.
 fn figure(summary: &StressSummary) -> Figure<'_> {
     let row = |case: &CaseSummary| -> Vec<String> {
         let outcomes = case.policies.iter().map(|frames| text(Outcome::of(frames)));
@@ -70,12 +70,12 @@ fn figure(summary: &StressSummary) -> Figure<'_> {
     }
 }
 
-/// How each case ended, as colours.
+/// The colours of outcomes.
 pub(super) fn key() -> Vec<(String, Color)> {
     LOOKS.map(|(name, color)| (name.to_owned(), pale(color))).into()
 }
 
-/// What the cases say of the policies, in a sentence.
+/// The policies' results over all cases, in a sentence.
 pub(super) fn verdict(summary: &StressSummary) -> String {
     let (exact, others): (Vec<_>, Vec<_>) = (0..summary.policies.len()).partition(|&at| summary.policies[at].exact);
     let fails = |at: usize| {

@@ -1,4 +1,5 @@
-//! The stress report: where each policy is wrong, for how long, and how far the published text's open ends move it.
+//! The stress report: where each policy is wrong, for how long, and how far the open questions of the published text
+//! change it.
 
 mod columns;
 mod data;

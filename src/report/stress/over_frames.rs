@@ -12,7 +12,7 @@ use crate::report::grid::Grid;
 pub(super) const PLOT: Plot<StressSummary, Section> =
     Plot { name: "wrong-over-frames", section: Section::OverFrames, figure };
 
-/// Bars of wrong decisions, frame by frame, for the cases and policies that have any.
+/// Bars of wrong decisions by frame, for the cases and policies that have any.
 fn figure(summary: &StressSummary) -> Option<Figure<'_>> {
     let fails = |frames: &[FrameWrong]| Outcome::of(frames) != Outcome::Right;
     let columns: Vec<_> = (0..summary.policies.len())

@@ -1,5 +1,5 @@
-//! The rows of a stress report's `results.csv`. A case is a scene. What another answer to an open question changes
-//! stands with that answer as its part.
+//! The rows of a stress report's `results.csv`. A case stands in the column of scenes. The effect of an answer to an
+//! open question has that answer as its part.
 
 use super::data::{CaseSummary, Effect, FrameWrong, ModelVerdict, StressSummary};
 use crate::report::error::ReportError;
@@ -8,7 +8,7 @@ use crate::report::results::{Amount, Family, Results, Row, Scope, Subject, Take}
 /// The machine that replays the cases.
 const MACHINE: &str = "default";
 
-/// Of all cases.
+/// The subject of all rows.
 const OF: Subject<'_> =
     Subject { run: "stress", scene: "", scope: Scope::Total, frame: None, policy: "", machine: None, varied: &[] };
 
@@ -32,7 +32,8 @@ impl Results for StressSummary {
 }
 
 impl StressSummary {
-    /// How far each timing model is off in a case. Of one that failed there is no number: the page says why.
+    /// The error of each timing model in a case. A failed model has a row without a number; the page tells the
+    /// reason.
     fn of_models(&self, family: &Family, case: &CaseSummary, take: &mut Take<'_>) -> Result<(), ReportError> {
         let Some(metric) = family.metric("differs") else { return Ok(()) };
         for (model, verdict) in self.models.iter().zip(&case.models) {
@@ -49,7 +50,7 @@ impl StressSummary {
     }
 }
 
-/// What an answer changes.
+/// The effect of an answer.
 fn of_effect(family: &Family, effect: &Effect, take: &mut Take<'_>) -> Result<(), ReportError> {
     let Effect { option, saving, wrong_per_million } = effect;
     for (path, shift) in [("saving.mean", saving), ("wrong_per_million.mean", wrong_per_million)] {
@@ -61,7 +62,7 @@ fn of_effect(family: &Family, effect: &Effect, take: &mut Take<'_>) -> Result<()
     Ok(())
 }
 
-/// The sums of some frames.
+/// Sums over frames.
 fn rows(family: &Family, of: Subject<'_>, frames: &[FrameWrong], take: &mut Take<'_>) -> Result<(), ReportError> {
     let sum = |count: fn(&FrameWrong) -> u64| frames.iter().map(count).sum::<u64>();
     let counts = [

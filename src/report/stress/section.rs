@@ -1,10 +1,10 @@
-//! Where a plot of a stress report stands.
+//! The section of a stress report's page in which a plot stands.
 
-/// The part of the page that a plot belongs to.
+/// A section of the page.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Section {
-    /// How each case ended.
+    /// The outcome of each case.
     Map,
-    /// What happened frame by frame.
+    /// Wrong decisions by frame.
     OverFrames,
 }

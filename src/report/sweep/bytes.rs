@@ -10,7 +10,7 @@ use crate::stats::TrafficClass;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "sweep", section: (), figure };
 
-/// More bars than these are no picture.
+/// The most bars in a plot; a sweep with more points has none.
 const MOST: usize = 60;
 
 fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {

@@ -1,4 +1,4 @@
-//! What each value of a field does: a curve a machine and policy, the machine's own value ringed.
+//! The effect of each value of a field: one curve per machine and policy, with a ring around the machine's own value.
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, own, places, value};
@@ -18,10 +18,10 @@ const ABOVE: i32 = 34;
 const BELOW: i32 = 40;
 const AXIS: i32 = 62;
 
-/// A panel: its heading, and the figure of a point beside the one that it is compared with.
+/// A panel: its heading, and the figure of a point, which may need the baseline's point.
 type Metric = (&'static str, fn(&SweepPoint, Option<&SweepPoint>) -> Option<Shift>);
 
-/// Changes against the machine as it is, and against the same machine without culling.
+/// Changes against the baseline machine, and against the same machine without culling.
 const METRICS: [Metric; 3] = [
     ("Cycles with culling, against the machine as it is", |it, own| {
         Shift::new(it.split.cycles[2], own?.split.cycles[2], it.half_width_to_file())
@@ -30,7 +30,7 @@ const METRICS: [Metric; 3] = [
     ("DRAM bytes, change by culling", |it, _| it.split.shifts()[1]),
 ];
 
-/// A plot a field, if the other fields stay as they are along it.
+/// One plot per field; none at all if any point changes several fields.
 pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError> {
     if summary.points.iter().any(|point| point.changes.len() > 1) {
         return Ok(Vec::new());
@@ -40,7 +40,7 @@ pub(super) fn drawings(summary: &SweepSummary) -> Result<Vec<Drawing>, DrawError
     all.map(|(field, name)| Drawing::new(format!("field-{name}"), (), figure(summary, field))).collect()
 }
 
-/// What the first field does, in a sentence; none if nothing was varied.
+/// The effect of the first field, in a sentence; `None` if nothing was varied.
 pub(super) fn finding_of_first(summary: &SweepSummary) -> Option<String> {
     let field = fields(summary).into_iter().next()?;
     Some(finding(&field, &curves(summary, &field)))
@@ -50,7 +50,7 @@ pub(super) fn finding_of_first(summary: &SweepSummary) -> Option<String> {
 struct Curve<'a> {
     name: String,
     points: Vec<(usize, &'a SweepPoint)>,
-    /// The point of the machine as it is.
+    /// The point of the baseline machine.
     own: Option<&'a SweepPoint>,
 }
 
@@ -126,15 +126,15 @@ fn figure<'a>(summary: &'a SweepSummary, field: Field<'a>) -> Figure<'a> {
     }
 }
 
-/// The least difference of cycles that is one.
+/// A smaller relative difference of cycles counts as none.
 const LEAST_DIFFERENCE: f64 = 0.002;
 
-/// The points of a curve with the least and the most cycles.
+/// The points of a curve with the fewest and the most cycles.
 struct Ends {
     best: usize,
     worst: usize,
     cycles: [f64; 2],
-    /// What their intervals leave open.
+    /// Sum of both points' half widths, as a share of cycles.
     within: f64,
 }
 
@@ -153,12 +153,12 @@ impl Ends {
     }
 }
 
-/// The curve with the widest range of cycles that is a difference, in a sentence.
+/// Names the curve with the largest significant ratio of cycles, in a sentence.
 fn finding(field: &Field<'_>, curves: &[Curve<'_>]) -> String {
     let shown = |place: usize| shown(field.path, field.values[place]);
     let all: Vec<(&Curve<'_>, Ends)> = curves.iter().filter_map(|curve| Some((curve, Ends::of(curve)?))).collect();
     let open = all.iter().map(|(_, ends)| ends.within).fold(0.0, f64::max);
-    // What intervals leave open is no difference.
+    // A difference within its interval does not count.
     let differ = all.iter().filter(|(_, ends)| ends.ratio() > 1.0 + ends.within.max(LEAST_DIFFERENCE));
     match differ.max_by(|(_, one), (_, other)| one.ratio().total_cmp(&other.ratio())) {
         Some((curve, ends @ Ends { best, worst, cycles: [least, most], .. })) => format!(
@@ -209,7 +209,7 @@ fn panel(
         let at = |place: usize, point: &SweepPoint| Some((xs[place], curve.figure(metric, point)?));
         let placed = || curve.points.iter().filter_map(|(place, point)| Some((*point, at(*place, point)?)));
         let line: Vec<(i32, i32)> = placed().map(|(_, (x, shift))| (x, y(shift.share))).collect();
-        // Between names there is nothing.
+        // No line between values that are names.
         if line.len() > 1 && field.values.iter().all(|value| amount(value).is_some()) {
             canvas.line(line, color, 2)?;
         }
@@ -233,7 +233,7 @@ mod tests {
     use super::*;
     use crate::report::run::tests::sample::sweep;
 
-    /// What the first field does where its second point takes so many times as many cycles as the first.
+    /// The finding about the first field if its second point takes `times` as many cycles as the first.
     fn told(times: f64, half_width: Option<f64>) -> String {
         let mut summary = sweep();
         let [own, other] = &mut summary.points[..] else { panic!("two points") };
@@ -242,7 +242,7 @@ mod tests {
         finding_of_first(&summary).unwrap()
     }
 
-    /// Who reads that one value is faster can rely on it.
+    /// A value is called faster only if the difference exceeds its interval.
     #[test]
     fn a_difference_within_its_interval_is_none() {
         let faster = |by: &str| {

@@ -1,4 +1,4 @@
-//! What a sweep found.
+//! The results of a sweep.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -24,7 +24,7 @@ pub(crate) struct SweepSummary {
     pub fidelity: Option<String>,
     /// Numbers of the frames.
     pub frames: Vec<u32>,
-    /// Those of them that warm up: their figures are not counted.
+    /// Numbers of the warm-up frames: their figures are not counted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warmup: Vec<u32>,
     /// Size of the pictures.
@@ -45,7 +45,7 @@ pub(crate) struct Change {
     pub value: String,
 }
 
-/// A machine's own value of a field that is varied.
+/// A machine's own value of a varied field.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Own {
     /// The machine's name.
@@ -63,34 +63,34 @@ pub(crate) struct SweepPoint {
     pub machine: String,
     /// The policy's name.
     pub policy: String,
-    /// What differs from the machine's file.
+    /// Fields that differ from the machine's file.
     pub changes: Vec<Change>,
-    /// What was saved and paid.
+    /// Savings and costs.
     #[serde(flatten)]
     pub split: Split,
-    /// What differs from the machine as in its file, under the same policy; none of that machine itself.
+    /// The effect of the changed fields, against the baseline under the same policy; `None` for the baseline itself.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub effect: Option<Effect>,
-    /// DRAM bytes by class, as it is.
+    /// DRAM bytes by class, with the policy's words.
     pub bytes: BTreeMap<TrafficClass, Bytes>,
-    /// Hits over accesses, a cache and class of traffic, as it is.
+    /// Hits over accesses, by cache and class of traffic, with the policy's words.
     pub hit_rate: BTreeMap<String, BTreeMap<TrafficClass, f64>>,
 }
 
-/// What a machine's changed fields change.
+/// The effect of a machine's changed fields against the baseline: the machine as its file describes it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Effect {
-    /// Cycles over those of the machine as in its file.
+    /// Cycles over those of the baseline.
     pub cycles_ratio: f64,
-    /// DRAM bytes over those of the machine as in its file; none if it moves none.
+    /// DRAM bytes over those of the baseline; `None` if that moves none.
     pub dram_bytes_ratio: Option<f64>,
-    /// Half the widths of the 95 % intervals of both, if they are of samples.
+    /// Half the widths of the 95 % intervals of both ratios; of samples only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub half_widths: Option<[f64; 2]>,
 }
 
 impl Effect {
-    /// From the machine as in its file to another one.
+    /// The effect of `changed` against the baseline `own`.
     pub(crate) fn new(own: &MachineStats, changed: &MachineStats) -> Self {
         let [before, after] = [own, changed].map(|stats| stats.moved("dram").0 as f64);
         Self {
@@ -100,7 +100,7 @@ impl Effect {
         }
     }
 
-    /// The columns of a table for people.
+    /// The columns of a readable table.
     const COLUMNS: [&str; 2] = ["cycles, to baseline", "DRAM, to baseline"];
     /// The columns of a CSV.
     pub(super) const FIELDS: [&str; 4] =
@@ -121,13 +121,13 @@ impl Effect {
 }
 
 impl SweepPoint {
-    /// Half the width of the interval of its cycles over those of the machine as in its file; none of what is exact.
+    /// Half the width of the interval of its cycles over the baseline's; `None` if it is exact.
     pub(super) fn half_width_to_file(&self) -> Option<f64> {
         self.effect.and_then(|effect| Some(effect.half_widths?[0]))
     }
 
-    /// The point of three measurements (without culling, with free words, as it is) of a stream that holds `totals`;
-    /// `own` is what the machine as in its file measured, if this is another one.
+    /// The point of three measurements (without culling, with free words, with the policy's words) of a stream with
+    /// `totals`. `own` holds the baseline's measurements, if this point is not the baseline.
     pub(crate) fn new(
         machine: &str,
         policy: &str,
@@ -148,13 +148,13 @@ impl SweepPoint {
         }
     }
 
-    /// What differs, in words.
+    /// The changed fields, in words.
     pub(crate) fn label(&self) -> String {
         label(&self.changes)
     }
 }
 
-/// What differs from a machine's file, in words.
+/// The fields that differ from a machine's file, in words.
 pub(crate) fn label(changes: &[Change]) -> String {
     if changes.is_empty() {
         return "baseline".into();
@@ -176,7 +176,7 @@ impl SweepPoint {
     }
 }
 
-/// The points as a table: names, what a policy changes, what fields change, and the rest.
+/// The points as a table: names, the effect of culling, the effect of the changed fields, and the other columns.
 pub(crate) fn grid(summary: &SweepSummary) -> Grid {
     let [cycles, dram, rest @ ..] = Split::COLUMNS;
     let row = |point: &SweepPoint| {
@@ -189,7 +189,7 @@ pub(crate) fn grid(summary: &SweepSummary) -> Grid {
     Grid { head: head.map(Into::into).collect(), names: 3, rows: summary.points.iter().map(row).collect() }
 }
 
-/// Hit rates of every cache that any point has, by class of traffic.
+/// Hit rates of every cache of any point, by class of traffic.
 pub(super) fn hit_rates(summary: &SweepSummary) -> Vec<(String, Grid)> {
     let of_cache = |cache: &String| {
         let classes =
@@ -214,7 +214,7 @@ mod tests {
     use super::*;
     use crate::report::run::tests::sample::sweep;
 
-    /// Each figure has the column of its name, and what a field changes is told with its interval.
+    /// Each figure stands under its name, and the effect of a field has its interval.
     #[test]
     fn a_point_tells_what_its_fields_change() {
         let table = grid(&sweep());

@@ -3,11 +3,11 @@
 use super::data::{Own, SweepPoint, SweepSummary};
 use crate::size::amount;
 
-/// A field that was varied.
+/// A varied field.
 pub(super) struct Field<'a> {
     /// Its path.
     pub path: &'a str,
-    /// Its values, numbers in order, others in that of the file.
+    /// Its values: numbers in ascending order, other values in the order of the file.
     pub values: Vec<&'a str>,
 }
 
@@ -24,7 +24,7 @@ pub(super) fn fields(summary: &SweepSummary) -> Vec<Field<'_>> {
         }
     }
     for field in &mut fields {
-        // A machine's own value is one of the sweep's where a point leaves the field as it is.
+        // A machine's own value counts as one of the sweep's if some point leaves the field unchanged.
         let kept = |own: &Own| {
             let left = |point: &SweepPoint| point.changes.iter().all(|change| change.field != own.field);
             summary.points.iter().any(|point| point.machine == own.machine && left(point))
@@ -41,7 +41,7 @@ pub(super) fn fields(summary: &SweepSummary) -> Vec<Field<'_>> {
     fields
 }
 
-/// The value that a point has in a field: what was set, or the machine's own.
+/// The value of a field at a point: the changed value, or the machine's own.
 pub(super) fn value<'a>(summary: &'a SweepSummary, point: &'a SweepPoint, field: &str) -> Option<&'a str> {
     let set = point.changes.iter().find(|change| change.field == field).map(|change| change.value.as_str());
     set.or_else(|| own(summary, &point.machine, field))
@@ -52,8 +52,8 @@ pub(super) fn own<'a>(summary: &'a SweepSummary, machine: &str, field: &str) -> 
     summary.own.iter().find(|own| own.machine == machine && own.field == field).map(|own| own.value.as_str())
 }
 
-/// Places of values along an axis from 0 to 1: numbers on a logarithmic scale if all are above zero, other values in
-/// steps.
+/// Places of values along an axis from 0 to 1: numbers on a logarithmic scale if all are above zero, other values at
+/// equal distances.
 pub(super) fn places(values: &[&str]) -> Vec<f64> {
     let numbers: Option<Vec<f64>> = values.iter().map(|value| amount(value)).collect();
     let numbers = numbers.filter(|all| all.iter().all(|&number| number > 0.0));

@@ -1,4 +1,4 @@
-//! Cycles against DRAM bytes of all points, and the ones that none beats in both.
+//! Cycles against DRAM bytes of all points, and the points that no other beats in both.
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::fields;
@@ -14,20 +14,20 @@ use crate::report::split::{Shift, change_within};
 const PANEL: i32 = 300;
 const AXIS: i32 = 62;
 const BELOW: i32 = 54;
-/// More points than these are no picture: of the others only unbeaten ones are drawn.
+/// The most points in a plot; of the points beyond, only unbeaten ones are drawn.
 const MOST: usize = 2_000;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "front", section: (), figure };
 
-/// A point's cycles and DRAM bytes against the same machine without culling. Where that has none, as many as there are
-/// with it.
+/// A point's changes of cycles and DRAM bytes against the same machine without culling. For a figure that is 0
+/// without culling, the number with culling stands in.
 fn place(point: &SweepPoint) -> [Shift; 2] {
     let [cycles, bytes] = point.split.shifts();
     let all = |number: u64| Shift { share: number as f64, half_width: None };
     [cycles.unwrap_or(all(point.split.cycles[2])), bytes.unwrap_or(all(point.split.dram[2].0))]
 }
 
-/// Which points no other of the same machine and policy beats in both.
+/// For each point, whether no other point of the same machine and policy beats it in both figures.
 fn unbeaten(points: &[(usize, &SweepPoint)]) -> Vec<bool> {
     let mut order: Vec<usize> = (0..points.len()).collect();
     let at = |index: usize| {
@@ -133,7 +133,7 @@ fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
                 (x(cycles.share), y(bytes.share))
             };
             let mut names_of = Names::default();
-            // What the axis says.
+            // The texts of the axis.
             names_of.keep(((AXIS, top + PANEL), (end, top + PANEL + LINE)));
             for (series, point) in points.iter().filter(|_| is_sampled && points.len() <= MOST) {
                 let ((left, top), [cycles, bytes]) = (at(point), place(point).map(Shift::ends));
@@ -169,7 +169,7 @@ mod tests {
     use crate::report::run::tests::sample::sweep;
     use crate::report::sweep::data::Change;
 
-    /// Who reads which point is the fastest, reads what its interval leaves open, too.
+    /// The sentence that names the fastest point gives its interval too.
     #[test]
     fn samples_have_intervals_and_what_is_exact_has_none() {
         let mut summary = sweep();

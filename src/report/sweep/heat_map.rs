@@ -1,4 +1,4 @@
-//! Two fields that were varied together: a map a machine and policy, a cell a pair of values.
+//! Two fields that were varied together: one map per machine and policy, one cell per pair of values.
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, value};
@@ -16,7 +16,7 @@ const COLUMNS: i32 = 84;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "heat-map", section: (), figure };
 
-/// A point's cycles against no culling.
+/// A point's change of cycles by culling.
 fn gain(point: &SweepPoint) -> f64 {
     point.split.cycles[2] as f64 / point.split.cycles[0].max(1) as f64 - 1.0
 }
@@ -102,7 +102,7 @@ fn map(
     Ok(())
 }
 
-/// A colour as strong as a change is large.
+/// A colour whose opacity grows with the change.
 fn strength(gain: f64, most: f64) -> Color {
     let color = if gain < 0.0 { GREEN } else { VERMILLION };
     faded(color, 0.06 + 0.5 * gain.abs() / most)

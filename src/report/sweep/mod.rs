@@ -1,4 +1,4 @@
-//! The report of a sweep: what culling saves and costs on machines that differ in named fields.
+//! The report of a sweep: savings and costs of culling on machines that differ in named fields.
 
 mod bytes;
 mod curves;

@@ -1,4 +1,4 @@
-//! How far each of many fields moves cycles: a bar from its best to its worst value.
+//! The effect of each of several fields on cycles: a bar from the best to the worst value.
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::{Field, fields, value};
@@ -7,13 +7,13 @@ use crate::report::draw::reach::{Reach, reaches};
 use crate::report::draw::{Figure, Plot};
 use crate::report::format::{percent, signed};
 
-/// Fewer fields are told by curves or a map.
+/// The least number of fields for this plot; fewer fields have curves or a map.
 const MANY: usize = 3;
 
 pub(super) const PLOT: Plot<SweepSummary> = Plot { name: "sensitivity", section: (), figure };
 
-/// Mean cycles of points with each value, over those of the machine as it is, or of all points if that was not tried;
-/// also what the intervals of the least and the most leave open between them.
+/// Mean cycles of the points with each value, over those of the baseline, or of all points if there is no baseline.
+/// Also the sum of the half widths at the least and the largest value.
 fn reach(summary: &SweepSummary, points: &[&SweepPoint], field: &Field<'_>) -> Option<(Reach, f64)> {
     let cycles = |points: &[&SweepPoint]| {
         let sum: f64 = points.iter().map(|point| point.split.cycles[2] as f64).sum();
@@ -29,7 +29,7 @@ fn reach(summary: &SweepSummary, points: &[&SweepPoint], field: &Field<'_>) -> O
             .copied()
             .filter(|point| varies(point) && value(summary, point, field.path) == Some(wanted))
             .collect();
-        // Errors of points with one value may be all alike.
+        // The errors of points with the same value may be alike, so a mean does not reduce them.
         let open = with.iter().filter_map(|point| point.half_width_to_file()).fold(0.0, f64::max);
         Some(((shown(field.path, wanted), cycles(&with)? / reference - 1.0), open))
     };
@@ -85,7 +85,7 @@ mod tests {
     use crate::report::run::tests::sample::sweep;
     use crate::report::sweep::data::{Change, Own};
 
-    /// The title where the second value of each of three fields takes so many times as many cycles as the first.
+    /// The title if the second value of each of three fields takes `times` as many cycles as the first.
     fn title(times: f64, half_width: Option<f64>) -> String {
         let mut summary = sweep();
         let own = SweepPoint { changes: Vec::new(), effect: None, ..summary.points.remove(0) };

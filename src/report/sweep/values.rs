@@ -1,4 +1,4 @@
-//! Values of fields, as numbers and as people read them.
+//! Values of fields, as numbers and in readable form.
 
 use crate::report::format::tick;
 use crate::size::{self, amount};
@@ -8,7 +8,7 @@ fn plain(value: &str) -> &str {
     value.trim().trim_matches('"')
 }
 
-/// A value of a field as people read it: sizes with a unit.
+/// A value of a field in readable form: sizes have a unit.
 pub(crate) fn shown(field: &str, value: &str) -> String {
     let is_size = field.rsplit('.').next().is_some_and(|name| name.contains("bytes"));
     let bytes = size::parse(plain(value)).ok().filter(|_| is_size);

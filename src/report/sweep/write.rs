@@ -15,7 +15,7 @@ use crate::report::split::Split;
 use crate::report::template;
 use crate::report::writer::{Report, ReportFile};
 
-/// Plots of all fields together; the curves of each come first.
+/// Plots of all fields together; the curves of each field come before them.
 const PLOTS: &[Plot<SweepSummary>] = &[heat_map::PLOT, tornado::PLOT, front::PLOT, bytes::PLOT];
 
 /// The most rows of a table on the page; the CSV has all.
@@ -65,7 +65,7 @@ impl Report for SweepSummary {
     }
 }
 
-/// The frames in a few words: `3 frames, 1 of which warms up`.
+/// The number of frames, in words: `3 frames, 1 of which warms up`.
 pub(crate) fn frames(summary: &SweepSummary) -> String {
     let frames = counted(summary.frames.len(), "frame");
     match summary.warmup.len() {
@@ -75,7 +75,7 @@ pub(crate) fn frames(summary: &SweepSummary) -> String {
     }
 }
 
-/// What the sweep found, in a sentence: what moves cycles most.
+/// The finding of the sweep: the largest effect on cycles, in a sentence.
 pub(crate) fn finding(summary: &SweepSummary) -> String {
     let mut found = [tornado::PLOT, heat_map::PLOT].into_iter().filter_map(|plot| (plot.figure)(summary));
     let title = found.next().map(|figure| figure.title).or_else(|| curves::finding_of_first(summary));

@@ -1,6 +1,6 @@
-//! Reference and policy beside each other, wrong pixels outlined.
+//! Reference and policy side by side, with wrong pixels outlined.
 //!
-//! A policy's picture is that of the reference with the pixels that differ on top: so much smaller a page is.
+//! A policy's picture consists of the reference and, on top, the pixels that differ: this keeps the page small.
 
 use std::io::Cursor;
 
@@ -15,7 +15,7 @@ use crate::report::run::files::PngPicture;
 use crate::report::run::pictures::{PictureKind, Rgb};
 use crate::report::run::summary::Summary;
 
-/// What stands out in a picture of wrong pixels, with its name and colour.
+/// The outlined kinds of wrong pixels, with their colours.
 const OUTLINED: [(&str, Color); 3] =
     [("numeric difference", NUMERIC), ("false lit", FALSE_LIT), ("false dark", FALSE_DARK)];
 
@@ -30,7 +30,7 @@ struct Pixels {
     rgb: Vec<Rgb>,
 }
 
-/// A PNG file's pixels; `None` if the file is none of ours: red, green and blue of 8 bits each.
+/// A PNG file's pixels; `None` if the file has another format than the program's: red, green and blue of 8 bits each.
 fn pixels(png: &[u8]) -> Option<Pixels> {
     let mut reader = png::Decoder::new(Cursor::new(png)).read_info().ok()?;
     let mut bytes = vec![0; reader.output_buffer_size()?];
@@ -55,11 +55,11 @@ fn overlay(base: &Pixels, image: &Pixels) -> Option<Vec<u8>> {
     Some(file)
 }
 
-/// The outline of all pixels of a colour, as the path of an SVG: sides of pixels, those in a row joined.
+/// The outline of all pixels of a colour, as an SVG path; consecutive sides of pixels are joined.
 fn outline(image: &Pixels, color: Color) -> String {
     let wanted = [color.0, color.1, color.2];
     let is = |x: usize, y: usize| x < image.width && y < image.height && image.rgb[y * image.width + x] == wanted;
-    // Whether a side lies between a pixel and the one before it; at 0 there is none before.
+    // Whether there is a side between a pixel and its predecessor; index 0 has no predecessor.
     let above = |x: usize, y: usize| is(x, y) != (y > 0 && is(x, y - 1));
     let before = |x: usize, y: usize| is(x, y) != (x > 0 && is(x - 1, y));
     let mut path = String::new();
@@ -96,8 +96,8 @@ fn find<'a>(
     pictures.iter().find(|(it, _)| it.frame == frame && it.kind == kind && it.policy.as_deref() == policy)
 }
 
-/// References of all frames that have pictures, and a comparison a frame and policy, the frame with the most wrong
-/// pixels first.
+/// References of all frames with pictures, and a comparison per frame and policy; frames with the most wrong
+/// decisions come first.
 pub(super) fn comparisons(summary: &Summary, pictures: &[PngPicture]) -> (Vec<Value>, Vec<Value>) {
     let mut frames: Vec<u32> = Vec::new();
     for (info, _) in pictures {
@@ -118,7 +118,7 @@ pub(super) fn comparisons(summary: &Summary, pictures: &[PngPicture]) -> (Vec<Va
     (references, all)
 }
 
-/// The first frame to be looked at: of those with pictures, or of all, the one with the most wrong decisions.
+/// The frame to look at first: the one with the most wrong decisions among those with pictures, or among all.
 pub(super) fn worst_frame(summary: &Summary) -> Option<u32> {
     let of_pictures = summary.pictures.iter().map(|picture| picture.frame);
     let worst = of_pictures.max_by_key(|&frame| wrong_in(summary, frame));

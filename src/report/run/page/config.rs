@@ -1,9 +1,9 @@
-//! The configuration as run, with what differs from defaults marked.
+//! The configuration as run, with deviations from defaults marked.
 
 use minijinja::{Value, context};
 
-/// The lines of a configuration in RON with half its indentation, one field a line, each with whether it or a part of
-/// it is one of the paths `changed`.
+/// The lines of a configuration in RON with half their indentation, one field per line. Each line tells whether its
+/// path is one of `changed`.
 pub(super) fn lines(config: &str, changed: &[String]) -> Vec<Value> {
     let mut path: Vec<String> = Vec::new();
     let line = |line: &str| {

@@ -1,4 +1,4 @@
-//! What machines leave out, and how large it is: the sizes of docs/model/not-modelled.md from the run's own counts.
+//! Traffic that machines leave out: the sizes of docs/model/not-modelled.md, from the run's own counts.
 
 use crate::quantity::Bytes;
 use crate::report::format::bytes;
@@ -6,7 +6,7 @@ use crate::report::grid::Grid;
 use crate::report::run::summary::{MachineRun, Summary};
 use crate::stats::TrafficClass;
 
-/// Traffic of the host: what it is, its class where a machine models it, the switch, and bytes a frame.
+/// Traffic of the host: its description, its class where a machine models it, the switch, and bytes per frame.
 struct HostTraffic {
     what: &'static str,
     class: TrafficClass,
@@ -14,7 +14,7 @@ struct HostTraffic {
     bytes: f64,
 }
 
-/// What the host moves a frame without culling; sources of the sizes: docs/model/traffic.md.
+/// The host's traffic per frame without culling; sources of the sizes: docs/model/traffic.md.
 fn host_traffic(summary: &Summary) -> Vec<HostTraffic> {
     let Some(off) = summary.baseline.as_deref().and_then(|name| summary.policies.get(name)) else { return Vec::new() };
     let frames = summary.frames.len().max(1) as f64;
@@ -41,13 +41,14 @@ fn host_traffic(summary: &Summary) -> Vec<HostTraffic> {
     ]
 }
 
-/// Whether a machine counts traffic of a class in its memory. (Rays go through the FIFOs of every machine.)
+/// Whether a machine counts traffic of a class in its memory. The FIFOs do not count: rays pass through those of
+/// every machine.
 fn counts(run: &MachineRun, class: TrafficClass) -> bool {
     let mut levels = ["dram", "ray_buffer"].iter().filter_map(|&level| run.stats.bytes.get(level));
     levels.any(|classes| classes.get(&class).is_some_and(|bytes| bytes.0 > 0))
 }
 
-/// What some machine leaves out; no rows without machines, or without a policy that culls nothing.
+/// The traffic that some machine leaves out; no rows without machines, or without a policy that culls nothing.
 pub(super) fn left_out(summary: &Summary) -> Grid {
     let baseline = summary.baseline.as_deref().unwrap_or_default();
     let runs = || summary.machines.iter().filter_map(|(name, it)| it.policies.get(baseline).map(|run| (name, run)));

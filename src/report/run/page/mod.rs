@@ -1,4 +1,4 @@
-//! `index.html`: one file that holds the whole report, pictures and plots included.
+//! `index.html`: one file that contains the whole report, with pictures and plots.
 
 mod compare;
 mod config;
@@ -76,7 +76,7 @@ fn machine((name, machine): (&str, &MachineSummary), drawings: &[Drawing<Section
     context! { name, fidelity => machine.fidelity.as_str(), dram, plots, choice, split, reuse }
 }
 
-/// The legend of mode words: a row a shadow mode, a colour an occlusion mode.
+/// The legend of mode words: one row per shadow mode, one colour per occlusion mode.
 fn word_colors() -> Vec<Value> {
     let row = |(shadow, name): (usize, &'static str)| {
         let colors: Vec<String> =

@@ -7,7 +7,7 @@ use crate::report::run::summary::{MachineRun, PolicySummary, Psnr, Summary};
 use crate::report::run::tables::{OF_POLICIES, PolicyColumn, interval_of, of_policies, share_of_shadow_rays};
 use crate::stats::Accuracy;
 
-/// What columns mean.
+/// The meanings of columns.
 pub(super) const MEANINGS: &[(&str, &str)] = &[
     ("skipped", "share of shadow rays answered without being traced"),
     ("dynamic only", "share of shadow rays traced among dynamic objects only"),
@@ -41,7 +41,7 @@ fn culling(summary: &Summary) -> impl Iterator<Item = (&str, &PolicySummary)> {
     summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name))
 }
 
-/// What each policy that culls did to shadow rays.
+/// The effect of each culling policy on shadow rays.
 pub(super) fn policies(summary: &Summary) -> Grid {
     let further: [PolicyColumn; 2] = [
         ("wrong share", |policy| share_of_shadow_rays(policy, policy.counts.wrong())),
@@ -88,7 +88,7 @@ pub(super) fn machines(summary: &Summary) -> Grid {
         ),
     };
     let runs = || summary.machines.iter().flat_map(|(name, it)| it.policies.iter().map(move |run| (name, it, run)));
-    // Of exact runs there is nothing to say.
+    // If all runs are exact, the column of intervals is left out.
     let any = runs().any(|(.., (_, run))| shares(run).is_some());
     let columns = HEAD.len() - usize::from(!any);
     let rows = runs().map(|(name, machine, (policy, run))| {
@@ -130,7 +130,7 @@ pub(super) fn lights(summary: &Summary) -> Grid {
     }
 }
 
-/// What happened in each frame: a row a frame, and the figures of the page's slider.
+/// The figures of each frame, one row per frame; the page's slider shows them too.
 pub(super) fn frames(summary: &Summary) -> Grid {
     let mut head = vec!["frame".to_owned()];
     for (name, _) in culling(summary) {
@@ -156,7 +156,7 @@ pub(super) fn frames(summary: &Summary) -> Grid {
     Grid { head, names: 1, rows: summary.frames.iter().map(row).collect() }
 }
 
-/// Wall time and own speed a stage.
+/// Wall time and simulation speed, one row per stage.
 pub(super) fn wall(summary: &Summary) -> Grid {
     let row = |(stage, seconds): (&str, &f64)| {
         let speed = summary.simulated_rays_per_wall_second.get(stage);

@@ -1,4 +1,4 @@
-//! The finding in a sentence, and a tile a machine.
+//! The finding in a sentence, and one tile per machine.
 
 use minijinja::{Value, context};
 
@@ -7,14 +7,14 @@ use crate::report::format::{bytes, change, exact, joules, milliseconds, or_absen
 use crate::report::run::limits::{Limit, limit};
 use crate::report::run::summary::{MachineRun, MachineSummary, PolicySummary, Summary};
 
-/// A change of time smaller than this is none.
+/// A smaller change of time counts as none.
 const SAME: f64 = 0.02;
 
-/// A machine's fastest policy that culls, beside the run without culling.
+/// A machine's fastest culling policy, compared with the run without culling.
 struct Best<'a> {
     machine: &'a str,
     policy: &'a str,
-    /// Time with over time without, less 1.
+    /// Time with culling over time without, minus 1.
     change: f64,
     limit: Option<Limit>,
 }
@@ -23,7 +23,7 @@ fn without<'a>(summary: &'a Summary, machine: &'a MachineSummary) -> Option<&'a 
     machine.policies.get(summary.baseline.as_deref()?)
 }
 
-/// The fastest of the policies that cull.
+/// The fastest culling policy.
 fn fastest<'a>(summary: &Summary, machine: &'a MachineSummary) -> Option<(&'a str, &'a MachineRun)> {
     let culling = machine.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     culling.min_by_key(|(_, run)| run.stats.cycles)
@@ -35,7 +35,7 @@ fn best<'a>(summary: &'a Summary, name: &'a str, machine: &'a MachineSummary) ->
     Some(Best { machine: name, policy, change: run.milliseconds_per_frame? / before - 1.0, limit: limit(run) })
 }
 
-/// What the run found, in a sentence or two.
+/// The finding of the run, in one sentence.
 pub(super) fn finding(summary: &Summary) -> String {
     let bests: Vec<Best<'_>> = summary.machines.iter().filter_map(|(name, it)| best(summary, name, it)).collect();
     let Some(first) = bests.first() else { return without_machines(summary) };
@@ -98,7 +98,7 @@ fn without_machines(summary: &Summary) -> String {
     }
 }
 
-/// A figure of a tile: its name, its value, the value as text, and whether less is better.
+/// A figure of a tile: its name, its value, the function that formats it, and whether less is better.
 type Figure = (&'static str, fn(&MachineRun) -> Option<f64>, fn(f64) -> String, bool);
 
 const FIGURES: [Figure; 4] = [

@@ -1,4 +1,4 @@
-//! Bytes moved a level and class, with and without culling.
+//! Bytes moved by level and class, with and without culling.
 
 use super::machine::{Machine, MachinePlot};
 use crate::quantity::Bytes;
@@ -17,7 +17,7 @@ fn total(run: &MachineRun, level: &str) -> Option<Bytes> {
 
 fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let mut levels = machine.keys(|run| &run.stats.bytes);
-    // From the units outwards: L1s, L2, and what is neither, DRAM.
+    // From the units outwards: L1s and L2 come first, then the other levels, such as DRAM.
     levels.sort_by_key(|level| if level.starts_with('l') { (0, *level) } else { (1, *level) });
 
     let mut max: f64 = 1.0;

@@ -1,4 +1,4 @@
-//! The machine as a block diagram: boxes filled by cause of cycles, edges as wide as bytes.
+//! The machine as a block diagram: boxes filled by cause of cycles, edges whose width shows bytes.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ pub(super) const PLOT: MachinePlot = MachinePlot { name: "diagram", figure };
 /// Height of a unit's row, and of its box below its name.
 const ROW: i32 = 58;
 const BOX: i32 = 22;
-/// Height of the DRAM's row, with the edge above it.
+/// Height of the DRAM's row and of the edge above it.
 const DRAM: i32 = 78;
 /// Width of the widest edge.
 const WIDEST: f64 = 22.0;
@@ -47,20 +47,20 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     })
 }
 
-/// A kind of units.
+/// A kind of unit.
 struct Unit {
     name: String,
     count: u64,
     /// Shares of cycles, in the order of [`Cause::ALL`].
     causes: [f64; Cause::ALL.len()],
-    /// Bytes a frame to its L1 and from there to the L2, and the L1's hit rate.
+    /// Bytes per frame to its L1 and from there to the L2, and the L1's hit rate.
     l1: Option<(f64, f64, f64)>,
 }
 
 struct Diagram {
     dispatcher: Option<Unit>,
     units: Vec<Unit>,
-    /// Bytes a frame through the FIFOs, to the L2, from there to the DRAM, and from the host's port to the DRAM.
+    /// Bytes per frame through the FIFOs, to the L2, from there to the DRAM, and from the host's port to the DRAM.
     fifos: f64,
     l2: f64,
     dram: f64,
@@ -76,7 +76,8 @@ impl Diagram {
         let a_frame = |level: &str| stats.moved(level).0 as f64 / frames as f64;
         let of_host = stats.bytes.get("dram").into_iter().flatten().filter(|(class, _)| class.is_of_host());
         let host = of_host.map(|(_, moved)| moved.0).sum::<u64>() as f64 / frames as f64;
-        // What an L1 asks of the L2: lines that it misses, and words that it passes or writes back.
+        // Requests of an L1 to the L2: missed lines, and words that it passes on or writes back. They divide the
+        // bytes of the L2 among the L1s.
         let asked = |cache: &str| -> u64 {
             let classes = stats.caches.get(cache).into_iter().flat_map(|classes| classes.values());
             classes.map(|it| it.counts.misses + it.counts.passed_writes + it.counts.write_backs).sum()
@@ -99,7 +100,7 @@ impl Diagram {
             }
         };
         let (dispatcher, units) = stats.units.iter().partition::<Vec<_>, _>(|(name, _)| *name == "dispatcher");
-        // A unit that had nothing to do is no part of the picture.
+        // A kind of unit without any ray is left out.
         let units: Vec<Unit> = units.into_iter().map(unit).filter(|it| it.causes[Cause::ALL.len() - 1] < 1.0).collect();
         let diagram = Self {
             dispatcher: dispatcher.into_iter().map(unit).next(),
@@ -137,7 +138,7 @@ impl Diagram {
     fn paint(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
         let at = |share: f64| (f64::from(canvas.width()) * share).round() as i32;
         let right = canvas.width() - LEFT;
-        // The host's edge goes down beside the L2.
+        // The host's edge runs down beside the L2.
         let beside = if self.host > 0.0 { self.stroke(self.host) as i32 + 14 } else { 0 };
         let (unit, l1, l2) = ((LEFT, at(0.42)), (at(0.57), at(0.72)), (at(0.85), right - beside));
         let (first, last) = (ROW, ROW * (1 + self.units.len() as i32));
@@ -192,16 +193,20 @@ impl Diagram {
     }
 }
 
-/// A kind of units: its name, and a box filled by causes.
+/// Draws a kind of unit: its name, and a box filled by causes.
 fn block(canvas: &Canvas<'_>, unit: &Unit, (left, right): (i32, i32), top: i32) -> Result<(), DrawError> {
-    let name = format!("{} \u{d7}{}", unit.name, unit.count);
+    let count = if unit.count == 1 && canvas.is_narrow() { String::new() } else { format!(" \u{d7}{}", unit.count) };
+    let name = unit.name.clone() + &count;
     let busy = percent(unit.causes[0]);
     let (look, busy) = match canvas.is_narrow() {
         true => (Text::NOTE.bold(), format!("{:.0} %", unit.causes[0] * 100.0)),
         false => (Text::LABEL.bold(), format!("{busy} busy")),
     };
     canvas.text(&name, (left, top + LINE / 2), look)?;
-    canvas.text(&busy, (right, top + LINE / 2), Text::NOTE.right())?;
+    // Where there is no room for it, the box alone tells the share.
+    if look.width(&name) + 6 + Text::NOTE.width(&busy) <= right - left {
+        canvas.text(&busy, (right, top + LINE / 2), Text::NOTE.right())?;
+    }
     let at = |share: f64| left + (share * f64::from(right - left)).round() as i32;
     let mut from = 0.0;
     for (share, cause) in unit.causes.into_iter().zip(Cause::ALL) {

@@ -1,4 +1,4 @@
-//! What the DRAM's column commands met: an open row, no row, another row.
+//! DRAM column commands by the state of the row: open, none open, another one open.
 
 use super::machine::{Machine, MachinePlot};
 use crate::report::draw::Figure;

@@ -1,4 +1,4 @@
-//! Hit rates a cache and class, with and without culling.
+//! Hit rates by cache and class, with and without culling.
 
 use super::machine::{Machine, MachinePlot};
 use crate::report::draw::Figure;

@@ -1,4 +1,4 @@
-//! What a machine measured, as its plots see it.
+//! A machine's measurements, as input of its plots.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -8,11 +8,11 @@ use crate::report::format::change;
 use crate::report::run::over_time::{OverTime, Span};
 use crate::report::run::summary::{MachineRun, MachineSummary, Summary};
 
-/// A plot that is drawn once a machine.
+/// A plot that is drawn once per machine.
 pub(super) struct MachinePlot {
     /// Its name in files; the machine's name follows.
     pub name: &'static str,
-    /// Its figure; none where the machine has nothing to show.
+    /// Its figure; `None` if the machine has nothing to show.
     pub figure: for<'a> fn(&'a Machine<'a>) -> Option<Figure<'a>>,
 }
 
@@ -30,7 +30,7 @@ impl<'a> Machine<'a> {
         self.found.policies.iter()
     }
 
-    /// Whether `policy` is the one without culling.
+    /// Whether `policy` is the baseline, which does not cull.
     pub(super) fn is_baseline(&self, policy: &str) -> bool {
         self.run.baseline.as_deref() == Some(policy)
     }
@@ -50,7 +50,8 @@ impl<'a> Machine<'a> {
         policy_color(self.run, policy)
     }
 
-    /// How `figure` changes against the run without culling: `-42.2 % with Published`, or from the least to the most.
+    /// The change of `figure` against the run without culling: `-42.2 % with Published`; for several policies, the
+    /// least and the largest change.
     pub(super) fn changes(&self, figure: impl Fn(&MachineRun) -> Option<f64>) -> Option<String> {
         let before = figure(self.baseline_run()?).filter(|&before| before > 0.0)?;
         let mut all: Vec<(&str, f64)> = self.culling().filter_map(|(name, run)| Some((name, figure(run)?))).collect();
@@ -62,19 +63,19 @@ impl<'a> Machine<'a> {
         Some(format!("{} with {least} to {} with {most}", change(before, first)?, change(before, last)?))
     }
 
-    /// What a policy's run did over time; empty where nobody watched.
+    /// The spans of a policy's run; empty if the machine was not replayed by `Event` or `Cycle`.
     pub(super) fn spans(&self, policy: &str) -> &'a [Span] {
         self.over_time.get(&(self.name.to_owned(), policy.to_owned())).map_or(&[], Vec::as_slice)
     }
 
-    /// All keys that the runs have, in order.
+    /// The keys of all runs, in order.
     pub(super) fn keys<T>(&self, of: fn(&'a MachineRun) -> &'a BTreeMap<String, T>) -> Vec<&'a str> {
         let keys: BTreeSet<&str> = self.runs().flat_map(|(_, run)| of(run).keys().map(String::as_str)).collect();
         keys.into_iter().collect()
     }
 }
 
-/// The colour of a policy of a run, the same in all its plots.
+/// The colour of a policy of a run: the same in all plots.
 pub(super) fn policy_color(run: &Summary, policy: &str) -> Color {
     let is_baseline = |name: &str| run.baseline.as_deref() == Some(name);
     let mut culling = run.policies.iter().filter(|(name, _)| !is_baseline(name));

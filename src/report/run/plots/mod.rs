@@ -1,5 +1,5 @@
-//! Plots of a run, each in a file of its own. To add one, write its file and name it in [`RUN_PLOTS`] or
-//! [`MACHINE_PLOTS`].
+//! Plots of a run, each in a file of its own. To add a plot, write its file and add it to [`RUN_PLOTS`],
+//! [`FRAME_PLOTS`] or [`MACHINE_PLOTS`].
 
 mod bytes;
 mod diagram;
@@ -24,13 +24,13 @@ use machine::{Machine, MachinePlot};
 
 pub(super) use section::Section;
 
-/// Plots drawn once a run, in the page's order.
+/// Plots drawn once per run, in the page's order.
 const RUN_PLOTS: &[Plot<Summary, Section>] = &[saving::PLOT, wrong::PLOT, tradeoff::PLOT];
 
-/// Plots over frames drawn once a machine, in the page's order.
+/// Plots over frames drawn once per machine, in the page's order.
 const FRAME_PLOTS: &[MachinePlot] = &[times::PLOT];
 
-/// Plots drawn once a machine, in the page's order.
+/// Plots drawn once per machine, in the page's order.
 const MACHINE_PLOTS: &[MachinePlot] = &[
     diagram::PLOT,
     utilization::PLOT,
@@ -42,7 +42,7 @@ const MACHINE_PLOTS: &[MachinePlot] = &[
     dram_rows::PLOT,
 ];
 
-/// All plots of a run that there is data for.
+/// Draws all plots of a run that have data.
 pub(super) fn draw(summary: &Summary, over_time: &OverTime) -> Result<Vec<Drawing<Section>>, DrawError> {
     let mut drawings = draw_all(summary, RUN_PLOTS)?;
     let names = file_names(summary.machines.iter().map(|(name, _)| name));

@@ -1,5 +1,5 @@
-//! A strip of time: what each kind of units did from the begin of a frame to its end, and how much of the DRAM's
-//! bandwidth was used.
+//! Strips over the time of the measured frames: the cycles of each kind of unit by cause, and the DRAM's share of peak
+//! bandwidth.
 
 use super::machine::{Machine, MachinePlot};
 use crate::report::draw::Figure;
@@ -18,16 +18,16 @@ pub(super) const PLOT: MachinePlot = MachinePlot { name: "over_time", figure };
 const STRIP: i32 = 30;
 const GAP: i32 = 5;
 const HEAD: i32 = 26;
-/// Between two frames.
+/// Gap between two frames.
 const APART: i32 = 3;
-/// Spans that are drawn at most, all frames together: on a wide sheet, and on a narrow one and as data.
+/// The most spans to draw, all frames together: on a wide sheet; and on a narrow sheet or as data.
 const SPANS: usize = 48;
 const FEW_SPANS: usize = 24;
-/// The least share that a cause has somewhere to be drawn.
+/// A cause is drawn if it has at least this share somewhere.
 const LEAST: f64 = 0.02;
-/// A unit that works less stands still.
+/// A unit with a smaller busy share stands still.
 const STILL: f64 = 0.05;
-/// Units of a kind have a strip if they are busier than this at some time.
+/// A kind of unit has a strip if its busy share reaches this at some time.
 const WORKS: f64 = 0.2;
 
 /// A policy's run.
@@ -35,12 +35,12 @@ struct Run<'a> {
     policy: &'a str,
     spans: &'a [Span],
     clock_mhz: f64,
-    /// Bytes that the DRAM can move a cycle.
+    /// Peak bytes of the DRAM per cycle.
     peak: Option<f64>,
 }
 
 impl Run<'_> {
-    /// The spans by frame, joined until there are `most` at most, or one a frame.
+    /// The spans by frame, joined in pairs until there are at most `most`, or one per frame.
     fn frames(&self, most: usize) -> Vec<Vec<Span>> {
         let mut frames: Vec<Vec<Span>> = self.spans.chunk_by(|a, b| a.frame == b.frame).map(<[_]>::to_vec).collect();
         while frames.iter().map(Vec::len).sum::<usize>() > most.max(frames.len()) {
@@ -100,17 +100,17 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     })
 }
 
-/// The DRAM's bandwidth.
+/// The colour of the used DRAM bandwidth.
 const USED: Color = FAINT;
 
-/// How a cause looks: what a unit has no ray for is paler than in other plots, so that the others stand out.
+/// The colour of a cause. Starved units are paler than in other plots, so that the other causes stand out.
 fn look(cause: Cause) -> Color {
     let (_, color) = cause_look(cause);
     if cause == Cause::Starved { pale(color) } else { color }
 }
 
-/// How long the busiest units stand still, or how steady they are, and how full the DRAM gets, of the run that stands
-/// last.
+/// A title about the last run: how long the busiest kind of unit stands still, or how steadily it is busy, and the
+/// largest DRAM utilization.
 fn title(machine: &Machine<'_>, runs: &[Run<'_>]) -> String {
     let steady = runs.last().and_then(|run| {
         let found = machine.found.policies.get(run.policy)?;
@@ -160,7 +160,7 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
     for (run, frames) in &runs {
         canvas.text(run.policy, (LEFT, y + HEAD / 2), Text::LABEL.bold())?;
         let columns = columns(run, frames, left, scale);
-        // Names of frames, as far as there is room.
+        // Names of frames, where there is room.
         let mut free = LEFT + Text::LABEL.bold().width(run.policy) + 10;
         for (frame, places) in frames.iter().zip(&columns) {
             let (Some(span), Some(&from)) = (frame.first(), places.first()) else { continue };
@@ -192,11 +192,11 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
             y += STRIP + GAP;
         }
     }
-    // The page's script marks the chosen frame, and finds the frame that is clicked on.
+    // The page's script uses these places to mark the chosen frame and to find a clicked one.
     canvas.attribute("data-strips", &places_of_frames.join(" "));
     let step = tick_step(longest, if canvas.is_narrow() { 4 } else { 10 });
     for at in (0..).map(|tick| f64::from(tick) * step).take_while(|&at| at <= longest * 1.000_001) {
-        // Gaps between frames take no time.
+        // Gaps between frames represent no time.
         let x = left + (at / longest * f64::from(right - left)).round() as i32;
         canvas.line(vec![(x, 0), (x, y)], GRID, 1)?;
         canvas.text(&tick(at), (x, y + 12), Text::NOTE.centered())?;
@@ -204,12 +204,12 @@ fn paint(canvas: &Canvas<'_>, runs: &[Run<'_>], units: &[&str]) -> Result<(), Dr
     canvas.text("time of the measured frames, ms", ((left + right) / 2, y + 32), Text::NOTE.centered())
 }
 
-/// How many strips a run has.
+/// Number of strips of a run.
 fn strips(run: &Run<'_>, units: &[&str]) -> i32 {
     units.len() as i32 + i32::from(run.peak.is_some())
 }
 
-/// By frame, where each of its spans begins, and where the last one ends.
+/// For each frame, the columns where its spans begin, and the column where the last span ends.
 fn columns(run: &Run<'_>, frames: &[Vec<Span>], left: i32, scale: f64) -> Vec<Vec<i32>> {
     let mut passed = 0;
     let column = |passed: u64, frame: i32| left + frame * APART + (run.time(passed) * scale).round() as i32;
@@ -224,12 +224,12 @@ fn columns(run: &Run<'_>, frames: &[Vec<Span>], left: i32, scale: f64) -> Vec<Ve
     (0..).zip(frames).map(of_frame).collect()
 }
 
-/// What units of a kind did in a frame: the causes one upon the other, busy lowest.
+/// Draws the cycles of a kind of unit in a frame: stacked causes, busy at the bottom.
 fn unit_strip(canvas: &Canvas<'_>, unit: &str, frame: &[Span], places: &[i32], top: i32) -> Result<(), DrawError> {
     let (from, to) = (places[0], places[places.len() - 1]);
     canvas.rect((from, top), (to, top + STRIP), look(Cause::Starved))?;
     let mut causes: Vec<Cause> = Cause::ALL.into_iter().filter(|&cause| cause != Cause::Starved).collect();
-    // The largest sum is drawn first, and the others over it.
+    // The sum of all causes is drawn first, and smaller sums over it.
     while let Some(&last) = causes.last() {
         if frame.iter().any(|span| span.share(unit, last) >= LEAST) {
             let sum = |span: &Span| causes.iter().map(|&cause| span.share(unit, cause)).sum::<f64>();
@@ -240,7 +240,7 @@ fn unit_strip(canvas: &Canvas<'_>, unit: &str, frame: &[Span], places: &[i32], t
     Ok(())
 }
 
-/// The area below shares, each in the middle of its span.
+/// Fills the area below shares; each share lies in the middle of its span.
 fn area(canvas: &Canvas<'_>, shares: &[f64], places: &[i32], top: i32, color: Color) -> Result<(), DrawError> {
     let (Some(&first), Some(&last)) = (shares.first(), shares.last()) else { return Ok(()) };
     let (from, to, bottom) = (places[0], places[places.len() - 1], top + STRIP);
@@ -248,7 +248,7 @@ fn area(canvas: &Canvas<'_>, shares: &[f64], places: &[i32], top: i32, color: Co
     let middles = places.windows(2).zip(shares).map(|(pair, &share)| (pair[0].midpoint(pair[1]), y(share)));
     let ends = [(to, y(last)), (to, bottom)];
     let points: Vec<(i32, i32)> = [(from, bottom), (from, y(first))].into_iter().chain(middles).chain(ends).collect();
-    // What lies on a level line says nothing.
+    // Points between two others of the same height are not needed.
     let level =
         |at: usize| at > 0 && at + 1 < points.len() && points[at - 1..=at + 1].iter().all(|it| it.1 == points[at].1);
     canvas.polygon((0..points.len()).filter(|&at| !level(at)).map(|at| points[at]).collect(), color)

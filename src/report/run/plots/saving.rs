@@ -1,4 +1,4 @@
-//! What culling saved in each frame.
+//! Savings of culling in each frame.
 
 use super::machine::policy_color;
 use super::section::Section;
@@ -12,7 +12,7 @@ use crate::report::run::summary::{FrameSummary, PolicySummary, Saved, Summary};
 
 pub(super) const PLOT: Plot<Summary, Section> = Plot { name: "saving", section: Section::Frames, figure };
 
-/// A panel's heading, a frame's share and the sums of the frames' shares.
+/// A panel's heading, the share of a frame, and the shares over all frames.
 type Share = (&'static str, fn(&FrameSummary) -> Option<f64>, fn(&PolicySummary) -> &Saved);
 
 const SHARES: [Share; 2] = [

@@ -1,12 +1,12 @@
-//! Where a plot of a run stands.
+//! The section of a run's page in which a plot stands.
 
-/// The part of the page that a plot belongs to.
+/// A section of the page.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Section {
-    /// What the policies did.
+    /// Results of the policies.
     Policies,
-    /// What happened frame by frame.
+    /// Results by frame.
     Frames,
-    /// What the machine of that name measured.
+    /// Results of the machine with this name.
     Machine(String),
 }

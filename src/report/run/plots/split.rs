@@ -1,4 +1,4 @@
-//! What culling saved of the DRAM's bytes, and what its words cost, as a waterfall.
+//! DRAM bytes that culling saved, and those that mode words cost, as a waterfall.
 
 use super::machine::{Machine, MachinePlot};
 use crate::quantity::Bytes;

@@ -1,4 +1,4 @@
-//! How long a machine takes for each frame that it replayed.
+//! Simulated time of each frame that a machine replayed.
 
 use super::machine::{Machine, MachinePlot};
 use crate::report::draw::Figure;

@@ -1,4 +1,4 @@
-//! What each policy saves against what it gets wrong.
+//! Saved work of each policy against its wrong decisions.
 
 use super::section::Section;
 use crate::report::draw::bars::{Bar, BarChart, Group, Segment};
@@ -12,7 +12,7 @@ pub(super) const PLOT: Plot<Summary, Section> = Plot { name: "tradeoff", section
 fn figure(summary: &Summary) -> Option<Figure<'_>> {
     let culling = || summary.policies.iter().filter(|&(name, _)| summary.baseline.as_deref() != Some(name));
     let groups: Vec<Group> = culling().filter_map(group).collect();
-    // One policy's saving stands in the plot over frames already.
+    // For a single policy, the plot over frames shows the saving already.
     if groups.len() < 2 {
         return None;
     }
@@ -51,7 +51,7 @@ fn group((name, policy): (&str, &PolicySummary)) -> Option<Group> {
     };
     let bar = |what: &str, saved: f64, color, note: String| Bar {
         name: what.into(),
-        // Work that a policy adds has no bar; the note has its number.
+        // A policy that adds work has no bar; the note has the number.
         segments: vec![Segment { part: "saved".into(), value: saved, color }],
         note: format!("{}{note}", percent(saved)),
     };

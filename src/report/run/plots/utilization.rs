@@ -1,4 +1,4 @@
-//! What every unit did in every cycle: utilisation, and the cause of each lost cycle.
+//! Cycle breakdown of the units: utilisation, and the cause of each lost cycle.
 
 use super::machine::{Machine, MachinePlot};
 use crate::report::draw::Figure;

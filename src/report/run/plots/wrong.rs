@@ -25,7 +25,7 @@ fn figure(summary: &Summary) -> Option<Figure<'_>> {
     if right.is_empty() && policies.is_empty() {
         return None;
     }
-    // One scale, so that policies compare.
+    // All policies share one scale, so that they can be compared.
     let frames = policies.iter().flat_map(|(_, policy, _)| &policy.frames);
     let most = frames.filter_map(|frame| frame.counts.wrong()).max().unwrap_or(0) as f64;
     let title = match policies.iter().max_by_key(|(_, _, wrong)| *wrong) {
@@ -79,7 +79,7 @@ fn figure(summary: &Summary) -> Option<Figure<'_>> {
     })
 }
 
-/// A bar a frame: false dark, and false lit on top of it.
+/// One bar per frame: false dark, and false lit on top.
 fn bars(
     canvas: &Canvas<'_>,
     panel: &Panel<'_, '_>,
@@ -94,7 +94,7 @@ fn bars(
             let count = count.unwrap_or(0);
             if count > 0 {
                 let (from, to) = (panel.y(under as f64), panel.y((under + count) as f64));
-                // What is there is seen, however little it is.
+                // A count above zero is at least one pixel high, so that it is visible.
                 canvas.rect((x - half, to.min(from - 1)), (x + half, from), color)?;
             }
             under += count;

@@ -1,4 +1,4 @@
-//! Tests of a run's report, and of what all reports have in common.
+//! Tests of a run's report, and of features that all reports share.
 
 pub(crate) mod sample;
 
@@ -17,19 +17,19 @@ use crate::report::writer::{self, SUMMARY_FILE};
 use crate::stats::{Accuracy, MachineStats, Residual, Residuals};
 use crate::stream::Totals;
 
-/// A directory for a test, and the place of a report in it.
+/// A directory for a test, and the path of a report in it.
 fn place() -> (tempfile::TempDir, PathBuf) {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("reports/sample");
     (dir, target)
 }
 
-/// Writes a report at `target`.
+/// Writes a report to `target`.
 fn write(target: &Path, report: &RunFiles) -> Result<PathBuf, ReportError> {
     writer::write(&ResultsFolder::claim(target)?, report)
 }
 
-/// Draws the report at `target` again.
+/// Redraws the report at `target`.
 fn drawn_again(target: &Path) -> Result<PathBuf, ReportError> {
     redraw(&ResultsFolder::claim(target)?)
 }
@@ -49,7 +49,7 @@ fn files(dir: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     found
 }
 
-/// The paths of all keys; names of things that are the experiment's stand as `NAME`.
+/// The paths of all keys; names from the experiment are replaced by `NAME`.
 fn keys(value: &serde_json::Value, path: &str, found: &mut BTreeSet<String>) {
     const BY_NAME: [&str; 7] =
         [".policies", ".machines", ".split", ".provenance", ".made", ".wall_seconds", "per_wall_second"];
@@ -71,9 +71,9 @@ fn keys(value: &serde_json::Value, path: &str, found: &mut BTreeSet<String>) {
 fn a_change_between_samples_of_other_windows_is_as_sure_as_both() {
     let mut summary = sample(&[0]).summary;
     let rows = super::terminal::machines(&summary).rows;
-    // The cycles of each are known within 1 %, the bytes within 2 %; 0.89 and 1.3 times as many are left.
+    // Each run's cycles are known within 1 %, its bytes within 2 %; the ratios are 0.89 and 1.3.
     assert!(rows[0][3].ends_with("\u{b1} 1.8 %") && rows[0][5].contains('\u{b1}'), "{rows:?}");
-    // Of the same windows, which are off alike, the change is known better than either.
+    // Samples of the same windows have the same errors, so the change is known better than either run.
     let point = |at: usize| Residual { place: at as f64, stratum: at / 2, weight: 1.0, errors: [0.001 * at as f64; 3] };
     let points = (0..16).map(point).collect();
     let residuals = Residuals { window_pixels: 512, seed: 0, freedom: [8.0; 3], points, change: None };
@@ -166,7 +166,7 @@ fn saved_shares_follow_their_definition() {
 
     let alone = PolicySummary::new(&[with(0, 89, 43)], Vec::new(), None);
     assert_eq!(alone.traversal_saved, Default::default());
-    // Without the same frames in the baseline there is no share over all.
+    // If the baseline lacks some of the frames, there is no share over all frames.
     let partly = PolicySummary::new(&[with(0, 89, 43), with(8, 1, 1)], Vec::new(), Some(&baseline));
     assert_eq!((partly.frames[1].traversal_saved, partly.traversal_saved.total), (None, None));
 }
@@ -193,7 +193,7 @@ fn the_terminal_gets_a_screenful() {
     insta::assert_snapshot!(text);
 }
 
-/// Fails unless every tag is closed in order, every attribute quoted and every `&` begins an entity.
+/// Fails unless every tag is closed in order, every attribute is quoted and every `&` begins an entity.
 fn assert_well_formed(svg: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut roots = 0;
@@ -288,7 +288,7 @@ fn the_page_has_every_part_and_needs_no_other_file() {
     let plots = plots::draw(&report.summary, &report.over_time).unwrap();
     assert_eq!(page.matches("<svg class=\"wide\"").count(), plots.len());
     assert_eq!(page.matches("<svg class=\"narrow\"").count(), plots.len());
-    // References once, what differs from them a policy; mode words.
+    // Each reference once, one overlay per policy, and mode words.
     assert!(page.matches("href=\"data:image/png;base64,").count() > 1);
     assert_eq!(page.matches("<script>").count(), 1);
     assert!(!page.contains("src=\"http") && !page.contains("@import") && !page.contains("url("));
@@ -339,7 +339,7 @@ fn a_failure_leaves_the_place_as_it_was() {
     let error = RunFiles::new(summary, config, &images).unwrap_err();
     assert!(matches!(&error, ReportError::Picture { file, .. } if file.contains("words-light0")), "{error}");
     let mut report = sample(&[0, 16]);
-    // A picture in a folder whose name a file has is found out when much is written already.
+    // A picture in a folder with the name of a file fails only after other files are written.
     report.pictures[3].0.file = "pictures/frame0000-reference.png/words.png".into();
     let error = write(&target, &report).unwrap_err();
     assert!(matches!(&error, ReportError::Write { path, .. } if path.starts_with(&target)), "{error}");

@@ -1,4 +1,4 @@
-//! Reports for tests, with numbers made up.
+//! Reports for tests, with invented numbers.
 
 use std::collections::BTreeMap;
 
@@ -24,7 +24,7 @@ use crate::validate::PixelVerdict;
 
 const SIZE: Resolution = Resolution { width: 96, height: 72 };
 
-/// What a policy does that saves `share` in a frame.
+/// The counts of a policy that saves `share` in a frame.
 pub(crate) fn frame(number: u32, share: f64, wrong: u64) -> FrameResult {
     let left = |work: f64| (work * (1.0 - share)) as u64;
     let tests = if share == 0.0 { 0 } else { 53_000 };
@@ -159,7 +159,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
             classes: BTreeMap::from([(TrafficClass::Node, 0.5 * joules)]),
         }),
         half_widths: BTreeMap::from([("bytes.dram.node".into(), 9e6)]),
-        // Of windows of its own.
+        // Each run has windows of its own.
         residuals: Some(Residuals {
             window_pixels: 512,
             seed: (joules * 1e6) as u64,
@@ -175,14 +175,14 @@ fn machine(share: f64, words: u64) -> MachineRun {
     MachineRun::from(stats)
 }
 
-/// A report such as a run makes, with frame numbers `frames`.
+/// A report like that of a run, with frame numbers `frames`.
 pub(crate) fn sample(frames: &[u32]) -> RunFiles {
     let (summary, config, images) = parts(frames);
     let over_time = over_time(&summary);
     RunFiles { over_time, ..RunFiles::new(summary, config, &images).unwrap() }
 }
 
-/// What the machines of `summary` did in ten spans of frame 16 each, busier and busier.
+/// Ten spans of frame 16 for every machine of `summary`; the busy cycles grow from span to span.
 pub(crate) fn over_time(summary: &Summary) -> OverTime {
     let span = |run: &MachineRun, at: u64| {
         let whole = Span::new(16, 0, &run.stats);
@@ -199,7 +199,7 @@ pub(crate) fn over_time(summary: &Summary) -> OverTime {
     summary.machines.iter().flat_map(of).collect()
 }
 
-/// What a run hands to its report: numbers, the experiment as run, and pictures.
+/// The parts of a run's report: numbers, the experiment as run, and pictures.
 pub(crate) fn parts(frames: &[u32]) -> (Summary, String, Vec<(PictureInfo, Image)>) {
     let wave = |number: u32| 0.19 + 0.3 * (f64::from(number) / 90.0).sin() * (f64::from(number) / 700.0);
     let results = |of: &dyn Fn(u32) -> FrameResult| frames.iter().map(|&number| of(number)).collect::<Vec<_>>();
