@@ -1,9 +1,9 @@
-//! Names that are nearly another name.
+//! Finds names that are similar to a misspelt one.
 
-/// How alike two names must be for one to be proposed in place of the other, from 0 to 1.
+/// The least similarity (Jaro-Winkler, from 0 to 1) for a name to be proposed in place of another. Assumed.
 const ALIKE: f64 = 0.7;
 
-/// The name among `names` that is most like `name`, if one is alike.
+/// The name among `names` that is most similar to `name`, if any is similar enough.
 pub(crate) fn closest<'a>(name: &str, names: &[&'a str]) -> Option<&'a str> {
     let small = name.to_lowercase();
     let alike = names.iter().map(|other| (strsim::jaro_winkler(&small, &other.to_lowercase()), *other));

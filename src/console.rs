@@ -1,4 +1,4 @@
-//! What a command says on standard error while it works: notes, warnings, and whether progress is shown.
+//! Messages of a command on standard error: notes, warnings, and whether progress is shown.
 
 use std::fmt::Display;
 use std::io::{IsTerminal, Write, stderr};
@@ -6,30 +6,30 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static QUIET: AtomicBool = AtomicBool::new(false);
 
-/// From here on nothing but errors is said.
+/// Suppresses notes, warnings and progress from now on.
 pub(crate) fn be_quiet() {
     QUIET.store(true, Ordering::Relaxed);
 }
 
-/// Whether nothing but errors is said.
+/// Whether notes, warnings and progress are suppressed.
 pub(crate) fn is_quiet() -> bool {
     QUIET.load(Ordering::Relaxed)
 }
 
-/// Says a line that is said even where a command is quiet. A standard error that is full or closed loses it: the
-/// results do not depend on what is said.
+/// Writes a line even if the command is quiet. If standard error is full or closed, the line is lost: results do not
+/// depend on messages.
 pub(crate) fn tell(text: impl Display) {
     _ = writeln!(stderr(), "{text}");
 }
 
-/// Says a line.
+/// Writes a line, unless the command is quiet.
 pub(crate) fn note(text: impl Display) {
     if !is_quiet() {
         tell(text);
     }
 }
 
-/// Says that something is not as a user is likely to want it; in yellow on a terminal.
+/// Warns of something that the user probably does not want; in yellow on a terminal.
 pub(crate) fn warn(text: impl Display) {
     let is_coloured = stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|set| set.is_empty());
     note(if is_coloured { format!("\x1b[33mwarning:\x1b[0m {text}") } else { format!("warning: {text}") });

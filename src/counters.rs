@@ -1,13 +1,13 @@
 //! Counters, each declared once by name, unit and meaning.
 //!
 //! [`counters!`] makes the struct, its documentation, sum and difference from a declaration. Reports, tables,
-//! `explain` and the stream's file read [`Counter`]s from it. A new counter is a line in its declaration and the line
+//! `explain` and the stream's file read [`Counter`]s from it. A new counter takes one line in its declaration and one
 //! that counts.
 
-/// What a counter is.
+/// The description of a counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Counter {
-    /// Its name: that of the struct's field and of the number in files.
+    /// Its name, both of the struct's field and in files.
     pub name: &'static str,
     /// Its unit.
     pub unit: &'static str,
@@ -15,7 +15,7 @@ pub(crate) struct Counter {
     pub about: &'static str,
 }
 
-/// Whether two names are the same; in constants, where `==` is not.
+/// Whether two names are equal; usable in constants, unlike `==`.
 pub(crate) const fn is_same(a: &str, b: &str) -> bool {
     let (a, b) = (a.as_bytes(), b.as_bytes());
     let (mut at, mut same) = (0, a.len() == b.len());
@@ -28,8 +28,8 @@ pub(crate) const fn is_same(a: &str, b: &str) -> bool {
 
 /// Declares a struct of `u64` counters: `counters! { pub struct Counts { hits: "accesses", "the line was there"; } }`.
 ///
-/// The fields of `peaks { ... }` behind the struct are maxima: a sum takes the larger one, and a difference keeps that
-/// of the later counts.
+/// The fields of `peaks { ... }` after the struct are maxima: a sum takes the larger one, a difference takes the later
+/// one.
 macro_rules! counters {
     (
         $(#[$attribute:meta])*
@@ -55,10 +55,10 @@ macro_rules! counters {
                 },)+)?
             ];
 
-            /// How many of them are summed: maxima stand behind.
+            /// The number of summed counters: maxima come after them.
             pub(crate) const SUMMED: usize = [$(stringify!($field)),+].len();
 
-            /// The place of the counter `name`; an error of the compiler if there is none and this is a constant.
+            /// The index of the counter `name`. An unknown name is a compile error if this is evaluated in a constant.
             pub(crate) const fn place(name: &str) -> usize {
                 let mut place = 0;
                 while !$crate::counters::is_same(Self::DECLARED[place].name, name) {

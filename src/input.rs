@@ -1,4 +1,4 @@
-//! The one reader of a user's files: regular files only, each up to a largest size.
+//! Reads the user's files: the only place that does. It accepts only regular files, each up to a largest size.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -21,28 +21,28 @@ const MAX_SCENE_BYTES: u64 = 1 << 30;
 /// Opens the regular file at `path`.
 ///
 /// # Errors
-/// A path that is missing or not readable, or names a folder, pipe or device: the end of such may never come. A file
-/// that the command writes.
+/// The path is missing, not readable, or an output of the command; or it is a folder, pipe or device, whose end may
+/// never come.
 pub(crate) fn open(path: &Path) -> io::Result<File> {
-    // The kind is looked up before the file is opened: opening a pipe waits for its writer.
+    // The kind is checked before the file is opened, since opening a pipe waits for its writer.
     check_regular(&path.metadata()?)?;
     let file = File::open(path)?;
-    // Another file may have taken the name in between.
+    // Another file may have taken the name in the meantime.
     check_regular(&file.metadata()?)?;
     refuse_output(&file)?;
     Ok(file)
 }
 
-/// The bytes of the regular file at `path`, at most `most` of them.
+/// Reads the bytes of the regular file at `path`, at most `most` of them.
 ///
 /// # Errors
-/// As [`open`], and a file that is larger than `most`.
+/// As [`open`], or the file is larger than `most`.
 pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let file = open(path)?;
     let mut bytes = Vec::new();
     let told = file.metadata()?.len();
     if told <= most {
-        // Some files tell a length of 0 and have bytes: one byte more than allowed shows that there are too many.
+        // Some files report a length of 0 and have bytes: reading one byte more than allowed shows an excess.
         file.take(most + 1).read_to_end(&mut bytes)?;
     }
     let length = told.max(bytes.len() as u64);
@@ -52,10 +52,10 @@ pub(crate) fn read(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The text of the regular file at `path`, at most `most` bytes, without a byte order mark.
+/// Reads the text of the regular file at `path`, at most `most` bytes, without a byte order mark.
 ///
 /// # Errors
-/// As [`read`], and bytes that are not UTF-8, with their line.
+/// As [`read`], or the bytes are not UTF-8; the error names the line.
 pub(crate) fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let text = String::from_utf8(read(path, most)?).map_err(|error| {
         let valid = &error.as_bytes()[..error.utf8_error().valid_up_to()];
@@ -80,26 +80,26 @@ fn refused(what: String) -> io::Error {
 /// A file that was read, and the hash of its bytes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Source {
-    /// The path as the reader's caller named it first.
+    /// The path by which the file was first read.
     pub path: PathBuf,
     /// XXH3 (128 bits) of the file's bytes.
     pub hash: u128,
 }
 
-/// The files of one scene. Each is read once and held, however often it is named.
+/// The files of one scene. Each is read once and kept, however often it is named.
 #[derive(Debug, Default)]
 pub(crate) struct Files {
-    /// Bytes by the path that has no links.
+    /// Bytes, by canonical path.
     held: BTreeMap<PathBuf, Rc<[u8]>>,
     sources: Vec<Source>,
     bytes: u64,
 }
 
 impl Files {
-    /// The bytes of the file at `path`.
+    /// Reads the file at `path`, or returns its bytes if they are kept.
     ///
     /// # Errors
-    /// As [`read`] with [`MAX_SCENE_FILE_BYTES`], and files that are too large in sum.
+    /// As [`read`] with [`MAX_SCENE_FILE_BYTES`], or all files together are too large.
     pub(crate) fn read(&mut self, path: &Path) -> io::Result<Rc<[u8]>> {
         let real = path.canonicalize()?;
         if let Some(bytes) = self.held.get(&real) {
@@ -118,7 +118,7 @@ impl Files {
         Ok(bytes)
     }
 
-    /// The files that were read, in the order of their first reading.
+    /// The files that were read, in the order of their first use.
     pub(crate) fn into_sources(self) -> Vec<Source> {
         self.sources
     }

@@ -1,19 +1,19 @@
-//! Plain data as JSON, written by one serializer for all types: a copy of it for each type and format would be a
+//! Writes plain data as JSON by one serializer for all types: a copy of it for each type and format would be a
 //! seventeenth of all code to compile.
 
 use erased_serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::{Error, Value};
 
-/// The text of `data` in one line.
+/// The JSON of `data` in one line.
 ///
 /// # Errors
-/// `data` has no form in JSON, such as a map whose keys are no text.
+/// JSON cannot represent `data`, such as a map whose keys are not text.
 pub(crate) fn line(data: &dyn Serialize) -> Result<String, Error> {
     serde_json::to_string(data)
 }
 
-/// The text of `data`, indented.
+/// The JSON of `data`, indented.
 ///
 /// # Errors
 /// See [`line`].
@@ -32,7 +32,7 @@ pub(crate) fn value(data: &dyn Serialize) -> Result<Value, Error> {
 /// Reads what [`line`] or [`pretty`] wrote.
 ///
 /// # Errors
-/// The text is no JSON, or none of a `T`.
+/// The text is not JSON, or does not fit `T`.
 pub(crate) fn read<T: DeserializeOwned>(text: &[u8]) -> Result<T, Error> {
     serde_json::from_slice(text)
 }

@@ -11,13 +11,13 @@
 //!              reference renderer ─┴> wrong pixels and decisions ──> report
 //! ```
 //!
-//! The *functional wing* turns frames into rays: every ray is traced once without culling, and each policy's ray stream
-//! holds what that policy leaves of it. The *timing wing* replays a stream on a machine. The two meet in the stream
-//! only, so that machines can be compared on the same rays, and policies on the same machine.
+//! The *functional wing* turns frames into rays. Every ray is traced once without culling, and the stream of each
+//! policy has the rays that the policy leaves. The *timing wing* replays a stream on a machine. Streams are the only
+//! connection between the two, so that machines can be compared on the same rays, and policies on the same machine.
 //!
 //! # Layers
 //!
-//! Each layer uses those above it in this table, never the other way round; `tests/layering.rs` checks it.
+//! Each layer uses only layers above it in this table; `tests/layering.rs` checks it.
 //!
 //! | layer | rooms |
 //! |---|---|
@@ -28,14 +28,14 @@
 //!
 //! # Reading order
 //!
-//! 1. [`stream`]: what a ray is once it is traced, and what a file of rays holds.
-//! 2. [`culling`]: what a policy keeps and decides, then one policy, such as [`culling::last_occluder`].
+//! 1. [`stream`]: the record of a traced ray, and the content of a file of rays.
+//! 2. [`culling`]: what a policy stores and decides, then one policy, such as [`culling::last_occluder`].
 //! 3. [`tracer`]: how one tracing of a frame serves all policies.
-//! 4. [`machine`]: what a machine is made of; MODEL.md has the rules that engines follow.
+//! 4. [`machine`]: the parts of a machine; MODEL.md has the rules that engines follow.
 //! 5. [`replay`](mod@replay): how a stream is replayed, and at which fidelity levels.
 //! 6. [`experiment`]: scene, policies and machines together.
 //!
-//! `examples/` has a program for each of: replaying a stream, a culling policy of one's own, a machine built in code.
+//! `examples/` has programs that replay a stream, define a culling policy, and build a machine in code.
 //!
 //! # Example
 //!
@@ -60,7 +60,7 @@
 //! ```
 
 #![warn(unreachable_pub)]
-// `println!` panics where standard output is full or closed: the command line has a function for it.
+// `println!` panics if standard output is full or closed: the command line has a function for output.
 #![deny(clippy::print_stdout)]
 #![warn(clippy::missing_errors_doc)]
 

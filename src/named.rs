@@ -1,4 +1,4 @@
-//! A map from names to things that keeps the order in which they were put in: the experiment's order.
+//! A map from names to values that keeps the order of insertion: the experiment's order.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -8,17 +8,17 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Things by name, in order. Written and read as a map; a name that occurs twice is refused.
+/// Values by name, in order. Written and read as a map; a duplicate name is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named<T>(Vec<(String, T)>);
 
 impl<T> Named<T> {
-    /// The thing of that name.
+    /// The value with this name.
     pub fn get(&self, name: &str) -> Option<&T> {
         self.0.iter().find(|(own, _)| own == name).map(|(_, thing)| thing)
     }
 
-    /// Puts a thing at the end, or in the place of the one that has its name.
+    /// Adds a value at the end, or replaces the value with this name.
     pub fn insert(&mut self, name: impl Into<String>, thing: T) {
         let name = name.into();
         match self.0.iter_mut().find(|(own, _)| *own == name) {
@@ -27,22 +27,22 @@ impl<T> Named<T> {
         }
     }
 
-    /// Names and things in order.
+    /// Names and values, in order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (&str, &T)> {
         self.0.iter().map(|(name, thing)| (name.as_str(), thing))
     }
 
-    /// Things in order, to be changed.
+    /// Mutable values, in order.
     pub fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
         self.0.iter_mut().map(|(_, thing)| thing)
     }
 
-    /// How many there are.
+    /// The number of values.
     pub fn len(&self) -> usize {
         self.0.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no values.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }

@@ -1,4 +1,4 @@
-//! The quantities that cross module borders, each a type of its own, so that a cycle is never added to a byte.
+//! Quantities that cross module boundaries, each with its own type, so that a cycle is never added to a byte.
 
 use std::fmt;
 use std::iter::Sum;
@@ -77,7 +77,7 @@ quantity! {
     ListId(u32)
 }
 quantity! {
-    /// The place of a triangle record in memory: leaf order, static slots first, then dynamic ones.
+    /// The index of a triangle record in memory: leaf order, static slots first, then dynamic ones.
     TriangleSlot(u32)
 }
 quantity! {

@@ -1,9 +1,9 @@
-//! Random numbers that are the same in every run: a hash of what each number is for.
+//! Random numbers that are the same in every run: hashes of the purpose of each number.
 
 /// The increment of SplitMix64, the golden ratio's fraction in 64 bits.
 pub(crate) const GOLDEN: u64 = 0x9e37_79b9_7f4a_7c15;
 
-/// The output of SplitMix64 after state `state` (Steele, Lea and Flood 2014): equally likely bits for any state.
+/// The output of SplitMix64 after state `state` (Steele, Lea and Flood 2014): uniform bits for any state.
 pub(crate) const fn mix(state: u64) -> u64 {
     let x = state.wrapping_add(GOLDEN);
     let x = (x ^ x >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -11,7 +11,7 @@ pub(crate) const fn mix(state: u64) -> u64 {
     x ^ x >> 31
 }
 
-/// A number from 0 to 1, 1 left out, of the 53 upper bits, which a float holds.
+/// A number in [0, 1) from the 53 upper bits, all that an `f64` holds.
 pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 / (1u64 << 53) as f64
 }

@@ -32,7 +32,7 @@ macro_rules! checked {
             /// The checked number.
             ///
             /// # Errors
-            /// The number is not allowed; the error says which are.
+            /// The number is not allowed; the error says which numbers are.
             pub fn new($value: u64) -> Result<Self, String> {
                 if LO <= $value && $value <= HI && $ok {
                     Ok(Self($value))
@@ -41,8 +41,8 @@ macro_rules! checked {
                 }
             }
 
-            /// A number written in the source, for defaults: call it in a `const` block, where a number out of range
-            /// does not compile.
+            /// A number in the source, for defaults. Call it in a `const` block, so that a number out of range does
+            /// not compile.
             pub const fn literal($value: u64) -> Self {
                 assert!(LO <= $value && $value <= HI && $ok);
                 Self($value)
@@ -93,7 +93,7 @@ macro_rules! checked {
     };
 }
 
-/// The schema of a number that is no number of bytes.
+/// The schema of a number that is not a size.
 fn number(what: &str, low: u64, high: u64) -> Schema {
     json_schema!({ "type": "integer", "minimum": low, "maximum": high, "kind": what })
 }
@@ -127,7 +127,7 @@ impl Share {
         }
     }
 
-    /// A share that is known to be allowed: others do not compile, where this is a constant.
+    /// A share in the source: in a `const` block, a share out of range does not compile.
     pub const fn literal(share: f64) -> Self {
         assert!(share > 0.0 && share <= 1.0);
         Self(share)

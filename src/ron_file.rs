@@ -1,4 +1,4 @@
-//! Reads RON files, and says where and what is wrong in them.
+//! Reads RON files; errors show the place and the cause.
 
 use std::cell::RefCell;
 use std::fmt;
@@ -25,7 +25,7 @@ pub enum ConfigError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file is not what it should be, at one place.
+    /// The file has an error at one place.
     #[error("{0}")]
     At(Box<Place>),
     /// The file's parts don't fit together.
@@ -33,7 +33,7 @@ pub enum ConfigError {
     Content {
         /// The file.
         path: PathBuf,
-        /// What doesn't fit, and what would.
+        /// What does not fit, and what would.
         what: String,
     },
 }
@@ -63,7 +63,7 @@ impl fmt::Display for Place {
 /// Reads `path` as RON. `Some` may be left out around optional values, and the inner brackets of `Variant((field: 1))`.
 ///
 /// # Errors
-/// As [`parse`]; the file cannot be read.
+/// As [`parse`], or the file cannot be read.
 pub fn read<T: DeserializeOwned>(path: &Path) -> Result<T, ConfigError> {
     parse(&text(path)?, path)
 }
@@ -121,7 +121,7 @@ pub(crate) fn top_names(text: &str) -> Vec<String> {
 /// Reads `text`, which came from `path`, as RON.
 ///
 /// # Errors
-/// The text is no RON, or none of a `T`; the error points at the line.
+/// The text is not RON, or does not fit `T`; the error points at the line.
 pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigError> {
     let options = ron::Options::default().with_default_extension(extensions());
     let parsed = beside(path, || options.from_str(text));
@@ -129,12 +129,12 @@ pub fn parse<T: DeserializeOwned>(text: &str, path: &Path) -> Result<T, ConfigEr
 }
 
 thread_local! {
-    /// The folder of the file that is being read: a field that names another file is told by nobody else where it
-    /// stands.
+    /// The folder of the file that is being read: the deserializer of a field that names a file has no other way to
+    /// know it.
     static FOLDER: RefCell<PathBuf> = const { RefCell::new(PathBuf::new()) };
 }
 
-/// What `read` reads, where names of files are relative to the folder of `path`.
+/// Calls `read` with names of files taken relative to the folder of `path`.
 pub(crate) fn beside<T>(path: &Path, read: impl FnOnce() -> T) -> T {
     let outer = FOLDER.replace(path.parent().unwrap_or(Path::new("")).into());
     let found = read();
@@ -142,8 +142,8 @@ pub(crate) fn beside<T>(path: &Path, read: impl FnOnce() -> T) -> T {
     found
 }
 
-/// For fields: a struct, by its values or as the name of a file that holds them, relative to the file that names it, or
-/// of a shipped config of that kind. Written back, it is its values.
+/// Deserializes a struct from its values, or from the name of a file that holds them: a path relative to the naming
+/// file, or a shipped config of that kind. It is serialized as its values.
 pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
     from: D,
     kind: Kind,
@@ -175,7 +175,7 @@ pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
     from.deserialize_any(ValuesOrFile(kind, PhantomData))
 }
 
-/// What all files may use beyond plain RON: no `Some` around optional values, no second brackets in `Variant((a: 1))`.
+/// RON extensions that all files may use: no `Some` around optional values, no second brackets in `Variant((a: 1))`.
 pub fn extensions() -> Extensions {
     Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES
 }
@@ -183,7 +183,7 @@ pub fn extensions() -> Extensions {
 fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
     let found = (error.span.start.line, error.span.start.col);
     let what = if error.code == ron::Error::ExpectedComma && letter_at(text, found) == Some('.') {
-        // The whole number before the fraction was read; of what follows, RON says that a comma is missing.
+        // RON reads the whole number before the fraction, and then reports a missing comma.
         "a whole number is allowed here, without a fraction".to_owned()
     } else {
         told(&error.code)
@@ -198,7 +198,7 @@ fn place(text: &str, path: &Path, error: &SpannedError) -> Place {
     }
 }
 
-/// What an error says. Of names that are not known, those that are alike and those that are allowed.
+/// The message of an error; for an unknown name, with a similar name and the allowed ones.
 fn told(error: &ron::Error) -> String {
     let unknown = |what: &str, found: &str, allowed: &[&str]| {
         let alike = alike::closest(found, allowed);
@@ -209,17 +209,23 @@ fn told(error: &ron::Error) -> String {
     match error {
         ron::Error::NoSuchStructField { expected, found, .. } => unknown("field", found, expected),
         ron::Error::NoSuchEnumVariant { expected, found, .. } => unknown("name", found, expected),
+        ron::Error::ExpectedString => "a text in quotes is needed here".into(),
+        ron::Error::ExpectedInteger => "a whole number is needed here".into(),
+        ron::Error::IntegerOutOfBounds => "this number is too large or below zero".into(),
+        ron::Error::ExpectedNamedStructLike(_) | ron::Error::ExpectedStructLike => {
+            "the fields of a config are needed here, in brackets".into()
+        }
         error => error.to_string(),
     }
 }
 
-/// An error of a file that cannot be read, shown where the config at `config` names that file; any other error as it
-/// is.
+/// Changes the error of a file that cannot be read: it then shows where the config at `config` names that file. Other
+/// errors stay as they are.
 pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
     let ConfigError::Read { path, source } = error else { return error };
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let text = text(config).unwrap_or_default();
-    // The program has configs in it, and no scenes' files.
+    // The program contains configs, but no scenes' files.
     let hint = if shipped::text(config).is_some() {
         let name = config.file_stem().unwrap_or_default().to_string_lossy();
         format!(
@@ -247,8 +253,8 @@ fn letter_at(text: &str, (line, column): (usize, usize)) -> Option<char> {
     text.lines().nth(line.checked_sub(1)?)?.chars().nth(column.checked_sub(1)?)
 }
 
-/// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``: an error of several values
-/// is found at their end only.
+/// Line and column of the field that an error begins with, such as `` `timing.rc` is 100 ``. RON reports an error
+/// about several values only at their end.
 fn named_field(what: &str, text: &str) -> Option<(usize, usize)> {
     let (path, _) = what.strip_prefix('`')?.split_once('`')?;
     let lines = text.lines().map(|line| line.split("//").next().unwrap_or_default());
@@ -268,7 +274,7 @@ fn named_field(what: &str, text: &str) -> Option<(usize, usize)> {
     None
 }
 
-/// Where a field of this name begins in a line.
+/// The position of a field with this name in a line.
 fn field_at(line: &str, name: &str) -> Option<usize> {
     let is_field = |&(at, _): &(usize, &str)| {
         let inside = |letter: char| letter.is_alphanumeric() || letter == '_';

@@ -1,4 +1,4 @@
-//! The configs that are in the program itself, so that `umbrasim run quickstart` works in any folder.
+//! The configs inside the program itself, so that `umbrasim run quickstart` works in any folder.
 
 use std::io;
 use std::path::{Component, Path, PathBuf};
@@ -9,7 +9,7 @@ use crate::alike;
 
 static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
-/// The folder that shipped configs seem to lie in.
+/// The prefix of shipped configs' paths.
 const ROOT: &str = "shipped:";
 
 /// Kinds of configs: the folders of `configs/`.
@@ -43,21 +43,21 @@ pub(crate) fn names(kind: Kind) -> Vec<&'static str> {
     names
 }
 
-/// The path under which [`text`] finds the shipped config `name`; none if there is no such config.
+/// The path by which [`text`] finds the shipped config `name`; `None` if there is none.
 pub(crate) fn path(kind: Kind, name: &str) -> Option<PathBuf> {
     names(kind).contains(&name).then(|| Path::new(ROOT).join(kind.folder()).join(format!("{name}.ron")))
 }
 
-/// The config that another one names, whose folder is `folder`: a file relative to that, or a shipped config by its
-/// name.
+/// The path of a config that a config in `folder` refers to as `name`: a file relative to `folder`, or a shipped
+/// config.
 pub(crate) fn named(kind: Kind, folder: &Path, name: &Path) -> PathBuf {
     let there = folder.join(name);
     let plain = name.to_str().filter(|name| is_name(name) && !there.is_file());
     plain.and_then(|name| path(kind, name)).unwrap_or(there)
 }
 
-/// What an error adds where a file is missing that a config names: nothing of a path; of a name, that no shipped config
-/// has it, and which one has a name like it.
+/// An addition to the error of a missing file that a config names. If it is a name, not a path: that no shipped config
+/// has this name, and a similar name.
 pub(crate) fn proposal(file: &Path) -> String {
     let Some(name) = file.file_name().and_then(|name| name.to_str()).filter(|name| is_name(name)) else {
         return String::new();
@@ -67,15 +67,15 @@ pub(crate) fn proposal(file: &Path) -> String {
     format!(", and no shipped config has this name{}", closest.unwrap_or_default())
 }
 
-/// Whether a text can be the name of a shipped config, and no path.
+/// Whether a text can be the name of a shipped config, and is not a path.
 pub(crate) fn is_name(text: &str) -> bool {
     !text.contains(['.', '/', '\\'])
 }
 
-/// The text of the shipped config at `path`; none if the path is not that of a shipped config.
+/// The text of the shipped config at `path`; `None` if the path is not in the program.
 pub(crate) fn text(path: &Path) -> Option<io::Result<&'static str>> {
     let inside = path.strip_prefix(ROOT).ok()?;
-    // Configs name each other with `..`, as on a disk.
+    // Configs refer to each other with `..`, as on a disk.
     let mut plain = PathBuf::new();
     for part in inside.components() {
         match part {

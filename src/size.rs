@@ -19,7 +19,7 @@ const UNITS: [(&str, u64); 7] = [
 /// The bytes of a size such as `16384`, `16 KiB`, `16KiB` or `1.5 MB`.
 ///
 /// # Errors
-/// `text` is no size, has an unknown unit, or is no whole number of bytes; the error says what is allowed.
+/// `text` is not a size, has an unknown unit, or is not a whole number of bytes; the error says what is allowed.
 pub(crate) fn parse(text: &str) -> Result<u64, String> {
     let text = text.trim();
     let digits = text.find(|letter: char| !letter.is_ascii_digit() && !matches!(letter, '.' | '_'));
@@ -44,14 +44,14 @@ pub(crate) fn parse(text: &str) -> Result<u64, String> {
     u64::try_from(bytes / parts).map_err(|_| wrong(""))
 }
 
-/// `bytes` in the largest unit of 1024 of which it is a whole number: `16 KiB`, `100 B`.
+/// `bytes` in the largest binary unit that divides it: `16 KiB`, `100 B`.
 pub(crate) fn told(bytes: u64) -> String {
     let unit = UNITS.iter().rev().filter(|(name, _)| name.ends_with("iB"));
     let whole = unit.clone().find(|(_, unit)| bytes > 0 && bytes.is_multiple_of(*unit));
     whole.map_or_else(|| format!("{bytes} B"), |(name, unit)| format!("{} {name}", bytes / unit))
 }
 
-/// The value of a config's field as a number: `16384`, or `"16 KiB"`; none of a name.
+/// The value of a config's field as a number: `16384`, or `"16 KiB"`; `None` for a name.
 pub(crate) fn amount(value: &str) -> Option<f64> {
     let text = value.trim().trim_matches('"');
     text.parse().ok().or_else(|| parse(text).ok().map(|bytes| bytes as f64))
@@ -99,6 +99,7 @@ mod tests {
             ("0.5KiB", 512),
             ("4GiB", 1 << 32),
             ("1_024 B", 1024),
+            ("1.50_0 MB", 1_500_000),
         ] {
             assert_eq!(parse(text), Ok(bytes), "{text}");
         }

@@ -1,4 +1,4 @@
-//! A figure that is known within a range.
+//! A figure with a range of possible values.
 
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Mul};

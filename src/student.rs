@@ -1,29 +1,30 @@
-//! Student's t, and variances of sums over strata, for 95 % intervals of what few values tell.
+//! Student's t, and variances of sums over strata, for 95 % intervals from few values.
 
 use std::collections::BTreeMap;
 
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-/// The 97.5 % point of Student's t; nothing is within it where there is no degree of freedom.
+/// The 97.5 % point of Student's t; infinite without degrees of freedom.
 pub(crate) fn student(freedom: f64) -> f64 {
-    // From a million degrees on the point stays within a millionth, and the library's search may not end.
+    // From a million degrees of freedom on, the point changes by less than a millionth, and the library's search may
+    // not end.
     StudentsT::new(0.0, 1.0, freedom.min(1e6)).map_or(f64::INFINITY, |t| t.inverse_cdf(0.975))
 }
 
-/// The variance of a sum over strata, as the values that were drawn tell it.
+/// The estimated variance of a sum over strata, from the sampled values.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Variance {
     /// The variance.
     pub value: f64,
-    /// Degrees of freedom: strata that vary more than others count for few (Welch 1947, whose -2 and +2 set right that
-    /// the variances are estimates themselves). None where nothing varies.
+    /// Degrees of freedom, which are few if some strata vary more than others (Welch 1947, whose -2 and +2 correct for
+    /// the variances being estimates). `None` if nothing varies.
     freedom: Option<f64>,
 }
 
 impl Variance {
     /// The variance of the sum of values, each with the number of its stratum.
     pub(crate) fn stratified(values: impl IntoIterator<Item = (usize, f64)>) -> Self {
-        // Numbers may be those of a file: memory follows the values.
+        // Stratum numbers may come from a file: a map's memory depends only on the values.
         let mut strata: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
         for (stratum, value) in values {
             strata.entry(stratum).or_default().push(value);
@@ -42,7 +43,7 @@ impl Variance {
         Self { value: variance, freedom }
     }
 
-    /// Degrees of freedom, of which there are at most so many.
+    /// Degrees of freedom, at most `most`.
     pub(crate) fn freedom(&self, most: f64) -> f64 {
         self.freedom.map_or(most, |freedom| most.min(freedom.max(1.0)))
     }
@@ -58,7 +59,7 @@ mod tests {
             let of = |(stratum, spread): (usize, f64)| [(stratum, 5.0), (stratum, 5.0 + spread)];
             Variance::stratified(spread.into_iter().enumerate().flat_map(of))
         };
-        // Two values that are d apart: their sum has a variance of d squared.
+        // The sum of two values at distance d has a variance of d squared.
         assert_eq!(pairs([1.0, 2.0, 0.0, 3.0]).value, 14.0);
         assert_eq!(pairs([2.0; 4]).freedom(4.0), 4.0);
         assert_eq!(pairs([2.0; 4]).freedom(100.0), 10.0);

@@ -1,11 +1,11 @@
-//! How wrong a picture is: shadow decisions of culling against the same rays without it, and both against the
-//! reference.
+//! Measures how wrong a picture is: shadow decisions with culling against the same rays without culling, and both
+//! against the reference.
 //!
-//! Three pictures of one frame are compared. `reference` is of the [reference renderer](crate::reference) in `f64`,
-//! `plain` of the tracer in `f32` without culling, `culled` of the tracer with a policy. A decision is what a primary
-//! hit finds for a light: not asked, lit or hidden. `plain` and `culled` come of the same rays, so a decision that
-//! differs between them is the policy's fault, and no rounding hides in it; one that differs between `plain` and
-//! `reference` is of rounding alone.
+//! Three pictures of one frame are compared. `reference` comes from the [reference renderer](crate::reference) in
+//! `f64`, `plain` from the tracer in `f32` without culling, `culled` from the tracer with a policy. A decision is the
+//! result of a primary hit for a light: not asked, lit or hidden. `plain` and `culled` come from the same rays, so a
+//! decision that differs between them is the policy's error, without any rounding. A decision that differs between
+//! `plain` and `reference` is due to rounding alone.
 
 use std::ops::AddAssign;
 
@@ -17,7 +17,7 @@ use crate::scene::{Picture, ShadowBits};
 /// Why pictures cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ValidateError {
-    /// A picture is of another size than the reference picture.
+    /// A picture's size differs from the reference picture's.
     #[error("a picture of {found} cannot be compared with one of {expected}")]
     Size {
         /// The reference picture's size.
@@ -25,8 +25,7 @@ pub enum ValidateError {
         /// The other's.
         found: Resolution,
     },
-    /// The tracer's two pictures do not agree on a primary hit or on the lights that it asks for, which no policy may
-    /// change.
+    /// The tracer's two pictures do not agree on a primary hit or on the lights asked for, which no policy may change.
     #[error("pixel {pixel}: the picture with culling and the one without are not of the same rays")]
     OtherRays {
         /// The first such pixel.
@@ -34,7 +33,7 @@ pub enum ValidateError {
     },
 }
 
-/// The verdict on a pixel, for a light or for all; the worse is the greater.
+/// The verdict on a pixel, for one light or for all, in ascending order of severity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum PixelVerdict {
     /// All three pictures agree.
@@ -70,8 +69,8 @@ pub struct DecisionCounts {
     pub false_dark: u64,
     /// Lit with culling, hidden without.
     pub false_lit: u64,
-    /// Decisions of the tracer without culling that are not the reference renderer's, those included that only one of
-    /// the two asked for.
+    /// Decisions of the tracer without culling that differ from the reference renderer's, including those that only
+    /// one of the two asked for.
     pub numeric_differences: u64,
 }
 
@@ -79,9 +78,9 @@ pub struct DecisionCounts {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SquaredError {
-    /// The sum of squared differences of linear colour values, where 1 is white; brighter ones are not cut off.
+    /// The sum of squared differences of linear colour values, where 1 is white; brighter values are not clipped.
     pub sum: f64,
-    /// The number of values: three a pixel.
+    /// The number of values: three per pixel.
     pub values: u64,
 }
 
@@ -176,7 +175,7 @@ impl Decision {
 /// Compares the three pictures of a frame of a scene with `lights` lights.
 ///
 /// # Errors
-/// The pictures are not of one size, or culling changed which rays were traced and which lights were asked for.
+/// The pictures differ in size, or culling changed which rays were traced or which lights were asked for.
 pub fn compare(
     reference: &Picture,
     plain: &Picture,
@@ -250,8 +249,8 @@ mod tests {
     #[test]
     fn counts_by_hand() {
         use PixelVerdict::*;
-        // Pixels: agreement; light 0 false dark; light 1 false lit; both; plain errs at light 0, and culling makes it
-        // right, which is false all the same; light 1 asked by the tracer alone; another hit.
+        // Pixels: agreement; light 0 false dark; light 1 false lit; both; at light 0 `plain` has an error that culling
+        // undoes, which still counts as false; light 1 asked by the tracer alone; another hit.
         let mut reference = picture(&[(3, 1), (3, 0), (3, 2), (3, 2), (3, 0), (1, 0), (0, 0)]);
         let plain = picture(&[(3, 1), (3, 0), (3, 2), (3, 2), (3, 1), (3, 0), (0, 0)]);
         let culled = picture(&[(3, 1), (3, 1), (3, 0), (3, 1), (3, 0), (3, 0), (0, 0)]);

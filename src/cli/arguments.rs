@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Error, Result, bail};
 use clap::Args;
 use rustc_hash::FxHashSet;
 
@@ -84,9 +84,11 @@ impl StreamAndMachine {
     pub(super) fn machines(&self) -> Result<Vec<MachineSpec>> {
         experiment::check_once(&self.set).map_err(anyhow::Error::msg)?;
         let read = |path: &PathBuf| {
-            warnings::of_machine(path).iter().for_each(warn);
             let settings: Vec<&Setting> = self.set.iter().collect();
-            experiment::machine_with(path, &settings).map_err(|error| or_other_kind(error, path, Root::Machine))
+            let machine = experiment::machine_with(path, &settings);
+            let machine = machine.map_err(|error| or_other_kind(error, path, Root::Machine))?;
+            warnings::of_machine(path).iter().for_each(warn);
+            Ok::<_, Error>(machine)
         };
         let machines: Vec<MachineSpec> = machine_paths(&self.machines)?.iter().map(read).collect::<Result<_>>()?;
         let mut names = FxHashSet::default();

@@ -16,15 +16,16 @@ use crate::output::signals;
 use crate::quantity::Resolution;
 use crate::report::format::{counted, exact, short};
 use crate::report::paragraph;
+use crate::report::run::Summary;
 use crate::ron_file;
 
-/// The longer side of the small picture, in pixels.
-const SIDE: u32 = 48;
+/// The longer side of the larger one of the small pictures, in pixels.
+const SIDE: u32 = 64;
 
 /// Check config files without running them: rays, memory and time
 ///
-/// The kind of each file is found by itself, and everything that it names is read. Of an experiment, one small picture
-/// is traced and replayed, which tells about how many rays the whole takes, and how long.
+/// The kind of each file is found by itself, and everything that it names is read. Of an experiment, small
+/// pictures are traced and replayed, which tell about how many rays the whole takes, and how long.
 #[derive(Args)]
 pub(super) struct Check {
     /// Configs of any kind: files, or names of shipped ones
@@ -60,7 +61,7 @@ fn check(file: &Path) -> Result<String> {
         Root::Experiment => {
             let experiment = Experiment::load(file, Overrides::default())?;
             warnings::warnings(&experiment, true).iter().for_each(warn);
-            let estimate = estimate(file, &experiment).context("a small picture of the first frame")?;
+            let estimate = estimate(file, &experiment).context("small pictures of the first frame")?;
             format!("{}; {estimate}", experiment.need())
         }
         Root::Machine => {
@@ -111,37 +112,65 @@ fn processor_time() -> Option<Duration> {
     None
 }
 
-/// How many rays the experiment traces without culling, and how long it takes, from a small picture of its first frame.
+/// The stages of a run that take time with its pictures.
+const STAGES: [&str; 3] = ["trace", "reference", "machines"];
+
+/// A small picture of an experiment's first frame.
+struct Small {
+    pixels: f64,
+    summary: Summary,
+    /// Seconds of processor time of each of [`STAGES`].
+    seconds: [f64; STAGES.len()],
+}
+
+impl Small {
+    /// Traces, checks and replays a picture whose longer side has `side` pixels at most.
+    fn of(file: &Path, whole: &Experiment, side: u32) -> Result<Self> {
+        let Resolution { width, height } = whole.spec.resolution;
+        let longer = width.max(height);
+        let shorten = |length: u32| (length * side.min(longer)).div_ceil(longer).max(1);
+        let resolution = Resolution { width: shorten(width), height: shorten(height) };
+        let first = whole.frames.first().copied().unwrap_or_default();
+        let frames = format!("{first}..{}", first + 1).parse().map_err(anyhow::Error::msg)?;
+        let overrides =
+            Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0), ..Overrides::default() };
+        let begin = processor_time();
+        let summary = run::run(&Experiment::load(file, overrides)?, true, &signals::stop_flag())?.summary;
+        // The shares of the stages are those of wall time. The whole is processor time, which other programs leave
+        // alone.
+        let wall = STAGES.map(|name| summary.wall_seconds.get(name).copied().unwrap_or_default());
+        let all: f64 = wall.iter().sum();
+        let spent = processor_time().zip(begin).map_or(all, |(end, begin)| (end - begin).as_secs_f64());
+        let seconds = wall.map(|wall| wall / all.max(f64::MIN_POSITIVE) * spent);
+        Ok(Self { pixels: resolution.pixels() as f64, summary, seconds })
+    }
+}
+
+/// The number of rays that the experiment traces without culling, and its processor time, from small pictures of its
+/// first frame.
+///
+/// A stage takes some time whatever the picture's size, and some for each pixel of each of its frames. Two sizes tell
+/// the two apart.
 fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
-    let Resolution { width, height } = whole.spec.resolution;
-    let longer = width.max(height);
-    let side = |side: u32| (side * SIDE.min(longer)).div_ceil(longer).max(1);
-    let resolution = Resolution { width: side(width), height: side(height) };
-    let first = whole.frames.first().copied().unwrap_or_default();
-    let frames = format!("{first}..{}", first + 1).parse().map_err(anyhow::Error::msg)?;
-    let small =
-        Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0), ..Overrides::default() };
-    let begin = processor_time();
-    let small = run::run(&Experiment::load(file, small)?, true, &signals::stop_flag())?.summary;
-    if small.sees_nothing() {
+    let (smaller, small) = (Small::of(file, whole, SIDE / 2)?, Small::of(file, whole, SIDE)?);
+    if small.summary.sees_nothing() {
         warn("no ray of the camera met a surface that asks a light: is it turned away, or in a wall?");
     }
-    let pixels = whole.spec.resolution.pixels() as f64 / resolution.pixels() as f64;
-    let off = small.policies.iter().find(|(name, _)| small.baseline.as_deref() == Some(*name));
+    let pixels = whole.spec.resolution.pixels() as f64;
+    let off = small.summary.policies.iter().find(|(name, _)| small.summary.baseline.as_deref() == Some(*name));
     let rays = off.map_or(0, |(_, off)| off.counts.primary_rays + off.counts.secondary_rays + off.counts.shadow_rays);
-    let frames = whole.frames.len() as f64;
-    // Stages take time with the pixels of the frames that they are made for. Their shares are those of wall time, and
-    // the whole is processor time, which other programs leave alone.
-    let wall = |name: &str| small.wall_seconds.get(name).copied().unwrap_or_default();
-    let all: f64 = ["trace", "reference", "machines"].into_iter().map(wall).sum();
-    let spent = processor_time().zip(begin).map_or(all, |(end, begin)| (end - begin).as_secs_f64());
-    let stage = |name: &str, frames: f64| wall(name) / all.max(f64::MIN_POSITIVE) * spent * pixels * frames;
-    let validated = (0..whole.frames.len()).filter(|&at| whole.spec.validate.takes(at)).count() as f64;
-    let seconds =
-        stage("trace", frames) + stage("reference", validated) + stage("machines", whole.replayed.frames.len() as f64);
+    let validated = (0..whole.frames.len()).filter(|&at| whole.spec.validate.takes(at)).count();
+    let frames = [whole.frames.len(), validated, whole.replayed.frames.len()];
+    let stage = |at: usize| {
+        let [less, more] = [&smaller, &small].map(|it| it.seconds[at]);
+        let apart = small.pixels - smaller.pixels;
+        let a_pixel = if apart > 0.0 { ((more - less) / apart).max(0.0) } else { more / small.pixels };
+        (more - a_pixel * small.pixels).max(0.0) + a_pixel * pixels * frames[at] as f64
+    };
+    let seconds: f64 = (0..STAGES.len()).map(stage).sum();
     let time = humantime::format_duration(Duration::from_secs(seconds.ceil() as u64));
     Ok(format!(
-        "about {} rays without culling, about {time} of processor time (from one frame of {resolution})",
-        short(rays as f64 * pixels * frames)
+        "about {} rays without culling, about {time} of processor time (from small pictures of one frame)",
+        short(rays as f64 / small.pixels * pixels * whole.frames.len() as f64)
     ))
 }

@@ -35,7 +35,7 @@ pub(super) struct Extrapolate {
     /// DRAM channels of the large machine [default: as many for each core as the machine's file has]
     #[arg(long, value_name = "CHANNELS")]
     channels: Option<u64>,
-    /// Cores of the scale models, two or more [default: 2,4; of 64 cores 4,8]
+    /// Cores of the scale models, two or more [default: 2,4; of 64 cores 4,8; of four cores or fewer 1,2]
     #[arg(long, value_name = "CORES", value_delimiter = ',')]
     models: Vec<u64>,
     /// The fidelity level that replays the models: Profile, Event or Cycle

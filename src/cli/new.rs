@@ -76,8 +76,12 @@ impl New {
             Some(mesh) => self.around(mesh)?,
             None => self.copy()?,
         };
-        let head = format!("// A {what} {origin}. `umbrasim describe {what}` tells all fields.\n");
-        write_new(&self.file, &(head + &text))?;
+        let article = if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "An" } else { "A" };
+        let note = format!("// {article} {what} {origin}. `umbrasim describe {what}` tells all fields.\n");
+        // The first line tells the type.
+        let typed = format!("#![type = \"umbrasim::{}\"]\n", self.kind.usual().0.type_name());
+        let text = text.strip_prefix(&typed).unwrap_or(&text);
+        write_new(&self.file, &format!("{typed}{note}{text}"))?;
         print(format!("{}: try it with `umbrasim check {}`", self.file.display(), self.file.display()))?;
         Ok(Outcome::Done)
     }

@@ -1,4 +1,4 @@
-//! Which fields of an experiment's machines and tracer differ from their defaults.
+//! Finds the fields of an experiment's machines and tracer that differ from their defaults.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -8,7 +8,7 @@ use crate::json;
 use crate::machine::MachineSpec;
 use crate::tracer::TracerSpec;
 
-/// Paths of the fields, as they stand in the configuration as run: `machines.small.clock_mhz`.
+/// Paths of the fields, as in the configuration as run: `machines.small.clock_mhz`.
 pub(super) fn changed(experiment: &Experiment) -> Vec<String> {
     let mut paths = Vec::new();
     compare("experiment.tracer", &value(&experiment.spec.tracer), &value(&TracerSpec::default()), &mut paths);

@@ -1,4 +1,4 @@
-//! What a replay asks of its DRAM, in files that other DRAM simulators read, and what its DRAM did.
+//! Writes the DRAM requests of a replay for other DRAM simulators, and the commands of its own DRAM.
 
 use std::io;
 use std::path::Path;
@@ -20,7 +20,7 @@ pub(crate) enum TraceFormat {
     Ramulator,
 }
 
-/// Writes the requests of a run, its DRAM's commands, or both, as they come.
+/// Writes the requests of a run, its DRAM's commands, or both, during the run.
 pub(crate) struct DramExport {
     trace: Option<(TraceFormat, ExportFile)>,
     commands: Option<ExportFile>,
@@ -58,7 +58,7 @@ impl Observer for DramExport {
         true
     }
 
-    /// A line a burst, since that is what a request is for those who read it.
+    /// Writes a line per burst: the readers' requests are bursts.
     fn request(&mut self, _: usize, LoggedRequest { clock, line, write }: LoggedRequest) -> io::Result<()> {
         let Some((format, file)) = &mut self.trace else { return Ok(()) };
         for burst in 0..self.part.bursts(self.line) {

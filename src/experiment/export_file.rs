@@ -1,4 +1,4 @@
-//! A file on its way that is written piece by piece.
+//! A file that is written piece by piece.
 
 use std::fmt;
 use std::io::{self, BufWriter, Write};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::output::OutputFile;
 
-/// The file. All errors name it.
+/// The file. All errors name its path.
 pub(super) struct ExportFile {
     path: PathBuf,
     file: BufWriter<OutputFile>,

@@ -1,4 +1,4 @@
-//! What a replay writes beside its figures.
+//! Files that a replay writes besides its figures.
 
 use std::io;
 
@@ -9,24 +9,24 @@ use crate::memory::dram::command::{LoggedCommand, LoggedRequest};
 use crate::replay::{Observer, Seen};
 use crate::stats::MachineStats;
 
-/// The files that watch a run, those that are wanted.
+/// The files to be written during a run.
 #[derive(Default)]
 pub(crate) struct Exports {
     /// Requests to the DRAM and its commands.
     pub dram: Option<DramExport>,
     /// A frame's timeline.
     pub timeline: Option<Timeline>,
-    /// Counters every so many cycles.
+    /// Counters at a fixed interval of cycles.
     pub interval: Option<IntervalExport>,
 }
 
 impl Exports {
-    /// Whether none is wanted.
+    /// Whether no file is wanted.
     pub(crate) fn is_empty(&self) -> bool {
         self.all().next().is_none()
     }
 
-    /// Puts the files into their places. Returns what is to be said of them.
+    /// Puts the files into their places. Returns a message for the user.
     ///
     /// # Errors
     /// A file cannot be written.

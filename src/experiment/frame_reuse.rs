@@ -1,4 +1,4 @@
-//! Reuse in the caches of a run's machines: one measured frame of one policy's stream, beside the replays.
+//! Reuse in the caches of a run's machines, measured in one frame of one policy's stream during the run.
 
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::{Scope, ScopedJoinHandle};
@@ -10,12 +10,12 @@ use crate::replay::{Fidelity, Replay, RunError};
 use crate::stats::{FrameReuse, ReuseLevel};
 use crate::stream::{Header, Item};
 
-/// Items that may wait for a machine.
+/// Items that may wait for a machine. Assumed.
 const WAITING: usize = 8;
 
 /// A machine failed.
 pub(super) struct Failed {
-    /// Its name.
+    /// The machine's name.
     pub machine: String,
     /// The policy of the stream.
     pub policy: String,
@@ -25,7 +25,7 @@ pub(super) struct Failed {
 
 type Found = Result<Option<Vec<ReuseLevel>>, RunError>;
 
-/// Machines that measure reuse, a thread each.
+/// Machines that measure reuse, one thread each.
 pub(super) struct FrameReuses<'scope> {
     policy: usize,
     name: String,
@@ -34,8 +34,8 @@ pub(super) struct FrameReuses<'scope> {
 }
 
 impl<'scope> FrameReuses<'scope> {
-    /// Starts all machines, of which some may refuse: the first policy that culls, in the first frame that is measured.
-    /// Where `Bound` is asked for, no machine starts: reuse would take longer than the whole run.
+    /// Starts all machines, some of which may refuse. Takes the first policy that culls and the first measured frame.
+    /// With fidelity level `Bound` no machine starts: reuse would take longer than the whole run.
     pub(super) fn start(
         scope: &'scope Scope<'scope, '_>,
         experiment: &Experiment,
@@ -57,15 +57,15 @@ impl<'scope> FrameReuses<'scope> {
         Self { policy, name, frame, runs: machines.iter().filter_map(run).collect() }
     }
 
-    /// Hands on an item of a policy's stream in a frame, if that is wanted.
+    /// Sends an item of a policy's stream in a frame to all machines, if they measure that policy and frame.
     pub(super) fn send(&self, policy: usize, frame: u32, item: &Item) {
         if self.policy == policy && self.frame == Some(frame) {
-            // Who has refused takes none.
+            // A machine that refused takes no items.
             self.runs.iter().for_each(|(_, items, _)| drop(items.send(item.clone())));
         }
     }
 
-    /// Waits for what was found, by machine.
+    /// Waits for the results, by machine.
     ///
     /// # Errors
     /// A machine failed.
@@ -85,7 +85,7 @@ impl<'scope> FrameReuses<'scope> {
     }
 }
 
-/// What a machine finds; nothing if it refuses, or if the run was stopped before the frame.
+/// The reuse on a machine; `None` if it refuses, or if the run stops before the frame.
 fn measure(machine: &MachineSpec, header: &Header, received: Receiver<Item>) -> Found {
     let Ok(first) = received.recv() else { return Ok(None) };
     let mut items = std::iter::once(first).chain(received).map(Ok);

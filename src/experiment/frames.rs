@@ -1,4 +1,4 @@
-//! Which frames of an animation are traced, and which of these are also replayed, validated or drawn.
+//! Which frames of an animation are traced, and which of the traced frames are replayed, validated or drawn.
 
 use std::fmt;
 use std::str::FromStr;
@@ -15,7 +15,7 @@ pub struct FrameRange {
     step: u32,
 }
 
-/// The most frames of a range: half a day of pictures, 24 a second.
+/// The most frames of a range: at 24 frames per second, twelve hours.
 const MAX_FRAMES: u32 = 1 << 20;
 
 impl FrameRange {
@@ -24,7 +24,7 @@ impl FrameRange {
         (self.first..self.end).step_by(self.step as usize).collect()
     }
 
-    /// The number after the last that there may be.
+    /// The exclusive end of the range.
     pub fn end(self) -> u32 {
         self.end
     }
@@ -73,12 +73,12 @@ impl<'de> Deserialize<'de> for FrameRange {
     }
 }
 
-/// The frames that machines replay, by their numbers in order.
+/// The frames that machines replay, in ascending order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Replayed {
-    /// All of them.
+    /// All replayed frames.
     pub frames: Vec<u32>,
-    /// Those that are not measured.
+    /// The warm-up frames: replayed, but not measured.
     pub warmup: Vec<u32>,
 }
 
@@ -88,7 +88,7 @@ impl Replayed {
         self.frames.contains(&frame)
     }
 
-    /// Whether machines replay `frame`, and it is no warm-up frame.
+    /// Whether machines replay and measure `frame`.
     pub fn measures(&self, frame: u32) -> bool {
         self.contains(frame) && !self.warmup.contains(&frame)
     }
@@ -111,7 +111,7 @@ pub enum FrameChoice {
 }
 
 impl FrameChoice {
-    /// The frames of `traced` that machines replay, if `warmup` frames come before measured ones.
+    /// The frames of `traced` that machines replay, with `warmup` frames before each measured one.
     pub fn replayed(self, traced: &[u32], warmup: usize) -> Replayed {
         let mut replayed = Replayed::default();
         let measures = |index: usize| index >= warmup && self.takes(index);
@@ -129,7 +129,7 @@ impl FrameChoice {
         replayed
     }
 
-    /// Whether the traced frame number `index`, counted from 0, is chosen.
+    /// Whether the traced frame at `index`, counted from 0, is chosen.
     pub fn takes(self, index: usize) -> bool {
         match self {
             Self::All => true,

@@ -1,5 +1,5 @@
-//! Rays of one kind on a machine of the T&I engine's make: its table, and the two identities that tie utilisation to
-//! throughput and hit rates to traffic.
+//! Rays of one kind on a machine with the structure of the T&I engine: the paper's table, and two identities. They tie
+//! utilisation to throughput, and hit rates to traffic.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -100,24 +100,24 @@ pub struct Row {
     pub dram_bytes_per_ray: f64,
 }
 
-/// A row of ours, with what the identities say.
+/// A measured row, with the results of the identities.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Measured {
-    /// The row.
+    /// The measured row.
     pub row: Row,
-    /// Hit rates of the L1s if accesses to a line that is on its way are counted as hits.
+    /// Hit rates of the L1s with MSHR hits counted as hits.
     pub l1_with_merged: PerUnit,
-    /// The largest difference between a utilisation and operations a ray (as recorded) times rays a second over the
-    /// peak rate.
+    /// The largest difference, over all units, between utilisation and operations per ray (as recorded) x rays per
+    /// second / peak rate.
     pub utilization_gap: f64,
-    /// Bytes a ray of the DRAM by the identity: accesses x (1 - L1 hits) x (1 - L2 hits) x line, summed over the units.
-    /// Accesses to a line that is on its way are no hits: the identity has them fetch it again.
+    /// DRAM bytes per ray by the identity: accesses x (1 - L1 hit rate) x (1 - L2 hit rate) x line bytes, summed over
+    /// the units. It counts MSHR hits as misses, as if each fetched its line again.
     pub bytes_by_identity: f64,
-    /// Bytes a ray that merging with a line on its way spares.
+    /// Bytes per ray that MSHR hits save.
     pub bytes_merged: f64,
 }
 
-/// Why nothing was measured.
+/// Why a table could not be measured.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentitiesError {
     /// A config or a scene is wrong.
@@ -128,20 +128,20 @@ pub enum IdentitiesError {
     Run(#[from] RunError),
 }
 
-/// The largest difference that a row may have ([`Measured::utilization_gap`]): that of rounding, since an operation
-/// occupies its unit for its interval exactly. (TI's own table meets the identity within 17 points.)
+/// The largest allowed [`Measured::utilization_gap`]: rounding only, since an operation occupies its unit for exactly
+/// its interval. (The T&I paper's own table meets the identity within 17 points.)
 pub const MOST_GAP: f64 = 1e-9;
 
 /// A table and all that its file names.
 pub(crate) struct Table {
     spec: IdentitiesSpec,
     machine: MachineSpec,
-    /// As many as the file has.
+    /// The scenes, in the order of the file.
     scenes: Vec<Scene>,
 }
 
 impl Table {
-    /// Reads the table of the file `path`. `settings` are of the table's own fields and of the machine's.
+    /// Reads the table of the file `path`. `settings` set fields of the table and of its machine.
     ///
     /// # Errors
     /// A file cannot be read or is wrong, a field cannot be set, or a scene has no such frame.
@@ -174,13 +174,13 @@ impl Table {
         Ok(Self { spec, machine, scenes })
     }
 
-    /// How many rows are measured.
+    /// The number of rows to measure.
     pub(crate) fn rows(&self) -> usize {
         self.spec.scenes.iter().map(|scene| kinds(scene.reach).count()).sum()
     }
 }
 
-/// Measures all scenes and kinds of rays of a table; those done when `stop` became true.
+/// Measures all scenes and kinds of rays of a table. When `stop` becomes true, returns the rows done.
 pub(crate) fn identities(table: Table, stop: &AtomicBool) -> Result<(Vec<Measured>, Vec<Row>), IdentitiesError> {
     let bar = progress::bar("identities", table.rows(), "rows");
     let Table { spec, machine, scenes } = table;
@@ -210,7 +210,7 @@ pub(crate) fn identities(table: Table, stop: &AtomicBool) -> Result<(Vec<Measure
     Ok((rows, spec.published))
 }
 
-/// What a stream asks for: rays of the kind, and operations.
+/// The work of a stream: its rays of the kind, and their operations.
 #[derive(Debug)]
 struct Work {
     rays: f64,
@@ -261,7 +261,7 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         intersection: busy("intersection"),
         division: busy("division"),
     };
-    // Operations a ray x rays a cycle over the operations that all units can begin in a cycle.
+    // Operations per ray x rays per cycle / operations that all units together can start per cycle.
     let per_cycle = |operations: f64, count: u64, interval: u64| {
         (operations / rays) * (rays / cycles) * interval as f64 / (machine.cores.get() * count) as f64
     };
@@ -314,18 +314,18 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
     }
 }
 
-/// What a cache counted of a class; nothing if it has no such traffic.
+/// A cache's counts of a class; zeros if it has no such traffic.
 fn counts(stats: &MachineStats, cache: &str, class: TrafficClass) -> CacheCounts {
     stats.caches.get(cache).and_then(|classes| classes.get(&class)).map(|cache| cache.counts).unwrap_or_default()
 }
 
-/// What the L2 that is asked for a class counted of it: a class has one home.
+/// The counts of a class in the L2 that serves it: only one L2 does.
 fn counts_in_l2(stats: &MachineStats, class: TrafficClass) -> CacheCounts {
     let levels = stats.caches.keys().filter(|name| name.starts_with("l2"));
     levels.map(|name| counts(stats, name, class)).find(|counts| counts.accesses > 0).unwrap_or_default()
 }
 
-/// Our rows, then the published ones.
+/// The measured rows, then the published ones.
 pub(crate) fn grid(measured: &[Measured], published: &[Row]) -> Grid {
     const HEAD: [&str; 10] = [
         "rays",
@@ -372,7 +372,7 @@ mod tests {
     use crate::experiment::files::read_machine;
     use crate::replay::Fidelity;
 
-    /// All rows of the room, on each of the shipped machines with a kd-tree's units.
+    /// All rows of the room, on each shipped machine for kd-trees.
     #[test]
     fn the_identities_hold_and_both_engines_agree_on_every_kind_of_rays() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");
@@ -394,7 +394,7 @@ mod tests {
                 assert_eq!(event, cycle, "{name}, {kind:?}");
                 let found = measured(String::new(), &work, &event, &machine);
                 assert!(found.utilization_gap <= MOST_GAP, "{name}, {kind:?}: {}", found.utilization_gap);
-                // What the identity has fetched twice is what merging spares: nothing else moves.
+                // The identity fetches twice exactly the lines that MSHR hits save.
                 let fetched = found.bytes_by_identity - found.bytes_merged;
                 assert!((fetched / found.row.dram_bytes_per_ray - 1.0).abs() < 1e-9, "{name}, {kind:?}: {fetched}");
                 assert!(found.bytes_merged >= 0.0);
@@ -425,7 +425,7 @@ mod tests {
         assert!(near.operations.traversal < far.operations.traversal, "{near:?} {far:?}");
     }
 
-    /// The distinct nodes that eight neighbours visit are fewer if their rays are parallel.
+    /// Eight neighbouring pixels visit fewer distinct nodes if their rays are parallel.
     #[test]
     fn neighbours_share_nodes_if_they_share_directions() {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("configs");

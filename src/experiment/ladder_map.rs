@@ -1,5 +1,5 @@
-//! Failure maps of the ladder: streams made to order, swept over what the rungs rest on, and how far each rung is from
-//! `Event`.
+//! Failure maps of the fidelity levels: synthetic streams, swept over the properties on which the levels' errors
+//! depend. They show each level's error against `Event`.
 
 use std::sync::Arc;
 
@@ -18,20 +18,20 @@ use crate::stream::{
     Totals,
 };
 
-/// Rays of a chunk of a stream, at most.
+/// The most rays of a chunk of a stream.
 const CHUNK: u64 = 4096;
-/// Steps of a ray: nodes, then triangles.
+/// Steps of a ray: first nodes, then triangles.
 const NODES: u64 = 20;
 const TRIANGLES: u64 = 3;
-/// How many times as long the rays of a burst are.
+/// The factor by which the rays of a burst are longer.
 const BURST: u64 = 10;
-/// The share that is sampled.
+/// The share of windows that is sampled.
 const RATE: f64 = 0.25;
 /// The share of lines whose reuse is measured, and the hottest that are always among them.
 const LINES: f64 = 0.05;
 const HOT: usize = 256;
 
-/// Nothing is swept by that name.
+/// No axis has the name.
 #[derive(Debug, thiserror::Error)]
 #[error("no axis begins with `{name}`; known are {known}")]
 pub(crate) struct UnknownAxis {
@@ -39,17 +39,17 @@ pub(crate) struct UnknownAxis {
     known: String,
 }
 
-/// How much is replayed.
+/// How many points are replayed, on streams of which length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Effort {
-    /// Every point: some minutes.
+    /// All points: some minutes.
     Full,
     /// Every other point, on streams an eighth as long: less than a minute.
     Quick,
 }
 
 impl Effort {
-    /// Rays of a stream, where its length is not what is swept.
+    /// Rays of a stream, unless the axis sweeps its length.
     fn rays(self) -> u64 {
         match self {
             Self::Full => 131_072,
@@ -57,7 +57,7 @@ impl Effort {
         }
     }
 
-    /// How many different samples are tried.
+    /// The number of samples, each with its own seed.
     fn seeds(self) -> u64 {
         match self {
             Self::Full => 5,
@@ -65,7 +65,7 @@ impl Effort {
         }
     }
 
-    /// Which points are replayed: each of so many.
+    /// Replays every `step`-th point.
     fn step(self) -> usize {
         match self {
             Self::Full => 1,
@@ -79,21 +79,21 @@ impl Effort {
 struct Case {
     /// Rays of the stream.
     rays: u64,
-    /// Updates of mode words that each ray sends to the shadow-cache unit, of which there is one.
+    /// Updates of mode words that each ray sends to the only shadow-cache unit.
     updates: u64,
-    /// Exponent of the law by which lines are popular (Zipf): 0 is all alike.
+    /// Zipf exponent of the lines' popularity; with 0 all are equally popular.
     skew: f64,
-    /// Bytes of nodes, and of triangles a quarter of that.
+    /// Bytes of nodes; triangles have a quarter as many.
     footprint: u64,
-    /// The probability that a step is that of the ray before.
+    /// The probability that a step repeats the previous ray's step.
     coherence: f64,
-    /// Rays in the middle of the stream that are longer.
+    /// Number of longer rays, in the middle of the stream.
     burst: u64,
     machine: MachineSpec,
 }
 
 impl Case {
-    /// The case in which nothing is swept.
+    /// The case with default values.
     fn new(effort: Effort) -> Self {
         Self {
             rays: effort.rays(),
@@ -107,11 +107,11 @@ impl Case {
     }
 }
 
-/// Draws numbers below a count, the first most often.
+/// Draws numbers below a count by Zipf's law.
 struct Popular {
-    /// Sums of the weights.
+    /// Cumulative weights, by rank.
     sums: Vec<f64>,
-    /// Which number has which place.
+    /// The number of each rank.
     order: Vec<u32>,
 }
 
@@ -209,7 +209,7 @@ impl Case {
     }
 }
 
-/// A number that is known to be allowed.
+/// Converts a number that is within the limits.
 fn within<const LEAST: u64, const MOST: u64>(value: u64) -> Within<LEAST, MOST> {
     Within::new(value).expect("the sweep stays within what is allowed")
 }
@@ -218,10 +218,10 @@ fn bytes<const LEAST: u64, const MOST: u64>(value: u64) -> Size<LEAST, MOST> {
     Size::new(value).expect("the sweep stays within what is allowed")
 }
 
-/// A point of an axis: its value in words, and the case.
+/// A point of an axis: its value as text, and the case.
 type Made = (String, Case);
 
-/// The axes with their points; all else is as in the default case.
+/// The axes with their points; all other properties are those of the default case.
 fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
     fn points<T: Copy + ToString>(effort: Effort, values: &[T], set: impl Fn(&mut Case, T)) -> Vec<Made> {
         let point = |&value: &T| {
@@ -232,9 +232,10 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
         values.iter().step_by(effort.step()).map(point).collect()
     }
     vec![
-        // A short stream has few windows to sample, and ends before caches are warm.
+        // A short stream has few windows to sample, and ends before its caches are warm.
         ("stream, rays", points(effort, &[1024, 4096, 16_384], |case, rays| case.rays = rays)),
-        // The unit takes one ray a cycle, and each update is an operation: from some number on it holds up all others.
+        // The unit takes one ray per cycle and starts one operation per update: with enough updates it is the
+        // bottleneck.
         ("updates a ray, one unit", points(effort, &[0, 2, 8, 32], |case, updates| case.updates = updates)),
         (
             "pool beyond the units",
@@ -274,7 +275,7 @@ fn axes(effort: Effort) -> Vec<(&'static str, Vec<Made>)> {
     ]
 }
 
-/// Runs the axes whose names begin with one of `only`, or all.
+/// Runs the axes whose names begin with one of `only`; all if it is empty.
 ///
 /// # Errors
 /// No axis begins with one of the names.
@@ -296,7 +297,7 @@ pub(crate) fn run(effort: Effort, only: &[String]) -> Result<LadderMap, UnknownA
     Ok(map)
 }
 
-/// What is compared, in the order of [`point`].
+/// Names of the compared rows, in the order of [`point`].
 fn rows() -> Vec<String> {
     [
         "Bound".into(),
@@ -326,7 +327,7 @@ fn point(value: &str, case: &Case, seeds: u64, bar: &Progress) -> Point {
             let engine = Sampled::Event;
             let fidelity = Fidelity::Sampled { engine, rate: share(RATE), seed, target_error: None };
             let stats = match replay.fidelity(fidelity).run(&items) {
-                // A stream of few windows may have none in the sample: then the level says nothing.
+                // The sample of a short stream may have no window: then the level gives no result.
                 Err(RunError::Sample { .. }) => continue,
                 stats => {
                     stats.unwrap_or_else(|error| panic!("{fidelity} cannot replay what was made to order: {error}"))
@@ -375,7 +376,7 @@ mod tests {
         let drawn: std::collections::BTreeSet<u32> = (0..4).map(|at| even.draw(at as f64 / 4.0 + 0.1)).collect();
         assert_eq!(drawn.len(), 4);
         let steep = Popular::new(1000, 2.0);
-        // The first has 1 / (pi^2 / 6) of the weight.
+        // The first rank has 1 / (pi^2 / 6) of the weight.
         assert_eq!(steep.draw(0.0), steep.draw(0.6));
         assert_ne!(steep.draw(0.0), steep.draw(0.62));
     }
@@ -385,7 +386,7 @@ mod tests {
         let case = Case { footprint: 8 << 10, ..Case::new(Effort::Quick) };
         let point = point("8", &case, 2, &Progress::hidden());
         assert_eq!(point.rows.len(), rows().len());
-        // All lines fit the L1s and the L2: first touches only.
+        // All lines fit the L1s and the L2: only first touches miss.
         let [bound, profile, ..] = point.rows.as_slice() else { panic!("rows") };
         assert!(bound.errors[Figure::Cycles as usize].is_some_and(|error| error < 0.0));
         assert!(profile.errors[Figure::DramBytes as usize].is_some_and(|error| error.abs() < 1e-12));

@@ -1,4 +1,4 @@
-//! The lines that a cache is asked for, in a file that cache simulators read.
+//! Writes the line addresses that a cache is asked for, for cache simulators.
 
 use std::io;
 use std::path::Path;
@@ -8,7 +8,8 @@ use crate::machine::{MachineSpec, SpecError};
 use crate::replay::LineStream;
 use crate::stream::{Header, Item};
 
-/// Writes the line stream of an L1 in Dinero's form: `0 ADDRESS` for a read, `1 ADDRESS` for a write, in hexadecimal.
+/// Writes the line stream of an L1 in Dinero's format: `0 ADDRESS` for a read, `1 ADDRESS` for a write, in
+/// hexadecimal.
 pub(crate) struct LineExport {
     lines: LineStream,
     line_bytes: u64,
@@ -19,7 +20,7 @@ pub(crate) struct LineExport {
 /// Why lines cannot be exported.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum LineExportError {
-    /// There are none.
+    /// The machine has no such cache.
     #[error(transparent)]
     Spec(#[from] SpecError),
     /// The file cannot be written.
@@ -28,7 +29,7 @@ pub(crate) enum LineExportError {
 }
 
 impl LineExport {
-    /// Begins the file, for the L1s that reports call `cache`.
+    /// Begins the file, for the L1s that have the name `cache` in reports.
     ///
     /// # Errors
     /// There is no such cache, or the file cannot be written.
@@ -43,7 +44,7 @@ impl LineExport {
         Ok(Self { lines, line_bytes: machine.line_bytes.get(), file, failed: None })
     }
 
-    /// The next item of the stream. What goes wrong is told by [`LineExport::finish`].
+    /// Writes the lines of the stream's next item. [`LineExport::finish`] returns any error.
     pub(crate) fn item(&mut self, item: &Item) {
         let Self { lines, line_bytes, file, failed } = self;
         lines.item(item, |line, write| {

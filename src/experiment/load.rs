@@ -43,13 +43,13 @@ pub enum ExperimentError {
     /// A config is wrong.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The scene cannot be had.
+    /// The scene cannot be loaded.
     #[error(transparent)]
     Scene(#[from] SceneError),
 }
 
 impl ExperimentError {
-    /// The error, shown where the config at `config` names the file that cannot be read, if that is what is wrong.
+    /// Names the config at `config` in the error if a file that this config names cannot be read.
     pub(super) fn named_in(self, config: &Path) -> Self {
         match self {
             Self::Config(error) => ron_file::named_in(config, error).into(),
@@ -60,7 +60,7 @@ impl ExperimentError {
 
 /// An experiment with everything that its files name.
 pub struct Experiment {
-    /// The experiment as it is run: the file's, with what the command line set.
+    /// The experiment as it is run: the file's values, with those of the command line.
     pub spec: ExperimentSpec,
     /// Where the scene comes from.
     pub scene_spec: SceneSpec,
@@ -68,15 +68,15 @@ pub struct Experiment {
     pub scene: Scene,
     /// The machines by name.
     pub machines: Named<MachineSpec>,
-    /// Where they were read.
+    /// The machines' files.
     pub(super) machine_files: Vec<PathBuf>,
     /// Numbers of the frames, in order.
     pub frames: Vec<u32>,
-    /// Those of them that the machines replay.
+    /// The frames that the machines replay.
     pub replayed: Replayed,
 }
 
-/// All that a run depends on, to be written beside its results.
+/// All that a run depends on, written beside its results.
 #[derive(Serialize)]
 struct AsRun<'a> {
     experiment: &'a ExperimentSpec,
@@ -84,10 +84,10 @@ struct AsRun<'a> {
     machines: &'a Named<MachineSpec>,
 }
 
-/// The first word of paths that name a field of the experiment.
+/// The first part of a path that names a field of the experiment.
 const EXPERIMENT: &str = "experiment";
 
-/// Reads a scene's file and all files that it names. A file of triangles alone is one, too: a camera goes round it.
+/// Reads a scene's file and all files that it names. The file may also be a triangle mesh, which a camera circles.
 ///
 /// # Errors
 /// A file cannot be read or is wrong.
@@ -119,13 +119,13 @@ impl Experiment {
     /// Reads an experiment and all files that it names.
     ///
     /// # Errors
-    /// A file cannot be read or is wrong, or the experiment asks for more than its scene has.
+    /// A file cannot be read or is wrong, or the scene does not have what the experiment needs.
     pub fn load(path: &Path, overrides: Overrides) -> Result<Self, ExperimentError> {
         let mut spec = ExperimentSpec::read(path)?;
         let known = set::names(&spec);
         let is_own = |setting: &&Setting| {
             let first = setting.path.split('.').next().unwrap_or_default();
-            // `warmup` is not written where the file leaves it out.
+            // `warmup` is not among `known` where the file leaves it out.
             first == EXPERIMENT || first == "warmup" || known.iter().any(|name| name == first)
         };
         let (own, of_machines): (Vec<&Setting>, Vec<&Setting>) = overrides.set.iter().partition(is_own);
@@ -210,28 +210,28 @@ impl Experiment {
         Ok(experiment)
     }
 
-    /// What the experiment takes in memory, about.
+    /// The approximate memory that the experiment needs.
     pub fn need(&self) -> Need {
         let (policies, lights) = (self.spec.policies.len(), self.scene.light_count);
         let machines: Vec<u128> = self.machines.iter().map(|(_, machine)| machine.footprint()).collect();
         Need::new(self.spec.resolution, self.frames.len(), policies, lights, self.scene.primitive_count(), &machines)
     }
 
-    /// The frames that warm caches and words up where all frames are replayed.
+    /// The warm-up frames of a run that replays all frames.
     pub fn first_frames(&self) -> &[u32] {
         &self.frames[..self.frames.len().saturating_sub(1).min(self.spec.warmup.unwrap_or(0) as usize)]
     }
 
-    /// The experiment as run, in RON: the file's values, those that it leaves to presets, and the files that it names.
+    /// The experiment as run, in RON: its values, presets written out, with the contents of the files that it names.
     pub fn as_run(&self) -> String {
-        // Erased, as in `json`: one serializer for all types.
+        // Type-erased, as in `json`: one serializer is compiled for all types.
         let as_run: &dyn erased_serde::Serialize =
             &AsRun { experiment: &self.spec, scene: &self.scene_spec, machines: &self.machines };
         let style = ron::ser::PrettyConfig::new().indentor("    ").extensions(ron_file::extensions());
         ron::ser::to_string_pretty(as_run, style).expect("specs are plain data, which RON can hold")
     }
 
-    /// All that the streams of the experiment depend on, beside their own headers: as text, of which a hash is taken.
+    /// All inputs of the experiment's streams besides their own headers: the text that is hashed.
     pub(super) fn inputs(&self) -> String {
         format!("{}{}", self.as_run(), self.scene_hashes())
     }
@@ -241,7 +241,7 @@ impl Experiment {
         self.scene.origin.sources.iter().map(|source| format!("{:032x} ", source.hash)).collect()
     }
 
-    /// The policies before the first frame, in the order of the file.
+    /// The policies in their state before the first frame, in the order of the file.
     pub fn policies(&self) -> Vec<Box<dyn Policy>> {
         self.spec.policies.iter().map(|(_, policy)| policy.build(SceneFacts::of(&self.scene))).collect()
     }
@@ -251,7 +251,7 @@ impl Experiment {
         self.spec.policies.iter().map(|(name, _)| name)
     }
 
-    /// Which policy is the one that the others are measured against.
+    /// The index of the policy `Off`, the baseline of the others.
     pub fn off(&self) -> usize {
         self.spec
             .policies
@@ -261,14 +261,14 @@ impl Experiment {
     }
 }
 
-/// One warm-up frame where a policy keeps what it learns for later frames, if there are frames left to measure.
+/// One warm-up frame if a policy keeps state for later frames and a frame is left to measure; 0 otherwise.
 fn default_warmup(spec: &ExperimentSpec, scene: &Scene, frames: &[u32]) -> u32 {
     let learns = |policy: &PolicySpec| policy.build(SceneFacts::of(scene)).stores() != StoreEntries::default();
     let is_left = spec.replay.replayed(frames, 1).measured().next().is_some();
     u32::from(is_left && spec.policies.iter().any(|(_, policy)| learns(policy)))
 }
 
-/// Refuses policies that need a tree of boxes with a structure that is none.
+/// Refuses policies that need a tree of boxes if `structure` is not one.
 pub(super) fn check_boxes(path: &Path, policies: &Named<PolicySpec>, structure: Structure) -> Result<(), ConfigError> {
     match policies.iter().find(|(_, policy)| policy.needs_boxes() && structure == Structure::KdTree) {
         Some((name, _)) => {

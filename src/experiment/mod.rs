@@ -1,4 +1,4 @@
-//! Experiments: scene x policies x machines, as a RON file says.
+//! Experiments: a scene, policies and machines, given by a RON file.
 
 #![warn(unreachable_pub)]
 

@@ -1,21 +1,21 @@
-//! What an experiment takes in memory: bounded, and told before it begins.
+//! Estimates and limits the memory that an experiment takes, before it begins.
 
 use std::fmt;
 
 use crate::quantity::Resolution;
 use crate::report::format::counted;
 
-/// The most bytes that pictures, scene and machines may take together.
+/// The limit for the bytes of pictures, scene and machines together.
 const MOST: u128 = 1 << 32;
 
 /// Bytes of a pixel in a policy's frame: colour, hit and shadows.
 const TRACED_PIXEL: u128 = 36;
 /// Bytes of a pixel in a picture of the report.
 const SHOWN_PIXEL: u128 = 3;
-/// Bytes of a triangle with its attributes and its part of the tree, about.
+/// Approximate bytes of a triangle with its attributes and its part of the tree.
 const TRIANGLE: u128 = 400;
 
-/// What an experiment is going to take.
+/// The memory that an experiment is going to take.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Need {
     what: String,
@@ -23,8 +23,8 @@ pub struct Need {
 }
 
 impl Need {
-    /// The need of so many frames of a size for so many policies, in a scene of so many lights and triangles, on
-    /// machines that take so many bytes each.
+    /// The need of `frames` frames of `resolution` for the given numbers of policies, lights and triangles. `machines`
+    /// holds the bytes of each machine.
     pub(super) fn new(
         resolution: Resolution,
         frames: usize,
@@ -37,16 +37,16 @@ impl Need {
         let (frames, machines_told) = (counted(frames, "frame"), counted(machines.len(), "machine"));
         let what = format!("{frames} of {resolution}, {policies_told}, {machines_told}");
         let policies = policies as u128;
-        // The reference renderer's frame is one more; pictures are kept of two frames.
+        // The reference renderer adds one frame; pictures of two frames are kept.
         let shown = 2 * (1 + policies * (3 + lights as u128));
         let pixel = TRACED_PIXEL * (policies + 2) + SHOWN_PIXEL * shown;
-        // Each stream is replayed on a machine as it is, and for the split, and one for miss curves.
+        // Each machine replays each stream twice, as it is and for the split, and one stream for miss curves.
         let replays = (2 * policies + 1) * machines.iter().sum::<u128>();
         let bytes = resolution.pixels() as u128 * pixel + replays + TRIANGLE * triangles as u128;
         Self { what, bytes }
     }
 
-    /// Refuses what is not payable.
+    /// Refuses an experiment that needs more than [`MOST`].
     pub(super) fn check(&self) -> Result<(), String> {
         if self.bytes <= MOST {
             return Ok(());

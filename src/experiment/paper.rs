@@ -1,4 +1,4 @@
-//! The table of GI09 under every reading of its text: the published figures beside ours.
+//! The table of GI09 under every reading of its text: published figures beside measured ones.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -54,7 +54,7 @@ pub struct PaperScene {
     pub published: Figures,
 }
 
-/// The paper's figures of a scene, or ours.
+/// The figures of a scene: the paper's, or measured ones.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Figures {
@@ -106,7 +106,7 @@ pub struct Reading {
     pub policy: String,
     /// The paper's figures.
     pub published: Figures,
-    /// Ours.
+    /// The measured figures.
     pub ours: Figures,
     /// The best frame for node visits and for triangle tests, counted from 0 among those traced.
     pub best_frames: [usize; 2],
@@ -119,7 +119,7 @@ pub struct Reading {
 /// A table and all that its file names.
 pub(crate) struct Table {
     spec: PaperSpec,
-    /// As many as the file has.
+    /// The scenes, in the order of the file.
     scenes: Vec<Scene>,
 }
 
@@ -127,7 +127,7 @@ impl Table {
     /// Reads the table of the file `path`.
     ///
     /// # Errors
-    /// A file cannot be read or is wrong, a policy does not go with a structure, or a scene has fewer frames.
+    /// A file cannot be read or is wrong, a structure does not support a policy, or a scene has fewer frames.
     pub(crate) fn load(path: &Path) -> Result<Self, ExperimentError> {
         let spec: PaperSpec = ron_file::read(path)?;
         for &structure in &spec.structures {
@@ -146,13 +146,13 @@ impl Table {
         Ok(Self { spec, scenes })
     }
 
-    /// How many readings are traced, each with all policies.
+    /// The number of readings to trace, each with all policies.
     pub(crate) fn readings(&self) -> usize {
         self.scenes.len() * self.spec.frames.len() * tracers(&self.spec).len()
     }
 }
 
-/// Tries all readings; those done when `stop` became true.
+/// Traces all readings. When `stop` becomes true, returns the readings done.
 pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>, ExperimentError> {
     let table = Table::load(path)?;
     let bar = progress::bar("paper", table.readings(), "readings");
@@ -173,7 +173,7 @@ pub(crate) fn paper_table(path: &Path, stop: &AtomicBool) -> Result<Vec<Reading>
     Ok(readings)
 }
 
-/// All combinations of how frames are traced.
+/// All combinations of structure, depth and shadow rays.
 fn tracers(spec: &PaperSpec) -> Vec<TracerSpec> {
     let mut all = Vec::new();
     for &structure in &spec.structures {
@@ -240,7 +240,7 @@ fn read(
     spec.policies.iter().zip(culled).map(row).collect()
 }
 
-/// The reading that comes nearest in each scene, and what the distance is.
+/// The nearest reading of each scene, and a definition of the distance.
 pub(crate) fn verdict(readings: &[Reading]) -> String {
     let mut scenes: Vec<&str> = readings.iter().map(|reading| reading.scene.as_str()).collect();
     scenes.dedup();
@@ -257,7 +257,7 @@ pub(crate) fn verdict(readings: &[Reading]) -> String {
     scenes.iter().filter_map(nearest).chain([distance.to_owned()]).collect::<Vec<_>>().join("\n")
 }
 
-/// The readings of each scene, the closest to the paper first; the scene's published figures stand above them.
+/// The readings of each scene, closest to the paper first, below the scene's published figures.
 pub(crate) fn grid(readings: &[Reading]) -> Grid {
     const HEAD: [&str; 12] = [
         "scene",
@@ -274,7 +274,7 @@ pub(crate) fn grid(readings: &[Reading]) -> Grid {
         "distance",
     ];
     let mut sorted: Vec<&Reading> = readings.iter().collect();
-    // Scenes keep their order: the sort is stable, and places are by first appearance.
+    // Scenes stay in order of first appearance.
     let place = |scene: &str| readings.iter().position(|reading| reading.scene == scene);
     sorted.sort_by(|a, b| place(&a.scene).cmp(&place(&b.scene)).then(a.distance.total_cmp(&b.distance)));
     let mut rows: Vec<Vec<String>> = Vec::new();

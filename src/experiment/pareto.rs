@@ -1,4 +1,5 @@
-//! Speed against accuracy: every rung of the ladder replays the same streams, and is held to the truth.
+//! Speed against accuracy: all fidelity levels replay the same streams and are compared with an exact level, the
+//! truth.
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -54,18 +55,18 @@ struct Source {
     policies: Vec<String>,
 }
 
-/// A comparison and all that its files name.
+/// A comparison and everything that its files name.
 pub struct Comparison {
     /// The experiments, with the policies that take part.
     pub experiments: Vec<Experiment>,
     /// The machines.
     pub machines: Vec<MachineSpec>,
-    /// The truth, then the rungs that are held to it.
+    /// The truth, then the levels that are compared with it.
     pub rungs: Vec<Fidelity>,
 }
 
 impl Comparison {
-    /// Reads the comparison of the file `path`, with another truth if there is one.
+    /// Reads the comparison of the file `path`; `truth` replaces the file's truth.
     ///
     /// # Errors
     /// A file cannot be read or is wrong, the truth is not exact, or a list is empty.
@@ -97,7 +98,7 @@ impl Comparison {
         Ok(Self { experiments, machines, rungs: std::iter::once(truth).chain(spec.rungs).collect() })
     }
 
-    /// The name of each experiment's scene, with what its streams are of where several are of that scene.
+    /// The name of each experiment's scene; where several experiments share a scene, with what tells them apart.
     fn scenes(&self) -> impl Iterator<Item = String> {
         self.experiments.iter().map(|experiment| {
             let name = &experiment.scene.name;
@@ -106,20 +107,20 @@ impl Comparison {
         })
     }
 
-    /// How many replays it takes.
+    /// The number of replays of the comparison.
     pub(crate) fn replays(&self) -> usize {
         let streams: usize = self.experiments.iter().map(|experiment| experiment.spec.policies.len()).sum();
         streams * self.machines.len() * self.rungs.len()
     }
 }
 
-/// What the streams of an experiment are of.
+/// The name of an experiment's scene, with its own name, frames and resolution.
 fn streams_of(experiment: &Experiment) -> String {
     let ExperimentSpec { name, frames, resolution, .. } = &experiment.spec;
     format!("{} of `{name}`, {frames}, {resolution}", experiment.scene.name)
 }
 
-/// Runs the comparison of the file `path`, with another truth if there is one; also how long each rung took.
+/// Runs the comparison of the file `path`; `truth` replaces the file's truth. Returns also the time of each level.
 pub(crate) fn pareto(
     path: &Path,
     truth: Option<Fidelity>,
@@ -145,7 +146,7 @@ pub(crate) fn pareto(
                     bar.inc(1);
                     stats.map(|stats| (stats, begin.elapsed().as_secs_f64()))
                 };
-                // One after another: their times are compared.
+                // Replays run one after another, since their times are compared.
                 let (stats, truth_seconds) = timed(truth)?;
                 let truth = Figures::of(&stats);
                 timings[0].add(truth_seconds, truth_seconds, stream.rays());
@@ -196,8 +197,8 @@ impl Source {
     }
 }
 
-/// Why a rung refused a run that the truth did not: its sample has no window, or it does not know where the machine's
-/// stores are.
+/// Why a level refused a run that the truth did not refuse: its sample has no window, or it does not support the
+/// machine's placement of mode words.
 fn refusal(error: SweepError) -> Result<String, SweepError> {
     match error {
         SweepError::Machine { source, .. } if matches!(*source, RunError::Sample { .. } | RunError::Spec(_)) => {
@@ -212,8 +213,8 @@ mod tests {
     use super::*;
     use crate::report::pareto::Rung;
 
-    /// A sample of a short stream may tell nothing: what the others find is told all the same. `Profile` knows words
-    /// in triangle records.
+    /// A sample of a short stream may have no result: the others' results are still reported. `Profile` supports mode
+    /// words in triangle records.
     #[test]
     fn a_rung_that_refuses_a_run_stops_no_other() {
         let folder = tempfile::tempdir().unwrap();

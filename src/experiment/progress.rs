@@ -10,35 +10,35 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
 use crate::console;
 
-/// How often a line is written where there is no terminal.
+/// Time between lines where there is no terminal.
 const EVERY: Duration = Duration::from_secs(30);
-/// An estimate is made from this time on, and from a tenth of the work on.
+/// The remaining time is estimated after this time and a tenth of the work.
 const STABLE: Duration = Duration::from_secs(3);
 
-/// The progress of one piece of work. Its end removes the bar.
+/// The progress of one piece of work. Dropping it removes the bar.
 pub(super) struct Progress {
     bar: ProgressBar,
     lines: Option<(Arc<AtomicBool>, JoinHandle<()>)>,
 }
 
 impl Progress {
-    /// Nothing that anybody sees.
+    /// A progress that shows nothing.
     #[cfg(test)]
     pub(super) fn hidden() -> Self {
         Self { bar: ProgressBar::hidden(), lines: None }
     }
 
-    /// `count` more things are done.
+    /// Counts `count` more things as done.
     pub(super) fn inc(&self, count: u64) {
         self.bar.inc(count);
     }
 
-    /// The work begins again from its start.
+    /// Starts again from zero.
     pub(super) fn reset(&self) {
         self.bar.reset();
     }
 
-    /// Names what is done from here on.
+    /// Names the current stage.
     pub(super) fn set_message(&self, message: &'static str) {
         self.bar.set_message(message);
     }
@@ -50,7 +50,7 @@ impl Drop for Progress {
         if let Some((done, thread)) = self.lines.take() {
             done.store(true, Ordering::Relaxed);
             thread.thread().unpark();
-            // A thread that prints has no result to lose.
+            // The printing thread has no result to lose.
             let _ = thread.join();
         }
     }
@@ -63,7 +63,7 @@ pub(super) fn bar(message: &'static str, length: usize, things: &'static str) ->
     }
     let template = format!("{{msg:>10}} [{{bar:24}}] {{pos}}/{{len}} {things}, {{elapsed}}{{rate}}{{left}}");
     let style = ProgressStyle::with_template(&template).expect("the template is right").progress_chars("=> ");
-    // A text that cannot be written is a bar without it.
+    // If the text cannot be written, the bar goes without it.
     let rate = |state: &ProgressState, text: &mut dyn std::fmt::Write| {
         let _ = text.write_str(&rate(state.pos(), state.len().unwrap_or_default(), state.elapsed()));
     };
@@ -113,8 +113,8 @@ fn about(left: Duration) -> String {
     format!(", about {} left", humantime::format_duration(Duration::from_secs(seconds)))
 }
 
-/// How fast it goes: things a second, or seconds a thing, of the whole time. The bar's own rate falls while nothing
-/// ends, and says nothing then.
+/// The mean rate since the start: things per second, or seconds per thing. The bar's own rate falls to nothing while
+/// no thing ends.
 fn rate(at: u64, of: u64, elapsed: Duration) -> String {
     let each = elapsed.as_secs_f64() / at as f64;
     match each {
@@ -124,7 +124,7 @@ fn rate(at: u64, of: u64, elapsed: Duration) -> String {
     }
 }
 
-/// How long the rest takes, if its things take as long as those that are done.
+/// The remaining time, if the remaining things take as long as those done.
 fn left(at: u64, of: u64, elapsed: Duration) -> String {
     if !is_stable(at, of, elapsed) {
         return String::new();
@@ -146,7 +146,7 @@ mod tests {
         assert!(!is_stable(100, 100, seconds(10)), "nothing is left");
         assert_eq!(about(seconds(90)), ", about 1m 30s left");
         assert_eq!(about(Duration::ZERO), ", about 1s left");
-        // However long nothing was done, the estimate follows from what was.
+        // The estimate stays the same while nothing ends.
         assert_eq!(left(27, 45, seconds(600)), ", about 7m left");
         assert_eq!(left(1, 45, seconds(600)), "");
         assert_eq!([rate(3, 12, seconds(126)), rate(6, 12, seconds(3))], [", 42.0 s each", ", 2.0/s"]);

@@ -1,4 +1,4 @@
-//! Machines at work on streams while these are traced: a thread each, fed through a short queue.
+//! Machines that replay streams during tracing: one thread each, fed through a short queue.
 
 use std::cell::RefCell;
 use std::path::Path;
@@ -18,11 +18,11 @@ use crate::report::run::Span;
 use crate::stats::MachineStats;
 use crate::stream::{Header, Item, StreamError, StreamReader, StreamWriter};
 
-/// A machine that was told nothing more will come, or that has failed.
+/// A machine has failed or stopped, and takes no more items.
 #[derive(Debug)]
 pub(crate) struct Stopped;
 
-/// Items that may wait for a machine. A few bands: more would only take memory.
+/// Items that may wait for a machine: a few bands of a picture. A longer queue would only take memory. Assumed.
 const WAITING: usize = 8;
 
 /// Machines that replay the streams of several policies.
@@ -39,11 +39,11 @@ struct Running<'scope> {
     thread: ScopedJoinHandle<'scope, Result<Replayed, RunError>>,
 }
 
-/// What a machine measured, and how long that took.
+/// A machine's measurements, and the time they took.
 pub(crate) struct Replayed {
     /// The measurements.
     pub stats: MachineStats,
-    /// The measured frames over time, of a machine as it is that is replayed cycle by cycle.
+    /// The measured frames over time; only for a machine in the role `AsItIs` that is replayed cycle by cycle.
     pub over_time: Vec<Span>,
     /// Wall time of the simulation, waiting for the tracer included.
     pub wall: Duration,
@@ -55,7 +55,7 @@ pub(crate) struct Finished {
     pub policy: usize,
     /// The machine's name.
     pub machine: String,
-    /// What it was replayed for.
+    /// The machine's role.
     pub role: Role,
     /// The result.
     pub result: Result<Replayed, RunError>,
@@ -94,10 +94,10 @@ impl<'scope> Replays<'scope> {
         self.runs.push(Running { policy, machine: machine.name.clone(), role, items, thread });
     }
 
-    /// Hands the next item of a policy's stream to all machines that replay it; waits while they are busy.
+    /// Sends the next item of a policy's stream to all machines that replay it; blocks while their queues are full.
     pub(crate) fn send(&self, policy: usize, item: &Item) -> Result<(), Stopped> {
         for run in self.runs.iter().filter(|run| run.policy == policy) {
-            // A machine that has gone away has failed: its error comes out in `finish`.
+            // The machine has failed: `finish` returns its error.
             run.items.send(item.clone()).map_err(|_| Stopped)?;
         }
         Ok(())
@@ -120,14 +120,14 @@ fn temporary(source: std::io::Error) -> StreamError {
     StreamError::Io { path: std::env::temp_dir(), doing: "write", source }
 }
 
-/// Writes a stream that is to be read more than once at `path`.
+/// Writes a stream to `path`, so that it can be read more than once.
 fn record(header: &Header, items: Receiver<Item>, path: &Path) -> Result<(), StreamError> {
     let mut writer = StreamWriter::create(path, header)?;
     items.into_iter().try_for_each(|item| writer.write(&item))?;
     writer.finish()
 }
 
-/// Replays the recorded stream `path` on a machine, while files are written that are wanted of it.
+/// Replays the recorded stream `path` on a machine, and writes the files in `exports` and `lines`.
 pub(crate) fn replay_file(
     machine: &MachineSpec,
     fidelity: Fidelity,
@@ -147,7 +147,7 @@ pub(crate) fn replay_file(
     stats
 }
 
-/// A recorded stream, while a bar shows how far it is read, and its lines go to a file if they are wanted.
+/// A recorded stream that advances a bar as it is read, and writes its lines to a file if that is wanted.
 struct Told<'a> {
     file: StreamFile<'a>,
     bar: &'a Progress,

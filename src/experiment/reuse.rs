@@ -7,7 +7,7 @@ use crate::replay::{Replay, ReuseOf, RunError, StreamFile};
 use crate::report::reuse::ReuseSummary;
 use crate::stream::StreamReader;
 
-/// Measures the stream at `stream` in the caches of `machine`.
+/// Measures the reuse of the stream at `stream` in the caches of `machine`.
 pub(crate) fn reuse(machine: &MachineSpec, of: ReuseOf, stream: &Path) -> Result<ReuseSummary, RunError> {
     let header = StreamReader::open(stream)?.header().clone();
     let (stats, levels) = Replay::new(machine, &header)?.reuse(of, &StreamFile(stream))?;

@@ -1,5 +1,5 @@
-//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, compares pictures
-//! with the reference renderer, and sums everything up for a report.
+//! Runs an experiment: traces each frame for all policies, replays their streams on all machines, and compares
+//! pictures with the reference renderer. The results make a report.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -42,16 +42,16 @@ pub(crate) enum RunFailure {
         /// What happened.
         source: Box<RunError>,
     },
-    /// A stream's records don't give the tracer's counts: an error in the simulator.
+    /// A stream's records do not match the tracer's counts: an error in the simulator.
     #[error("frame {frame}, policy `{policy}`: the stream holds {recorded:?}, the tracer counted {counted:?}")]
     Counts {
         /// The frame.
         frame: u32,
         /// The policy's name.
         policy: String,
-        /// From the records.
+        /// The counts from the records.
         recorded: Box<Totals>,
-        /// The tracer's own.
+        /// The tracer's own counts.
         counted: Box<Totals>,
     },
     /// A picture of the report cannot be made: an error in the simulator.
@@ -67,12 +67,12 @@ pub(crate) enum RunFailure {
 struct Clock {
     trace: Duration,
     reference: Duration,
-    /// Waiting for machines that are behind the tracer.
+    /// Time spent waiting for machines that are slower than the tracer.
     machines: Duration,
 }
 
-/// Runs the experiment, without machines if `machines` is not set. When `stop` becomes true, the run ends with the
-/// frame in work, and the report is of the frames done.
+/// Runs the experiment, without machines if `machines` is false. When `stop` becomes true, the run ends with the
+/// current frame, and the report has the frames done.
 pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) -> Result<RunFiles, RunFailure> {
     let begin = Instant::now();
     let scene = &experiment.scene;
@@ -90,7 +90,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     let (finished, reuse) = std::thread::scope(|scope| {
         let mut replays = Replays::default();
         let reuses = FrameReuses::start(scope, experiment, machines, &headers);
-        // Policies are compared.
+        // The policies are compared with each other.
         let fidelity = experiment.spec.fidelity.compared();
         for (_, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
@@ -121,7 +121,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
                 result
             });
             clock.trace += traced.elapsed() - (clock.machines - waited);
-            // A machine that has stopped has an error to tell, which `finish` brings.
+            // `finish` returns the error of a machine that has stopped.
             let Ok(lanes) = lanes else { break };
             check(experiment, number, &recorded, &lanes)?;
             let compared = Instant::now();
@@ -150,7 +150,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     gathered.report(experiment, &headers, (finished, reuse), clock, begin)
 }
 
-/// What machines replay the stream of policy `policy` for.
+/// The roles in which machines replay the stream of policy `policy`.
 fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
     let split = experiment.spec.split && experiment.spec.fidelity.knows_all_placements();
     let other = if policy == experiment.off() { Role::WithoutUnit } else { Role::FreeWords };
@@ -174,7 +174,7 @@ fn latch(policies: &[Box<dyn Policy>], primitives: usize) -> Vec<Words> {
     policies.iter().map(|policy| Words::latch(policy.as_ref(), primitives)).collect()
 }
 
-/// Counts what a stream's item records.
+/// Adds the records of a stream's item to the counts.
 fn count(recorded: &mut Totals, item: &Item) {
     match item {
         Item::Frame(_) => {}
@@ -183,7 +183,7 @@ fn count(recorded: &mut Totals, item: &Item) {
     }
 }
 
-/// The records must give the counts that the tracer kept by itself.
+/// Compares the counts of the records with the tracer's own.
 fn check(experiment: &Experiment, frame: u32, recorded: &[Totals], lanes: &[LaneFrame]) -> Result<(), RunFailure> {
     for ((policy, recorded), lane) in experiment.policy_names().zip(recorded).zip(lanes) {
         if *recorded != lane.totals {
@@ -212,13 +212,13 @@ fn made() -> Named<String> {
     made
 }
 
-/// Rays that a machine replayed, those of warm-up frames among them.
+/// Rays that a machine replayed, warm-up frames included.
 fn replayed_rays(stats: &MachineStats) -> u64 {
     let all = stats.frames.iter().map(|frame| frame.rays).sum();
     if stats.frames.is_empty() { stats.rays } else { all }
 }
 
-/// What a policy did in a frame, as the tracer counted, without the reference renderer.
+/// A policy's results in a frame by the tracer's counts, without the reference renderer.
 pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
     FrameResult {
         frame,
@@ -232,13 +232,13 @@ pub(super) fn frame_result(frame: u32, lane: &LaneFrame) -> FrameResult {
     }
 }
 
-/// What the frames gave so far.
+/// The results of the frames done.
 struct Gathered {
     frames: Vec<u32>,
-    /// Those of them that the machines measured, and that they replayed to warm up.
+    /// The frames that the machines measured, and their warm-up frames.
     measured: Vec<u32>,
     warmup: Vec<u32>,
-    /// By policy, what the measured frames ask for.
+    /// By policy, the counts of the measured frames.
     totals: Vec<Totals>,
     /// By policy, then frame.
     results: Vec<Vec<FrameResult>>,
@@ -299,7 +299,7 @@ impl Gathered {
         }
     }
 
-    /// What each policy that culls saved and paid on a machine, of what was measured of that.
+    /// What each culling policy saved and cost on a machine.
     fn split(&self, experiment: &Experiment, names: &[&str], measured: &[(usize, Role, MachineStats)]) -> Named<Split> {
         let off = experiment.off();
         let of = |policy: usize, role: Role| {

@@ -1,4 +1,4 @@
-//! Fields of specs set by their paths.
+//! Sets fields of specs by their paths.
 
 use std::str::FromStr;
 
@@ -13,9 +13,9 @@ use crate::json;
 /// A field's path and the value that it gets, written `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Setting {
-    /// Such as `shadow_cache.cache.bytes`.
+    /// The field's path, such as `shadow_cache.cache.bytes`.
     pub path: String,
-    /// As a file has it.
+    /// The value, as in a file.
     pub value: String,
 }
 
@@ -54,11 +54,11 @@ pub(super) fn names(spec: &impl Serialize) -> Vec<String> {
     }
 }
 
-/// `spec` with another value of the field at `path`. The name of a choice may be left out of the path: `l2.bytes` is
-/// `l2.Unified.bytes` where `l2` is `Unified`.
+/// Returns `spec` with `value` in the field at `path`. The path may leave out the name of an enum's variant:
+/// `l2.bytes` is `l2.Unified.bytes` where `l2` is `Unified`.
 ///
 /// # Errors
-/// There is no such field, or it cannot have that value; the error says what is allowed.
+/// There is no such field, or it cannot have the value; the error says what is allowed.
 pub(super) fn field<T: Serialize + DeserializeOwned>(spec: &T, path: &str, value: &str) -> Result<T, String> {
     let mut all = data(spec);
     let mut place = &mut all;
@@ -75,7 +75,7 @@ pub(super) fn field<T: Serialize + DeserializeOwned>(spec: &T, path: &str, value
         if !fields.contains_key(name) && !is_last {
             return Err(missing(&parent, name, &known));
         }
-        // A field that is left open is not written: whether there is one shows when the spec is read.
+        // An unset optional field is not in the data: reading the spec below checks whether it exists.
         place = fields.entry(name).or_insert(Value::Null);
     }
     let is_there = !place.is_null();
@@ -87,7 +87,7 @@ pub(super) fn field<T: Serialize + DeserializeOwned>(spec: &T, path: &str, value
     })
 }
 
-/// The value of the field at `path`, which is that of [`field`]; none if there is no such field.
+/// The value of the field at `path`, as [`field`] takes it; `None` if there is no such field.
 pub(super) fn value(spec: &impl Serialize, path: &str) -> Option<Value> {
     let mut all = data(spec);
     let found = path.split('.').try_fold(&mut all, |place, name| inside(place, name).get_mut(name));
@@ -98,7 +98,7 @@ fn data(spec: &impl Serialize) -> Value {
     json::value(spec).expect("a spec is plain data, which JSON can hold")
 }
 
-/// `place`, or what is in the brackets of the choice that it is.
+/// `place`, or the contents of its variant if it is an enum's.
 fn inside<'a>(place: &'a mut Value, name: &str) -> &'a mut Value {
     let variant = match place {
         Value::Object(fields) if fields.len() == 1 && !fields.contains_key(name) => {
@@ -120,10 +120,10 @@ fn missing(parent: &str, name: &str, known: &[String]) -> String {
     format!("there is no field `{name}`{place}{alike} Allowed: {names}").replace("` Allowed", "`; allowed")
 }
 
-/// A value as a file or a command line has it, as data. A bare name is a variant's or a text.
+/// Converts a value as in a file or on a command line to data. A bare name is a variant or a text.
 fn plain(text: &str) -> Value {
     let is_word = |text: &str| text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
-    // A variant with something in brackets.
+    // A variant with a payload in brackets.
     if let Some((name, rest)) = text.split_once('(')
         && let Some(inner) = rest.strip_suffix(')')
         && is_word(name)

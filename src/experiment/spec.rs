@@ -1,4 +1,4 @@
-//! An experiment as its RON file says it.
+//! The spec of an experiment, read from a RON file.
 
 use std::path::{Path, PathBuf};
 
@@ -71,7 +71,7 @@ fn name<'de, D: Deserializer<'de>>(from: D) -> Result<String, D::Error> {
     Ok(name)
 }
 
-/// Checks the name of an experiment, which is that of its report's folder; the error says what is allowed.
+/// Checks the name of an experiment, which is also that of its report's folder. The error says what is allowed.
 pub(crate) fn check_name(name: &str) -> Result<(), String> {
     let allowed = |letter: char| letter.is_ascii_alphanumeric() || letter == '-' || letter == '_';
     if !name.is_empty() && name.len() <= 64 && name.chars().all(allowed) {
@@ -85,13 +85,13 @@ impl ExperimentSpec {
     /// Reads an experiment's file.
     ///
     /// # Errors
-    /// The file cannot be read, or is no experiment's.
+    /// The file cannot be read, or is not an experiment's.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         ron_file::read(path)
     }
 }
 
-/// Policies of which one is `Off`.
+/// Reads policies; refuses them if none is `Off`.
 fn with_off<'de, D: Deserializer<'de>>(from: D) -> Result<Named<PolicySpec>, D::Error> {
     let policies = Named::<PolicySpec>::deserialize(from)?;
     if policies.iter().any(|(_, policy)| *policy == PolicySpec::Off) {

@@ -1,15 +1,16 @@
-//! The machines whose replays, beside that of a machine as it is, tell what culling saves from what its words cost.
+//! Variants of a machine whose replays separate what culling saves from what its mode words cost.
 
 use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::{Place, ShadowCacheSpec};
 
-/// The machine as a stream without culling sees it: nothing reaches its shadow-cache units.
+/// The machine for a stream without culling: nothing reaches its shadow-cache units, so they have default values.
 pub(super) fn without_unit(spec: &MachineSpec) -> MachineSpec {
     MachineSpec { shadow_cache: ShadowCacheSpec::default(), ..spec.clone() }
 }
 
-/// The machine with words that cost nothing. The units, their pipelines and their contexts stay: occlusion tests and
-/// decisions still need them. What says how words are kept and accessed has no effect on free ones.
+/// The machine with free words. The units, their pipelines and their contexts stay, since occlusion tests and
+/// decisions need them. Fields that say how words are stored and accessed get default values: they have no effect on
+/// free words.
 pub(super) fn with_free_words(spec: &MachineSpec) -> MachineSpec {
     let of_words = ShadowCacheSpec::default();
     let unit = ShadowCacheSpec {
@@ -26,14 +27,14 @@ pub(super) fn with_free_words(spec: &MachineSpec) -> MachineSpec {
     MachineSpec { shadow_cache: unit, ..spec.clone() }
 }
 
-/// What a machine is replayed for.
+/// The role in which a machine is replayed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Role {
-    /// It is measured as it is.
+    /// The machine as its spec describes it.
     AsItIs,
-    /// With words that cost nothing.
+    /// With free words.
     FreeWords,
-    /// Without culling and without a unit for it: what the others are split against.
+    /// Without culling and without shadow-cache units: the baseline of the split.
     WithoutUnit,
 }
 
@@ -47,7 +48,7 @@ impl Role {
         }
     }
 
-    /// The role of what a machine in this role is measured beside, under the same policy.
+    /// The role of the baseline for a machine in this role, under the same policy.
     pub(super) fn of_baseline(self) -> Self {
         match self {
             Self::AsItIs | Self::FreeWords => Self::AsItIs,
@@ -55,17 +56,35 @@ impl Role {
         }
     }
 
-    /// Whether a field of the machine is there in this role.
+    /// Whether the field at `path` has an effect in this role.
     pub(super) fn has_field(self, path: &str) -> bool {
         self != Self::WithoutUnit || !path.starts_with("shadow_cache.")
     }
 
-    /// What stands behind a policy's name, for stages of a run.
+    /// The suffix to a policy's name, for stages of a run.
     pub(crate) fn suffix(self) -> &'static str {
         match self {
             Self::AsItIs => "",
             Self::FreeWords => ", words free",
             Self::WithoutUnit => ", no unit",
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::set;
+
+    /// Operations, contexts and caches of the units are no cost of words.
+    #[test]
+    fn free_words_leave_the_units_as_they_are() {
+        let mut machine = MachineSpec::default();
+        for (field, value) in [("count", 4), ("latency", 5), ("interval", 6), ("contexts", 7), ("width", 3)] {
+            machine = set::field(&machine, &format!("shadow_cache.{field}"), &value.to_string()).unwrap();
+        }
+        machine = set::field(&machine, "shadow_cache.cache.bytes", "65536").unwrap();
+        let unit = ShadowCacheSpec { place: Place::Free, ..machine.shadow_cache };
+        assert_eq!(with_free_words(&machine).shadow_cache, unit);
     }
 }

@@ -1,5 +1,5 @@
-//! Stress: every policy on every small scene that is known to break one, and what the published text's open ends
-//! change.
+//! Stress: every policy on every small scene that is known to break a policy, and the effect of choices that the
+//! published text leaves open.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -20,18 +20,18 @@ use crate::scene::{RenderSpec, Scene};
 use crate::stream::{Item, Totals};
 use crate::tracer::{LaneFrame, Tracer, TracerSpec};
 
-/// Frames for which the last view of a failure case is held.
+/// Frames for which a failure case holds its last view.
 const HELD: u32 = 4;
-/// Random scenes on which open ends are tried.
+/// Random scenes on which the open choices are tried.
 const SCENES: u32 = 12;
-/// Their pictures' size.
+/// Picture size of the random scenes.
 const SIZE: Resolution = Resolution { width: 48, height: 48 };
 
-/// Policies whose streams the timing models replay: no culling, words, and certificates with hints.
+/// Policies whose streams the timing models replay: no culling, mode words, and certificates with hints.
 const REPLAYED: [&str; 3] = ["Off", "Published", "Hybrid"];
 
-/// Other answers to what the text leaves open than the default ones, one at a time, as a config has them. (The order of
-/// pixels is not among them: with latched words no order changes a decision.)
+/// Answers to what the published text leaves open, other than the defaults: one set of fields at a time, in a config's
+/// syntax. (The order of pixels is missing: with latched words no order changes a decision.)
 const ANSWERS: [&str; 21] = [
     "preset: Literal",
     "partial: Sticky",
@@ -56,7 +56,7 @@ const ANSWERS: [&str; 21] = [
     "words: Live",
 ];
 
-/// The policies of the failure map: each with its defaults, and readings of the published text.
+/// The policies of the failure map: each kind with its defaults, and further readings of the published text.
 pub(crate) fn policies() -> Vec<(String, PolicySpec)> {
     let literal = PublishedSpec { preset: Preset::Literal, ..PublishedSpec::default() };
     let repaired = PublishedSpec {
@@ -76,10 +76,10 @@ pub(crate) fn policies() -> Vec<(String, PolicySpec)> {
     PolicySpec::all().into_iter().chain(readings).map(|(name, spec)| (name.to_owned(), spec)).collect()
 }
 
-/// The cases of these names; all, if there are none.
+/// The cases with the given names; all cases if `names` is empty.
 ///
 /// # Errors
-/// A name is no case's; the error proposes one.
+/// A name belongs to no case; the error proposes one.
 pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
     if names.is_empty() {
         return Ok(Case::all().collect());
@@ -96,7 +96,7 @@ pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
     twice.map_or(Ok(cases.clone()), |(_, case)| Err(format!("the case `{}` is named twice", case.name())))
 }
 
-/// Runs cases; all of them, and what answers to open questions change too, if `all` is set.
+/// Runs the given cases; if `all` is set, also measures the effects of other answers to open questions.
 pub(crate) fn run(cases: &[Case], all: bool) -> StressSummary {
     let policies = policies();
     let named = policies.iter().map(|(name, spec)| StressPolicy { name: name.clone(), exact: spec.is_exact() });
@@ -137,14 +137,14 @@ fn run_case(case: Case, policies: &[(String, PolicySpec)]) -> CaseSummary {
     CaseSummary { name: case.name().into(), title: case.title().into(), policies: wrongs, models }
 }
 
-/// What each answer changes on random scenes, against the default answers on the same scene.
+/// The change from each answer on random scenes, against the default answers on the same scenes.
 fn effects(bar: &Progress) -> Vec<Effect> {
     let published = |text: &str| {
         let spec = ron_file::parse(&format!("({text})"), Path::new("answers"));
         PolicySpec::Published(spec.expect("the list holds what a config can"))
     };
     let specs: Vec<_> = [PolicySpec::Off, published("")].into_iter().chain(ANSWERS.map(published)).collect();
-    // By answer, the change in each scene.
+    // By answer, its change in each scene.
     let mut changes = vec![(Vec::new(), Vec::new()); ANSWERS.len()];
     for seed in 0..SCENES {
         let scene = Recipe { seed: seed.into(), ..Recipe::default() }.scene("random");
@@ -193,7 +193,8 @@ impl<'a> Stage<'a> {
         Self { scene, tracer: Tracer::new(scene, &scene.animation.frame(0), resolution, spec) }
     }
 
-    /// Traces frames 0 to `frames` for all policies; `item` gets what each one's stream is made of, `done` its frame.
+    /// Traces frames 0 to `frames` (exclusive) for all policies. `item` receives the items of each policy's stream,
+    /// `done` its finished frames.
     fn trace(
         &self,
         frames: u32,
@@ -235,7 +236,7 @@ mod tests {
         assert_eq!(outcome("C4m", "Published literal"), Outcome::Right);
         let of = |option: &str| summary.effects.iter().find(|it| it.option == option).expect("an answer");
         assert!(of("secondary: Ignore").saving.mean < 0.0);
-        // Nothing flows from lights that stand still.
+        // Lights that do not move flush nothing.
         assert_eq!(of("light_moves: Flush").saving, Shift { mean: 0.0, error: 0.0 });
     }
 }

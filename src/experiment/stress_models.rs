@@ -1,11 +1,11 @@
-//! Timing models under stress: each must replay what the failure cases recorded, and say how far it is from the truth.
+//! Timing models under stress: each must replay the streams of the failure cases, and is compared with the truth.
 
 use crate::machine::MachineSpec;
 use crate::replay::{Fidelity, Replay, RunError};
 use crate::report::stress::ModelVerdict;
 use crate::stream::{Header, Item};
 
-/// The models, the first of which is what the others are held to.
+/// The models; the first is the truth for the others.
 pub(super) const MODELS: [Fidelity; 4] = [Fidelity::Cycle, Fidelity::Event, Fidelity::Profile, Fidelity::Bound];
 
 /// The stream of a policy in a case.
@@ -14,7 +14,7 @@ pub(super) struct Recorded {
     pub items: Vec<Item>,
 }
 
-/// What each of [`MODELS`] makes of a case's streams on the default machine.
+/// The verdict on each of [`MODELS`] for a case's streams on the default machine.
 pub(super) fn verdicts(streams: &[Recorded]) -> Vec<ModelVerdict> {
     let machine = MachineSpec::default();
     let replay = |model: Fidelity, Recorded { header, items }: &Recorded| {

@@ -14,12 +14,12 @@ pub(crate) enum TraceError {
     /// The file cannot be written.
     #[error(transparent)]
     Stream(#[from] StreamError),
-    /// No such policy.
+    /// There is no such policy.
     #[error("the experiment has no policy `{name}`; it has {known}")]
     UnknownPolicy {
         /// The name asked for.
         name: String,
-        /// The names that there are.
+        /// The names of the experiment's policies.
         known: String,
     },
     /// Stopped before all frames were traced.
@@ -27,7 +27,7 @@ pub(crate) enum TraceError {
     Stopped,
 }
 
-/// Traces all frames for the policy of that name (the first one if there is no name) and writes its stream to `path`.
+/// Traces all frames for the policy named `policy` (by default the first one), and writes its stream to `path`.
 pub(crate) fn trace(
     experiment: &Experiment,
     policy: Option<&str>,

@@ -1,4 +1,5 @@
-//! Compares the tracer's pictures of a frame with the reference renderer's, and makes the report's pictures of it.
+//! Compares the tracer's pictures of a frame with the reference renderer's, and makes the report's pictures of the
+//! frame.
 
 use super::load::Experiment;
 use crate::culling::Policy;
@@ -11,27 +12,27 @@ use crate::scene::{Frame, Picture};
 use crate::tracer::LaneFrame;
 use crate::validate::{self, Comparison, PixelVerdict, VerdictPicture};
 
-/// The mode words of all primitives that a policy held at a frame's start; none if it keeps none.
+/// A policy's mode words of all primitives at the start of a frame; `None` if the policy keeps none.
 pub(crate) struct Words(Option<Vec<u32>>);
 
 impl Words {
-    /// The words as they are now.
+    /// Copies the current words of `policy`.
     pub(crate) fn latch(policy: &dyn Policy, primitives: usize) -> Self {
         Self((0..primitives as u32).map(|primitive| policy.word(PrimitiveId(primitive))).collect())
     }
 }
 
-/// A frame beside the reference renderer's.
+/// A frame compared with the reference renderer's.
 pub(crate) struct Validated {
     /// The frame's number.
     pub frame: u32,
     /// The reference renderer's picture.
     pub reference: Picture,
-    /// Of each policy, in the experiment's order.
+    /// Comparison and wrong pixels of each policy, in the experiment's order.
     pub policies: Vec<(Comparison, VerdictPicture)>,
 }
 
-/// Renders the reference picture of a frame and compares all policies' with it.
+/// Renders the reference picture of a frame and compares the picture of every policy with it.
 pub(crate) fn validate(
     experiment: &Experiment,
     reference: &Reference<'_>,

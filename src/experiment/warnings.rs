@@ -1,4 +1,4 @@
-//! What in an experiment makes a run useless, though nothing in it is wrong.
+//! Warns of valid settings that make an experiment useless.
 
 use std::path::Path;
 
@@ -8,13 +8,13 @@ use crate::ron_file;
 use crate::scene::camera::Projection;
 use crate::stream::StoreEntries;
 
-/// Parts of a machine that are missed where its file leaves them out, with what then stands.
+/// Parts of a machine whose absence from its file deserves a warning, with the defaults that then apply.
 const PARTS: [(&str, &str); 2] =
     [("l2", "one cache of 128 KiB for all classes"), ("dram", "one channel of LPDDR4-3200")];
-/// Vertical angles of view that somebody may have wanted, in degrees.
+/// Plausible vertical angles of view, in degrees.
 const ANGLES: std::ops::RangeInclusive<f64> = 2.0..=150.0;
 
-/// What makes a run useless, or less than it seems.
+/// Warnings of what makes a run useless, or less useful than it seems.
 pub(crate) fn warnings(experiment: &Experiment, with_machines: bool) -> Vec<String> {
     let mut found = Vec::new();
     let scene = &experiment.scene;
@@ -47,7 +47,7 @@ pub(crate) fn warnings(experiment: &Experiment, with_machines: bool) -> Vec<Stri
     found
 }
 
-/// Parts of a machine that its file leaves to a default.
+/// Warnings of parts that a machine's file leaves to a default.
 pub(crate) fn of_machine(file: &Path) -> Vec<String> {
     let Ok(text) = ron_file::text(file) else { return Vec::new() };
     let names = ron_file::top_names(&text);

@@ -1,4 +1,4 @@
-//! The book's page of all fields.
+//! Writes the book's page of all fields.
 
 use std::fmt::Write as _;
 
@@ -49,7 +49,7 @@ pub(crate) fn page() -> String {
     page
 }
 
-/// `text` in lines that are not too long, the first behind `bullet`.
+/// Wraps `text` at [`WIDTH`], with `bullet` before the first line.
 fn wrapped(text: &str, bullet: &str) -> String {
     let mut lines = vec![bullet.to_owned()];
     for word in text.split_whitespace() {

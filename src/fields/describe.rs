@@ -1,4 +1,4 @@
-//! Fields told to a reader: `describe` on the terminal, and the book's page.
+//! The text about fields that `describe` and the book's page show.
 
 use std::fmt::Write as _;
 
@@ -8,16 +8,16 @@ use crate::alike;
 
 /// What `describe` shows.
 pub(crate) enum Description {
-    /// A field, with what is to be told of it by name.
+    /// A single field.
     One(Field),
-    /// A field that has others: itself, and those.
+    /// A field with fields of its own, and these.
     Group(Field, Vec<Field>),
 }
 
 /// The field at `path`, such as `machine.traversal.cache.bytes`.
 ///
 /// # Errors
-/// There is no such field; the error names one that is alike, and what is there.
+/// There is no such field; the error names a similar one, and the allowed ones.
 pub(crate) fn describe(path: &str) -> Result<Description, String> {
     let name = path.split('.').next().unwrap_or_default();
     let Some(root) = Root::ALL.into_iter().find(|root| root.name() == name) else {
@@ -40,7 +40,7 @@ fn parent(path: &str) -> Option<&str> {
     path.rsplit_once('.').map(|(parent, _)| parent)
 }
 
-/// The error of a path that no field has: tells the first part of it that is wrong.
+/// The error for an unknown path: names its first wrong part.
 fn missing(all: &[Field], path: &str) -> String {
     let has = |path: &str| all.iter().any(|field| field.path == path);
     let mut known = path;
@@ -50,7 +50,7 @@ fn missing(all: &[Field], path: &str) -> String {
     let wrong = path[known.len()..].trim_start_matches('.');
     let wrong = wrong.split('.').next().unwrap_or_default();
     let names: Vec<&str> = all.iter().filter(|it| parent(&it.path) == Some(known)).map(Field::name).collect();
-    // The field may be further inside: `machine.l2.bytes` is that of a choice.
+    // The field may be deeper: in `machine.l2.bytes` the name of a variant is missing.
     let inside = format!("{known}.");
     let deeper = all.iter().find(|it| it.path.starts_with(&inside) && it.path.ends_with(&path[known.len()..]));
     let alike = deeper.map(|field| field.path.as_str()).or_else(|| alike::closest(wrong, &names));
@@ -67,12 +67,12 @@ fn unknown<'a>(what: &str, alike: Option<&str>, allowed: impl Iterator<Item = &'
 }
 
 impl Field {
-    /// The last part of its path.
+    /// The last part of the field's path.
     pub(crate) fn name(&self) -> &str {
         self.path.rsplit('.').next().unwrap_or_default()
     }
 
-    /// Kind, unit, range and default in a line: `whole number of cycles, 1 to 1000; default 8`.
+    /// Kind, unit, range and default in one line: `whole number of cycles, 1 to 1000; default 8`.
     pub(crate) fn facts(&self) -> String {
         let names: Vec<&str> = self.choices.iter().map(|(name, _)| name.as_str()).collect();
         let is_short = self.kind == "choice" && names.len() <= 8;

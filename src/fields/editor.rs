@@ -1,7 +1,7 @@
-//! Schemas for editors: the files that ron2's language server reads.
+//! Makes schemas for editors: the files that ron2's language server reads.
 //!
-//! A file describes one type. ron2 has no ranges, and no type for "one or the other": a size, which is a number or
-//! text, and a part of a file that may be named instead refer to types that no file describes, which takes any value.
+//! A file describes one type. ron2 has neither ranges nor a type for alternatives. So a size (a number or text) and a
+//! part that may also be the name of a file refer to a type that no file describes, which accepts any value.
 
 use std::collections::BTreeMap;
 
@@ -87,7 +87,7 @@ fn doc(schema: &Value) -> Option<String> {
     (!meaning.is_empty()).then(|| format!("{meaning}{source}"))
 }
 
-/// A type by its name if it has one, by what it is made of otherwise. `Some` is left out in files.
+/// A type by its name if it has one, else by its structure. `Option` does not show in files.
 fn named(schemas: Schemas<'_>, schema: &Value) -> TypeKind {
     let reference = |schema: &Value| Some(schema["$ref"].as_str()?.strip_prefix("#/$defs/")?.to_owned());
     let present = |one: &&Value| one["type"] != "null";
@@ -102,12 +102,12 @@ fn named(schemas: Schemas<'_>, schema: &Value) -> TypeKind {
     }
 }
 
-/// What any value is of.
+/// The type of any value.
 fn any() -> TypeKind {
     TypeKind::TypeRef(format!("{PACKAGE}::Any"))
 }
 
-/// What a type is made of.
+/// The structure of a type.
 fn described(schemas: Schemas<'_>, schema: &Value) -> TypeKind {
     if schema["anyOf"].is_array() {
         return any();
@@ -131,7 +131,7 @@ fn described(schemas: Schemas<'_>, schema: &Value) -> TypeKind {
     }
 }
 
-/// The brackets of the newtype's own type are left out in files.
+/// A variant's payload; files leave out the brackets of the payload's own type.
 fn of_variant(schemas: Schemas<'_>, payload: &Value) -> VariantKind {
     match schemas.shape(payload) {
         Shape::Fields(fields) if !schemas.resolve(payload)["anyOf"].is_array() => {
@@ -156,7 +156,7 @@ fn of_struct(schemas: Schemas<'_>, schema: &Value, fields: &Map<String, Value>) 
     fields.iter().map(field).collect()
 }
 
-/// Whether a field takes the name of a file in place of its values.
+/// Whether a field may have the name of a file in place of values.
 fn may_be_named(schema: &Value) -> bool {
     schema["or_file"] == true
 }

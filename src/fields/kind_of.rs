@@ -1,11 +1,10 @@
-//! Which kind of config a file is, by the names that stand at its top.
+//! Finds the kind of a config file by the names at its top level.
 
 use super::root::Root;
 use super::table::fields;
 use crate::ron_file;
 
-/// The kind of file that `text` is, if its `#![type]` line or the names at its top tell it; they do even where the text
-/// has errors.
+/// The kind of the file `text`, by its `#![type]` line or the names at its top level, even if the text has errors.
 pub(crate) fn kind_of(text: &str) -> Option<Root> {
     let typed = |root: &Root| text.contains(&format!("#![type = \"umbrasim::{}\"]", root.type_name()));
     if let Some(root) = Root::ALL.into_iter().find(typed) {
@@ -61,7 +60,7 @@ mod tests {
                     "sweep" | "space" => Root::Sweep,
                     _ => Root::Experiment,
                 };
-                // Studies are experiments and sweeps.
+                // The folder of studies has experiments and sweeps.
                 let is_right = if folder == "studies" { kind.is_some() } else { kind == Some(by_name) };
                 assert!(is_right, "{name}: {kind:?}");
             }

@@ -1,6 +1,5 @@
-//! The fields of all config files, in one table that is made of the specs themselves: types and ranges, defaults and
-//! doc comments come from their JSON schemas. `describe`, the book's page of fields and schemas for editors are views
-//! of the table.
+//! The fields of all config files, in one table derived from the specs: types, ranges, defaults and doc comments come
+//! from their JSON schemas. `describe`, the book's page of fields and the schemas for editors are views of the table.
 
 mod book;
 mod describe;

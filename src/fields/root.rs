@@ -46,7 +46,7 @@ impl Root {
         Self::PaperTable,
     ];
 
-    /// The first word of the paths of its fields.
+    /// The first part of its fields' paths.
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::Experiment => "experiment",
@@ -83,7 +83,7 @@ impl Root {
         }
     }
 
-    /// The name that a `#![type]` line gives to the type of such files.
+    /// The type's name in a `#![type]` line.
     pub(crate) fn type_name(self) -> &'static str {
         match self {
             Self::Experiment => "Experiment",
@@ -97,7 +97,7 @@ impl Root {
         }
     }
 
-    /// The JSON schema of its type, with the schemas of all types that it names.
+    /// The JSON schema of its type, with the schemas of all types that it refers to.
     pub(crate) fn schema(self) -> Value {
         match self {
             Self::Experiment => schema::<ExperimentSpec>(),

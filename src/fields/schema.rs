@@ -1,8 +1,8 @@
-//! Reads JSON schemas: what a type's values are made of.
+//! Reads JSON schemas: the structure of types.
 
 use serde_json::{Map, Value};
 
-/// A type, as far as a reader of configs asks.
+/// The structure of a type, as far as config files need it.
 #[derive(Clone, Copy)]
 pub(super) enum Shape<'a> {
     /// Fields by name.
@@ -11,23 +11,23 @@ pub(super) enum Shape<'a> {
     Choice(&'a [Value]),
     /// A list of one type.
     List(&'a Value),
-    /// Values of one type by any names.
+    /// Values of one type, by arbitrary names.
     Map(&'a Value),
-    /// A number, a text, a truth value, or several of these.
+    /// A number, a text, a truth value, or alternatives of these.
     Plain,
 }
 
 /// A variant of a choice.
 pub(super) struct Variant<'a> {
-    /// Its name.
+    /// The variant's name.
     pub name: &'a str,
     /// What it means.
     pub doc: String,
-    /// What stands in its brackets.
+    /// The variant's payload.
     pub payload: Option<&'a Value>,
 }
 
-/// A schema and those that it names.
+/// A schema, with the schemas that it refers to.
 #[derive(Clone, Copy)]
 pub(super) struct Schemas<'a> {
     root: &'a Value,
@@ -38,7 +38,7 @@ impl<'a> Schemas<'a> {
         Self { root }
     }
 
-    /// The schema that `schema` is or names, of a value that is there.
+    /// Follows references and strips `null`: the schema of a value that is present.
     pub(super) fn resolve(self, schema: &'a Value) -> &'a Value {
         if let Some(name) = schema["$ref"].as_str().and_then(|path| path.strip_prefix("#/$defs/")) {
             return self.resolve(&self.root["$defs"][name]);
@@ -52,7 +52,7 @@ impl<'a> Schemas<'a> {
         }
     }
 
-    /// What values of `schema` are made of.
+    /// The structure of values of `schema`.
     pub(super) fn shape(self, schema: &'a Value) -> Shape<'a> {
         let schema = self.resolve(schema);
         if let Some(fields) = schema["properties"].as_object() {
@@ -62,7 +62,7 @@ impl<'a> Schemas<'a> {
             return Shape::Choice(variants);
         }
         if let Some(either) = schema["anyOf"].as_array() {
-            // A text in place of values in brackets: the values have the fields.
+            // Either a text or fields: the structure has the fields.
             let values = either.iter().find(|one| self.resolve(one)["properties"].is_object());
             return values.map_or(Shape::Plain, |values| self.shape(values));
         }
@@ -91,7 +91,7 @@ impl<'a> Schemas<'a> {
     }
 }
 
-/// Whether a value of `schema` may be left open (`None`).
+/// Whether a value of `schema` may be absent (`None`).
 pub(super) fn is_optional(schema: &Value) -> bool {
     let null = |types: &Value| types == "null" || types.as_array().is_some_and(|all| all.iter().any(|it| it == "null"));
     null(&schema["type"]) || schema["anyOf"].as_array().is_some_and(|all| all.iter().any(|one| null(&one["type"])))
@@ -102,7 +102,7 @@ pub(super) fn allows(schema: &Value, kind: &str) -> bool {
     schema["type"] == kind || schema["type"].as_array().is_some_and(|types| types.iter().any(|it| it == kind))
 }
 
-/// The doc comment of a schema: what it says, and its paragraph that begins with `Source:`.
+/// The doc comment of a schema, split into its meaning and its `Source:` paragraph.
 pub(super) fn paragraphs(schema: &Value) -> (String, Option<String>) {
     let text = schema["description"].as_str().unwrap_or_default();
     let plain = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -111,5 +111,5 @@ pub(super) fn paragraphs(schema: &Value) -> (String, Option<String>) {
     (meaning.join(" "), source)
 }
 
-/// What the paragraph of a doc comment begins with that says where numbers come from.
+/// The start of a doc comment's paragraph that gives the source of numbers.
 const SOURCE: &str = "Source:";

@@ -9,10 +9,10 @@ use super::text;
 /// A field of a config file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Field {
-    /// Its path, such as `machine.traversal.cache.bytes`. Names of a user's own and places in lists are left out; the
-    /// name of a choice that has fields is a part of it.
+    /// The field's path, such as `machine.traversal.cache.bytes`. The path leaves out names that users choose and
+    /// positions in lists, and has the name of a variant with fields.
     pub path: String,
-    /// What kind of value it is.
+    /// The kind of its value.
     pub kind: String,
     /// The unit of a number.
     pub unit: Option<String>,
@@ -24,13 +24,13 @@ pub(crate) struct Field {
     pub meaning: String,
     /// Where its default comes from.
     pub source: Option<String>,
-    /// The names that a choice has, each with its meaning.
+    /// The variants of a choice, each with its meaning.
     pub choices: Vec<(String, String)>,
     /// Whether it has fields of its own.
     pub has_fields: bool,
 }
 
-/// All fields of a kind of file, each behind the one that has it.
+/// All fields of a kind of file, each after its parent.
 pub(crate) fn fields(root: Root) -> Vec<Field> {
     let schema = root.schema();
     let schemas = Schemas::new(&schema);
@@ -57,17 +57,17 @@ struct Table<'a> {
     found: Vec<Field>,
 }
 
-/// The default of a field whose fields have their own.
+/// The default of a field whose fields have their own defaults.
 const INSIDE: &str = "that of its fields";
 
-/// Where in a file a type stands.
+/// The position of a type in a file.
 #[derive(Clone)]
 struct Place<'a> {
     path: String,
-    /// The unit and the source of what does not tell its own.
+    /// The inherited unit and source, for fields without their own.
     unit: Option<String>,
     source: Option<String>,
-    /// Paths of what the type stands in, from the inside, with the type's value if that is left out as a whole.
+    /// Paths of the enclosing fields, innermost first, each with this type's value if that field is left out.
     whole: Vec<(String, &'a Value)>,
 }
 
@@ -112,7 +112,7 @@ impl<'a> Table<'a> {
         self.inside(&place, payload);
     }
 
-    /// Adds a field and what it has.
+    /// Adds a field and its own fields.
     fn field(&mut self, place: &Place<'a>, name: &str, schema: &'a Value, is_required: bool) {
         let resolved = self.schemas.resolve(schema);
         let (own, own_source) = paragraphs(schema);
@@ -121,12 +121,12 @@ impl<'a> Table<'a> {
         let unit = text_of(&schema["unit"]).or_else(|| text_of(&resolved["unit"]));
         let default = &schema["default"];
         let has_fields = self.has_fields(schema);
-        // What stands for the field if an outer part of the file is left out.
+        // The field's values if an enclosing field is left out.
         let whole: Vec<_> = place.whole.iter().map(|(path, value)| (path.clone(), &value[name])).collect();
         let told = |value: &Value| text::value(self.schemas, schema, value);
         let mut left_out = (!is_required).then(|| told(default));
         if has_fields && !matches!(self.schemas.shape(schema), Shape::Choice(_)) {
-            // Each of its fields tells its own.
+            // Each of its fields shows its own default.
             left_out = (!is_required).then(|| if is_optional(schema) { "none" } else { INSIDE }.into());
         } else if let (Some(text), Some((outer, value))) =
             (&mut left_out, whole.iter().find(|(_, value)| !value.is_null() && *value != default))

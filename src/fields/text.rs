@@ -1,4 +1,4 @@
-//! Kinds, ranges and values of fields in words.
+//! Describes kinds, ranges and values of fields in words.
 
 use serde_json::Value;
 
@@ -46,7 +46,7 @@ pub(super) fn range(schemas: Schemas<'_>, schema: &Value) -> Option<String> {
     let number = |name: &str| schema[name].as_f64().map(|value| number(value, is_size));
     let low = number("minimum").or_else(|| Some(format!("above {}", number("exclusiveMinimum")?)));
     let high = number("maximum").or_else(|| Some(format!("below {}", number("exclusiveMaximum")?)));
-    // A 32-bit or unsigned number that nothing else limits has no range to tell.
+    // An unsigned number without other limits shows no range.
     if schema["format"].is_string() && low.as_deref() == Some("0") && high.is_none() {
         return None;
     }
@@ -65,7 +65,7 @@ fn number(value: f64, is_size: bool) -> String {
     if far { format!("{value:e}") } else { value.to_string() }
 }
 
-/// A value as RON has it.
+/// A value in RON's syntax.
 pub(super) fn value(schemas: Schemas<'_>, schema: &Value, value: &Value) -> String {
     let schema = schemas.resolve(schema);
     let is_choice = matches!(schemas.shape(schema), Shape::Choice(_));

@@ -1,10 +1,10 @@
-//! What operations, accesses and time cost a machine in energy: constants with their sources and ranges.
+//! Energy constants of a machine's operations, accesses and leakage, with their sources and ranges.
 //!
 //! Sources. H: Horowitz, "Computing's energy problem", ISSCC 2014, figure 1.1.9 (45 nm, 0.9 V): an FP32 addition takes
 //! 0.9 pJ, a multiplication 3.7 pJ, a read of 64 bits from a cache of 8 KB, 32 KB and 1 MB takes 10, 20 and 100 pJ. A:
 //! Arches (University of Utah), `dual-streaming.hpp`: blocks of 128 bytes cost 31.1 pJ a read in an L1 of 64 KB and 379
 //! pJ in an L2 of 4 MB, tags 0.66 and 7.6 pJ; they leak 7.2 and 185 mW a bank. TI: Nah et al., "T&I Engine", SIGGRAPH
-//! Asia 2011, table 4, operators a unit. What has no source is marked as assumed.
+//! Asia 2011, table 4, operators a unit. Constants without a source are marked as assumed.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -62,9 +62,9 @@ pub struct CacheEnergy {
     pub leakage: Spread,
 }
 
-/// Energy of `additions` and `multiplications` (H), compares and integer operations taken as a tenth of an addition
-/// each: the bare operators, with pipeline registers and control (twice as much, assumed), and with all of a wide ray
-/// state moved from stage to stage (four times as much, assumed).
+/// Energy in pJ of `additions` and `multiplications` (H) and of compares and integer operations, a tenth of an addition
+/// each. Low: the bare operators. Typical: with pipeline registers and control (twice as much, assumed). High: with all
+/// of a wide ray state moved from stage to stage (four times as much, assumed).
 const fn operators(additions: f64, multiplications: f64, others: f64) -> Spread {
     let bare = 0.9 * additions + 3.7 * multiplications + 0.09 * others;
     Spread::new(bare, 2.0 * bare, 4.0 * bare)
@@ -125,7 +125,7 @@ impl EnergySpec {
 }
 
 impl CacheEnergy {
-    /// A read or write of a line in a cache, or a bank of one, of a size in bytes, in pJ.
+    /// Energy in pJ of a read or write of a line in a cache (or a bank) of `bytes` bytes.
     pub fn access(&self, bytes: u64, ways: u64, line_bytes: u64) -> Spread {
         let line = self.byte_pj * line_bytes as f64 + self.tag_pj * ways as f64;
         let size = bytes as f64 / 65_536.0;
@@ -135,7 +135,7 @@ impl CacheEnergy {
         Spread::new(line.low * size.powf(low), line.typical * size.powf(typical), line.high * size.powf(high))
     }
 
-    /// Leakage of a cache of a size in bytes, in mW.
+    /// Leakage in mW of a cache of `bytes` bytes.
     pub fn leakage(&self, bytes: u64) -> Spread {
         self.leakage * (bytes as f64 / 1024.0)
     }

@@ -1,19 +1,18 @@
-//! What the simulator takes in memory for a machine, before anything is allocated: each field of a spec is in its
-//! range, and their products need not be payable.
+//! Memory that the simulator needs for a machine, computed before anything is allocated. Each field of a spec is within
+//! its range, but the product of several fields can exceed the host's memory.
 
 use crate::memory::bank::BankedSpec;
 use crate::memory::cache::CacheSpec;
 use crate::memory::tags::Contents;
 
-/// The most that the parts of a machine may take, in bytes: tags of 1 GB of caches with lines of 64 B, and as much
-/// again.
+/// Upper limit for the parts of a machine, in bytes: twice the tags of 1 GB of caches with lines of 64 B.
 const MOST: u128 = 1 << 28;
 
 /// Bytes of a line's tag.
 const TAG: u128 = 8;
-/// Bytes of a place in a queue, a context or a ray in flight, about.
+/// Approximate bytes of a place in a queue, a context or a ray in flight.
 const PLACE: u128 = 64;
-/// Bytes of an access that waits in a miss register.
+/// Bytes of an access that waits in an MSHR.
 const TARGET: u128 = 8;
 
 /// Bytes of a machine's parts, by field of its spec.
@@ -24,12 +23,12 @@ pub(super) struct Footprint {
 }
 
 impl Footprint {
-    /// Nothing yet, of a machine of so many cores with lines of so many bytes.
+    /// An empty footprint of a machine with `cores` cores and lines of `line` bytes.
     pub(super) fn new(cores: u64, line: u64) -> Self {
         Self { cores: cores.into(), line, parts: Vec::new() }
     }
 
-    /// Adds units of a core: how many, the places in the queues and tables of each, and the cache of each.
+    /// Adds `count` units per core, each with these `places` in its queues and tables, and its L1.
     pub(super) fn add(mut self, name: &str, count: u64, places: &[u64], cache: Option<&CacheSpec>) -> Self {
         let places = PLACE * places.iter().map(|&places| u128::from(places)).sum::<u128>();
         let cache = cache.map_or(0, |cache| {
@@ -41,7 +40,7 @@ impl Footprint {
         self
     }
 
-    /// Adds a cache of a core's L2.
+    /// Adds a cache of the L2, once per core.
     pub(super) fn add_banked(mut self, name: String, cache: &BankedSpec) -> Self {
         let registers = registers(cache.mshrs.get(), cache.targets.get(), cache.queue.get());
         let tags = TAG * u128::from(cache.bytes.get() / self.line);
@@ -54,7 +53,7 @@ impl Footprint {
         self.parts.iter().map(|(_, bytes)| bytes).sum()
     }
 
-    /// Refuses what is not payable; the error names the largest part.
+    /// Checks the sum against [`MOST`].
     pub(super) fn check(&self) -> Result<(), String> {
         let all = self.bytes();
         match self.parts.iter().max_by_key(|(_, bytes)| bytes) {
@@ -67,7 +66,7 @@ impl Footprint {
     }
 }
 
-/// Miss registers with their waiting accesses, and an out queue.
+/// Bytes of MSHRs with their waiting accesses, and of an out queue.
 fn registers(count: u64, targets: u64, queue: u64) -> u128 {
     u128::from(count) * (PLACE + TARGET * u128::from(targets)) + PLACE * u128::from(queue)
 }
@@ -84,14 +83,14 @@ mod tests {
         assert_eq!(of(4, &cache).check(), Ok(()));
         let large = CacheSpec { bytes: Size::literal(0x1000_0000), ..cache };
         let told = of(1024, &large).check().unwrap_err();
-        // 2^35 bytes of tags, and 1,536 of a cache's registers and places, 1024 times.
+        // 2^35 bytes of tags, and 1024 times 1,536 bytes for a unit's MSHRs and queue places.
         assert!(
             told.contains("34361311232 of them") && told.contains("for `list`: up to 268435456 are allowed"),
             "{told}"
         );
         let registers = CacheSpec { mshrs: Within::literal(1024), targets: Within::literal(1024), ..cache };
         assert!(of(64, &registers).check().is_err() && of(4, &registers).check().is_ok());
-        // Smaller lines are more tags, and an ideal cache has none.
+        // Smaller lines need more tags; an ideal cache has none.
         assert!(Footprint::new(1, 32).add("list", 1, &[8], Some(&cache)).bytes() > of(1, &cache).bytes());
         assert_eq!(of(1024, &CacheSpec { contents: Contents::Ideal, ..large }).check(), Ok(()));
         assert!(Footprint::new(64, 64).add_banked("l2".into(), &BankedSpec::DEFAULT).check().is_ok());

@@ -1,4 +1,4 @@
-//! The kinds of units that have an L1, in one table.
+//! The kinds of units that have an L1, and the fields that they share.
 
 use super::spec::MachineSpec;
 use super::writes::WritePolicy;
@@ -17,7 +17,7 @@ pub(crate) enum Kind {
     ShadowCache,
 }
 
-/// What all units of a kind have.
+/// The properties of all units of one kind.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct KindSpec {
     /// Units of all cores.
@@ -26,15 +26,15 @@ pub(crate) struct KindSpec {
     pub latency: u64,
     /// Cycles from an operation to the next.
     pub interval: u64,
-    /// Operations that begin at once.
+    /// Operations that can begin in the same cycle.
     pub width: u64,
-    /// Rays that the unit works on at once; `None` where nothing but the slots of who sends them limits them.
+    /// Rays that the unit works on at once; `None` where only the slots of the sending units limit them.
     pub contexts: Option<u64>,
     /// Rays that can wait for a context; `None` where there is room for all.
     pub places: Option<u64>,
-    /// The L1 of each.
+    /// The L1 of each unit.
     pub cache: CacheSpec,
-    /// What becomes of writes.
+    /// How the L1 handles writes.
     pub writes: WritePolicy,
 }
 
@@ -42,7 +42,7 @@ impl Kind {
     /// All kinds.
     pub(crate) const ALL: [Self; 4] = [Self::Traversal, Self::List, Self::Intersection, Self::ShadowCache];
 
-    /// The names of a kind, and of its L1s, in reports.
+    /// The names, in reports, of the kind and of its L1s.
     pub(crate) fn names(self) -> (&'static str, &'static str) {
         match self {
             Self::Traversal => ("traversal", "l1_traversal"),

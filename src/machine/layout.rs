@@ -1,8 +1,8 @@
-//! Where everything lies in memory: ids of the stream become addresses.
+//! The memory layout: translates ids of the stream into addresses.
 //!
-//! From address 0 on, each array begins at a multiple of 4 KiB: static nodes, static primitive lists, static triangle
-//! records, then the policy's stores ([`super::stores`]). Then the dynamic part: nodes, lists and triangle records of
-//! the frame, at a base that is the same in every frame.
+//! Each array begins at a multiple of 4 KiB, from address 0 on: static nodes, static primitive lists, static triangle
+//! records, the policy's stores ([`super::stores`]). The dynamic part follows: nodes, lists and triangle records of the
+//! frame, from a base that is the same in every frame.
 
 use super::shadow_cache::{FrameEnd, Place};
 use super::spec::MachineSpec;
@@ -15,24 +15,24 @@ use crate::stream::{FrameInfo, Header, Step, Stop, Store, StoreEntries};
 const ALIGNMENT: u64 = 4096;
 const LIST_ENTRY_BYTES: u64 = 4;
 
-/// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can hold more
+/// Bytes of a triangle: plane, then edges (Nah et al. 2011, section 4). A record can be larger
 /// ([`StoreLayout::Record`]).
 pub(crate) const TRIANGLE_BYTES: u64 = PLANE_BYTES + EDGE_BYTES;
-/// Bytes that a triangle test reads first.
+/// Bytes of the plane, which a triangle test reads first.
 pub(crate) const PLANE_BYTES: u64 = 16;
-/// Bytes that it reads if the plane is hit.
+/// Bytes of the edges, which a triangle test reads if the ray hits the plane.
 pub(crate) const EDGE_BYTES: u64 = 32;
 
-/// Something in memory that is read or written at once.
+/// A range of memory that one access reads or writes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Element {
-    /// Where it begins.
+    /// Its first byte.
     pub addr: Addr,
-    /// Its size.
+    /// Its size in bytes.
     pub bytes: u64,
-    /// What it is for.
+    /// The traffic class that it is counted under.
     pub class: TrafficClass,
-    /// Whether it is written.
+    /// Whether the access is a write.
     pub write: bool,
 }
 
@@ -61,14 +61,14 @@ impl Array {
     }
 }
 
-/// The lines of nodes of which each is a line.
+/// The lines of nodes that are exactly one line long.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct NodeLines {
-    /// Bytes of a node, and of a line.
+    /// Bytes of a node, equal to the bytes of a line.
     pub bytes: u64,
     static_count: u64,
     static_first: u64,
-    /// Where dynamic nodes would begin if all before were like them.
+    /// Line of the first dynamic node, minus the number of static nodes: a dynamic node's id is added to it.
     dynamic_first: u64,
 }
 
@@ -92,28 +92,28 @@ pub(crate) struct Layout {
     entries: StoreEntries,
     dynamic_base: u64,
     line_shift: u32,
-    /// Known once a frame has begun.
+    /// `None` before the first frame, and where a node is not one line long.
     node_lines: Option<NodeLines>,
 }
 
-/// Where lines of one layout's dynamic part lie in another.
+/// The distance between the dynamic parts of two layouts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Shift {
     /// The first line of the dynamic part.
     pub first: LineAddr,
-    /// Lines from there to where it lies in the other.
+    /// Lines from there to the same data in the other layout.
     pub by: i64,
 }
 
 impl Shift {
-    /// Where a line lies in the other layout.
+    /// The line with the same data in the other layout.
     #[inline]
     pub(crate) fn line(self, line: LineAddr) -> LineAddr {
         if line >= self.first { LineAddr(line.0.wrapping_add_signed(self.by)) } else { line }
     }
 }
 
-/// An id of the stream that is not of its scene.
+/// An id in the stream beyond what its header and frame announce.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{what} {index} does not exist: the stream's header and frame announce {len}")]
 pub struct OutOfRange {
@@ -127,7 +127,7 @@ impl Layout {
     pub(crate) fn new(header: &Header, spec: &MachineSpec) -> Self {
         let line = spec.line_bytes.get();
         let unit = &spec.shadow_cache;
-        // Words that cost nothing lie nowhere: triangle records are as without them.
+        // Words that cost nothing take no memory: triangle records have no room for them.
         let layout = if unit.place == Place::Free { StoreLayout::Dense } else { unit.layout };
         let copy = if unit.place == Place::Free { LatchedCopy::Free } else { unit.latched };
         let mut stores = Stores::new(header, layout, copy, unit.frame_end == FrameEnd::Epoch, line);
@@ -147,7 +147,7 @@ impl Layout {
         Self { nodes, lists, triangles, stores, entries, dynamic_base, line_shift, node_lines: None }
     }
 
-    /// A frame begins: its dynamic arrays follow one another from the dynamic part's base on.
+    /// Places the frame's dynamic arrays one after the other, from the base of the dynamic part on.
     pub(crate) fn begin_frame(&mut self, frame: &FrameInfo) {
         let mut end = self.dynamic_base;
         let arrays = [
@@ -166,7 +166,7 @@ impl Layout {
         self.node_lines = (element == 1 << self.line_shift).then_some(lines);
     }
 
-    /// Lines of the frame's dynamic nodes, lists and triangle records: the first of each, and how many.
+    /// The frame's dynamic nodes, lists and triangle records: first line and number of lines of each.
     pub(crate) fn dynamic_arrays(&self) -> [(LineAddr, u64); 3] {
         [&self.nodes, &self.lists, &self.triangles].map(|array| {
             let bytes = array.element * array.dynamic_count;
@@ -174,10 +174,10 @@ impl Layout {
         })
     }
 
-    /// How far the frame's dynamic nodes, lists and triangle records lie behind these in `other`; `None` where static
-    /// ones, or sizes, are others too.
+    /// The shift from this layout's dynamic part to that of `other`; `None` if the layouts differ in more than this
+    /// shift.
     pub(crate) fn shift_to(&self, other: &Self) -> Option<Shift> {
-        // Bases of dynamic arrays, from that of the dynamic part on; where nothing is dynamic, it has no place.
+        // Dynamic bases relative to the dynamic part; an array without dynamic elements is left out of the comparison.
         let places = |it: &Self| {
             let base = |array: Array| if array.dynamic_count > 0 { array.dynamic_base - it.dynamic_base } else { 0 };
             [it.nodes, it.lists, it.triangles].map(|array| Array { dynamic_base: base(array), ..array })
@@ -189,19 +189,19 @@ impl Layout {
         same.then_some(Shift { first, by })
     }
 
-    /// Whether there are list entries.
+    /// Whether the structure has list entries.
     pub(crate) fn has_lists(&self) -> bool {
         self.lists.len() > 0
     }
 
-    /// The lines of the frame's nodes, if each is a line.
+    /// The lines of the frame's nodes, if a node is exactly one line long.
     #[inline]
     pub(crate) fn node_lines(&self) -> Option<&NodeLines> {
         self.node_lines.as_ref()
     }
 
-    /// The lines that a triangle test reads up to where it stops, one behind the other. One that plane and edges share
-    /// is there once.
+    /// The lines that a triangle test reads up to `stop`: first line and number of lines. A line that plane and edges
+    /// share is counted once.
     #[inline]
     pub(crate) fn test_lines(&self, slot: TriangleSlot, stop: Stop) -> (LineAddr, u64) {
         let bytes = if stop == Stop::Plane { PLANE_BYTES } else { TRIANGLE_BYTES };
@@ -213,7 +213,7 @@ impl Layout {
         LineAddr(self.dynamic_base >> self.line_shift)
     }
 
-    /// The lines that `element` lies in: the first, and how many.
+    /// The lines of `element`: first line and number of lines.
     #[inline]
     pub(crate) fn lines(&self, element: &Element) -> (LineAddr, u64) {
         let first = element.addr.0 >> self.line_shift;
@@ -221,7 +221,7 @@ impl Layout {
         (LineAddr(first), last - first + 1)
     }
 
-    /// Checks that what `step` names exists.
+    /// Checks that the element that `step` names exists.
     #[inline]
     pub(crate) fn check(&self, step: Step) -> Result<(), OutOfRange> {
         let (what, index, len) = match step {
@@ -252,20 +252,21 @@ impl Layout {
         self.element(&self.lists, index, TrafficClass::List, false)
     }
 
-    /// The first part of a triangle record.
+    /// The plane of a triangle record.
     #[inline]
     pub(crate) fn plane(&self, TriangleSlot(index): TriangleSlot) -> Element {
         Element { bytes: PLANE_BYTES, ..self.element(&self.triangles, index, TrafficClass::Triangle, false) }
     }
 
-    /// The second part of a triangle record.
+    /// The edges of a triangle record.
     #[inline]
     pub(crate) fn edges(&self, TriangleSlot(index): TriangleSlot) -> Element {
         let record = self.element(&self.triangles, index, TrafficClass::Triangle, false);
         Element { addr: Addr(record.addr.0 + PLANE_BYTES), bytes: EDGE_BYTES, ..record }
     }
 
-    /// The same part of the element that comes `places` after that of `step` in its array, of which both are.
+    /// The same part of the element `places` entries further on in the array of `step`; for a step on a store,
+    /// `element`.
     pub(crate) fn places_on(&self, element: &Element, step: Step, places: u64) -> Element {
         let array = match step {
             Step::Node(_) => &self.nodes,
@@ -287,7 +288,7 @@ impl Layout {
         Element { addr: Addr(addr), bytes, class, write }
     }
 
-    /// The line that an entry of a store lies in.
+    /// The line of an entry of a store.
     pub(crate) fn line_of(&self, store: Store, index: u32) -> LineAddr {
         LineAddr(self.stores.entry(store, index).0 >> self.line_shift)
     }

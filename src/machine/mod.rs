@@ -1,5 +1,5 @@
-//! What a machine is: specs of its parts with their defaults and sources, the numbers of its parts, and the layout of
-//! memory. This room knows no engine. The rules that engines follow are written down in MODEL.md.
+//! The machine: specs of its parts with defaults and sources, the numbers of its parts, and the layout of memory. This
+//! module does not depend on any engine. MODEL.md states the rules that engines follow.
 
 pub mod dispatcher;
 pub mod division;

@@ -1,13 +1,13 @@
-//! The numbers of the parts.
+//! The ids of a machine's parts.
 
 use super::spec::MachineSpec;
 use crate::memory::PartId;
 
-/// The numbers of the parts, in the order in which they act in a cycle.
+/// The number of parts of each kind. Ids follow the order of these fields after the dispatcher (id 0), which is the
+/// order of action in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parts {
-    /// Cores, which have equal shares of all parts but the dispatcher and the channels: the first units are the first
-    /// core's.
+    /// Cores. Each has an equal share of the units and banks; the first units belong to the first core.
     pub cores: u32,
     /// Traversal units.
     pub traversal: u32,
@@ -21,7 +21,7 @@ pub(crate) struct Parts {
     pub shadow_cache: u32,
     /// Banks of the L2s.
     pub banks: u32,
-    /// Ports of the host to the DRAM: one, or none if the host has no traffic of its own there.
+    /// Ports of the host to the DRAM: 1, or 0 if the host has no traffic with the DRAM.
     pub ports: u32,
     /// Channels of the DRAM.
     pub channels: u32,
@@ -101,7 +101,8 @@ impl Parts {
         (part.0 - first.0) / (count / self.cores)
     }
 
-    /// The place in turn of a list, intersection or division unit in cycle `now`: which of them act before it.
+    /// The sort key of a list, intersection or division unit in cycle `now`: a unit of its kind with a lower key acts
+    /// before it.
     #[inline]
     pub(crate) fn turn(&self, part: PartId, now: u64) -> u32 {
         let kinds =
@@ -112,12 +113,12 @@ impl Parts {
         first.0 + if place < acts_first { place + count } else { place } - acts_first
     }
 
-    /// The intersection unit of a core that `number` chooses.
+    /// The intersection unit with index `number`, modulo the units of a core, in `core`.
     pub(crate) fn intersection_of(&self, core: u32, number: u64) -> u32 {
         self.choose(self.intersection, core, number)
     }
 
-    /// Of `units` of a kind, the one of a core that `number` chooses.
+    /// The unit with index `number`, modulo the units of a core, in `core`; the machine has `units` units of this kind.
     #[inline]
     pub(crate) fn choose(&self, units: u32, core: u32, number: u64) -> u32 {
         let a_core = units / self.cores;

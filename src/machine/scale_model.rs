@@ -1,13 +1,13 @@
-//! Scale models: a machine of few cores that stands for one of many.
+//! Scale models: a machine with few cores that predicts one with many cores.
 //!
-//! A core of a model has all that a core of the large machine has, and as many rays to trace. What all cores share, and
-//! an address chooses among, keeps its number and serves at the model's share of the speed: channels of the DRAM, and
-//! shadow-cache units, each the owner of some words. So the same lines meet in each of them as in the large machine,
-//! and the one that is asked for most is as busy. With fewer of them at full speed, hot lines would be spread better.
-//! What waits in front of a channel is as much for each core as in the large machine.
+//! A core of the model equals a core of the large machine and traces the same number of rays. Resources that all cores
+//! share and that an address selects keep their number and run at the model's share of the speed. These are the DRAM
+//! channels and the shadow-cache units, each of which owns some words. So each of them sees the same lines as in the
+//! large machine, and the busiest one is equally busy. Fewer of them at full speed would spread hot lines better. The
+//! queue in front of a channel has the same length per core as in the large machine.
 //!
-//! Kept as they are, since they are latencies first: rows of the DRAM, its activates and refreshes; contexts and miss
-//! registers of shadow-cache units.
+//! Unchanged, since latency matters most there: rows of the DRAM, its activates and refreshes; contexts and MSHRs of
+//! shadow-cache units.
 
 use super::shadow_cache::{FrameEnd, Place, ShadowCacheSpec};
 use super::spec::{MachineSpec, SpecError};
@@ -17,13 +17,14 @@ use crate::memory::dram::spec::{DramSpec, Model};
 use crate::ranged::{PowerOfTwo, Size, Within};
 
 impl MachineSpec {
-    /// The machine with so many `cores` and `channels` of its DRAM: as many for each core as it has, if none are given.
+    /// The machine with `cores` cores and `channels` DRAM channels. Without `channels`, the number of channels per core
+    /// is kept.
     ///
-    /// A machine of one channel does not say which bits of an address choose among several: those above the first
-    /// `Column` do, so that neighbouring lines of a row stay together.
+    /// The mapping of a machine with one channel has no channel bits. They are inserted above the first `Column`, so
+    /// that neighbouring lines of a row stay together.
     ///
     /// # Errors
-    /// There cannot be so many cores or channels.
+    /// The numbers of cores or channels are out of range, or the machine's fields then contradict each other.
     pub fn with_cores(&self, cores: u64, channels: Option<u64>) -> Result<Self, SpecError> {
         let number = || {
             let all = self.dram.channels.get() * cores;
@@ -51,11 +52,11 @@ impl MachineSpec {
         large.check().map(|()| large)
     }
 
-    /// A model of the machine with so many of its cores. It stands for the machine when it replays the same share of
-    /// the rays: see the top of this file.
+    /// A model of the machine with `cores` of its cores. It predicts the machine if it replays the same share of the
+    /// rays: see the module's documentation.
     ///
     /// # Errors
-    /// What is shared cannot be divided so.
+    /// A shared resource cannot be divided by the ratio of the numbers of cores.
     pub fn scale_model(&self, cores: u64) -> Result<Self, SpecError> {
         let name = |why: String| {
             SpecError::new(format!("{} of {} cores has no model of {cores}: {why}", self.name, self.cores))
@@ -93,7 +94,8 @@ impl MachineSpec {
 }
 
 impl ShadowCacheSpec {
-    /// As many times `share` units, each with a `share`-th of the operations a cycle: as many as begin and find a port.
+    /// `share` times the units per core, each at 1/`share` of the operation rate; the ports of the L1 can limit that
+    /// rate.
     fn slowed(&self, share: u64) -> Result<Self, String> {
         let (width, interval, ports) = (self.width.get(), self.interval.get(), self.cache.accesses_per_cycle());
         let by_port = self.place == Place::Own && ports * interval < width;
@@ -112,7 +114,7 @@ impl ShadowCacheSpec {
 }
 
 impl DramSpec {
-    /// The same channels, each with a bus that takes `share` times as long for a burst, and a `share`-th of the queue.
+    /// The same channels, each with a bus `share` times as slow and 1/`share` of the queue.
     fn slowed(&self, share: u64) -> Result<Self, String> {
         let model = match self.model {
             Model::Flat { latency, bytes_per_cycle: Some(bytes) } => {
@@ -144,7 +146,7 @@ impl DramSpec {
 }
 
 impl Mapping {
-    /// The mapping with the bits of so many channels where bits of channels are, or above the first `Column`.
+    /// The mapping with the bits of `channels` channels, in place of its channel bits or else above the first `Column`.
     fn with_channels(&self, channels: u64) -> Self {
         let is_channel = |field: &Field| matches!(field, Field::Channel(_));
         let column = || self.0.iter().position(|field| matches!(field, Field::Column(_))).map(|at| at + 1);

@@ -1,4 +1,4 @@
-//! The spec of the shadow-cache units: where a policy's stores lie, and which way accesses to them go.
+//! The spec of the shadow-cache units: where a policy's stores lie, and the path of accesses to them.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -80,21 +80,21 @@ pub struct ShadowCacheSpec {
 }
 
 impl ShadowCacheSpec {
-    /// Whether a step that the policy recorded on a ray's account, packed, is performed: it is not an update that
-    /// is dropped, and no entry that costs nothing.
+    /// Whether a step that the policy recorded for a ray, packed, is performed. Dropped updates and accesses to entries
+    /// that cost nothing are not.
     #[inline]
     pub fn performs(&self, word: u32) -> bool {
         let free = || self.place == Place::Free && Step::unpack(word).and_then(Step::entry).is_some();
         !self.silent.drops(word) && !free()
     }
 
-    /// Whether the host answers a ray: none of its steps is performed, and decisions fall with the hit.
+    /// Whether the host answers a ray: decisions fall with the hit, and none of the ray's steps is performed.
     pub(crate) fn is_answered(&self, ray: &Ray<'_>) -> bool {
         let left = || ray.packed_policy().iter().filter(|&&word| self.performs(word)).count();
         self.decide.answers(ray.head.decision, 0) && self.decide.answers(ray.head.decision, left())
     }
 
-    /// Whether all such steps are performed as recorded, whatever the stream is.
+    /// Whether all steps of the policy are performed as recorded, for any stream.
     pub fn performs_all(&self) -> bool {
         self.place != Place::Free && self.silent == SilentUpdates::Sent && self.latched != LatchedCopy::Buffers
     }

@@ -104,12 +104,12 @@ impl MachineSpec {
         self.cores.get() * self.dispatcher.rays.get()
     }
 
-    /// Bytes that the simulator takes for the machine, about.
+    /// Approximate bytes of memory that the simulator needs for the machine.
     pub fn footprint(&self) -> u128 {
         self.parts().bytes()
     }
 
-    /// What the parts take in memory.
+    /// Memory that the parts need.
     fn parts(&self) -> Footprint {
         let (pool, traversal, list) = (&self.dispatcher, &self.traversal, &self.list);
         let (tests, division, words) = (&self.intersection, &self.division, &self.shadow_cache);
@@ -124,7 +124,7 @@ impl MachineSpec {
         self.l2.caches().into_iter().fold(units, |units, (name, cache)| units.add_banked(name, cache))
     }
 
-    /// Checks what single fields cannot.
+    /// Checks the fields against each other.
     ///
     /// # Errors
     /// Fields that contradict each other; the error names them.
@@ -146,7 +146,7 @@ impl MachineSpec {
             .map_err(SpecError)
     }
 
-    /// An operation leaves the entry of a pipeline before its end: so all cycles that it occupies lie within a run.
+    /// An interval is at most the latency, so that all cycles in which an operation occupies a unit lie within a run.
     fn check_intervals(&self) -> Result<(), String> {
         let units = [
             ("traversal", self.traversal.latency, self.traversal.interval),
@@ -161,7 +161,7 @@ impl MachineSpec {
         })
     }
 
-    /// Classes that share lines must share a home in the L2: there would be two copies of such a line.
+    /// Classes that share lines must share a cache of the L2; otherwise two copies of such a line would exist.
     fn check_homes(&self) -> Result<(), String> {
         use TrafficClass::{ModeWord, PixelCounter, Triangle};
         let layout = self.shadow_cache.layout;
@@ -179,7 +179,7 @@ impl MachineSpec {
         })
     }
 
-    /// An ideal cache sends nothing down, so nothing can be written through it.
+    /// An ideal cache sends nothing to the L2, so nothing can be written through it.
     fn check_writes(&self) -> Result<(), String> {
         let (field, cache) = match self.shadow_cache.place {
             Place::Own => ("shadow_cache.cache", &self.shadow_cache.cache),
@@ -192,7 +192,7 @@ impl MachineSpec {
         Ok(())
     }
 
-    /// A line that is written must be in one L2 only, since nothing keeps those of several cores alike.
+    /// A line that is written may be in one L2 only, since no protocol keeps the L2s of several cores coherent.
     fn check_coherence(&self) -> Result<(), String> {
         if self.cores.get() > 1 && self.shadow_cache.layout == StoreLayout::Record {
             return Err(
@@ -204,7 +204,7 @@ impl MachineSpec {
         Ok(())
     }
 
-    /// Checks what a stream and the machine need of each other.
+    /// Checks that the machine can replay a stream.
     ///
     /// # Errors
     /// The stream lacks what the machine needs, or holds more than it can address.

@@ -1,4 +1,4 @@
-//! Where a policy's stores lie in memory: layouts of mode words and counters, and what an access to an entry touches.
+//! The memory layout of a policy's stores: mode words, counters and occluder ids, and the bytes that an access touches.
 
 use std::sync::Arc;
 
@@ -9,7 +9,7 @@ use super::word_traffic::LatchedCopy;
 use crate::quantity::TriangleSlot;
 use crate::stream::{Header, NO_RECORD, Step, Store};
 
-/// Bytes of an entry of a store that is an array of its own.
+/// Bytes of a mode word, an occluder id and an entry of learned bits.
 const WORD_BYTES: u64 = 4;
 /// Bytes of a primitive's two counters (GI09: current and highest number of rendered pixels).
 const COUNTER_BYTES: u64 = 8;
@@ -17,7 +17,7 @@ const COUNTER_BYTES: u64 = 8;
 pub const TAG_BITS: u64 = 2;
 /// Bits of two counters on a logarithmic scale with one fractional bit each: 6 bits reach 2^31 pixels.
 const LOG_COUNTER_BITS: u64 = 2 * 6;
-/// A triangle record is a multiple of this: the plane's 16 bytes.
+/// A triangle record is a multiple of the plane's 16 bytes.
 const RECORD_STEP: u64 = 16;
 
 /// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream
@@ -39,13 +39,13 @@ pub enum StoreLayout {
     Tagged,
 }
 
-/// Where a primitive's part of an array begins, and how far the next one's is.
+/// The placing of primitives' entries in an array: base address and stride.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Rows {
     base: u64,
     /// Bytes a primitive.
     bytes: u64,
-    /// Primitives a line; 0 where they follow one another without regard to lines.
+    /// Primitives per line; 0 if they follow one another without regard to lines.
     per_line: u64,
     line: u64,
 }
@@ -55,7 +55,7 @@ impl Rows {
         Self { bytes, ..Self::default() }
     }
 
-    /// Primitives that lie in no more lines than they must.
+    /// Rows that never straddle a line unless a row is longer than one.
     fn in_lines(bytes: u64, line: u64) -> Self {
         match line / bytes {
             0 => Self::packed(bytes.next_multiple_of(line)),
@@ -79,13 +79,13 @@ impl Rows {
     }
 }
 
-/// Triangle records of primitives, as the stream's header has them.
+/// The triangle record of each primitive, from the stream's header.
 #[derive(Clone, Debug)]
 struct Records(Arc<[TriangleSlot]>);
 
 impl PartialEq for Records {
     fn eq(&self, other: &Self) -> bool {
-        // Layouts of one stream share them, and are often compared.
+        // Layouts of one stream share the records and are often compared.
         Arc::ptr_eq(&self.0, &other.0) || self.0 == other.0
     }
 }
@@ -96,31 +96,31 @@ pub struct Stores {
     layout: StoreLayout,
     owners: u64,
     words: u64,
-    /// Bytes of a primitive's mode word.
+    /// Bytes of one mode word.
     word_bytes: u64,
-    /// Entries of the store of mode words: from there on they are learned bits, if those have words of their own.
+    /// Entries of the store of mode words. Larger indices are learned bits, if those have words of their own.
     entries: u64,
     learned: Option<u64>,
     /// Bits of a primitive's modes, for `Packed`.
     bits: u64,
     /// Bytes of a primitive's counters; 0 if the policy keeps none.
     counter_bytes: u64,
-    /// Whether counters and tag need a word of their own, for `Tagged`.
+    /// Whether counters and tag need another word, for `Tagged`.
     further_word: bool,
     word_rows: Rows,
     counter_rows: Rows,
-    /// Entries of the store of mode words that are not of a primitive.
+    /// Base of the mode words that belong to no primitive.
     rest: u64,
     occluders: u64,
     records: Records,
-    /// Where static triangle records begin, their size, and how much of it is the triangle.
+    /// Static triangle records: base, bytes of a record, and bytes of the triangle in it.
     triangle_records: (u64, u64, u64),
 }
 
-/// Checks that words have room for the frame's number, if they are to hold it, beside the modes of the stream's lights.
+/// Checks that the words have room for the frame's number beside the modes of the stream's lights.
 ///
 /// # Errors
-/// The words of the stream's lights leave no room.
+/// The modes of the stream's lights fill the words.
 pub fn check_tag(header: &Header, layout: StoreLayout) -> Result<(), String> {
     let (lights, words) = (header.lights, header.stores.words_per_primitive);
     if header.stores.word_owners == 0
@@ -140,7 +140,7 @@ fn mode_bits(header: &Header) -> u64 {
 }
 
 impl Stores {
-    /// The stores of a stream, not placed yet. `tagged` says whether words hold the frame's number.
+    /// The stores of a stream, before they are placed. `tagged`: whether words hold the frame's number.
     pub fn new(header: &Header, layout: StoreLayout, copy: LatchedCopy, tagged: bool, line: u64) -> Self {
         let entries = &header.stores;
         let (owners, words) = (u64::from(entries.word_owners), u64::from(entries.words_per_primitive));
@@ -188,7 +188,7 @@ impl Stores {
         }
     }
 
-    /// Bytes that each triangle record holds for the stores, rounded so that records stay aligned.
+    /// Bytes of a triangle record with the stores' part, rounded so that records stay aligned.
     pub fn record_bytes(&self, triangle: u64) -> u64 {
         match self.layout {
             StoreLayout::Record if self.owners > 0 => {
@@ -204,7 +204,7 @@ impl Stores {
         self.triangle_records = (base, record, triangle);
     }
 
-    /// Places the stores: `array` gives room for so many bytes and says where.
+    /// Places the stores; `array` reserves the given number of bytes and returns their address.
     pub fn place(&mut self, header: &Header, mut array: impl FnMut(u64) -> u64) {
         let entries = &header.stores;
         let rest = u64::from(entries.mode_words) - self.owners * self.words;
@@ -231,7 +231,7 @@ impl Stores {
         self.learned = self.learned.map(|_| array(learned));
     }
 
-    /// Where an entry begins, and how many bytes an access to it touches. No entry lies in two lines.
+    /// The address of an entry, and the bytes that an access to it touches. No entry straddles two lines.
     pub fn entry(&self, store: Store, index: u32) -> (u64, u64) {
         let index = u64::from(index);
         match store {
@@ -249,7 +249,7 @@ impl Stores {
         }
     }
 
-    /// What follows the triangle in the record of a primitive, if that is static and has one.
+    /// The address behind the triangle in the primitive's record; `None` if the primitive is dynamic or has no record.
     fn in_record(&self, primitive: u64) -> Option<u64> {
         let slot = self.records.0.get(primitive as usize).filter(|&&slot| slot != NO_RECORD)?;
         let (base, record, triangle) = self.triangle_records;
@@ -266,7 +266,7 @@ impl Stores {
                 let words = self.in_record(primitive).map_or(row, |counters| counters + self.counter_bytes);
                 (words + word * self.word_bytes, self.word_bytes)
             }
-            // With a further word, the first mode word is read together with it: that has the tag.
+            // The further word holds the tag, so the first mode word is read together with it.
             StoreLayout::Tagged if self.further_word => match word {
                 0 => (row, 2 * self.word_bytes),
                 _ => (row + (word + 1) * self.word_bytes, self.word_bytes),
@@ -285,7 +285,7 @@ impl Stores {
         }
     }
 
-    /// Whether the step is an update of a primitive's mode word, or of its learned bits.
+    /// Whether the step updates a primitive's mode word or its learned bits.
     pub fn updates_word(&self, step: Step) -> bool {
         match step {
             Step::Update { store: Store::ModeWord, index } => {
@@ -296,8 +296,7 @@ impl Stores {
         }
     }
 
-    /// The update of learned bits that stands in place of a ray's update of a mode word, if they have words of
-    /// their own.
+    /// The update of learned bits that replaces a ray's update of a mode word, if learned bits have words of their own.
     pub fn learns(&self, step: Step) -> Option<Step> {
         match step {
             Step::Update { store: Store::ModeWord, index } if self.learned.is_some() && self.updates_word(step) => {
@@ -307,19 +306,19 @@ impl Stores {
         }
     }
 
-    /// What takes learned bits into the latched word at the frame's end: a read of the bits of the update
-    /// `learned`, and an update.
+    /// The steps at the end of a frame that merge learned bits into the latched word: a read of the bits of the update
+    /// `learned`, and an update of the word.
     pub fn fold(&self, learned: u32) -> [Step; 2] {
         let store = Store::ModeWord;
         [Step::Read { store, index: learned }, Step::Update { store, index: learned - self.entries as u32 }]
     }
 
-    /// Whether counters and first mode word of a primitive are one entry.
+    /// Whether the counters and the first mode word of a primitive are one entry.
     pub fn counters_are_in_words(&self) -> bool {
         self.layout == StoreLayout::Tagged
     }
 
-    /// The primitive whose word or counters an entry is; `None` for one of no primitive.
+    /// The primitive that an entry's word or counters belong to; `None` if the entry belongs to no primitive.
     pub fn owner(&self, store: Store, index: u32) -> Option<u32> {
         match store {
             Store::PixelCounter => Some(index),

@@ -1,4 +1,4 @@
-//! The list of a folder's own files, and how everything else in it gets into the folder that takes its place.
+//! The list of a folder's own files, and the transfer of all other files to the folder that replaces it.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use super::error::FolderError;
 use super::file::write_whole;
 
-/// The list of a folder's own files, in the folder: a folder that has it was made by this program.
+/// Name of the list of own files. A folder that has the list was made by this program.
 pub(super) const LIST: &str = ".report-files";
 /// The first line of the list.
 const TITLE: &str = "The files of this umbrasim report; everything else in the folder stays when it is written again.";
@@ -16,7 +16,7 @@ const TITLE: &str = "The files of this umbrasim report; everything else in the f
 /// Paths of own files, relative to their folder.
 pub(super) type Own = BTreeSet<PathBuf>;
 
-/// Reads the list of the folder; none if it has none.
+/// Reads the list of the folder; `None` if it has none.
 pub(super) fn read_list(folder: &Path) -> io::Result<Option<Own>> {
     match fs::read_to_string(folder.join(LIST)) {
         Ok(text) => Ok(Some(text.lines().skip(1).map(PathBuf::from).collect())),
@@ -48,8 +48,8 @@ fn collect(folder: &Path, within: &Path, own: &mut Own) -> io::Result<()> {
     Ok(())
 }
 
-/// Gives `new` all that is in `old` and not `own`: folders are made again, everything in them is linked, so that it is
-/// in both. Nothing in `old` changes.
+/// Puts everything in `old` except `own` into `new` as well: makes folders, and links files, so that both folders have
+/// them. Nothing in `old` changes.
 pub(super) fn carry(old: &Path, new: &Path, own: &Own) -> Result<(), FolderError> {
     each_foreign(old, Path::new(""), own, &mut |within, is_folder| {
         let (from, to) = (old.join(within), new.join(within));
@@ -67,7 +67,7 @@ pub(super) fn carry(old: &Path, new: &Path, own: &Own) -> Result<(), FolderError
     })
 }
 
-/// Moves what came into `old` while it was replaced, and is not in `new`.
+/// Moves what was added to `old` during the replacement, and is not in `new`.
 pub(super) fn carry_late(old: &Path, new: &Path, own: &Own) -> Result<(), FolderError> {
     each_foreign(old, Path::new(""), own, &mut |within, is_folder| {
         let (from, to) = (old.join(within), new.join(within));
@@ -79,7 +79,7 @@ pub(super) fn carry_late(old: &Path, new: &Path, own: &Own) -> Result<(), Folder
     })
 }
 
-/// Calls `visit` for each file and each folder of its own that is foreign, folders before what is in them.
+/// Calls `visit` for each foreign file, and for each folder without own files, before what is in the folder.
 fn each_foreign(
     root: &Path,
     within: &Path,
@@ -102,13 +102,13 @@ fn each_foreign(
     Ok(())
 }
 
-/// A new folder with the rights of another one.
+/// Makes a folder with the permissions of another one.
 pub(super) fn make_like(from: &Path, to: &Path) -> io::Result<()> {
     fs::create_dir(to)?;
     fs::set_permissions(to, from.metadata()?.permissions())
 }
 
-/// Another name for the same file, or a copy where there can be none.
+/// Makes a hard link to a file, or a copy where links are impossible.
 fn link(from: &Path, to: &Path) -> io::Result<()> {
     match fs::hard_link(from, to) {
         Err(_) if from.symlink_metadata()?.is_file() => fs::copy(from, to).map(drop),

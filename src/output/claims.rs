@@ -1,7 +1,8 @@
-//! What the command of this process writes: no two outputs may be the same file, and none may be a file that it reads.
+//! Claims of the files that this process's command writes. No two outputs may be the same file, and no output may be a
+//! file that the command reads.
 //!
-//! Outputs are claimed before anything is read. The one reader of files ([`crate::input`]) then refuses what is
-//! claimed, so that this holds for every file of every command, those that are named in other files included.
+//! Outputs are claimed before anything is read. All files are read through [`crate::input`], which refuses claimed
+//! files. So the rule holds for every command, and for files named in other files.
 
 use std::fs::{File, Metadata};
 use std::io;
@@ -16,7 +17,7 @@ use super::links::{folder_of, follow};
 /// All outputs of this process's command.
 static CLAIMS: Mutex<Vec<Claim>> = Mutex::new(Vec::new());
 
-/// An output: the option that names it, the file, and what makes it that file.
+/// An output: the option that names it, its path, and its identity.
 #[derive(Clone, Debug)]
 struct Claim {
     option: &'static str,
@@ -24,18 +25,18 @@ struct Claim {
     identity: Identity,
 }
 
-/// What makes an output the file that it is.
+/// The identity of an output.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Identity {
     /// Standard output.
     Standard,
-    /// A file or folder that is there.
+    /// An existing file or folder.
     There(FileId),
-    /// Nothing yet, or a pipe: the folder and the name.
+    /// Anything else, such as a file that does not exist yet: its folder and name.
     Named(PathBuf),
 }
 
-/// Two outputs are one file.
+/// Two outputs are the same file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("`{first} {}` and `{second} {}` are the same file: each output needs its own", first_path.display(), second_path.display())]
 pub(crate) struct ClaimError {
@@ -49,7 +50,7 @@ fn claims() -> MutexGuard<'static, Vec<Claim>> {
     CLAIMS.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Claims a file that the command writes, as `option` names it. A device can be claimed by any number of options.
+/// Claims a file that the command writes, named by `option`. Any number of options may claim a device.
 ///
 /// # Errors
 /// The file is another output.
@@ -64,7 +65,7 @@ pub(crate) fn claim_file(option: &'static str, path: &Path) -> Result<(), ClaimE
 pub(crate) fn claim_folder(option: &'static str, path: &Path) -> Result<(), ClaimError> {
     let mut claims = claims();
     claim(&mut claims, option, path)?;
-    // A folder without a list, or with one that cannot be read, is refused when it is to be written.
+    // A folder without a readable list is refused later, before it is written.
     let own = carry::read_list(path).ok().flatten().unwrap_or_default();
     own.iter().try_for_each(|own| claim(&mut claims, option, &path.join(own)))
 }
@@ -79,7 +80,7 @@ fn claim(claims: &mut Vec<Claim>, option: &'static str, path: &Path) -> Result<(
     Ok(())
 }
 
-/// Whether standard output is one of the command's files, by whatever name.
+/// Whether one of the command's output files is standard output, under any name.
 pub(crate) fn is_standard_output_claimed() -> bool {
     let id = FileId::of_standard_output();
     claims().iter().any(|claim| match claim.identity {
@@ -89,7 +90,7 @@ pub(crate) fn is_standard_output_claimed() -> bool {
     })
 }
 
-/// Refuses a file that is to be read and is an output.
+/// Refuses to read a file that is an output.
 ///
 /// # Errors
 /// The file is claimed; the error names the option.
@@ -111,7 +112,7 @@ fn check_input(claims: &[Claim], metadata: &Metadata) -> io::Result<()> {
 }
 
 impl Identity {
-    /// None for devices, which take any number of outputs.
+    /// `None` for devices, which any number of outputs may use.
     fn of(path: &Path) -> Option<Self> {
         if is_standard(path) {
             return Some(Self::Standard);
@@ -175,7 +176,7 @@ mod tests {
         claim(&mut claims, "--line-trace", &at("other")).unwrap();
         claim(&mut claims, "--dram-trace", Path::new("-")).unwrap();
         claim(&mut claims, "--dram-commands", Path::new("-")).unwrap_err();
-        // Any number of outputs can be thrown away.
+        // Any number of outputs may go to `/dev/null`.
         (0..2).for_each(|_| claim(&mut claims, "--dram-commands", Path::new("/dev/null")).unwrap());
     }
 }

@@ -6,10 +6,10 @@ use std::path::PathBuf;
 /// Why results cannot be put into a folder.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
-    /// Something that is no folder of results is in the way.
+    /// Something other than a folder of results is at the path.
     #[error("{} is not an umbrasim report (it has no list of a report's files) and will not be overwritten", path.display())]
     Foreign {
-        /// What is in the way.
+        /// The path.
         path: PathBuf,
     },
     /// Another process writes there.
@@ -20,13 +20,13 @@ pub enum FolderError {
         /// The process, its machine, and since when.
         holder: String,
     },
-    /// A file that is not the report's has the name of one that is.
+    /// A foreign file has the name of one of the report's files.
     #[error("{} is not of the earlier report and will not be overwritten", path.display())]
     Collision {
         /// The file.
         path: PathBuf,
     },
-    /// The folder is the one in which the command runs, or holds it.
+    /// The command runs in the folder, or in a folder inside it.
     #[error("{} cannot be replaced while the command runs in it: name another folder, or run from outside", path.display())]
     Current {
         /// The folder.
@@ -38,12 +38,12 @@ pub enum FolderError {
         /// The folder.
         path: PathBuf,
     },
-    /// The results are complete and cannot take their place.
+    /// The results are complete, but cannot be put at their path.
     #[error("{source}; the new report is in {}", path.display())]
     Elsewhere {
         /// Where the results are.
         path: PathBuf,
-        /// Why they are not in their place.
+        /// Why they are not at their path.
         source: Box<FolderError>,
     },
     /// Something cannot be read.

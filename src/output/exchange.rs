@@ -1,4 +1,4 @@
-//! Puts a folder into the place of another one, in one step where the file system can.
+//! Replaces a folder by another one, in one step where the file system can.
 
 use std::fs::{self, File};
 use std::io;
@@ -7,11 +7,11 @@ use std::path::{Path, PathBuf};
 use super::links::folder_of;
 use super::names::{EARLIER, NEW};
 
-/// Puts the folder [`NEW`] of the temporary folder `work`, which lies beside `target`, at `target`. An earlier one is
-/// [`NEW`] in `work` then, or lies in [`EARLIER`].
+/// Moves the folder [`NEW`] of the temporary folder `work`, which is beside `target`, to `target`. An earlier folder
+/// is afterwards [`NEW`] in `work`, or in [`EARLIER`].
 ///
 /// # Errors
-/// The target cannot be replaced; it is as it was.
+/// The target cannot be replaced, and is unchanged.
 pub(super) fn exchange(work: &Path, target: &Path) -> io::Result<()> {
     let new = work.join(NEW);
     if target.symlink_metadata().is_err() {
@@ -21,19 +21,19 @@ pub(super) fn exchange(work: &Path, target: &Path) -> io::Result<()> {
         Err(error) if error.kind() == io::ErrorKind::Unsupported => {}
         done => return done,
     }
-    // Two steps: who finds the temporary folder after a kill between them puts the earlier one back.
+    // Two steps: after a kill between them, the process that sweeps the temporary folder puts the earlier folder back.
     let name = target.file_name().ok_or(io::ErrorKind::InvalidInput)?;
     let earlier = work.join(EARLIER);
     fs::create_dir(&earlier)?;
     let earlier = earlier.join(name);
     fs::rename(target, &earlier)?;
     fs::rename(new, target).inspect_err(|_| {
-        // The first error is the one to tell; the earlier folder goes back if it can.
+        // The first error is returned; the earlier folder goes back if possible.
         let _ = fs::rename(&earlier, target);
     })
 }
 
-/// One system call. Not all file systems have it.
+/// Exchanges the folders in one system call, which not all file systems have.
 #[cfg(target_os = "linux")]
 fn exchange_at_once(work: &Path, target: &Path) -> io::Result<()> {
     use rustix::fs::{RenameFlags, renameat_with};
@@ -55,7 +55,7 @@ fn exchange_at_once(_: &Path, _: &Path) -> io::Result<()> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Where the folder that was replaced lies in `work`.
+/// The path of the replaced folder in `work`.
 pub(super) fn replaced(work: &Path, target: &Path) -> PathBuf {
     let earlier = work.join(EARLIER).join(target.file_name().unwrap_or_default());
     if earlier.is_dir() { earlier } else { work.join(NEW) }

@@ -1,4 +1,4 @@
-//! Files of the user's choice.
+//! Output files that the user names.
 
 use std::fs::{File, Metadata};
 use std::io::{self, Write};
@@ -11,9 +11,9 @@ use super::temporary::TemporaryFile;
 /// The path that stands for standard output.
 const STANDARD: &str = "-";
 
-/// A file on its way. A regular file comes into its place whole: bytes go to a temporary file beside it, which takes
-/// its name in [`OutputFile::finish`] only. One that is dropped leaves nothing behind, and what was there before stays.
-/// A device, a pipe and standard output (`-`) are written to at once.
+/// An output file. A regular file appears only when complete: bytes go to a temporary file beside it, which
+/// [`OutputFile::finish`] renames. If it is dropped earlier, the temporary file is removed and an existing file stays.
+/// Devices, pipes and standard output (`-`) are written to directly.
 #[derive(Debug)]
 pub struct OutputFile(Inner);
 
@@ -28,7 +28,7 @@ impl OutputFile {
     /// Begins the file `path`. Symbolic links are followed.
     ///
     /// # Errors
-    /// The folder is not there, does not take new files, or `path` is a folder.
+    /// The folder does not exist or takes no new files, or `path` is a folder.
     pub fn create(path: &Path) -> io::Result<Self> {
         if is_standard(path) {
             return Ok(Self(Inner::Standard(io::stdout())));
@@ -49,10 +49,10 @@ impl OutputFile {
         Ok(Self(Inner::Placed { file: TemporaryFile::create_in(folder)?, path }))
     }
 
-    /// Puts the file into its place, in that of an earlier one if there is one. Its bytes are on the disk then.
+    /// Puts the file into its place, replacing an existing one. Its bytes are then on the disk.
     ///
     /// # Errors
-    /// The disk is full, which may be noticed only now, or the earlier file cannot be replaced.
+    /// The disk is full, which may show only here, or the existing file cannot be replaced.
     pub fn finish(self) -> io::Result<()> {
         match self.0 {
             Inner::Placed { file, path } => {
@@ -68,14 +68,14 @@ impl OutputFile {
     }
 }
 
-/// Whether `path` is standard output: by its name `-`, or because it leads to the same file.
+/// Whether `path` is standard output: its name is `-`, or it leads to the same file.
 pub(super) fn is_standard(path: &Path) -> bool {
     let id = || path.metadata().ok().filter(Metadata::is_file).as_ref().and_then(FileId::of);
     path == Path::new(STANDARD) || id().is_some_and(|id| FileId::of_standard_output() == Some(id))
 }
 
-/// Whether a path names an open file by the system's names of them: such a file is written to, not replaced. Files
-/// elsewhere below `/dev`, such as in `/dev/shm`, are files as all others.
+/// Whether a path is one of the system's names for an open file: such a file is written to, not replaced. Other files
+/// below `/dev`, such as in `/dev/shm`, are replaced like any file.
 fn is_of_system(path: &Path) -> bool {
     ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc"].iter().any(|name| path.starts_with(name))
 }
@@ -91,12 +91,12 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
 }
 
 impl Write for OutputFile {
-    // By way of the file itself: the temporary file's own errors name its passing name.
+    // Bypasses the temporary file's `Write`, whose errors would show the temporary name.
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         match &mut self.0 {
             Inner::Placed { file, .. } => file.file().write(bytes),
             Inner::Open(file) => file.write(bytes),
-            // A reader that has gone away wants no more.
+            // A closed pipe is no error: its reader wants no more.
             Inner::Standard(output) => match output.write(bytes) {
                 Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(bytes.len()),
                 written => written,
@@ -163,5 +163,16 @@ mod tests {
         assert!(write_whole(&at(""), b"").unwrap_err().to_string().contains("it is a folder"));
         assert!(write_whole(&at("no/a"), b"").unwrap_err().to_string().starts_with("there is no folder"));
         write_whole(Path::new("/dev/null"), b"nothing").unwrap();
+    }
+
+    /// A shorter file leaves nothing of a longer one.
+    #[test]
+    fn files_below_dev_are_files() {
+        assert!(["/dev/stdout", "/dev/fd/3", "/proc/self/fd/1"].iter().all(|name| is_of_system(Path::new(name))));
+        let Ok(folder) = tempfile::tempdir_in("/dev/shm") else { return println!("skipped: no /dev/shm") };
+        let path = folder.path().join("a");
+        write_whole(&path, b"longer").unwrap();
+        write_whole(&path, b"short").unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"short");
     }
 }

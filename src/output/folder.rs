@@ -15,39 +15,38 @@ use super::lock::{Lock, LockError};
 use super::names::NEW;
 use super::temporary::TemporaryFolder;
 
-/// The file by which a folder without a list of own files is known as a report.
+/// The file that marks a folder without a list of own files as a report.
 const SUMMARY: &str = "summary.json";
 
-/// How long a folder may be in the hands of another writer before a process that shares the folder gives up.
+/// Time after which a process that wants to share a folder gives up on its writer. Assumed.
 const PATIENCE: Duration = Duration::from_secs(20);
-/// How long such a process waits before it tries again.
+/// Pause between attempts to share a folder. Assumed.
 const PAUSE: Duration = Duration::from_millis(20);
 
-/// A folder of results of which this process has the lock, from before the work to its end.
+/// A folder of results that this process has locked, from before the work to its end.
 #[derive(Debug)]
 pub(crate) struct ResultsFolder {
-    /// As the user named it.
+    /// The path, as the user named it.
     path: PathBuf,
-    /// Where that leads.
+    /// The path, links followed.
     target: PathBuf,
     _lock: Lock,
-    /// Dropped last, when the lock's file is gone.
+    /// Dropped last, after the lock file is removed.
     _parents: Parents,
 }
 
 impl ResultsFolder {
-    /// Claims the folder `path` before the work begins. Nothing may be there, or an empty folder, or a folder of
-    /// results.
+    /// Claims the folder `path` before the work begins. The path may be free, an empty folder, or a folder of results.
     ///
     /// # Errors
-    /// Something else is there, another process writes there, or nothing can be written there.
+    /// Something else is at the path, another process writes there, or nothing can be written there.
     pub(crate) fn claim(path: &Path) -> Result<Self, FolderError> {
         let write = |source| FolderError::Write { path: path.into(), source };
         check(path, &target_of(path).map_err(write)?)?;
         Self::lock(path)
     }
 
-    /// Locks the folder `path`, and checks what is there then.
+    /// Locks the folder `path`, and then checks its content.
     fn lock(path: &Path) -> Result<Self, FolderError> {
         let write = |source| FolderError::Write { path: path.into(), source };
         let target = target_of(path).map_err(write)?;
@@ -58,18 +57,18 @@ impl ResultsFolder {
             LockError::Held(holder) => FolderError::Busy { path: path.into(), holder },
             LockError::File(source) => write(source),
         })?;
-        // A process that died before the folder had its list left nothing but a part of that.
+        // A process that died before it wrote the folder's list left at most a part of the list.
         leftovers::sweep(&target);
         check(path, &target)?;
         Ok(Self { path: path.into(), target, _lock: lock, _parents: parents })
     }
 
-    /// Shares the folder `path` with other processes that keep results in it one by one. The folder is made if it is
-    /// not there. Nobody can [`claim`](Self::claim) it meanwhile, so that nobody may [`replace`](Self::replace) its
-    /// files.
+    /// Shares the folder `path` with other processes that keep results in it one by one; makes the folder if it does
+    /// not exist. While it is shared, nobody can [`claim`](Self::claim) it, so nobody can [`replace`](Self::replace)
+    /// its files.
     ///
     /// # Errors
-    /// As [`Self::claim`]; a process that writes there alone takes longer than some seconds.
+    /// As [`Self::claim`], or another process writes there alone for longer than `PATIENCE`.
     pub(crate) fn share(path: &Path) -> Result<SharedFolder, FolderError> {
         let write = |source| FolderError::Write { path: path.into(), source };
         let begin = Instant::now();
@@ -83,7 +82,7 @@ impl ResultsFolder {
                     Err(LockError::File(source)) => return Err(write(source)),
                 }
             } else {
-                // The list names what is there when it is written: nobody else may write then.
+                // The list names the files that exist when it is written, so nobody else may write meanwhile.
                 match Self::lock(path).and_then(|alone| alone.make()) {
                     Ok(()) => continue,
                     Err(busy @ FolderError::Busy { .. }) => busy,
@@ -102,10 +101,10 @@ impl ResultsFolder {
         &self.path
     }
 
-    /// Makes the folder, if it is not there yet, for results that are kept one by one.
+    /// Makes the folder, if it does not exist yet, for results that are kept one by one.
     ///
     /// # Errors
-    /// It cannot be made.
+    /// The folder cannot be made.
     pub(crate) fn make(&self) -> Result<(), FolderError> {
         let write = |source| FolderError::Write { path: self.path.clone(), source };
         if carry::read_list(&self.target).map_err(write)?.is_none() {
@@ -115,11 +114,11 @@ impl ResultsFolder {
         Ok(())
     }
 
-    /// Puts what `fill` makes in a new folder into the place of the earlier own files, complete or not at all. All
-    /// other files stay.
+    /// Replaces the folder's own files by those that `fill` makes in a new folder: all of them, or none on an error.
+    /// All other files stay.
     ///
     /// # Errors
-    /// Those of `fill`; the new files cannot take their place: they are kept beside it then.
+    /// Errors of `fill`; or the new files cannot be put at their path, and are kept beside it.
     pub(crate) fn replace<E: From<FolderError>>(&self, fill: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
         let target = self.target.as_path();
         let write = |source| FolderError::Write { path: self.path.clone(), source };
@@ -137,7 +136,7 @@ impl ResultsFolder {
         let target = self.target.as_path();
         let there = target.is_dir();
         let read = |source| FolderError::Read { path: self.path.clone(), source };
-        // A report without a list is an early one: of its files those are replaced that the new one has.
+        // A report without a list: only files that the new report also has are replaced.
         let own = carry::read_list(target).map_err(read)?.unwrap_or_else(|| added.clone());
         if there {
             carry::carry(target, &work.path().join(NEW), &own)?;
@@ -150,7 +149,7 @@ impl ResultsFolder {
         Ok(())
     }
 
-    /// Keeps complete results that cannot take their place.
+    /// Keeps complete results that cannot be put at their path under another name.
     fn elsewhere(&self, new: &Path, error: FolderError) -> FolderError {
         let name = self.target.file_name().unwrap_or_default();
         let beside = (1..1000).map(|number| {
@@ -167,7 +166,7 @@ impl ResultsFolder {
     }
 }
 
-/// A folder of results that processes share, each of which keeps results in it one by one.
+/// A folder of results that several processes share; each keeps results in it one by one.
 #[derive(Debug)]
 pub(crate) struct SharedFolder {
     path: PathBuf,
@@ -181,14 +180,14 @@ impl SharedFolder {
     }
 }
 
-/// Where the path of a folder leads.
+/// The path of a folder, links followed.
 fn target_of(path: &Path) -> io::Result<PathBuf> {
     let target = follow(path)?;
     // `.` and `..` have no name of their own.
     if target.file_name().is_none() { target.canonicalize() } else { Ok(target) }
 }
 
-/// Whether results can be put at `target`.
+/// Checks whether results can be put at `target`.
 fn check(path: &Path, target: &Path) -> Result<(), FolderError> {
     let foreign = || Err(FolderError::Foreign { path: path.into() });
     let read = |source| FolderError::Read { path: path.into(), source };
@@ -210,19 +209,19 @@ fn check(path: &Path, target: &Path) -> Result<(), FolderError> {
     if entries.into_iter().all(is_leftover) || is_ours().map_err(read)? { Ok(()) } else { foreign() }
 }
 
-/// Whether there is the summary of a report that has no list of its files. Any version of a summary will do.
+/// Whether `target` has the summary of a report, of any version.
 fn has_summary(target: &Path) -> bool {
     let summary = fs::read(target.join(SUMMARY)).ok().and_then(|text| serde_json::from_slice(&text).ok());
     summary.is_some_and(|summary: serde_json::Value| summary.get("schema").and(summary.get("policies")).is_some())
 }
 
-/// Whether a folder is of another file system than its parent.
+/// Whether a folder is on another file system than its parent.
 fn is_mounted(folder: &Path) -> io::Result<bool> {
     let device = |path: &Path| Ok::<_, io::Error>(FileId::of(&path.metadata()?).map(FileId::device));
     folder.parent().map_or(Ok(true), |parent| Ok(device(folder)? != device(parent)?))
 }
 
-/// Folders that were made to hold a folder of results, removed when they are still empty.
+/// Folders made to hold a folder of results, removed at the end if they are still empty.
 #[derive(Debug, Default)]
 struct Parents(Vec<PathBuf>);
 
@@ -237,7 +236,7 @@ impl Parents {
 
 impl Drop for Parents {
     fn drop(&mut self) {
-        // From the innermost outwards; a folder that is in use stays.
+        // From the innermost outwards; a folder that is not empty stays.
         self.0.iter().all(|folder| fs::remove_dir(folder).is_ok());
     }
 }

@@ -1,14 +1,14 @@
-//! What makes two paths the same file.
+//! Tells whether two paths are the same file.
 
 use std::fs::{File, Metadata};
 use std::io;
 
-/// A file's device and its number there: the same for all its names, links included.
+/// A file's device and inode numbers: the same for all its names, links included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct FileId(u64, u64);
 
 impl FileId {
-    /// The identity of a file that is there; none on systems without such numbers.
+    /// The identity of an existing file; `None` on systems without such numbers.
     #[cfg(unix)]
     pub(super) fn of(metadata: &Metadata) -> Option<Self> {
         use std::os::unix::fs::MetadataExt;
@@ -25,7 +25,7 @@ impl FileId {
         self.0
     }
 
-    /// The identity of what standard output leads to.
+    /// The identity of the file behind standard output.
     #[cfg(unix)]
     pub(super) fn of_standard_output() -> Option<Self> {
         use std::os::fd::AsFd;

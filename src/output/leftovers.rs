@@ -9,11 +9,11 @@ use std::sync::{Mutex, PoisonError};
 use super::names::{EARLIER, FILE_SUFFIX, FOLDER_SUFFIX, LOCK_SUFFIX, PREFIX};
 use super::registry::is_at;
 
-/// Folders that were swept by this process.
+/// Folders that this process has swept.
 static SWEPT: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// Removes temporary files and folders of dead processes from `folder`, once a process. What a living process has is
-/// locked, and stays. Nothing depends on the success of it.
+/// Removes temporary files and folders of dead processes from `folder`, once per process. Those of living processes
+/// are locked, and stay. Nothing depends on its success.
 pub(crate) fn sweep(folder: &Path) {
     let Ok(real) = folder.canonicalize() else { return };
     if SWEPT.lock().unwrap_or_else(PoisonError::into_inner).insert(real) {
@@ -31,7 +31,7 @@ fn sweep_now(folder: &Path) {
         if is_file || kind.is_dir() && is(FOLDER_SUFFIX) {
             let path = entry.path();
             let Ok(file) = File::open(&path) else { continue };
-            // The lock is held while the thing is removed: whoever made it in this moment sees that it is gone.
+            // The lock is held during the removal: a process that has just made the file sees that it is gone.
             if file.try_lock().is_ok() && is_at(&file, &path).unwrap_or(false) {
                 remove(&path, folder, is_file);
             }
@@ -40,7 +40,7 @@ fn sweep_now(folder: &Path) {
 }
 
 fn remove(path: &Path, folder: &Path, is_file: bool) {
-    // What cannot be removed stays for the next process.
+    // If the removal fails, the next process tries again.
     if is_file {
         let _ = fs::remove_file(path);
     } else if put_back(path, folder) {
@@ -48,7 +48,8 @@ fn remove(path: &Path, folder: &Path, is_file: bool) {
     }
 }
 
-/// Puts a folder back that a dead process took out of its place in `folder`. Whether `work` can be removed then.
+/// Puts back a folder that a dead process had moved out of its place in `folder`. Returns whether `work` can then be
+/// removed.
 fn put_back(work: &Path, folder: &Path) -> bool {
     let Ok(entries) = fs::read_dir(work.join(EARLIER)) else { return true };
     entries.flatten().all(|entry| {
@@ -57,7 +58,7 @@ fn put_back(work: &Path, folder: &Path) -> bool {
     })
 }
 
-/// Whether a name is one that a file, a folder or a lock has while a process works.
+/// Whether a name is that of a temporary file or folder, or of a lock.
 pub(super) fn is_leftover(name: &OsStr) -> bool {
     [FILE_SUFFIX, FOLDER_SUFFIX, LOCK_SUFFIX].iter().any(|suffix| is_temporary(name, suffix))
 }
@@ -80,7 +81,7 @@ mod tests {
             fs::write(at(dead), "x").unwrap();
         }
         fs::create_dir_all(at(".umbrasim-b.work/new/plots")).unwrap();
-        // A report that a process took out of its place and died.
+        // A report that a process moved out of its place before it died.
         fs::create_dir_all(at(".umbrasim-c.work/earlier/rep")).unwrap();
         fs::write(at(".umbrasim-c.work/earlier/rep/index.html"), "page").unwrap();
         let live = TemporaryFile::create_in(at("").as_path()).unwrap();

@@ -1,30 +1,30 @@
-//! Where a path leads.
+//! Follows symbolic links.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Links that are followed before they are taken for a circle, as Linux does.
+/// Links that are followed before they count as a circle, as in Linux.
 const MAX_LINKS: usize = 40;
 
-/// The path that is written to when `path` is: symbolic links at its end are followed, also one to nothing.
+/// The path that a write to `path` reaches: follows symbolic links at its end, also a link to nothing.
 pub(super) fn follow(path: &Path) -> io::Result<PathBuf> {
     let mut path = path.to_owned();
     for _ in 0..MAX_LINKS {
         match path.read_link() {
             Ok(target) => path = folder_of(&path).join(target),
-            // No link, or nothing at all.
+            // Not a link, or the path does not exist.
             Err(_) => return Ok(path),
         }
     }
     Err(io::Error::new(io::ErrorKind::InvalidInput, "its symbolic links lead in a circle"))
 }
 
-/// Removes `path` if it is a symbolic link: what is written there next is a file of the folder that is written to, and
-/// what the link leads to stays as it is.
+/// Removes `path` if it is a symbolic link. A later write then makes a file in this folder, and the link's target
+/// stays unchanged.
 pub(crate) fn unlink(path: &Path) -> io::Result<()> {
     match path.read_link() {
         Ok(_) => std::fs::remove_file(path),
-        // No link, or nothing at all.
+        // Not a link, or the path does not exist.
         Err(_) => Ok(()),
     }
 }

@@ -1,4 +1,4 @@
-//! Locks on folders and files of results: an advisory lock on a file beside each, which dies with its holder.
+//! Locks on folders and files of results: an advisory lock on a file beside each, released when its holder dies.
 
 use std::ffi::OsString;
 use std::fs::{self, File, TryLockError};
@@ -10,20 +10,20 @@ use super::links::folder_of;
 use super::names::{LOCK_SUFFIX, PREFIX};
 use super::registry::{absolute, is_at, live};
 
-/// How often the name of a lock's holder is looked for, and the wait between two looks.
+/// Attempts to read the name of a lock's holder, and the pause between two attempts. Assumed.
 const NAME_ATTEMPTS: u32 = 20;
 const NAME_WAIT: Duration = Duration::from_millis(5);
 
-/// Why a lock is not had.
+/// Why a lock could not be taken.
 #[derive(Debug)]
 pub(super) enum LockError {
-    /// Another process has it: which one, where, and since when.
+    /// Another process holds the lock: which one, where, and since when.
     Held(String),
     /// The lock file cannot be made or locked.
     File(io::Error),
 }
 
-/// Who may hold a lock beside its holder.
+/// Who else may hold the lock.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Holders {
     /// Nobody.
@@ -41,12 +41,12 @@ pub(super) struct Lock {
 }
 
 impl Lock {
-    /// Locks the file or folder `target`, which needs not be there; its parent must be.
+    /// Locks the file or folder `target`. It need not exist, but its parent must.
     pub(super) fn acquire(target: &Path) -> Result<Self, LockError> {
         Self::acquire_for(target, Holders::One)
     }
 
-    /// As [`Self::acquire`], beside others that share the lock.
+    /// As [`Self::acquire`], together with others that share the lock.
     pub(super) fn share(target: &Path) -> Result<Self, LockError> {
         Self::acquire_for(target, Holders::Many)
     }
@@ -71,13 +71,13 @@ impl Lock {
                     return Err(LockError::Held(named(&mut file).unwrap_or_else(|| "another process".to_owned())));
                 }
                 Err(TryLockError::Error(error)) => {
-                    // A file system without locks: the file is of no use there.
+                    // The file system has no locks, so the file is useless.
                     let _ = fs::remove_file(&path);
                     return Err(LockError::File(error));
                 }
             }
-            // The holder removes the file when it is done: then this is a file without a name, and the lock is
-            // nobody's.
+            // The earlier holder removes the file when it is done. This process then holds the lock of a removed file,
+            // which locks nothing.
             if !is_at(&file, &path).map_err(LockError::File)? {
                 continue;
             }
@@ -86,7 +86,7 @@ impl Lock {
                 let _ = fs::remove_file(&path);
                 return Err(LockError::File(error));
             }
-            // A shared lock's file stays when one of its holders is ended by a signal: the others need its name.
+            // The file of a shared lock stays when a signal ends one of its holders: the others need it.
             if holders == Holders::One {
                 live.insert(absolute(&path));
             }
@@ -106,7 +106,7 @@ impl Drop for Lock {
     }
 }
 
-/// The holder's name as the lock file has it. A holder writes it as soon as it has the lock: a few attempts see it.
+/// The holder's name from the lock file. A holder writes it right after locking: a few attempts suffice.
 fn named(file: &mut File) -> Option<String> {
     (0..NAME_ATTEMPTS).find_map(|attempt| {
         if attempt > 0 {
@@ -119,7 +119,7 @@ fn named(file: &mut File) -> Option<String> {
     })
 }
 
-/// This process, in words.
+/// The name of this process, for a lock file.
 fn holder() -> String {
     #[cfg(unix)]
     let host = rustix::system::uname().nodename().to_string_lossy().into_owned();
@@ -163,7 +163,7 @@ mod tests {
         };
         assert_eq!(named, "process 7 on earth");
         drop(holder.join().unwrap());
-        // One that never does so is another process.
+        // A holder that never writes its name is reported as another process.
         let silent = File::create(&path).unwrap();
         silent.try_lock().unwrap();
         let Err(LockError::Held(named)) = Lock::acquire(&folder.path().join("rep")) else {

@@ -1,9 +1,10 @@
-//! Outputs: files and folders of results that come into their places whole or not at all, and destroy nothing.
+//! Outputs: files and folders of results that appear only when complete, and destroy nothing.
 //!
-//! - [`OutputFile`] is a file of the user's choice: a regular file is replaced whole; a device, a pipe and `-` are
-//!   written to.
+//! - [`OutputFile`] is a file that the user names: a regular file is replaced as a whole; a device, a pipe and `-` are
+//!   written to directly.
 //! - [`ResultsFolder`] is a folder of results that one process at a time writes, in which foreign files stay.
-//! - [`SharedFolder`] is one in which several processes keep results one by one; [`Turn`] says who makes one of them.
+//! - [`SharedFolder`] is a folder in which several processes keep results one by one; [`Turn`] decides which process
+//!   makes one of the results.
 //! - [`claim_file`] and [`claim_folder`] refuse outputs that the same command reads, or writes twice.
 //! - [`signals`] ends the program without leaving temporary files behind.
 

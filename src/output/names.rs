@@ -10,5 +10,5 @@ pub(super) const FOLDER_SUFFIX: &str = ".work";
 pub(super) const LOCK_SUFFIX: &str = ".lock";
 /// In a temporary folder: the folder that is to take its place.
 pub(super) const NEW: &str = "new";
-/// In a temporary folder: holds the earlier folder, under its own name, while there is none in its place.
+/// In a temporary folder: holds the earlier folder, under its own name, until the new one is in place.
 pub(super) const EARLIER: &str = "earlier";

@@ -1,4 +1,4 @@
-//! The register of all temporary files and folders of this process: whatever ends the process can remove them.
+//! Registers all temporary files and folders of this process, so that they can be removed however it ends.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -8,15 +8,15 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::identity::FileId;
 
-/// Paths of all temporary files and folders that this process has, absolute.
+/// Absolute paths of all temporary files and folders of this process.
 static LIVE: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
-/// The register of temporary paths. Whoever creates, places or removes one holds it meanwhile.
+/// Locks the register. Code that creates, places or removes a temporary path holds this lock meanwhile.
 pub(super) fn live() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     LIVE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files and folders, and lets no thread create or place another one: the process is to end.
+/// Removes all temporary files and folders, and ends the process. No other thread can create or place one meanwhile.
 pub(super) fn remove_all_and_exit(status: i32) -> ! {
     let live = live();
     for path in live.iter() {
@@ -27,7 +27,7 @@ pub(super) fn remove_all_and_exit(status: i32) -> ! {
 
 /// Removes a file or a folder with all that is in it.
 pub(super) fn remove(path: &Path) {
-    // Another thread may still write into a folder: a few attempts take what it has written since.
+    // Another thread may still write into the folder: a few attempts also remove its new files.
     for _ in 0..4 {
         let removed = if path.is_dir() { fs::remove_dir_all(path) } else { fs::remove_file(path) };
         match removed {
@@ -37,12 +37,12 @@ pub(super) fn remove(path: &Path) {
     }
 }
 
-/// The path without the current folder: that one may change.
+/// Makes the path absolute, since the current folder may change.
 pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Whether the open `file` is what stands at `path`.
+/// Whether the open `file` is the one at `path`.
 pub(super) fn is_at(file: &File, path: &Path) -> io::Result<bool> {
     match path.symlink_metadata() {
         Ok(there) => Ok(FileId::of(&there) == FileId::of(&file.metadata()?)),

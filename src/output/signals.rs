@@ -1,4 +1,4 @@
-//! Ctrl-C, and the signals by which batch systems and closed terminals end a program.
+//! Handles Ctrl-C, and the signals by which batch systems and closed terminals end a program.
 
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -7,15 +7,15 @@ use std::sync::{Arc, OnceLock};
 use super::registry;
 use crate::console;
 
-/// Set by the first signal, where a command asked for it.
+/// Set by the first signal, if a command asked for the flag.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
 
-/// Watches for INT, TERM and HUP from now on. A command that asked for a [`stop_flag`] is stopped by the first signal
-/// and ended by the second; others are ended by the first. Temporary files are removed in any case, and the exit status
-/// is 128 and the signal's number, as shells have it.
+/// Watches for INT, TERM and HUP from now on. For a command with a [`stop_flag`], the first signal stops it and the
+/// second ends it; other commands end at the first. Temporary files are removed in any case. The exit status is 128
+/// plus the signal's number, as in shells.
 ///
 /// # Errors
-/// The system does not allow to watch.
+/// The system refuses to install the handlers.
 #[cfg(unix)]
 pub(crate) fn watch() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -37,7 +37,7 @@ pub(crate) fn watch() -> io::Result<()> {
     Ok(())
 }
 
-/// Other systems end a program by themselves.
+/// Does nothing: other systems end a program by themselves.
 ///
 /// # Errors
 /// None.
@@ -46,7 +46,7 @@ pub fn watch() -> io::Result<()> {
     Ok(())
 }
 
-/// Whether whoever started the program had it ignore a signal, as `nohup` does with HUP.
+/// Whether the program was started with a signal ignored, as `nohup` does with HUP.
 #[cfg(unix)]
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
@@ -55,7 +55,7 @@ fn is_ignored(signal: i32) -> bool {
     mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
-/// A flag that the first signal sets from now on: the command ends by itself at the next good place.
+/// A flag that the first signal sets: the command then ends by itself at the next safe point.
 pub(crate) fn stop_flag() -> Arc<AtomicBool> {
     Arc::clone(STOP.get_or_init(Arc::default))
 }

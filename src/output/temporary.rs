@@ -1,7 +1,6 @@
-//! Temporary files and folders of this process, all of them in the register.
+//! Temporary files and folders of this process, all of them registered.
 //!
-//! Each is locked (an advisory lock, which dies with its holder) as long as its process lives: [`super::leftovers`]
-//! removes those that nobody locks.
+//! Each has an advisory lock until its process ends: [`super::leftovers`] removes those without a lock.
 
 use std::fs::{File, TryLockError};
 use std::io;
@@ -13,26 +12,27 @@ use super::leftovers;
 use super::names::{FILE_SUFFIX, FOLDER_SUFFIX, PREFIX};
 use super::registry::{absolute, is_at, live};
 
-/// Locks a file or folder that was just made at `path`. `false` if another process took it for a dead one's meanwhile.
+/// Locks a file or folder that was just made at `path`. Returns `false` if another process took it for a leftover in
+/// the meantime.
 fn lock_new(file: &File, path: &Path) -> io::Result<bool> {
     match file.try_lock() {
-        // A file system without locks: nobody else can lock it either, so nobody takes it for a dead one's.
+        // The file system has no locks: no other process can lock the file either, so none removes it.
         Ok(()) | Err(TryLockError::Error(_)) => is_at(file, path),
         Err(TryLockError::WouldBlock) => Ok(false),
     }
 }
 
-/// A file that is removed when it is dropped, unless it was placed.
+/// A file that is removed when it is dropped, unless it has been placed.
 #[derive(Debug)]
 pub(super) struct TemporaryFile(Option<NamedTempFile>);
 
 impl TemporaryFile {
-    /// A new file in `folder`.
+    /// Makes a file in `folder`.
     pub(super) fn create_in(folder: &Path) -> io::Result<Self> {
         leftovers::sweep(folder);
         let mut builder = tempfile::Builder::new();
         builder.prefix(PREFIX).suffix(FILE_SUFFIX);
-        // A temporary file is its owner's alone; this one is to be a file like any other.
+        // Temporary files are readable by their owner only; this one gets ordinary permissions.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         loop {
@@ -50,12 +50,12 @@ impl TemporaryFile {
         self.0.as_ref().expect("it is there until it is placed or dropped").as_file()
     }
 
-    /// Gives the file its name, in place of an earlier one.
+    /// Renames the file to `path`, replacing an existing file.
     pub(super) fn place(mut self, path: &Path) -> io::Result<()> {
         let mut live = live();
         let file = self.0.take().expect("it is there until it is placed or dropped");
         let temporary = absolute(file.path());
-        // A file that cannot be placed is removed with the error.
+        // Dropping the error removes a file that cannot be placed.
         let placed = file.persist(path).map(drop).map_err(|failed| failed.error);
         live.remove(&temporary);
         placed
@@ -72,7 +72,7 @@ impl Drop for TemporaryFile {
     }
 }
 
-/// A folder that is removed with all that is in it when it is dropped.
+/// A folder that is removed with its content when it is dropped.
 #[derive(Debug)]
 pub(crate) struct TemporaryFolder {
     dir: Option<TempDir>,
@@ -80,16 +80,16 @@ pub(crate) struct TemporaryFolder {
 }
 
 impl TemporaryFolder {
-    /// A new folder in `parent`.
+    /// Makes a folder in `parent`.
     ///
     /// # Errors
-    /// The parent is not there, or takes no new folder.
+    /// The parent does not exist, or takes no new folder.
     pub(crate) fn create_in(parent: &Path) -> io::Result<Self> {
         leftovers::sweep(parent);
         loop {
             let mut live = live();
             let dir = tempfile::Builder::new().prefix(PREFIX).suffix(FOLDER_SUFFIX).tempdir_in(parent)?;
-            // Where folders cannot be opened, there are no locks on them, and no sweep of them.
+            // Where folders cannot be opened, they have no locks and are not swept.
             let file = File::open(dir.path()).ok();
             if file.as_ref().map_or(Ok(true), |file| lock_new(file, dir.path()))? {
                 live.insert(absolute(dir.path()));
@@ -98,10 +98,10 @@ impl TemporaryFolder {
         }
     }
 
-    /// A new folder in the system's folder of temporary files.
+    /// Makes a folder in the system's folder for temporary files.
     ///
     /// # Errors
-    /// That one takes no new folder.
+    /// The system's folder takes no new folder.
     pub(crate) fn create() -> io::Result<Self> {
         Self::create_in(&std::env::temp_dir())
     }

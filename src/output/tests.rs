@@ -1,4 +1,4 @@
-//! Folders of results that are written again and again.
+//! Tests of folders of results that are written repeatedly.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,7 +16,7 @@ impl Desk {
         self.0.path().join(name)
     }
 
-    /// All files, relative, hidden ones too, with what is in them.
+    /// All files with their content, by relative path, hidden ones included.
     fn files(&self) -> Vec<(String, String)> {
         let mut found = Vec::new();
         let mut folders = vec![self.at("")];
@@ -40,7 +40,7 @@ impl Desk {
     }
 }
 
-/// Fills a report with files of these names, each of which holds `text`.
+/// Fills a report with the files `names`, each with the content `text`.
 fn fill(folder: &Path, names: &[&str], text: &str) -> Result<(), FolderError> {
     for name in names {
         let path = folder.join(name);
@@ -133,13 +133,13 @@ fn what_is_no_report_is_refused() {
         ResultsFolder::claim(&desk.at(place)).unwrap_err();
     }
     assert_eq!(desk.names(), ["file", "notes", "notes/todo"]);
-    // A report that was made without a list.
+    // A report without a list.
     fs::write(desk.at("notes/summary.json"), r#"{"schema": 1, "policies": {}}"#).unwrap();
     ResultsFolder::claim(&desk.at("notes")).unwrap().replace(|dir| fill(dir, &["summary.json"], "2")).unwrap();
     assert_eq!(desk.names(), ["file", "notes", "notes/.report-files", "notes/summary.json", "notes/todo"]);
 }
 
-/// A process can die between making a folder and giving it its list.
+/// A process can die after it makes a folder and before it writes the list.
 #[test]
 fn a_folder_that_a_dead_process_only_began_is_taken() {
     let desk = Desk::new();
@@ -175,7 +175,7 @@ fn kept_results_come_one_by_one() {
     claimed.make().unwrap();
     fs::create_dir(desk.at("s/points")).unwrap();
     fs::write(desk.at("s/points/a.json"), "a").unwrap();
-    // As after a kill: the next process knows the folder.
+    // As after a kill: the next process recognises the folder.
     drop(claimed);
     ResultsFolder::claim(&desk.at("s")).unwrap().replace(|dir| fill(dir, &["index.html"], "1")).unwrap();
     assert_eq!(desk.names(), ["s", "s/.report-files", "s/index.html", "s/points", "s/points/a.json"]);

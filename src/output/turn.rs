@@ -1,18 +1,18 @@
-//! Turns at files that several processes would make: one makes a file, the others wait for it or do something else.
+//! Turns to make a file that several processes need: one makes it, the others wait or do something else.
 
 use std::path::Path;
 
 use super::lock::{Lock, LockError};
 
-/// The turn to make a file, until this is dropped.
+/// The turn to make a file; ends when it is dropped.
 #[derive(Debug)]
 pub(crate) struct Turn {
     _lock: Option<Lock>,
 }
 
 impl Turn {
-    /// Takes the turn to make the file `target`; none while another process has the turn. Where no lock can be had
-    /// everybody has the turn: the same file may be made twice, and what is wrong there is told when the file is
+    /// Takes the turn to make the file `target`; `None` while another process has the turn. Where locks are
+    /// impossible, every process gets the turn: a file may be made twice, and any error shows when the file is
     /// written.
     pub(crate) fn take(target: &Path) -> Option<Self> {
         match Lock::acquire(target) {

@@ -1,8 +1,8 @@
-//! Why a scene cannot be had.
+//! Why a scene cannot be loaded.
 
 use std::path::PathBuf;
 
-/// Why a scene cannot be had.
+/// Why a scene cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum SceneError {
     /// The file cannot be read.
@@ -13,7 +13,7 @@ pub enum SceneError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file's text is not of its format.
+    /// The file's text violates its format.
     #[error("{}:{line}: {what}", path.display())]
     Syntax {
         /// The file.
@@ -23,7 +23,7 @@ pub enum SceneError {
         /// What is wrong, and what is allowed.
         what: String,
     },
-    /// The file is of its format, and yet no scene.
+    /// The file follows its format, but gives no scene.
     #[error("{}: {what}", path.display())]
     Content {
         /// The file.

@@ -16,14 +16,14 @@ pub(super) fn vector<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Err
     COORDINATE.check_vector("a coordinate", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
-/// A vector that has a length.
+/// A vector of nonzero length.
 pub(super) fn nonzero<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     let vector = vector(from)?;
     LENGTH.check("a vector's length", vector.length()).map_err(D::Error::custom)?;
     Ok(vector)
 }
 
-/// A size of three lengths.
+/// The three lengths of a size.
 pub(super) fn size<'de, D: Deserializer<'de>>(from: D) -> Result<DVec3, D::Error> {
     LENGTH.check_vector("a size", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
@@ -49,7 +49,7 @@ fn color_within<'de, D: Deserializer<'de>>(range: Range, from: D) -> Result<Vec3
     range.check_color("a colour", DVec3::deserialize(from)?).map_err(D::Error::custom)
 }
 
-/// A number that is, or is multiplied with, a coordinate or an angle.
+/// A coordinate, an angle, or a factor of one of them.
 pub(super) fn coordinate<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
     COORDINATE.check("a number", f64::deserialize(from)?).map_err(D::Error::custom)
 }

@@ -1,4 +1,4 @@
-//! A scene, and what of it changes from frame to frame.
+//! A scene: its static part, and its state at each frame.
 
 use std::fmt;
 
@@ -12,10 +12,10 @@ use super::material::{Material, Texture};
 use crate::input::Source;
 use crate::quantity::PrimitiveId;
 
-/// Everything of a scene that changes with time, at one frame.
+/// The changing part of a scene at one frame.
 #[derive(Clone, Debug)]
 pub struct Frame {
-    /// The frame's number, as the scene counts.
+    /// The frame's number in the scene.
     pub number: u32,
     /// The camera.
     pub camera: Camera,
@@ -23,11 +23,11 @@ pub struct Frame {
     pub lights: Vec<Light>,
     /// The triangles that can move: always [`Scene::dynamic_count`] of them, in the same order.
     pub dynamic: Geometry,
-    /// Which of them are there at all (visibility keys), as many as there are dynamic triangles.
+    /// Whether each dynamic triangle is present (visibility keys).
     pub visible: Vec<bool>,
 }
 
-/// What moves: gives the changing part of the scene at a frame.
+/// Computes the changing part of a scene at a frame.
 pub trait Animation: Send + Sync {
     /// The changing part at frame `number`.
     fn frame(&self, number: u32) -> Frame;
@@ -38,23 +38,23 @@ pub trait Animation: Send + Sync {
 pub struct Origin {
     /// Every file that was read for the scene, with a hash of its bytes.
     pub sources: Vec<Source>,
-    /// What stands in the files and has no effect here, each a sentence for the user.
+    /// Contents of the files that have no effect here, each as a sentence for the user.
     pub notices: Vec<String>,
 }
 
-/// A scene: what stays, and the [`Animation`] of what moves.
+/// A scene: the static part, and the [`Animation`] of the moving part.
 pub struct Scene {
     /// Its name in reports.
     pub name: String,
     /// Triangles that never move.
     pub statics: Geometry,
-    /// How many triangles can move.
+    /// Number of triangles that can move.
     pub dynamic_count: usize,
-    /// How many lights there are: points that shine.
+    /// Number of point lights.
     pub light_count: usize,
-    /// Which of them belong to one lamp.
+    /// Which lights belong to the same lamp.
     pub lamps: Lamps,
-    /// How many frames the animation has; frame numbers run from 0 to one less.
+    /// Number of frames of the animation; frame numbers start at 0.
     pub frame_count: u32,
     /// All materials.
     pub materials: Vec<Material>,
@@ -64,9 +64,9 @@ pub struct Scene {
     pub background: Vec3,
     /// Ambient light.
     pub ambient: Vec3,
-    /// The files that it was read from, and what of them has no effect.
+    /// The source files, and notices about contents without effect.
     pub origin: Origin,
-    /// What moves.
+    /// The moving part.
     pub animation: Box<dyn Animation>,
 }
 
@@ -76,7 +76,7 @@ impl Scene {
         self.statics.len() + self.dynamic_count
     }
 
-    /// Whether a primitive is of the part that can move.
+    /// Whether a primitive can move.
     pub fn is_dynamic(&self, primitive: PrimitiveId) -> bool {
         primitive.0 as usize >= self.statics.len()
     }

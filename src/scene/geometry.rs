@@ -1,4 +1,4 @@
-//! Triangles, and what shading needs of them.
+//! Triangles, and their attributes for shading.
 
 use glam::{Vec2, Vec3};
 
@@ -12,13 +12,13 @@ pub struct Triangle {
 }
 
 impl Triangle {
-    /// The cross product of two edges: twice the area long, counter-clockwise side up.
+    /// The cross product of two edges. Its length is twice the area; it points to the counter-clockwise side.
     pub fn normal(&self) -> Vec3 {
         (self.v[1] - self.v[0]).cross(self.v[2] - self.v[0])
     }
 }
 
-/// What shading needs of a triangle; intersection never reads it.
+/// Attributes of a triangle for shading; intersection never reads them.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Attributes {
     /// Unit normals at the corners in world space; `None` shades with the geometric normal.
@@ -29,7 +29,7 @@ pub struct Attributes {
     pub material: MaterialId,
 }
 
-/// Triangles and their attributes, index by index.
+/// Triangles, and attributes with the same indices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Geometry {
     /// The triangles.

@@ -1,5 +1,5 @@
-//! Lamps: what shines in a scene. A lamp is a point, or a rectangle that is sampled at points; tracer, stream and
-//! reference renderer know the points only, each a light of its own.
+//! The lamps of a scene. A lamp is a point, or a rectangle that is sampled at points. Tracer, stream and reference
+//! renderer know only the points, each as a separate light.
 
 use glam::{DVec3, Vec3};
 
@@ -7,7 +7,7 @@ use super::light::Light;
 use super::light::MAX_LIGHTS;
 use crate::quantity::LightId;
 
-/// Which lamp each light is a point of. Lights of a lamp follow one another.
+/// The lamp of each light. Lights of a lamp follow one another.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Lamps {
     of: [u8; MAX_LIGHTS],
@@ -20,7 +20,7 @@ impl Lamps {
         Self { of: std::array::from_fn(|light| light as u8), count: MAX_LIGHTS as u8 }
     }
 
-    /// Lamps of so many points each, [`MAX_LIGHTS`] points in all at most: whoever reads a scene has checked that.
+    /// Lamps with these numbers of points, at most [`MAX_LIGHTS`] points in all; readers of scenes check this limit.
     pub fn of_sizes(sizes: impl IntoIterator<Item = usize>) -> Self {
         let mut lamps = Self { of: [0; MAX_LIGHTS], count: 0 };
         let mut points = lamps.of.iter_mut();
@@ -32,17 +32,17 @@ impl Lamps {
         lamps
     }
 
-    /// The lamp that `light` is a point of.
+    /// The lamp of `light`.
     pub fn of(&self, light: LightId) -> LightId {
         LightId(self.of[usize::from(light.0)])
     }
 
-    /// How many lamps a scene of so many lights has.
+    /// Number of lamps in a scene of `lights` lights.
     pub fn count(&self, lights: usize) -> usize {
         lights.min(usize::from(self.count))
     }
 
-    /// The lights of a lamp, of so many in all.
+    /// The lights of a lamp, in a scene of `lights` lights.
     pub fn lights(&self, lamp: LightId, lights: usize) -> impl Iterator<Item = LightId> + use<> {
         let of = self.of;
         (0..lights as u8).map(LightId).filter(move |light| of[usize::from(light.0)] == lamp.0)
@@ -50,8 +50,8 @@ impl Lamps {
 }
 
 /// The points of a rectangle with half edges `half` around `centre`: the middles of `side` x `side` equal parts, row by
-/// row, which share `color`. The same points in every pixel make every point a light of its own, whose rays are the
-/// tracer's usual ones.
+/// row, each with an equal share of `color`. All pixels use the same points, so each point is an ordinary light for the
+/// tracer.
 pub fn rectangle(centre: DVec3, half: [DVec3; 2], side: usize, color: Vec3) -> impl Iterator<Item = Light> {
     let share = color / (side * side) as f32;
     let at = move |step: usize| (2 * step + 1) as f64 / side as f64 - 1.0;

@@ -1,5 +1,5 @@
-//! What the numbers of a scene may be: the same in every format and in a config. Every bound is a number that `f32`
-//! holds, so that a value within its range stays within as `f32`.
+//! Ranges of the numbers in a scene, the same for every format and for configs. All bounds except 1e-9 and 0.001 are
+//! exact in `f32`: rounding to `f32` keeps a value within them.
 
 use glam::{DVec3, Vec3};
 
@@ -24,13 +24,13 @@ pub(super) struct Range {
 pub(super) const COORDINATE: Range = Range { low: -MAX_REACH, high: MAX_REACH };
 /// The size of something: smaller than this, areas come close to the smallest `f32`.
 pub(super) const LENGTH: Range = Range { low: 1e-9, high: MAX_REACH };
-/// A share of light that a surface sends back or lets through.
+/// A share of light that a surface reflects or lets through.
 pub(super) const SHARE: Range = Range { low: 0.0, high: 1.0 };
 /// The strength of a light in red, green or blue.
 pub(super) const STRENGTH: Range = Range { low: 0.0, high: 1e9 };
 /// A Phong exponent. The MTL specification has 0 to 1000; exporters write more.
 pub(super) const SHININESS: Range = Range { low: 0.0, high: 1e9 };
-/// An index of refraction, as the MTL specification has it.
+/// An index of refraction, with the range of the MTL specification.
 pub(super) const REFRACTION: Range = Range { low: 0.001, high: 10.0 };
 
 impl Range {

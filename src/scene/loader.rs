@@ -1,4 +1,4 @@
-//! What the readers of a scene's files share: the files themselves, materials, pictures, and notices for the user.
+//! State that the readers of a scene's files share: the files, materials, pictures, and notices for the user.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,9 +24,9 @@ pub(super) struct Loader {
     pub ignore_lights: bool,
     /// Cuts polygons.
     pub cutter: Cutter,
-    /// Pictures by their path that has no links.
+    /// Pictures by canonical path.
     pictures: BTreeMap<PathBuf, TextureId>,
-    /// By file, how often each kind of statement without effect stands in it.
+    /// For each file, the number of statements without effect of each kind.
     without_effect: BTreeMap<PathBuf, BTreeMap<String, usize>>,
     notices: Vec<String>,
 }
@@ -44,8 +44,8 @@ impl Loader {
         TextureId((self.textures.len() - 1) as u32)
     }
 
-    /// The texture in the picture file at `path`; it is decoded once, however often it is named. The error is a
-    /// sentence without the path.
+    /// The texture in the picture file at `path`; each file is decoded once. The error is a sentence that names the
+    /// file.
     pub(super) fn picture(&mut self, path: &Path) -> Result<TextureId, String> {
         let bytes = self.files.read(path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
         let real = path.canonicalize().unwrap_or_else(|_| path.into());
@@ -67,7 +67,7 @@ impl Loader {
         }
     }
 
-    /// Tells the user something of a file.
+    /// Adds a notice about a file for the user.
     pub(super) fn notice(&mut self, path: &Path, what: &str) {
         self.notices.push(format!("{}: {what}", name(path)));
     }
@@ -86,7 +86,7 @@ fn counted(path: &Path, counts: &BTreeMap<String, usize>) -> String {
     format!("{}: {} {kinds} of statements {verb} no effect: {}", name(path), counts.len(), list.join(", "))
 }
 
-/// A file's name without its folder: a report does not depend on where it was made.
+/// A file's name without its folder, so that a report does not depend on the folder.
 fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

@@ -13,7 +13,7 @@ pub struct TextureId(pub u32);
 /// A surface's looks (NFF and AFF `fm` terms). Colours are linear factors of 0..1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// Share of the ambient light that is sent back.
+    /// Share of the ambient light that is reflected.
     pub ambient: Vec3,
     /// Lambert reflectance; a texture multiplies it.
     pub diffuse: Vec3,
@@ -30,7 +30,7 @@ pub struct Material {
 }
 
 impl Material {
-    /// Whether it only mirrors: nothing of it is lit by a point light, so no shadow ray is asked for.
+    /// Whether it only mirrors: point lights do not light it, so it needs no shadow rays.
     pub fn is_perfect_mirror(&self) -> bool {
         self.diffuse == Vec3::ZERO && self.specular != Vec3::ZERO && self.shininess.is_infinite()
     }

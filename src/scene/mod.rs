@@ -1,4 +1,4 @@
-//! Scenes: triangles that stay, triangles that move, lights, a camera and materials, as they are at a frame's time.
+//! Scenes: static and moving triangles, lights, a camera and materials, at the time of a frame.
 //!
 //! All positions are world space in `f32`, rounded once from `f64`, so that the tracer and the `f64` reference renderer
 //! start from the same numbers.

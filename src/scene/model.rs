@@ -1,4 +1,4 @@
-//! What a file of triangles holds, placed in the world.
+//! The contents of a file of triangles, placed in the world.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -11,15 +11,15 @@ use super::geometry::{Attributes, Geometry, Triangle};
 use super::limits;
 use super::transform::Transform;
 
-/// Where something is at a time in seconds: from its own space to the world.
+/// A pose at a time in seconds: the transform from an object's own space to the world.
 pub(super) type PoseAt = Arc<dyn Fn(f64) -> DAffine3 + Send + Sync>;
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Default)]
 pub(super) struct Model {
     /// Triangles that never move, in the world.
     pub statics: Geometry,
-    /// Triangles that move, in their own space, and where they are.
+    /// Triangles that move, in their own space, and their poses.
     pub moving: Vec<(Geometry, PoseAt)>,
     /// Cameras.
     pub cameras: Vec<FileCamera>,
@@ -31,7 +31,7 @@ pub(super) struct Model {
 pub(super) struct FileCamera {
     /// Its name.
     pub name: String,
-    /// How it maps pixels to rays; a parallel one's direction is that of the camera.
+    /// How it maps pixels to rays; a parallel projection takes the camera's direction.
     pub projection: Projection,
     /// Where it is.
     pub pose: PoseAt,
@@ -62,7 +62,7 @@ pub(super) struct FileLight {
 }
 
 impl Model {
-    /// A file in which nothing moves; `geometry` is in the file's space.
+    /// The model of a file in which nothing moves; `geometry` is in the file's space.
     ///
     /// # Errors
     /// A corner that is too far from the origin.

@@ -1,4 +1,4 @@
-//! An animation of rigid parts: geometry that is carried about whole, with its own motion.
+//! An animation of rigid parts, each with its own motion.
 
 use glam::{DAffine3, Vec3};
 
@@ -7,10 +7,10 @@ use super::frame::{Animation, Frame};
 use super::geometry::{Geometry, Triangle};
 use super::light::Light;
 
-/// Where a part is at a frame: from its own space to the world.
+/// A pose at a frame: the transform from a part's own space to the world.
 pub(crate) type Pose = Box<dyn Fn(u32) -> DAffine3 + Send + Sync>;
 
-/// Geometry that moves as one.
+/// Geometry that moves as a rigid body.
 pub(crate) struct Part {
     /// The triangles in the part's own space.
     pub geometry: Geometry,
@@ -20,11 +20,11 @@ pub(crate) struct Part {
 
 /// Parts, a camera and lights.
 pub(crate) struct Parts {
-    /// What moves.
+    /// The moving parts.
     pub parts: Vec<Part>,
     /// Lights that stand still.
     pub lights: Vec<Light>,
-    /// Lights that move, by frame; they follow the others.
+    /// Lights that move, as functions of the frame; they follow the lights that stand still.
     pub carried: Vec<Box<dyn Fn(u32) -> Light + Send + Sync>>,
     /// The camera at a frame.
     pub camera: Box<dyn Fn(u32) -> Camera + Send + Sync>,

@@ -1,8 +1,8 @@
-//! Paths over frames as RON gives them: where a camera stands and looks, and where an object is, at key frames.
+//! Key-frame paths of cameras and objects, as RON gives them.
 //!
-//! Between the keys runs a cubic of Catmull-Rom type: it meets every key exactly, and its slope at a key is that of the
-//! line from the key before to the key after (Catmull and Rom 1974, with uneven distances of keys in time). Before the
-//! first key and after the last all stands still.
+//! A cubic of Catmull-Rom type runs between the keys. It meets every key exactly, and its slope at a key is the slope
+//! of the line from the previous to the next key (Catmull and Rom 1974, with uneven distances of keys in time). Before
+//! the first key and after the last, nothing moves.
 
 use std::ops::{Add, Mul, Sub};
 
@@ -41,14 +41,14 @@ impl<T: Copy + Add<Output = T> + Sub<Output = T> + Mul<f64, Output = T>> Track<T
         from + (leave + (chord * 3.0 - leave * 2.0 - arrive + (leave + arrive - chord * 2.0) * u) * u) * u
     }
 
-    /// The change a frame at a key.
+    /// The change per frame at a key.
     fn slope(&self, key: usize) -> T {
         let (before, after) = (self.keys[key.saturating_sub(1)], self.keys[(key + 1).min(self.keys.len() - 1)]);
         (after.1 - before.1) * f64::from(after.0 - before.0).recip()
     }
 }
 
-/// Keys are there, and their frames increase.
+/// Checks that there is a key and that frames increase.
 fn check_frames(frames: impl Iterator<Item = u32> + Clone) -> Result<(), String> {
     if frames.clone().next().is_none() {
         return Err("no key frame is given: at least one is needed".into());

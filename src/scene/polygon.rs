@@ -6,10 +6,10 @@ use glam::DVec3;
 /// The largest number of corners of a polygon.
 pub(super) const MAX_CORNERS: usize = 1 << 16;
 
-/// What triangles may miss of a polygon's area, as a share of it: corners are `f32`, hence rounded by some 1e-7.
+/// The share of a polygon's area that triangles may miss: corners are `f32`, hence rounded by some 1e-7.
 const TOLERANCE: f64 = 1e-6;
 
-/// Cuts polygons; its memory is used again for each.
+/// Cuts polygons; reuses its memory for each.
 #[derive(Default)]
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
@@ -18,19 +18,19 @@ pub(super) struct Cutter {
     triangles: Vec<[u32; 3]>,
 }
 
-/// What became of a polygon.
+/// The result of cutting a polygon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Cut {
     /// The triangles cover it.
     Whole,
-    /// It crosses itself: what it covers is not defined, and a fan from its first corner stands for it.
+    /// It crosses itself, so its area is not defined; a fan from its first corner replaces it.
     CrossesItself,
 }
 
 impl Cutter {
-    /// Three corners a triangle, in the polygon's direction, and what became of the polygon. A polygon that a fan from
-    /// its first corner covers becomes that fan; any other, seen along its mean normal (Newell's), is cut by ears.
-    /// `corners` are three or more.
+    /// Indices of the corners of each triangle, in the polygon's direction, and the result. A polygon that a fan from
+    /// its first corner covers becomes that fan. Any other is seen along the axis nearest to its mean normal (Newell's)
+    /// and cut by ears. `corners` are three or more.
     pub(super) fn cut(&mut self, corners: &[DVec3]) -> (&[[u32; 3]], Cut) {
         self.triangles.clear();
         self.triangles.extend((1..corners.len() as u32 - 1).map(|corner| [0, corner, corner + 1]));
@@ -61,7 +61,7 @@ impl Cutter {
     }
 }
 
-/// The normals of the fan's triangles, twice their area long.
+/// The normals of the fan's triangles; their lengths are twice the triangles' areas.
 fn fan(corners: &[DVec3]) -> impl Iterator<Item = DVec3> {
     let first = corners[0];
     corners[1..].array_windows().map(move |&[b, c]| (b - first).cross(c - first))
@@ -72,7 +72,7 @@ fn newell(corners: &[DVec3]) -> DVec3 {
     fan(corners).sum()
 }
 
-/// Whether no triangle of the fan lies on another: all turn the same way. Corners on one line have no area to cover.
+/// Whether no triangle of the fan overlaps another: all turn the same way. Collinear corners have no area to cover.
 fn fan_covers(corners: &[DVec3]) -> bool {
     let normal = newell(corners);
     let least = fan(corners).map(|part| part.dot(normal)).fold(f64::INFINITY, f64::min);

@@ -1,5 +1,5 @@
-//! What a picture is and how it is to be made: shared words of the tracer and of the reference renderer, which share
-//! nothing else.
+//! Types of pictures and of their settings, which the tracer and the reference renderer share. They share no rendering
+//! code.
 
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -82,7 +82,7 @@ fn length<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
 }
 
 impl Offset {
-    /// The offset in world units; `frame` is the first of the experiment.
+    /// The offset in world units; `frame` is the experiment's first frame.
     pub fn resolve(self, scene: &Scene, frame: &Frame) -> f64 {
         match self {
             Self::Absolute(length) => length,
@@ -98,12 +98,12 @@ impl Offset {
     }
 }
 
-/// Which shadow rays a pixel's primary hit asked for, and which found their light hidden: a bit a light.
+/// The shadow rays of a pixel's primary hit, one bit per light.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ShadowBits {
-    /// Lights asked about.
+    /// Lights for which the hit asked for a shadow ray.
     pub asked: u64,
-    /// Lights found hidden.
+    /// Lights that are hidden from the hit.
     pub dark: u64,
 }
 
@@ -116,6 +116,6 @@ pub struct Picture {
     pub rgb: Vec<Vec3>,
     /// What the primary ray hit.
     pub hits: Vec<Option<PrimitiveId>>,
-    /// The shadows of what it hit.
+    /// The shadow rays of the primary hit.
     pub shadows: Vec<ShadowBits>,
 }

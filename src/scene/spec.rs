@@ -44,7 +44,7 @@ mod tests {
 
     const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-    /// The scene of a config in `configs/scenes`, or none if its files are not there.
+    /// The scene of a config in `configs/scenes`; `None` if its files are absent.
     fn load(name: &str, needs: Option<&str>) -> Option<Scene> {
         if let Some(missing) = needs.map(|file| Path::new(ROOT).join(file)).filter(|file| !file.exists()) {
             println!("skipped: {} is absent", missing.display());
@@ -61,7 +61,7 @@ mod tests {
         Some(spec.load(&folder).unwrap())
     }
 
-    /// Triangles that stay and that move, lights, and frames.
+    /// Numbers of static triangles, moving triangles, lights and frames.
     fn counts(scene: &Scene) -> [usize; 4] {
         [scene.statics.len(), scene.dynamic_count, scene.light_count, scene.frame_count as usize]
     }
@@ -76,7 +76,7 @@ mod tests {
     fn the_staircase_has_the_published_number_of_triangles() {
         let Some(scene) = load("staircase", Some("../shared/scenes/staircase2/staircase2.obj")) else { return };
         assert_eq!(counts(&scene), [30_911, 960, 3, 60]);
-        // Eight materials of the library, one for what has none, and the ball's.
+        // Eight materials of the library, the default material, and the ball's material.
         assert_eq!(scene.materials.len(), 10);
     }
 

@@ -1,6 +1,6 @@
-//! Triangles in place of spheres, cones and cylinders: the accelerator has triangles only.
+//! Replaces spheres, cones and cylinders by triangles, since the accelerator has triangles only.
 //!
-//! Corners lie on the true surface and carry its normals, so the flat picture stays inside a convex shape by at most
+//! Corners lie on the true surface and carry its normals. So the triangles of a convex shape lie inside it by at most
 //! `1 - cos(pi / SEGMENTS)` = 0.5 % of the radius.
 
 use std::f64::consts::{PI, TAU};
@@ -71,7 +71,7 @@ pub(crate) fn cone(base: DVec3, base_radius: f64, apex: DVec3, apex_radius: f64)
         |center: DVec3, radius: f64, segment: usize| center + circle((segment % SEGMENTS) as f64, x, y) * radius.abs();
     let mut triangles = Vec::with_capacity(2 * SEGMENTS);
     for segment in 0..SEGMENTS {
-        // At a true cone's tip the normal has no one direction: the one in the middle of the segment stands for it.
+        // The tip of a true cone has no unique normal: the normal in the middle of the segment is used.
         let [left, middle, right] = [0.0, 0.5, 1.0].map(|part| normal(segment as f64 + part));
         let [a, b] = [point(base, base_radius, segment), point(base, base_radius, segment + 1)];
         let [c, d] = [point(apex, apex_radius, segment), point(apex, apex_radius, segment + 1)];
@@ -87,7 +87,7 @@ pub(crate) fn cone(base: DVec3, base_radius: f64, apex: DVec3, apex_radius: f64)
     facing(triangles, base_radius < 0.0 || apex_radius < 0.0)
 }
 
-/// The unit vector at a number of segments from `x` towards `y`.
+/// The unit vector `segment` segments from `x` towards `y`.
 fn circle(segment: f64, x: DVec3, y: DVec3) -> DVec3 {
     let (sin, cos) = (TAU * segment / SEGMENTS as f64).sin_cos();
     x * cos + y * sin
@@ -103,7 +103,7 @@ mod tests {
 
     use super::*;
 
-    /// The volume that closed triangles hold; negative if they face inwards.
+    /// The volume that closed triangles enclose; negative if they face inwards.
     fn volume(triangles: &[SmoothTriangle]) -> f64 {
         triangles.iter().map(|t| t.v[0].dot(t.v[1].cross(t.v[2])) / 6.0).sum()
     }
@@ -112,7 +112,7 @@ mod tests {
         triangles.iter().map(|t| 0.5 * (t.v[1] - t.v[0]).cross(t.v[2] - t.v[0]).length()).sum()
     }
 
-    /// How many edges have no neighbour that runs the other way through bit-equal corners.
+    /// Number of edges without an opposite edge through bit-equal corners.
     fn open_edges(triangles: &[SmoothTriangle]) -> usize {
         let key = |p: DVec3| p.to_array().map(|x| (x + 0.0).to_bits());
         let mut edges = BTreeMap::new();

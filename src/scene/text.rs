@@ -1,5 +1,5 @@
-//! Lines of a text format of people's files (OBJ, MTL): byte order mark, line ends of all systems, continued lines,
-//! comments and numbers.
+//! Lines of the text formats OBJ and MTL: byte order mark, line ends of all systems, continued lines, comments and
+//! numbers.
 
 use std::borrow::Cow;
 
@@ -58,8 +58,8 @@ fn is_comment(line: &[u8]) -> bool {
     line.trim_ascii_start().starts_with(b"#")
 }
 
-/// The words of a statement; one that begins with `#` begins a comment. A `#` inside a word is part of it: `1.#INF` is
-/// how some C libraries print infinity.
+/// The words of a statement. A word that begins with `#` begins a comment. A `#` inside a word is part of it: some C
+/// libraries print infinity as `1.#INF`.
 pub(super) fn words(text: &str) -> impl Iterator<Item = &str> {
     text.split_ascii_whitespace().take_while(|word| !word.starts_with('#'))
 }
@@ -79,7 +79,7 @@ pub(super) fn number(word: &str) -> Result<f32, String> {
     }
 }
 
-/// The beginning of a word that may be as long as its file.
+/// The first 60 letters of a word, which may be as long as its file.
 pub(super) fn shortened(word: &str) -> &str {
     shortened_to(word, 60)
 }
@@ -113,7 +113,7 @@ mod tests {
         let expected = [line("v", "1"), line("vt", "2"), line("f", "3  4 5"), line("last", "x\\")];
         assert_eq!(lines(text), expected);
         assert_eq!(lines(b"# a comment is not continued \\\nv 1"), [line("v", "1")]);
-        // The number of a statement's first line is the one that errors name.
+        // Errors name the first line of a statement.
         let failing = |bytes: &[u8], word: &str| {
             each_line(bytes, |line| if line.word == word { Err("no".into()) } else { Ok(()) }).unwrap_err().0
         };

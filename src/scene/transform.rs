@@ -1,8 +1,8 @@
-//! Transforms of points, and what they do to normals.
+//! Transforms of points and of normals.
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// A transform of points, and what it does to normals.
+/// A transform of points, with its transform of normals.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Transform {
     points: DAffine3,
@@ -10,8 +10,8 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    /// Prepares `points` for use. The cofactors stand for the inverse transpose: they point the same way, and exist
-    /// for a transform that flattens, too.
+    /// Prepares `points` for use. Cofactors replace the inverse transpose: they give the same directions, and exist for
+    /// a flattening transform, too.
     pub(super) fn new(points: DAffine3) -> Self {
         let DMat3 { x_axis: x, y_axis: y, z_axis: z } = points.matrix3;
         let cofactors = DMat3::from_cols(y.cross(z), z.cross(x), x.cross(y));

@@ -1,4 +1,4 @@
-//! A ray stream file as a row of blocks between preamble and footer.
+//! Reads a ray stream file block by block: preamble, blocks, index and footer.
 
 use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::totals::Totals;
 use super::version::Version;
 use crate::json;
 
-/// The first way in which a frame's entry of the index is not what was read of the frame.
+/// The first field in which a frame's index entry differs from what was read of the frame.
 pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault> {
     let values = |entry: &FrameEntry| {
         let FrameEntry { number, offset, bytes, raw_bytes, rays, blocks, totals } = *entry;
@@ -29,13 +29,13 @@ pub(super) fn difference(index: &FrameEntry, seen: &FrameEntry) -> Option<Fault>
     })
 }
 
-/// The file as a row of blocks.
+/// The blocks of a file, in order.
 pub(super) struct Blocks<R> {
     input: R,
     pub path: PathBuf,
     pub version: Version,
     seed: u32,
-    /// Where the next byte is read.
+    /// Offset of the next byte to read.
     pub position: u64,
     /// Number of the next block.
     pub number: u64,
@@ -45,7 +45,7 @@ pub(super) struct Blocks<R> {
 }
 
 impl<R: Read + Seek> Blocks<R> {
-    /// The blocks of the stream that is the whole of `input`; `path` is named in errors.
+    /// The blocks of a stream that fills `input`; errors name `path`.
     pub(super) fn new(input: R, path: &Path) -> Self {
         let path = path.to_owned();
         let version = Version::CURRENT;
@@ -73,7 +73,7 @@ impl<R: Read + Seek> Blocks<R> {
         StreamError::Corrupt { path: self.path.clone(), place, fault }
     }
 
-    /// Goes on at byte `position` of the file.
+    /// Continues at byte `position` of the file.
     pub(super) fn seek(&mut self, position: u64) -> Result<(), StreamError> {
         self.input.seek(SeekFrom::Start(position)).map_err(|source| self.io(source))?;
         self.position = position;
@@ -86,7 +86,7 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(())
     }
 
-    /// Reads the header of a file of `length` bytes, and learns its version and seed.
+    /// Reads the header of a file of `length` bytes and stores the file's version and seed.
     pub(super) fn preamble(&mut self, length: u64) -> Result<Header, StreamError> {
         self.seek(0)?;
         let mut front = [0; PREAMBLE_BYTES];
@@ -124,8 +124,8 @@ impl<R: Read + Seek> Blocks<R> {
         Ok(Header { unjudged_updates: self.version == Version::Two || header.unjudged_updates, ..header })
     }
 
-    /// Reads the index of a file of `length` bytes, of which the preamble has just been read: the entries, and where
-    /// the blocks of frames end. The header gets its records.
+    /// Reads the index of a file of `length` bytes, after [`Blocks::preamble`]. Returns the entries and the offset at
+    /// which the blocks of frames end; sets the header's records.
     pub(super) fn index(&mut self, header: &mut Header, length: u64) -> Result<(Vec<FrameEntry>, u64), StreamError> {
         let begin = self.position;
         let missing = "its end is missing, so that it was not completed or a part was lost";
@@ -147,7 +147,7 @@ impl<R: Read + Seek> Blocks<R> {
             return Err(self.corrupt(Place::Footer, Fault::Offset { offset }));
         }
         self.seek(offset)?;
-        // The block's number is the number of all blocks of frames, which the entries must confirm.
+        // The index block's number equals the number of blocks of all frames; the entries must add up to it.
         let mut front = [0; BLOCK_BYTES];
         self.fill(&mut front)?;
         self.seek(offset)?;

@@ -1,5 +1,5 @@
-//! The rules of a ray stream. The writer and the reader hold every item against them, and so can whoever passes items
-//! on in memory.
+//! The rules of a ray stream. The writer and the reader check every item; code that passes items on in memory can do so
+//! too.
 
 use fixedbitset::FixedBitSet;
 
@@ -16,10 +16,10 @@ fn at_most(what: &'static str, found: u64, limit: u64) -> Result<(), Violation> 
     if found <= limit { Ok(()) } else { Err(Violation::Header { what, found, limit }) }
 }
 
-/// What a packed step can name: a count above this is none of a stream's, and would only take memory.
+/// The number of ids that a packed step can name. A larger count belongs to no stream and would only cost memory.
 const MOST_IDS: u64 = Step::MAX_INDEX as u64 + 1;
 
-/// Checks a header's numbers, its records apart.
+/// Checks a header's numbers, except its records.
 pub(super) fn counts(header: &Header) -> Result<(), Violation> {
     let stores = &header.stores;
     let foreign = header.warmup.iter().filter(|frame| !header.frames.contains(frame)).count();
@@ -49,7 +49,7 @@ fn records(header: &Header) -> Result<(), Violation> {
     if records.len() != primitives as usize {
         return Err(Violation::Records { found: records.len(), primitives });
     }
-    // As large as what is named, not as what the header claims.
+    // Memory grows with the records named, not with the count that the header claims.
     let named = || records.iter().enumerate().filter(|(_, record)| **record != NO_RECORD);
     let end = named().map(|(_, record)| record.0 + 1).max().unwrap_or(0).min(header.static_slots);
     let mut taken = FixedBitSet::with_capacity(end as usize);
@@ -61,7 +61,7 @@ fn records(header: &Header) -> Result<(), Violation> {
     Ok(())
 }
 
-/// Holds the items of a stream against its header, one after another.
+/// Checks the items of a stream against its header, one after another.
 #[derive(Clone, Debug)]
 pub struct Checker {
     header: Header,
@@ -70,7 +70,7 @@ pub struct Checker {
     in_frame: bool,
     path: Limits,
     policy: Limits,
-    /// What the rays of the frame hold so far.
+    /// Totals of the frame's rays so far.
     counted: Totals,
 }
 
@@ -97,7 +97,7 @@ impl Checker {
         &self.header
     }
 
-    /// The number of the frame that has begun and not ended.
+    /// The number of the current frame; `None` between frames.
     pub fn frame(&self) -> Option<u32> {
         self.in_frame.then(|| self.header.frames[self.begun - 1])
     }
@@ -189,7 +189,7 @@ impl Checker {
             }
             let mut checked = self.ray(chunk, group, index, &ray);
             if !fits {
-                // Some step is wrong: which is looked for now.
+                // Some step is wrong: each ray's steps are searched for it.
                 checked = checked.and_then(|()| self.steps(&ray));
             }
             checked.map_err(|fault| Violation::Ray { ray: index, fault })?;
@@ -204,7 +204,7 @@ impl Checker {
         self.policy.check(ray.packed_policy()).map_err(RayFault::Policy)
     }
 
-    /// Checks ray `index`, whose pixel group begins at ray `group`, its steps apart.
+    /// Checks ray `index`, whose pixel group begins at ray `group`, except its steps.
     fn ray(&self, chunk: &Chunk, group: usize, index: usize, ray: &Ray<'_>) -> Result<(), RayFault> {
         let header = &self.header;
         let head = ray.head;
@@ -231,7 +231,7 @@ impl Checker {
             }
         }
         let shadow = head.kind == RayKind::Shadow;
-        // Rays that are no shadow rays have the one light 0.
+        // Rays other than shadow rays must name light 0.
         let lights = if shadow { header.lights } else { 1 };
         if u32::from(head.light.0) >= lights {
             return Err(RayFault::Light { found: head.light.0, lights });

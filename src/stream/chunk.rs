@@ -63,7 +63,7 @@ pub enum Outcome {
     Dark,
 }
 
-/// All of a ray but its steps.
+/// A ray without its steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayHead {
     /// What the ray is for.
@@ -76,16 +76,16 @@ pub struct RayHead {
     pub outcome: Outcome,
     /// The pixel.
     pub pixel: PixelId,
-    /// How many rays back in the chunk the ray's parent is, on whose hit it starts; 0 for a primary ray.
+    /// Distance back in the chunk, in rays, to the parent, on whose hit the ray starts; 0 for a primary ray.
     pub parent: u32,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Entry {
     head: RayHead,
-    /// Where the path's steps end, and the policy's begin.
+    /// Index in `steps` at which the path's steps end and the policy's begin.
     path_end: u32,
-    /// Where the policy's steps end.
+    /// Index in `steps` at which the policy's steps end.
     end: u32,
 }
 
@@ -100,9 +100,9 @@ pub struct Chunk {
 /// A ray of a chunk.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray<'a> {
-    /// All but the steps.
+    /// The ray without its steps.
     pub head: RayHead,
-    /// Whether what it asks for is counted apart.
+    /// Whether the ray's accesses are attributed: counted separately.
     pub marked: bool,
     path: &'a [u32],
     policy: &'a [u32],
@@ -114,8 +114,8 @@ impl<'a> Ray<'a> {
         Step::unpack_all(self.path)
     }
 
-    /// The steps of the policy on the ray's account: for a hit, what it does before the hit's shadow rays are decided;
-    /// for a shadow ray, what it does once the answer is known.
+    /// The policy's steps for this ray. For a hit: before the hit's shadow rays are decided. For a shadow ray: after
+    /// its answer is known.
     pub fn policy(&self) -> impl ExactSizeIterator<Item = Step> + use<'a> {
         Step::unpack_all(self.policy)
     }
@@ -142,8 +142,8 @@ impl Chunk {
         self.entries.push(Entry { head, path_end, end: self.steps.len() as u32 });
     }
 
-    /// Changes the effect of the update of a mode word that is step `at` of all rays' steps. Its id stays, and with
-    /// it the extent.
+    /// Sets the effect of an update of a mode word: step `at` of all rays' steps. The id does not change, so the extent
+    /// does not.
     pub fn set_effect(&mut self, at: usize, effect: Effect) {
         let step = Step::unpack(self.steps[at]).and_then(Step::entry);
         debug_assert!(step.is_some_and(|(store, _)| store == Store::ModeWord));
@@ -165,9 +165,9 @@ impl Chunk {
         }));
     }
 
-    /// A chunk of `rays`, each with the numbers of its path's and its policy's steps, which `steps` holds one ray after
-    /// another; `None` if they are not that many in all. Until a `Checker` has seen the chunk, no step must be
-    /// unpacked.
+    /// A chunk of `rays`, each with the lengths of its path's and its policy's steps; `steps` holds these steps ray
+    /// after ray. `None` if the lengths do not add up to `steps`. No step may be unpacked before a `Checker` has seen
+    /// the chunk.
     pub(super) fn from_columns<E>(
         rays: impl ExactSizeIterator<Item = Result<(RayHead, [u32; 2]), E>>,
         steps: Vec<u32>,
@@ -187,19 +187,19 @@ impl Chunk {
         Ok(Some(Self { entries, steps, marked: false }))
     }
 
-    /// How far the ids of all steps reach; all are looked at. A chunk whose extent fits a machine needs no check of its
-    /// steps.
+    /// The largest ids of all steps, found by a pass over them. A chunk whose extent fits a machine needs no check of
+    /// single steps.
     pub fn extent(&self) -> Extent {
         let policies = self.entries.iter().map(|entry| &self.steps[entry.path_end as usize..entry.end as usize]);
         Extent::of(&self.steps, policies.filter(|words| !words.is_empty()))
     }
 
-    /// What its rays ask for is counted apart from now on. No file holds that.
+    /// Marks the chunk: its rays' accesses are counted separately from now on. Files do not store the mark.
     pub fn mark(&mut self) {
         self.marked = true;
     }
 
-    /// Whether it is.
+    /// Whether the chunk is marked.
     pub fn is_marked(&self) -> bool {
         self.marked
     }
@@ -209,7 +209,7 @@ impl Chunk {
         self.entries.len()
     }
 
-    /// What its rays take in memory.
+    /// Bytes of memory that the rays take.
     pub fn bytes(&self) -> usize {
         size_of_val(self.entries.as_slice()) + size_of_val(self.steps.as_slice())
     }
@@ -224,7 +224,7 @@ impl Chunk {
         self.steps.len()
     }
 
-    /// The packed steps of all rays: of each the path's, then the policy's.
+    /// The packed steps of all rays: for each ray the path's, then the policy's.
     pub(super) fn packed_steps(&self) -> &[u32] {
         &self.steps
     }
@@ -234,7 +234,7 @@ impl Chunk {
         &self.steps[self.begin(rays.start)..self.begin(rays.end)]
     }
 
-    /// Where the steps of ray `index` begin, or would if there were one more.
+    /// Index of the first step of ray `index`; with the number of rays as `index`, the number of steps.
     fn begin(&self, index: usize) -> usize {
         if index == 0 { 0 } else { self.entries[index - 1].end as usize }
     }
@@ -277,7 +277,7 @@ mod tests {
         RayHead { kind, light, decision, outcome, pixel: PixelId(pixel), parent: 0 }
     }
 
-    /// Rays with as many steps of the path, and of the policy, as their number says.
+    /// Ray `n` has `n` steps of the path and `n / 2` of the policy.
     fn chunk(rays: Range<u32>) -> Chunk {
         let mut chunk = Chunk::default();
         for ray in rays {

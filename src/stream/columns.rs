@@ -14,8 +14,8 @@
 //! ```
 //!
 //! A column of 4-byte numbers is stored as four planes: the lowest byte of every number, then the next bytes. Planes of
-//! high bytes hardly change from ray to ray, so that LZ4, which knows no smaller unit than a match of 4 bytes, packs
-//! them to almost nothing. Steps are stored as they are: whole runs of them repeat from ray to ray.
+//! high bytes hardly change from ray to ray. LZ4, whose shortest match is 4 bytes, compresses them to almost nothing.
+//! Steps are stored as they are: whole runs of them repeat from ray to ray.
 
 use super::chunk::{Chunk, Decision, Outcome, RayHead, RayKind};
 use super::fault::Fault;
@@ -71,8 +71,8 @@ fn class(head: &RayHead) -> u8 {
     head.kind as u8 | (head.decision as u8) << 2 | outcome << 4
 }
 
-/// Reads a payload. Its numbers add up; what they mean is not yet checked, not even whether every step is one: the
-/// chunk must not leave the module before a [`super::Checker`] has seen it.
+/// Reads a payload. Checks lengths and class bytes, but neither ids nor whether every word is a step: the chunk must
+/// not leave the module before a [`super::Checker`] has seen it.
 pub(super) fn chunk(payload: &[u8], version: Version) -> Result<Chunk, Fault> {
     if payload.len() < COUNTS_BYTES {
         return Err(Fault::Length { found: payload.len(), expected: COUNTS_BYTES });
@@ -96,7 +96,7 @@ pub(super) fn chunk(payload: &[u8], version: Version) -> Result<Chunk, Fault> {
     Chunk::from_columns(rays, version.steps(words(packed))?)?.ok_or(Fault::Steps { steps })
 }
 
-/// The numbers of a column of 4-byte numbers, which stands in four planes.
+/// Decodes a column of 4-byte numbers from its four planes.
 fn from_planes(columns: &[u8], column: usize, rays: usize) -> Vec<u32> {
     let plane = |at: usize| &columns[(4 * column + at) * rays..][..rays];
     let bytes = plane(0).iter().zip(plane(1)).zip(plane(2)).zip(plane(3));

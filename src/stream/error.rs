@@ -9,17 +9,17 @@ use super::violation::Violation;
 /// Why a stream cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum StreamError {
-    /// The system refused.
+    /// The operating system reported an error.
     #[error("cannot {doing} {}", path.display())]
     Io {
         /// The file.
         path: PathBuf,
-        /// What was tried.
+        /// The operation that failed.
         doing: &'static str,
         /// What the system said.
         source: std::io::Error,
     },
-    /// The file is something else.
+    /// The file is no ray stream.
     #[error("{} is no ray stream: {found}", path.display())]
     Foreign {
         /// The file.
@@ -40,7 +40,7 @@ pub enum StreamError {
     CutOff {
         /// The file.
         path: PathBuf,
-        /// What is not there.
+        /// The missing part.
         missing: &'static str,
     },
     /// Bytes of the file were changed, or it was put together wrongly.
@@ -48,19 +48,19 @@ pub enum StreamError {
     Corrupt {
         /// The file.
         path: PathBuf,
-        /// Where.
+        /// The place in the file.
         place: Place,
         /// What is wrong.
         fault: Fault,
     },
-    /// The bytes are whole, but what they say breaks a rule of ray streams.
+    /// The bytes are intact, but their contents break a rule of ray streams.
     #[error("{} is not valid: {place}: {violation}", path.display())]
     Invalid {
         /// The file.
         path: PathBuf,
-        /// Where.
+        /// The place in the file.
         place: Place,
-        /// The rule.
+        /// The broken rule.
         violation: Violation,
     },
     /// The writer failed before: its file cannot be completed.

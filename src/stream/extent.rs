@@ -1,39 +1,38 @@
-//! How far the ids of steps reach: one check of a chunk instead of one check of each step.
+//! The largest ids of a chunk's steps: one check of a chunk replaces a check of each step.
 
 use multiversion::multiversion;
 
 use super::step::{Step, Store};
 use crate::quantity::{ListId, NodeId, TriangleSlot};
 
-/// The largest ids that the steps of some rays name, and whether all packed steps are steps.
+/// The largest ids that the steps of some rays name, and whether every packed word is a step.
 ///
-/// A chunk knows its extent ([`Chunk::extent`](super::Chunk::extent)). Whoever replays a chunk checks the steps of
-/// [`Extent::outermost`] once, [`Extent::unknown`] and [`Extent::strays`], and needs to check no single step after
-/// that.
+/// [`Chunk::extent`](super::Chunk::extent) computes it. An engine that replays a chunk checks [`Extent::outermost`],
+/// [`Extent::unknown`] and [`Extent::strays`] once and needs no check of single steps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
-    /// One more than the largest id of a node, 0 without a node; the same of the other kinds.
+    /// One more than the largest id of a node, 0 without a node; likewise for list entries and triangle slots.
     nodes: u32,
     list_entries: u32,
     slots: u32,
-    /// Of each [`Store`], and one step that names the largest id.
+    /// For each [`Store`] a step that names the largest id.
     entries: [Option<Step>; 3],
     unknown: Option<u32>,
     strays: bool,
 }
 
 impl Extent {
-    /// For each kind of thing (nodes, list entries, triangle slots, entries of each store) a step that names the
-    /// largest id. A layout that holds what these steps name holds what every step names.
+    /// For each kind of element (nodes, list entries, triangle slots, entries of each store) a step that names the
+    /// largest id. A layout that holds the elements of these steps holds the elements of all steps.
     pub fn outermost(&self) -> impl Iterator<Item = Step> + use<> {
-        // The extent of triangle slots does not say how far the tests went, and no check depends on that.
+        // The extent does not record where triangle tests stopped; no check depends on it.
         let slot = |slot| Step::Triangle { slot: TriangleSlot(slot), stop: super::step::Stop::Plane };
         let node = self.nodes.checked_sub(1).map(|node| Step::Node(NodeId(node)));
         let list = self.list_entries.checked_sub(1).map(|entry| Step::List(ListId(entry)));
         [node, list, self.slots.checked_sub(1).map(slot)].into_iter().chain(self.entries).flatten()
     }
 
-    /// A packed word that stands for no step, if there is one.
+    /// A packed word that is no step, if there is one.
     pub fn unknown(&self) -> Option<u32> {
         self.unknown
     }
@@ -43,8 +42,7 @@ impl Extent {
         self.strays
     }
 
-    /// The extent of the steps of rays, which lie one after another in `words`; `policies` are those of the policy
-    /// among them.
+    /// The extent of all steps in `words`; `policies` are the slices of `words` with policy steps.
     pub(super) fn of<'a>(words: &[u32], policies: impl Iterator<Item = &'a [u32]>) -> Self {
         let [nodes, list_entries, slots, others] = furthest(words);
         let mut extent = Self { nodes, list_entries, slots, ..Self::default() };
@@ -58,7 +56,7 @@ impl Extent {
         extent
     }
 
-    /// Adds the steps of `words` that no traversal has; returns how many there are.
+    /// Adds the steps of `words` that a traversal cannot have; returns their number.
     #[inline]
     fn add_stores(&mut self, words: &[u32]) -> usize {
         let others = words.iter().filter(|&&word| Step::tag(word) as i32 > Step::LAST_TRAVERSAL);
@@ -70,19 +68,19 @@ impl Extent {
             .count()
     }
 
-    /// Adds the step of a store.
+    /// Adds a step on a store.
     fn entry(&mut self, step: Step) {
         let Some((store, index)) = step.entry() else { return };
         let furthest = &mut self.entries[store as usize];
         if furthest.and_then(Step::entry).is_none_or(|(_, furthest)| index > furthest) {
-            // Reads, writes and updates of an entry need the same of a layout.
+            // A layout's check does not distinguish reads, writes and updates of an entry.
             *furthest = Some(Step::Read { store, index });
         }
     }
 }
 
-/// One more than the largest id of a node, of a list entry and of a triangle slot in `words`; how many words name none.
-/// The loop has no branch, so that several words are looked at at once.
+/// One more than the largest ids of nodes, list entries and triangle slots in `words`, and the number of other words.
+/// The loop has no branch, so that the compiler vectorises it.
 #[multiversion(targets("x86_64+avx2"))]
 fn furthest(words: &[u32]) -> [u32; 4] {
     let (mut nodes, mut lists, mut slots, mut others) = (0i32, 0i32, 0i32, 0i32);
@@ -137,7 +135,7 @@ mod tests {
         assert_eq!((unknown.unknown(), unknown.strays()), (Some(0xf000_0001), true));
     }
 
-    /// Several words at once, and the rest one by one.
+    /// The vectorised loop and its remainder agree with a scalar loop.
     #[test]
     fn many_steps_are_as_one_by_one() {
         let words: Vec<u32> = (0..401u32).map(|at| ((at * 7919) % 1000) | ((at % 16) << 27)).collect();

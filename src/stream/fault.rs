@@ -5,7 +5,7 @@ use super::step::Step;
 /// What is wrong with the bytes of a place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Fault {
-    /// The checksum is not that of the bytes.
+    /// The checksum does not match the bytes.
     #[error("the checksum does not fit the bytes")]
     Checksum,
     /// The block's tag is unknown.
@@ -14,20 +14,20 @@ pub enum Fault {
         /// The tag.
         found: [u8; 4],
     },
-    /// The block is not the one that follows.
+    /// The block's number is not the next number.
     #[error("block {found} is where block {expected} belongs")]
     Number {
         /// The block's number.
         found: u64,
-        /// The number that follows.
+        /// The next number.
         expected: u64,
     },
-    /// A length is more than can be there.
+    /// A length exceeds the available space.
     #[error("a length of {found} bytes is stated where at most {limit} are possible")]
     TooLarge {
         /// The stated length.
         found: u64,
-        /// The largest that is possible.
+        /// The largest possible length.
         limit: u64,
     },
     /// The payload is no LZ4 block of the stated length.
@@ -36,12 +36,12 @@ pub enum Fault {
         /// The stated length.
         raw: usize,
     },
-    /// The payload's length is not that of its contents.
+    /// The payload's length does not fit its contents.
     #[error("the payload has {found} bytes where {expected} belong")]
     Length {
         /// The length.
         found: usize,
-        /// The length that follows from what the payload says.
+        /// The length that the payload's contents imply.
         expected: usize,
     },
     /// A ray's byte of kind, decision and outcome is unknown, or names a primitive without a hit.
@@ -54,19 +54,19 @@ pub enum Fault {
         /// The primitive.
         primitive: u32,
     },
-    /// The rays' steps are not as many as the chunk's.
+    /// The lengths of the rays' steps do not add up to the chunk's number of steps.
     #[error("the rays' steps are not {steps} in all")]
     Steps {
         /// The steps of the chunk.
         steps: usize,
     },
-    /// A packed step of a file of version 2 is none.
+    /// A packed word of a file of version 2 is no step.
     #[error("{word:#010x} is no step of version 2")]
     OldStep {
         /// The packed word.
         word: u32,
     },
-    /// A packed step of a file of version 2 has an id that no step can have today.
+    /// A packed step of a file of version 2 has an id above [`Step::MAX_INDEX`].
     #[error("a step of version 2 names id {id}: ids up to {} can be replayed", Step::MAX_INDEX)]
     OldId {
         /// The id.
@@ -93,7 +93,7 @@ pub enum Fault {
     /// The footer does not point to the index.
     #[error("the index cannot be at byte {offset}")]
     Offset {
-        /// Where the footer points to.
+        /// The offset that the footer states.
         offset: u64,
     },
 }

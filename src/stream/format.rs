@@ -36,10 +36,10 @@
 //!            12  8  magic: "RAYS-END"
 //! ```
 //!
-//! The seed ties every block to its file, and the number to its place: a block of another file, or one that was moved,
-//! lost or doubled, is refused even though its own bytes are whole.
+//! The seed ties each block to its file, and the number to its place. A block of another file, or one that was moved,
+//! lost or doubled, is refused even if its own bytes are intact.
 //!
-//! That is version 3. Version 2 can be read too: the module `version` says how it differs.
+//! This is version 3. Version 2 can be read too: the module `version` describes the differences.
 
 use super::fault::Fault;
 use super::item::FrameInfo;
@@ -47,7 +47,7 @@ use super::totals::Totals;
 use super::version::Version;
 use crate::quantity::{Bytes, TriangleSlot};
 
-/// The first bytes of a file. As in PNG, the byte above 127 and the line ends show a transfer that changed bytes.
+/// The first bytes of a file. As in PNG, the byte above 127 and the line ends reveal a transfer that changed bytes.
 pub(crate) const MAGIC: [u8; 8] = *b"\x89RAYS\r\n\x1a";
 /// The last bytes of a file.
 pub(crate) const END_MAGIC: [u8; 8] = *b"RAYS-END";
@@ -100,7 +100,7 @@ impl Tag {
     }
 }
 
-/// The fixed part of a block, its checksum apart.
+/// The fixed part of a block, without its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct BlockHeader {
     /// What the block holds.
@@ -126,9 +126,9 @@ impl BlockHeader {
         bytes
     }
 
-    /// The fixed part, checked as far as it can be before the payload is read: `number` is the number that the block
-    /// must have, `room` the bytes between the fixed part and the end of the area that holds the block. What passes has
-    /// a payload of at most `room` bytes that grows to at most [`RAW_LIMIT`].
+    /// The fixed part, checked as far as possible before the payload is read. `number` is the number that the block
+    /// must have, `room` the bytes between the fixed part and the end of the area that holds the block. A valid payload
+    /// has at most `room` bytes and unpacks to at most [`RAW_LIMIT`].
     pub(crate) fn decode(bytes: &[u8; BLOCK_BYTES], number: u64, room: u64) -> Result<Self, Fault> {
         let tag: [u8; 4] = field(bytes, 0);
         let tag = Tag::ALL.into_iter().find(|known| known.bytes() == tag).ok_or(Fault::Tag { found: tag })?;
@@ -141,7 +141,7 @@ impl BlockHeader {
         if header.number != number {
             return Err(Fault::Number { found: header.number, expected: number });
         }
-        // A byte of an LZ4 block stands for 255 bytes at most.
+        // A byte of an LZ4 block expands to 255 bytes at most.
         let limit = RAW_LIMIT.min(header.stored.saturating_mul(255));
         if header.raw > limit {
             return Err(Fault::TooLarge { found: header.raw as u64, limit: limit as u64 });
@@ -165,7 +165,7 @@ pub(crate) fn checksum(seed: u32, parts: &[&[u8]]) -> u32 {
 /// `N` bytes of `bytes` from `at` on.
 ///
 /// # Panics
-/// If they are not there: callers check lengths first.
+/// If `bytes` is too short: callers check lengths first.
 pub(crate) fn field<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     let mut field = [0; N];
     field.copy_from_slice(&bytes[at..at + N]);
@@ -229,7 +229,7 @@ pub(crate) fn end(payload: &[u8], version: Version) -> Result<(Vec<u32>, Totals)
 pub struct FrameEntry {
     /// The frame's number.
     pub number: u32,
-    /// Where its first block starts in the file.
+    /// Offset of its first block in the file.
     pub offset: u64,
     /// Bytes of its blocks in the file.
     pub bytes: Bytes,

@@ -1,4 +1,4 @@
-//! What a stream is of: scene, frames, structure, sizes.
+//! The header of a stream: scene, frames, structure, sizes.
 
 use std::sync::Arc;
 
@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::step::Store;
 use crate::quantity::{Resolution, TriangleSlot};
 
-/// What a stream is of; written as text at the start of its file.
+/// The header of a stream; written as text at the start of its file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Header {
@@ -16,7 +16,7 @@ pub struct Header {
     pub scene: String,
     /// Numbers of the frames, in order.
     pub frames: Vec<u32>,
-    /// Those of the frames that warm caches and words up: they are replayed, and left out of what is measured.
+    /// The frames that warm up caches and mode words: they are replayed but not measured.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub warmup: Vec<u32>,
     /// The picture's size.
@@ -27,42 +27,42 @@ pub struct Header {
     pub structure: Structure,
     /// Lights in the scene.
     pub lights: u32,
-    /// Static triangles; dynamic primitives count from here on.
+    /// Static triangles. Ids of dynamic primitives start at this number.
     pub static_primitives: u32,
     /// Static and dynamic triangles.
     pub primitives: u32,
-    /// Nodes of the root and the static tree: 0 to one less. Dynamic nodes count from here on.
+    /// Nodes of the root and the static tree. Ids of dynamic nodes start at this number.
     pub static_nodes: u32,
-    /// Triangle records of the static tree. Dynamic slots count from here on.
+    /// Triangle records of the static tree. Dynamic slots start at this number.
     pub static_slots: u32,
     /// Entries of the static tree's primitive lists (0 for a BVH).
     pub static_list_entries: u32,
     /// Sizes of the policy's stores.
     pub stores: StoreEntries,
-    /// Whether updates of mode words do not say what they change: they do not in files of version 2.
+    /// Whether updates of mode words lack their effect, as in files of version 2.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub unjudged_updates: bool,
     /// Hash of the scene and the settings that the stream was traced with.
     pub input_hash: u64,
-    /// The triangle record of each static primitive, [`NO_RECORD`] for one that has none: it cannot be seen. (In a file
-    /// it stands in the index, not in the header's text.)
+    /// The triangle record of each static primitive, or [`NO_RECORD`] if the primitive cannot be seen. (A file stores
+    /// the records in the index, not in the header's text.)
     #[serde(skip)]
     pub records: Arc<[TriangleSlot]>,
 }
 
-/// Stands for the record of a primitive that has none.
+/// Marks a primitive that has no triangle record.
 pub const NO_RECORD: TriangleSlot = TriangleSlot(u32::MAX);
 
 /// Entries of each store that a policy keeps.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StoreEntries {
-    /// Entries of the store of mode words: first `words_per_primitive` for each of the first `word_owners` primitives,
-    /// then whatever else the policy keeps there. An entry has 32 bits.
+    /// Entries of the store of mode words, 32 bits each: first `words_per_primitive` for each of the first
+    /// `word_owners` primitives, then the policy's other words.
     pub mode_words: u32,
     /// Primitives that have mode words.
     pub word_owners: u32,
-    /// Mode words of each of them: one up to 15 lights, another for each further 16.
+    /// Mode words of each such primitive: one up to 15 lights, another for each further 16.
     pub words_per_primitive: u32,
     /// Pairs of pixel counters, one for each of the first primitives.
     pub pixel_counters: u32,

@@ -1,8 +1,7 @@
-//! What is in a ray stream file, for people: counts and sizes of each frame.
+//! Summarises a ray stream file for people: counts and sizes of each frame.
 
 use std::io::{Read, Seek};
 
-use comfy_table::{CellAlignment, Table, presets};
 use serde::Serialize;
 
 use super::chunk::{Chunk, Decision, Outcome, RayKind};
@@ -20,7 +19,7 @@ pub(crate) struct Inspection {
     pub version: u32,
     /// The file's length.
     pub file_bytes: Bytes,
-    /// What the stream is of.
+    /// The stream's header.
     pub header: Header,
     /// Its frames in order.
     pub frames: Vec<FrameSummary>,
@@ -34,13 +33,13 @@ pub(crate) struct FrameSummary {
     pub entry: FrameEntry,
     /// Bytes before compression over bytes in the file.
     pub compression: f64,
-    /// Rays of each kind, in the order of [`RayKind::ALL`]; kinds without a ray are there too.
+    /// Rays of each kind, in the order of [`RayKind::ALL`], kinds without rays included.
     pub kinds: Vec<KindSummary>,
     /// What the policy decided for the shadow rays.
     pub decisions: Decisions,
-    /// Steps that the policy did on rays' account.
+    /// Steps of the policy that are recorded for rays.
     pub policy_steps: u64,
-    /// Steps that the policy did at the frame's end.
+    /// Steps of the policy at the frame's end.
     pub end_steps: u64,
 }
 
@@ -60,22 +59,22 @@ pub(crate) struct Decisions {
 pub(crate) struct KindSummary {
     /// The kind's name.
     pub kind: &'static str,
-    /// How many there are.
+    /// Number of rays.
     pub rays: u64,
-    /// Those that hit nothing.
+    /// Rays that hit nothing.
     pub miss: u64,
-    /// Those that hit a primitive.
+    /// Rays that hit a primitive.
     pub hit: u64,
-    /// Those that see their light.
+    /// Rays that see their light.
     pub lit: u64,
-    /// Those that do not see their light.
+    /// Rays that do not see their light.
     pub dark: u64,
     /// Steps of their paths.
     pub steps: u64,
     /// Steps a ray; `None` without a ray.
     pub mean_steps: Option<f64>,
-    /// Rays by the length of their paths. The first number is of paths without a step, number `k` of paths of
-    /// 2^(k-1) to 2^k - 1 steps; it ends with the longest path.
+    /// Rays by the length of their paths. Element 0 counts paths without a step, element `k` paths of 2^(k-1) to 2^k -
+    /// 1 steps; the last element counts the longest path.
     pub histogram: Vec<u64>,
 }
 
@@ -123,7 +122,7 @@ impl FrameSummary {
     }
 }
 
-/// Reads the stream once, a block at a time, and counts what is in it.
+/// Reads the stream once, a block at a time, and counts its contents.
 pub(crate) fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<Inspection, StreamError> {
     reader.seek_frame(0)?;
     let mut frames: Vec<_> = reader.frames().iter().map(FrameSummary::new).collect();
@@ -144,95 +143,4 @@ pub(crate) fn inspect<R: Read + Seek>(reader: &mut StreamReader<R>) -> Result<In
         header: reader.header().clone(),
         frames,
     })
-}
-
-/// The inspection as tables for a terminal.
-pub(crate) fn render(inspection: &Inspection) -> String {
-    let Inspection { version, file_bytes, header, frames } = inspection;
-    let mut about = table::<&str>(&[]);
-    about.add_row(["scene", &header.scene]);
-    about.add_row(["policy", &header.policy]);
-    about.add_row(["structure", &format!("{:?}", header.structure)]);
-    about.add_row(["resolution", &header.resolution.to_string()]);
-    about.add_row(["lights", &header.lights.to_string()]);
-    let dynamic = header.primitives - header.static_primitives;
-    about.add_row(["triangles", &format!("{} static, {dynamic} dynamic", header.static_primitives)]);
-    about.add_row(["input hash", &format!("{:016x}", header.input_hash)]);
-    about.add_row(["file", &format!("version {version}, {file_bytes} bytes, {} frames", frames.len())]);
-
-    let mut sizes = table(&[
-        "frame",
-        "rays",
-        "shadow",
-        "skipped",
-        "dyn. only",
-        "dark",
-        "policy steps",
-        "bytes",
-        "raw/stored",
-        "bytes/ray",
-    ]);
-    for frame in frames {
-        let shadow = &frame.kinds[RayKind::Shadow as usize];
-        sizes.add_row([
-            frame.entry.number.to_string(),
-            frame.entry.rays.to_string(),
-            shadow.rays.to_string(),
-            frame.decisions.skip.to_string(),
-            frame.decisions.dynamic_only.to_string(),
-            shadow.dark.to_string(),
-            (frame.policy_steps + frame.end_steps).to_string(),
-            frame.entry.bytes.to_string(),
-            format!("{:.2}", frame.compression),
-            mean((frame.entry.rays > 0).then(|| frame.entry.bytes.0 as f64 / frame.entry.rays as f64)),
-        ]);
-    }
-    align_right(&mut sizes, 0);
-
-    let buckets = frames.iter().flat_map(|frame| &frame.kinds).map(|kind| kind.histogram.len()).max().unwrap_or(0);
-    let columns = ["frame", "kind", "rays", "steps/ray"].map(str::to_owned);
-    let columns: Vec<String> = columns.into_iter().chain((0..buckets).map(bucket_name)).collect();
-    let mut steps = table(&columns);
-    for frame in frames {
-        for kind in frame.kinds.iter().filter(|kind| kind.rays > 0) {
-            let mut row = vec![
-                frame.entry.number.to_string(),
-                kind.kind.to_owned(),
-                kind.rays.to_string(),
-                mean(kind.mean_steps),
-            ];
-            row.extend((0..buckets).map(|bucket| kind.histogram.get(bucket).unwrap_or(&0).to_string()));
-            steps.add_row(row);
-        }
-    }
-    align_right(&mut steps, 2);
-    format!("{about}\n\n{sizes}\n\nRays by the steps of their paths:\n{steps}\n")
-}
-
-/// A mean, or a dash where there is none.
-fn mean(value: Option<f64>) -> String {
-    value.map_or("-".to_owned(), |value| format!("{value:.2}"))
-}
-
-/// The range of steps that a bucket of [`KindSummary::histogram`] stands for.
-fn bucket_name(bucket: usize) -> String {
-    match bucket {
-        0 | 1 => bucket.to_string(),
-        _ => format!("{}-{}", 1u64 << (bucket - 1), (1u64 << bucket) - 1),
-    }
-}
-
-fn table<T: ToString>(columns: &[T]) -> Table {
-    let mut table = Table::new();
-    table.load_preset(presets::NOTHING);
-    if !columns.is_empty() {
-        table.set_header(columns.iter().map(ToString::to_string));
-    }
-    table
-}
-
-fn align_right(table: &mut Table, from: usize) {
-    for column in table.column_iter_mut().skip(from) {
-        column.set_cell_alignment(CellAlignment::Right);
-    }
 }

@@ -1,24 +1,24 @@
-//! Which steps are possible: the ids of each kind of step.
+//! The ids that each kind of step can have.
 
 use super::extent::Extent;
 use super::step::Step;
 use super::violation::StepFault;
 
-/// Tags that a packed step can have, those of no step included.
+/// Number of tags of a packed word, including tags that no step has.
 const TAGS: usize = 1 << (u32::BITS - INDEX_BITS);
 const INDEX_BITS: u32 = Step::MAX_INDEX.trailing_ones();
 
-/// For each tag of a packed step the number of ids that it can have: 0 if the step cannot be there.
+/// For each tag of a packed step the number of allowed ids; 0 if the step itself is not allowed.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Limits([u32; TAGS]);
 
 impl Limits {
-    /// The limits that `allowed` states for a step of each tag.
+    /// The limits with `allowed(step)` ids for each kind of step.
     pub(super) fn new(allowed: impl Fn(Step) -> u64) -> Self {
         let mut limits = [0; TAGS];
         for (tag, limit) in limits.iter_mut().enumerate() {
             if let Some(step) = Step::unpack((tag as u32) << INDEX_BITS) {
-                // No packed id is larger, whatever the counts say.
+                // A packed id cannot be larger, whatever the counts say.
                 *limit = allowed(step).min(u64::from(Step::MAX_INDEX) + 1) as u32;
             }
         }
@@ -37,7 +37,7 @@ impl Limits {
     /// Checks packed steps.
     pub(super) fn check(&self, words: &[u32]) -> Result<(), StepFault> {
         let is_wrong = |&word: &u32| word & Step::MAX_INDEX >= self.of(word);
-        // Where one is wrong hardly ever matters, and a loop without a way out is faster.
+        // Errors are rare, and a loop without an early exit is faster.
         if !words.iter().fold(false, |any, word| any | is_wrong(word)) {
             return Ok(());
         }

@@ -1,9 +1,10 @@
-//! The ray stream: what the tracer records and the machine replays. The functional and the timing side meet here only.
+//! The ray stream: what the tracer records and the machine replays. It is the only interface between the functional and
+//! the timing side.
 //!
-//! A stream is a [`Header`], then frames. A frame is a [`FrameInfo`], chunks of rays, and what the culling policy does
-//! at the frame's end. Rays come in pixel groups: a primary ray, then all that follows from it, never split over
-//! chunks. A ray holds the path of its traversal and, apart, what the policy did on its account; it holds ids, not
-//! addresses: the replay lays out memory.
+//! A stream is a [`Header`], then frames. A frame is a [`FrameInfo`], chunks of rays, and the culling policy's steps at
+//! the frame's end. Rays come in pixel groups: a primary ray and all rays that follow from it, never split over chunks.
+//! A ray holds the steps of its traversal and, separately, the policy's steps for it. Steps hold ids, not addresses:
+//! the replay lays out memory.
 
 mod blocks;
 pub(crate) mod check;

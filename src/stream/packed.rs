@@ -1,4 +1,4 @@
-//! Chunks that wait in memory for long.
+//! Compressed chunks, which stay in memory for long.
 
 use lz4_flex::block::{compress_prepend_size, decompress_size_prepended};
 
@@ -6,7 +6,7 @@ use super::chunk::Chunk;
 use super::columns::{self, chunk_len, put_chunk};
 use super::version::Version;
 
-/// A chunk as a file holds it, in about a tenth of its memory.
+/// A chunk packed as in a file: it takes about a tenth of the chunk's memory.
 #[derive(Clone, Debug)]
 pub struct PackedChunk {
     payload: Vec<u8>,
@@ -31,7 +31,7 @@ impl PackedChunk {
         chunk
     }
 
-    /// What it takes in memory.
+    /// Bytes of memory that it takes.
     pub fn bytes(&self) -> usize {
         self.payload.len()
     }

@@ -15,8 +15,8 @@ use super::item::Item;
 use super::{check, columns, format};
 use crate::quantity::Bytes;
 
-/// Reads a stream item by item: it is an iterator from the stream's start, or from the frame of
-/// [`StreamReader::seek_frame`], to its end. It ends after an error.
+/// An iterator over a stream's items, from the stream's start or from the frame of [`StreamReader::seek_frame`]. It
+/// ends after an error.
 ///
 /// Opening reads and checks the header and the index. Every block is checked against its checksum, every item against
 /// the rules of streams, every frame against its totals and its entry of the index. Memory is bounded by
@@ -29,9 +29,9 @@ pub struct StreamReader<R = BufReader<File>> {
     length: u64,
     /// Where the blocks of frames end: the index's offset.
     end: u64,
-    /// The next frame's place in `entries`, or that of the frame that is being read.
+    /// Index in `entries` of the frame that is being read, or of the next one.
     frame: usize,
-    /// What was read of the frame.
+    /// The frame's index entry, computed from what was read.
     seen: FrameEntry,
     failed: bool,
 }
@@ -40,7 +40,7 @@ impl StreamReader {
     /// Opens the file `path`.
     ///
     /// # Errors
-    /// The file cannot be read, or is no stream of a version that is known.
+    /// The file cannot be read, or is no stream of a known version.
     pub fn open(path: &Path) -> Result<Self, StreamError> {
         let failed = |source| StreamError::Io { path: path.to_owned(), doing: "read", source };
         let input = crate::input::open(path).map_err(failed)?;
@@ -49,7 +49,7 @@ impl StreamReader {
 }
 
 impl<R: Read + Seek> StreamReader<R> {
-    /// Opens the stream that is the whole of `input`; `path` is named in errors.
+    /// Opens a stream that fills `input`; errors name `path`.
     ///
     /// # Errors
     /// As [`StreamReader::open`].

@@ -1,4 +1,4 @@
-//! Steps: the smallest things that a ray or a policy does to memory, each packed in 32 bits.
+//! Steps: the elementary memory operations of a ray or a policy, each packed in 32 bits.
 
 use serde::{Deserialize, Serialize};
 
@@ -29,20 +29,21 @@ pub enum Store {
     OccluderId,
 }
 
-/// What an update changes of its entry.
+/// What an update changes in its entry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Effect {
-    /// A bit, also after all earlier updates of the frame.
+    /// At least one bit that no earlier update of the frame has set.
     Changes,
-    /// A bit of the word as latched at the frame's start, which an earlier update of the frame has changed already.
+    /// Only bits that earlier updates of the frame have set already; the word as latched at the frame's start lacks
+    /// them.
     Repeats,
     /// No bit of the word as latched at the frame's start.
     Silent,
 }
 
 impl Effect {
-    /// The effect of setting `bits` in a word that was `latched` at the frame's start and has `learned` more bits
-    /// by now.
+    /// The effect of setting `bits` in a word that was `latched` at the frame's start; `learned` are the bits set since
+    /// then.
     pub fn of_bits(bits: u32, latched: u32, learned: u32) -> Self {
         match (bits & !latched, bits & !(latched | learned)) {
             (0, _) => Self::Silent,
@@ -91,7 +92,7 @@ pub enum Step {
 
 /// Bits of a packed step below the tag.
 const INDEX_BITS: u32 = 27;
-/// Tags of updates of mode words by their effect. The first is that of any update of the store.
+/// Tags of updates of mode words by their effect. The first is the tag that [`Step::pack`] gives.
 const WORD_UPDATES: [(Effect, u32); 3] = [(Effect::Changes, 11), (Effect::Repeats, 14), (Effect::Silent, 15)];
 
 impl Step {
@@ -103,7 +104,7 @@ impl Step {
     pub(super) const LIST: i32 = 1;
     pub(super) const LAST_TRAVERSAL: i32 = 4;
 
-    /// How many tags a packed step can have; not all are of a step.
+    /// Number of tags of a packed word; some belong to no step.
     pub const TAGS: usize = 32;
 
     /// The tag of a packed step, below [`Step::TAGS`].
@@ -112,7 +113,7 @@ impl Step {
         word >> INDEX_BITS
     }
 
-    /// A packed step with this tag, if it is of a step.
+    /// The step with this tag and id 0; `None` if no step has the tag.
     pub fn of_tag(tag: usize) -> Option<Self> {
         u32::try_from(tag).ok().filter(|&tag| tag < Self::TAGS as u32).and_then(|tag| Self::unpack(tag << INDEX_BITS))
     }
@@ -136,14 +137,13 @@ impl Step {
         Self::packed(tag, index)
     }
 
-    /// The update of mode word `index` in 32 bits, with its effect. Unpacked, the step is the same whatever the effect.
+    /// The update of mode word `index` in 32 bits, with its effect. [`Step::unpack`] drops the effect.
     pub fn pack_word_update(index: u32, effect: Effect) -> u32 {
         let tag = WORD_UPDATES.iter().find(|(known, _)| *known == effect).map_or(11, |&(_, tag)| tag);
         Self::packed(tag, index)
     }
 
-    /// What a packed update changes; `None` for another step. Only updates of mode words are judged: all others change
-    /// their entry.
+    /// The effect of a packed update; `None` for another step. An update of another store always counts as a change.
     #[inline]
     pub fn effect(word: u32) -> Option<Effect> {
         match Self::tag(word) {
@@ -154,7 +154,7 @@ impl Step {
         }
     }
 
-    /// The step that `word` stands for; `None` if its tag is of no step.
+    /// Unpacks `word`; `None` if no step has its tag.
     #[inline]
     pub fn unpack(word: u32) -> Option<Self> {
         const STOPS: [Stop; 3] = [Stop::Plane, Stop::Edges, Stop::Hit];
@@ -178,19 +178,19 @@ impl Step {
         (Self::tag(word) as i32 == Self::NODE).then_some(NodeId(word & Self::MAX_INDEX))
     }
 
-    /// How many packed steps visit nodes, read lists, and do neither.
+    /// The numbers of packed steps that visit nodes, that read lists, and of all others.
     pub(super) fn count(words: &[u32]) -> [u64; 3] {
         let [nodes, lists] = visits_and_reads(words).map(u64::from);
         [nodes, lists, words.len() as u64 - nodes - lists]
     }
 
-    /// The steps that valid packed ones stand for.
+    /// Unpacks valid packed steps.
     pub fn unpack_all(words: &[u32]) -> impl ExactSizeIterator<Item = Self> + use<'_> {
-        // Whoever packs steps uses `pack`, and readers of files check every word.
+        // Steps are packed by `pack`, and readers of files check every word.
         words.iter().map(|&word| Self::unpack(word).expect("packed steps are valid"))
     }
 
-    /// The entry of a store that the step is of.
+    /// The store and the entry that the step accesses; `None` for a step of a path.
     #[inline]
     pub fn entry(self) -> Option<(Store, u32)> {
         match self {
@@ -213,8 +213,8 @@ impl Step {
     }
 }
 
-/// How many packed steps visit nodes and read lists. The loop has no branch, so that several words are looked at at
-/// once.
+/// The numbers of packed steps that visit nodes and that read lists. The loop has no branch, so that the compiler
+/// vectorises it.
 #[multiversion(targets("x86_64+avx2"))]
 fn visits_and_reads(words: &[u32]) -> [u32; 2] {
     let (mut nodes, mut lists) = (0, 0);
@@ -229,7 +229,7 @@ fn visits_and_reads(words: &[u32]) -> [u32; 2] {
 mod tests {
     use super::*;
 
-    /// Several words at once, and the rest one by one.
+    /// The vectorised loop and its remainder agree with a scalar loop.
     #[test]
     fn many_steps_are_counted_as_one_by_one() {
         for length in [0, 1, 7, 8, 31, 32, 33, 401] {

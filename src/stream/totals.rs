@@ -1,12 +1,12 @@
-//! What the tracer counts in a frame, and what the records hold: the two must be equal.
+//! Counters of a frame, kept by the tracer and derived from the records: both must be equal.
 
 use super::chunk::{Chunk, Decision, Ray, RayHead, RayKind};
 use super::step::{Effect, Step};
 use crate::counters::counters;
 
 counters! {
-    /// What the tracer counted while it traced a frame, by counters of its own. [`Totals::count`] derives the same from
-    /// the records: the two must be equal. A file holds the counters in this order.
+    /// Counters that the tracer keeps while it traces a frame. [`Totals::count`] derives the same numbers from the
+    /// records: both must be equal. A file holds the counters in this order.
     pub struct Totals {
         primary_rays: "rays", "rays from the camera: one a pixel";
         secondary_rays: "rays", "reflected and refracted rays";
@@ -44,7 +44,7 @@ impl Totals {
         steps.for_each(|step| self.count_policy_step(step, 1));
     }
 
-    /// Counts a policy's step that is made so many times.
+    /// Counts `times` steps of a policy, all of the kind of `step`.
     #[inline]
     fn count_policy_step(&mut self, step: Step, times: u64) {
         match step {
@@ -65,7 +65,7 @@ impl Totals {
         self.count_policy_tags(&tags);
     }
 
-    /// Counts the policy's steps on rays' account by their tags, and what updates among them change.
+    /// Counts the policy's steps for rays, given their number for each tag, and the effects of updates among them.
     fn count_policy_tags(&mut self, tags: &[u64; Step::TAGS]) {
         for (tag, &times) in tags.iter().enumerate().filter(|&(_, &times)| times > 0) {
             if let Some(step) = Step::of_tag(tag) {
@@ -84,7 +84,7 @@ impl Totals {
         let is_shadow = |ray: usize| chunk.head(ray).kind == RayKind::Shadow;
         let (mut next, mut tags) = (0, [0; Step::TAGS]);
         while next < chunk.len() {
-            // The steps of rays of the same kind lie together, and are counted together.
+            // The steps of a run of shadow rays, or of other rays, are counted together.
             let first = next;
             let [mut nodes, mut lists, mut policy] = [0; 3];
             while next < chunk.len() && is_shadow(next) == is_shadow(first) {
@@ -105,7 +105,7 @@ impl Totals {
         self.count_policy_tags(&tags);
     }
 
-    /// Counts a ray of a kind, for which the policy decided so.
+    /// Counts a ray of `kind` with the policy's `decision`.
     #[inline]
     pub fn count_ray(&mut self, kind: RayKind, decision: Decision) {
         match kind {
@@ -122,7 +122,7 @@ impl Totals {
         }
     }
 
-    /// Counts steps of paths of rays such as `head`.
+    /// Counts path steps of rays of the kind of `head`.
     fn count_path(&mut self, head: &RayHead, [nodes, lists, triangles]: [u64; 3]) {
         self.list_reads += lists;
         if head.kind == RayKind::Shadow {

@@ -1,9 +1,9 @@
 //! The versions of a ray stream file that can be read, and what differs between them.
 //!
-//! Version 2 is version 3 but for these:
-//! - Totals are the first 14 counters of `Totals`: updates that repeat or change nothing are not counted.
+//! Version 2 differs from version 3:
+//! - Totals are the first 14 counters of `Totals`: repeated and silent updates are not counted.
 //! - A packed step has a tag of 4 bits and an id of 28.
-//! - Updates of mode words do not say what they change ([`super::Header::unjudged_updates`]).
+//! - Updates of mode words have no recorded effect ([`super::Header::unjudged_updates`]).
 
 use super::fault::Fault;
 use super::step::Step;
@@ -12,9 +12,9 @@ use super::totals::Totals;
 /// A version of the layout that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Version {
-    /// Updates of mode words are not judged.
+    /// Updates of mode words have no recorded effect.
     Two = 2,
-    /// The one that is written.
+    /// The current version.
     Three = 3,
 }
 
@@ -24,7 +24,7 @@ impl Version {
 
     /// Bits of an id in a packed step of version 2.
     const OLD_INDEX_BITS: u32 = 28;
-    /// Tags of steps in version 2: those of today that judge no update.
+    /// Number of tags in version 2: the current tags without those of repeated and silent updates.
     const OLD_TAGS: u32 = 14;
 
     /// The version with a number.
@@ -37,7 +37,7 @@ impl Version {
         self as u32
     }
 
-    /// How many of the counters of `Totals` a file holds.
+    /// Number of counters of `Totals` that a file holds.
     pub(super) fn totals(self) -> usize {
         match self {
             Self::Two => 14,
@@ -45,7 +45,7 @@ impl Version {
         }
     }
 
-    /// The packed steps that stand as `words` in a file, with today's tags.
+    /// Converts packed steps of a file to the current tags.
     pub(super) fn steps(self, words: Vec<u32>) -> Result<Vec<u32>, Fault> {
         match self {
             Self::Two => words.into_iter().map(Self::today).collect(),
@@ -53,7 +53,7 @@ impl Version {
         }
     }
 
-    /// A packed step of version 2 as one of today.
+    /// Converts a packed step of version 2 to the current tags.
     fn today(word: u32) -> Result<u32, Fault> {
         let (tag, id) = (word >> Self::OLD_INDEX_BITS, word & ((1 << Self::OLD_INDEX_BITS) - 1));
         if tag >= Self::OLD_TAGS {

@@ -6,7 +6,7 @@ use super::step::Step;
 /// A rule that a stream breaks.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Violation {
-    /// A number of the header is more than it can be.
+    /// A number of the header exceeds its limit.
     #[error("{what}: {found}, and at most {limit} are possible")]
     Header {
         /// What is counted.
@@ -16,7 +16,7 @@ pub enum Violation {
         /// The largest possible.
         limit: u64,
     },
-    /// The table of triangle records has another length than there are static primitives.
+    /// The length of the table of triangle records is not the number of static primitives.
     #[error("records of {found} static primitives, and there are {primitives}")]
     Records {
         /// Entries of the table.
@@ -24,7 +24,7 @@ pub enum Violation {
         /// Static primitives.
         primitives: u32,
     },
-    /// A static primitive's record does not exist, or is another's.
+    /// A static primitive's record does not exist, or belongs to another primitive.
     #[error("the triangle record of primitive {primitive} is {found}, which does not exist or is another's")]
     Record {
         /// The primitive.
@@ -35,12 +35,12 @@ pub enum Violation {
     /// An item stands where another belongs: every frame is a beginning, any number of rays, and an end.
     #[error("{found} where {expected} belongs")]
     Order {
-        /// What came.
+        /// The item that came.
         found: &'static str,
-        /// What can come here.
+        /// The items that are allowed here.
         expected: &'static str,
     },
-    /// A frame is not the one that follows in the header's list.
+    /// A frame is not the next one in the header's list.
     #[error("frame {found} begins where the header lists frame {expected}")]
     Frame {
         /// The frame's number.
@@ -48,16 +48,16 @@ pub enum Violation {
         /// The number in the header.
         expected: u32,
     },
-    /// There is a frame more than the header lists.
+    /// The stream has more frames than the header lists.
     #[error("frame {found} begins, but the header lists no further frame")]
     ExtraFrame {
         /// The frame's number.
         found: u32,
     },
-    /// There are frames fewer than the header lists.
+    /// The stream has fewer frames than the header lists.
     #[error("the stream ends, but the header lists frame {expected} as the next")]
     MissingFrame {
-        /// The number of the first that is missing.
+        /// The number of the first missing frame.
         expected: u32,
     },
     /// A block would be larger than the format allows.
@@ -75,20 +75,20 @@ pub enum Violation {
     Ray {
         /// The ray's place in its chunk.
         ray: usize,
-        /// The rule.
+        /// The broken rule.
         fault: RayFault,
     },
-    /// A step that the policy does at the frame's end breaks a rule.
+    /// A step of the policy at the frame's end breaks a rule.
     #[error("the policy's work at the frame's end: {0}")]
     End(StepFault),
-    /// What the tracer counted is not what the records hold.
+    /// A total of the tracer differs from the count of the records.
     #[error("{what} is {recorded} in the totals, and {counted} in the records")]
     Totals {
-        /// The total.
+        /// The total's name.
         what: &'static str,
-        /// What the tracer counted.
+        /// The tracer's count.
         recorded: u64,
-        /// What the records hold.
+        /// The records' count.
         counted: u64,
     },
 }
@@ -96,13 +96,13 @@ pub enum Violation {
 /// A rule that a ray breaks.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RayFault {
-    /// A chunk begins with another than a primary ray.
+    /// A chunk does not begin with a primary ray.
     #[error("the first ray of a chunk must be a primary ray")]
     FirstRay,
     /// A primary ray has a parent, or the parent of another ray is not in its pixel group.
     #[error("its parent, {0} rays back, is not in its pixel group")]
     Parent(u32),
-    /// Rays start on hits only.
+    /// The parent has no hit for the ray to start on.
     #[error("its parent, {0} rays back, hits nothing")]
     ParentWithoutHit(u32),
     /// The pixel is not in the picture.
@@ -126,16 +126,16 @@ pub enum RayFault {
     Light {
         /// The light.
         found: u8,
-        /// How many the ray can name.
+        /// Number of lights that the ray can name.
         lights: u32,
     },
-    /// Only shadow rays are decided on.
+    /// A ray other than a shadow ray is culled.
     #[error("only a shadow ray can be culled")]
     Decision,
     /// A skipped ray was traced.
     #[error("it is skipped, and yet its path has {0} steps")]
     SkippedPath(usize),
-    /// The outcome is none of its kind's.
+    /// The outcome is not possible for the ray's kind.
     #[error("the outcome {outcome:?} is not possible for a ray of kind {}", kind.name())]
     Outcome {
         /// The ray's kind.
@@ -151,10 +151,10 @@ pub enum RayFault {
         /// Primitives of the scene.
         primitives: u32,
     },
-    /// A step of the path.
+    /// A step of the path breaks a rule.
     #[error("path: {0}")]
     Path(StepFault),
-    /// A step of the policy.
+    /// A step of the policy breaks a rule.
     #[error("policy: {0}")]
     Policy(StepFault),
 }
@@ -162,7 +162,7 @@ pub enum RayFault {
 /// A rule that a step breaks.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StepFault {
-    /// The packed word stands for no step.
+    /// The packed word is no step.
     #[error("step {at} is {word:#010x}, which is no step")]
     Unknown {
         /// The step's place.
@@ -170,14 +170,14 @@ pub enum StepFault {
         /// The packed word.
         word: u32,
     },
-    /// The step cannot be there, or its id is too large.
+    /// The step is not allowed here, or its id is too large.
     #[error("step {at} is {step:?}, and ids below {limit} are possible for it here")]
     Id {
         /// The step's place.
         at: usize,
         /// The step.
         step: Step,
-        /// Ids below this are possible; 0 for a step that cannot be there.
+        /// Ids below this are allowed; 0 for a step that is not allowed here.
         limit: u32,
     },
 }

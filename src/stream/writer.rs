@@ -22,8 +22,8 @@ use lz4_flex::block::{compress_into, get_maximum_output_size};
 /// Writes a stream item by item, each checked against the rules of streams first. It holds one block in memory at a
 /// time.
 ///
-/// `StreamWriter::create` writes an `OutputFile`, which is there after `StreamWriter::finish` only: a writer that is
-/// dropped, or that fails, leaves nothing behind.
+/// `StreamWriter::create` writes an `OutputFile`, which appears only after `StreamWriter::finish`: a dropped or failed
+/// writer leaves nothing behind.
 pub struct StreamWriter<W = OutputFile> {
     output: W,
     /// The target, for errors.
@@ -42,8 +42,8 @@ pub struct StreamWriter<W = OutputFile> {
 }
 
 impl StreamWriter {
-    /// Begins a stream that is to become the file `path`, whose folder must be there. A file of that name is replaced
-    /// when the stream is finished.
+    /// Begins a stream that becomes the file `path`, whose folder must exist. A file of that name is replaced when the
+    /// stream is finished.
     ///
     /// # Errors
     /// The file cannot be made, or the header breaks a rule of streams.
@@ -53,8 +53,8 @@ impl StreamWriter {
         Self::new(output, path, header)
     }
 
-    /// Completes the stream: all frames of the header must have been written. The file has its name when this returns
-    /// without an error, and its bytes are on the disk.
+    /// Completes the stream: all frames of the header must have been written. After a return without error the file has
+    /// its name, and its bytes are on the disk.
     ///
     /// # Errors
     /// The stream is not complete, or the disk is full.
@@ -65,14 +65,14 @@ impl StreamWriter {
 }
 
 impl<W: Write> StreamWriter<W> {
-    /// Begins a stream to `output`; `path` is named in errors.
+    /// Begins a stream to `output`; errors name `path`.
     ///
     /// # Errors
     /// As [`StreamWriter::create`].
     pub fn new(output: W, path: &Path, header: &Header) -> Result<Self, StreamError> {
         let invalid = |violation| StreamError::Invalid { path: path.to_owned(), place: Place::Header, violation };
         let checker = Checker::new(header).map_err(invalid)?;
-        // Serialising plain data to memory cannot fail, but the error has a natural place to go.
+        // Serialising plain data to memory cannot fail; an error is reported all the same.
         let text = json::line(header).map_err(|error| StreamError::Io {
             path: path.to_owned(),
             doing: "write the header of",
@@ -123,7 +123,7 @@ impl<W: Write> StreamWriter<W> {
         written
     }
 
-    /// Completes the stream and gives the output back.
+    /// Completes the stream and returns the output.
     ///
     /// # Errors
     /// The stream is not complete, or `output` takes no more.

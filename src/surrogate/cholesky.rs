@@ -1,4 +1,4 @@
-//! The Cholesky factor of a symmetric positive matrix.
+//! The Cholesky factor of a symmetric positive definite matrix.
 
 /// The lower factor, row by row: row `i` has `i + 1` cells.
 #[derive(Clone, Debug)]
@@ -7,7 +7,7 @@ pub(super) struct Cholesky {
 }
 
 impl Cholesky {
-    /// The factor of the matrix with these cells in its lower half; none if it is not positive.
+    /// Factors the matrix whose lower half `cell(row, column)` gives; `None` if it is not positive definite.
     pub(super) fn new(size: usize, cell: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let mut rows: Vec<Vec<f64>> = Vec::with_capacity(size);
         for row in 0..size {
@@ -61,7 +61,7 @@ impl Cholesky {
     }
 }
 
-/// The sum of products.
+/// The dot product.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

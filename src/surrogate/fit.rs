@@ -1,19 +1,20 @@
-//! The kernel that fits values best.
+//! Finds the kernel parameters that fit given values best.
 
 use super::kernel::Kernel;
 use super::process::Process;
 
-/// Points that the search looks at, at most: it takes the third power of their number in time.
+/// The most points that the parameter search uses, since its time grows with the cube of their number. Assumed.
 const SEARCHED: usize = 120;
-/// Factors by which a parameter is tried, one after another.
+/// Factors by which the search changes a parameter, coarse to fine, two rounds each. Assumed.
 const FACTORS: [f64; 3] = [3.0, 1.6, 1.2];
-/// Times that all parameters are gone through.
+/// Rounds over all parameters. Assumed.
 const ROUNDS: usize = 6;
 
-/// The process of these values, its kernel's parameters as likely as can be, found from those of `kernel` on.
+/// The process of `values` at `points`. Its kernel parameters have the highest posterior density that a search one
+/// parameter at a time finds from `kernel` on.
 ///
 /// # Panics
-/// Values or points are no numbers.
+/// A value or a coordinate is not a number.
 pub(crate) fn fit(kernel: Kernel, points: &[Vec<f64>], values: &[f64]) -> Process {
     let every = points.len().div_ceil(SEARCHED).max(1);
     let some: Vec<Vec<f64>> = points.iter().step_by(every).cloned().collect();
@@ -24,7 +25,7 @@ pub(crate) fn fit(kernel: Kernel, points: &[Vec<f64>], values: &[f64]) -> Proces
         let factor = FACTORS[(round / 2).min(FACTORS.len() - 1)];
         for parameter in 0..best.parameters().len() {
             for factor in [factor, factor.recip()] {
-                // The same way goes on while it is better.
+                // Repeats the step while it helps.
                 loop {
                     let mut other = best.clone();
                     *other.parameters()[parameter].0 *= factor;
@@ -37,7 +38,7 @@ pub(crate) fn fit(kernel: Kernel, points: &[Vec<f64>], values: &[f64]) -> Proces
             }
         }
     }
-    // More noise until rounding leaves the matrix positive.
+    // Doubles the noise until the covariance matrix stays positive definite despite rounding.
     loop {
         match Process::new(best.clone(), points, values) {
             Some(process) => return process.widened(),
@@ -47,7 +48,8 @@ pub(crate) fn fit(kernel: Kernel, points: &[Vec<f64>], values: &[f64]) -> Proces
     }
 }
 
-/// The logarithm of a kernel's likelihood, what is thought beforehand counted in.
+/// The logarithm of a kernel's posterior density, but for a constant: likelihood of the values times prior of the
+/// parameters.
 fn likely(kernel: &Kernel, points: &[Vec<f64>], values: &[f64]) -> f64 {
     let beforehand: f64 = kernel.clone().parameters().into_iter().map(|(value, prior)| prior.log_density(*value)).sum();
     let process = Process::new(kernel.clone(), points, values);
@@ -60,7 +62,7 @@ mod tests {
     use crate::random::{mix, unit};
     use crate::surrogate::Group;
 
-    /// Points in a box, and a function of them: a product of powers, the larger of two limits, and noise.
+    /// Points in a cube, and the function to fit: a linear term plus the larger of two terms, without noise.
     fn sample(first: u64, count: u64) -> (Vec<Vec<f64>>, Vec<f64>) {
         let point = |at: u64| -> Vec<f64> { (0..3).map(|input| unit(mix(at * 7 + input)) * 2.0 - 1.0).collect() };
         let points: Vec<Vec<f64>> = (first..first + count).map(point).collect();
@@ -124,7 +126,7 @@ mod tests {
         process.count_in((&b, &at_b), (&other, &mut found));
         let (more, any) = ([points, vec![a, b]].concat(), [values, vec![0.0; 2]].concat());
         let known = Process::new(process.kernel().clone(), &more, &any).unwrap().predict(&other);
-        // The one without intervals widened by residuals.
+        // The ratio of intervals with and without the factor from residuals.
         let width = process.predict(&other).deviation
             / Process::new(process.kernel().clone(), &more[..20], &any[..20]).unwrap().predict(&other).deviation;
         assert!((found.deviation / width / known.deviation - 1.0).abs() < 1e-6);

@@ -1,31 +1,31 @@
-//! How alike the values at two points are: a constant, a linear part and a smooth one.
+//! The covariance of the values at two points: a constant, a linear and a smooth part.
 
-/// Inputs that share a length: from one to the next so much further, the smooth part forgets.
+/// Inputs that share one slope and one length scale.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Group {
-    /// Places of the inputs.
+    /// Positions of the inputs in a point.
     pub(crate) inputs: std::ops::Range<usize>,
 }
 
-/// The parameters of a kernel; all are standard deviations and lengths, so above zero.
+/// The parameters of a kernel, all above zero: standard deviations, and length scales in units of the inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Kernel {
     /// Groups of inputs.
     pub(super) groups: Vec<Group>,
-    /// Of the constant part.
+    /// Standard deviation of the constant part.
     pub(super) constant: f64,
-    /// Of the smooth part.
+    /// Standard deviation of the smooth part.
     pub(super) smooth: f64,
-    /// Of what is not smooth: the values' own noise.
+    /// Standard deviation of the values' own noise.
     pub(super) noise: f64,
-    /// Slopes of the linear part, a group.
+    /// Standard deviation of the slopes of the linear part, one per group.
     pub(super) slopes: Vec<f64>,
-    /// Lengths of the smooth part, a group.
+    /// Length scale of the smooth part, one per group.
     pub(super) lengths: Vec<f64>,
 }
 
 impl Kernel {
-    /// A kernel of inputs in groups, before it was fitted.
+    /// A kernel with the parameters from which a fit starts. They are assumed.
     pub(crate) fn new(groups: Vec<Group>) -> Self {
         let each = |value: f64| vec![value; groups.len()];
         Self { constant: 2.0, smooth: 0.1, noise: 0.005, slopes: each(0.1), lengths: each(1.5), groups }
@@ -44,12 +44,13 @@ impl Kernel {
             linear += slope * slope * products;
             far += squares / (length * length);
         }
-        // Matern's kernel of order 5/2 (4.17): twice differentiable, as what queues do is not smoother.
+        // Matern's kernel of order 5/2 (4.17): twice differentiable. Contention for resources is assumed to be no
+        // smoother.
         let root = (5.0 * far).sqrt();
         linear + self.smooth * self.smooth * (1.0 + root + root * root / 3.0) * (-root).exp()
     }
 
-    /// The parameters that a fit changes.
+    /// The parameters that a fit changes, with their priors. Medians and spreads are assumed.
     pub(super) fn parameters(&mut self) -> Vec<(&mut f64, Prior)> {
         let Self { smooth, noise, slopes, lengths, .. } = self;
         let mut all = vec![(smooth, Prior { median: 0.1, spread: 1.0 }), (noise, Prior { median: 0.004, spread: 0.7 })];
@@ -59,12 +60,12 @@ impl Kernel {
     }
 }
 
-/// What is thought of a parameter beforehand: its logarithm is normal.
+/// The prior of a parameter: its logarithm is normal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Prior {
-    /// Its median.
+    /// The parameter's median.
     pub(super) median: f64,
-    /// The logarithm's standard deviation.
+    /// The standard deviation of the parameter's logarithm.
     pub(super) spread: f64,
 }
 

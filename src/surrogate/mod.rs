@@ -1,8 +1,8 @@
-//! Gaussian processes: what a smooth function of several inputs is between the points at which it is known, and how
-//! sure that is (Rasmussen and Williams 2006, "Gaussian Processes for Machine Learning"; section numbers in comments
-//! are theirs).
+//! Gaussian processes: expected value and standard deviation of a smooth function of several inputs between the points
+//! where it is known (Rasmussen and Williams 2006, "Gaussian Processes for Machine Learning"; comments cite its
+//! sections).
 //!
-//! Why no crate has this place: see "A Gaussian process of our own" in `docs/decisions/index.md`.
+//! Why no crate does this: see "A Gaussian process of our own" in `docs/decisions/index.md`.
 
 #![warn(unreachable_pub)]
 

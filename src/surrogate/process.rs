@@ -1,35 +1,37 @@
-//! A process given values at points: what it is elsewhere.
+//! A Gaussian process conditioned on values at points, and its predictions elsewhere.
 
 use super::cholesky::{Cholesky, dot};
 use super::kernel::Kernel;
 use crate::student::student;
 
-/// A process given values at points.
+/// A Gaussian process conditioned on values at points.
 #[derive(Clone, Debug)]
 pub(crate) struct Process {
     kernel: Kernel,
     points: Vec<Vec<f64>>,
     values: Vec<f64>,
     factor: Cholesky,
-    /// The covariances' inverse times the values.
+    /// The inverse of the covariance matrix times the values.
     weights: Vec<f64>,
-    /// How much wider intervals are than the process says, by its cross-validated residuals.
+    /// Factor by which intervals are wider than the process itself predicts, from its leave-one-out residuals; at
+    /// least 1.
     width: f64,
 }
 
-/// What a process is at a point.
+/// The prediction at a point.
 #[derive(Clone, Debug)]
 pub(crate) struct Prediction {
     /// The expected value.
     pub(crate) mean: f64,
     /// The standard deviation.
     pub(crate) deviation: f64,
-    /// What the point shares with the points known.
+    /// The covariances of the point with the known points, solved by the Cholesky factor.
     known: Vec<f64>,
 }
 
 impl Process {
-    /// The process with `kernel` and these values at these points; none if rounding loses it.
+    /// The process with `kernel` and these values at these points; `None` if rounding makes the covariance matrix not
+    /// positive definite.
     pub(super) fn new(kernel: Kernel, points: &[Vec<f64>], values: &[f64]) -> Option<Self> {
         let noise = kernel.noise * kernel.noise;
         let cell = |row: usize, column: usize| {
@@ -41,8 +43,7 @@ impl Process {
         Some(Self { kernel, points: points.to_vec(), values: values.to_vec(), factor, weights, width: 1.0 })
     }
 
-    /// The process with intervals as wide as its own cross-validated residuals want them, and never narrower than it
-    /// says itself.
+    /// Widens the intervals to fit the leave-one-out residuals, and never narrows them.
     pub(super) fn widened(mut self) -> Self {
         let left_out = self.left_out();
         let square = |((mean, deviation), value): (&(f64, f64), &f64)| ((value - mean) / deviation).powi(2);
@@ -51,7 +52,7 @@ impl Process {
         self
     }
 
-    /// Its kernel.
+    /// The process's kernel.
     pub(crate) fn kernel(&self) -> &Kernel {
         &self.kernel
     }
@@ -61,7 +62,7 @@ impl Process {
         -0.5 * (dot(&self.values, &self.weights) + self.factor.log_determinant())
     }
 
-    /// What the process is at a point: its value with noise.
+    /// Predicts the value at a point, with noise.
     pub(crate) fn predict(&self, point: &[f64]) -> Prediction {
         let shared: Vec<f64> = self.points.iter().map(|known| self.kernel.covariance(known, point)).collect();
         let known = self.factor.forward(&shared);
@@ -70,7 +71,7 @@ impl Process {
         Prediction { mean: dot(&shared, &self.weights), deviation: self.width * variance.sqrt(), known }
     }
 
-    /// The value at a point will be known, whatever it is: what is said of the one at `other` becomes surer.
+    /// Narrows the prediction at `other` as if the value at `point` were known. The mean stays as it is.
     pub(crate) fn count_in(
         &self,
         (point, at_point): (&[f64], &Prediction),
@@ -85,19 +86,19 @@ impl Process {
         }
     }
 
-    /// So many standard deviations on each side of the expected value hold 95 % of values: by Student's t, as there are
-    /// few residuals to know the width by.
+    /// Standard deviations on each side of the expected value that hold 95 % of values: by Student's t, since the
+    /// width comes from few residuals.
     pub(crate) fn student(&self) -> f64 {
         let freedom = self.values.len().saturating_sub(1).max(1) as f64;
         student(freedom)
     }
 
-    /// The error at each known value of the process without it, and the standard deviation that it has there.
+    /// The leave-one-out error at each known point, and the predicted standard deviation there.
     pub(crate) fn left_out_errors(&self) -> Vec<(f64, f64)> {
         self.left_out().iter().zip(&self.values).map(|((mean, deviation), value)| (mean - value, *deviation)).collect()
     }
 
-    /// Each known value as the process without it would have it: expected value and standard deviation (5.12).
+    /// Leave-one-out prediction of each known value: expected value and standard deviation (5.12).
     pub(super) fn left_out(&self) -> Vec<(f64, f64)> {
         let inverse = self.factor.inverse_diagonal();
         let of = |((value, weight), inverse): ((&f64, &f64), &f64)| {

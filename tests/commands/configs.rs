@@ -48,6 +48,23 @@ fn a_field_that_is_not_there_is_told_with_one_that_is() {
     ");
 }
 
+/// A name without `.ron` would stand for a shipped config of that name, and one that is no experiment's is refused later.
+#[test]
+fn a_new_file_has_a_name_that_it_can_be_used_by() {
+    let desk = Desk::new();
+    insta::assert_snapshot!(desk.refuses(&["new", "machine", "small", "--from", "desktop"]), @"");
+    insta::assert_snapshot!(desk.refuses(&["new", "experiment", "my run.ron"]), @"");
+    assert!(desk.contents().is_empty(), "nothing is written");
+}
+
+/// A folder of a shipped config's name is no config.
+#[test]
+fn a_name_is_a_shipped_config_beside_a_folder_of_that_name() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.path("small")).unwrap();
+    assert!(desk.prints(&["check", "small"]).contains("a machine file"));
+}
+
 #[test]
 fn a_new_file_runs_and_is_not_overwritten() {
     let desk = Desk::new();
@@ -57,7 +74,8 @@ fn a_new_file_runs_and_is_not_overwritten() {
         let file = format!("{kind}.ron");
         desk.prints(&["new", kind, "--from", from, &file]);
         let text = std::fs::read_to_string(desk.path(&file)).unwrap();
-        assert!(text.starts_with(&format!("// A {kind} that started as `{from}`.")), "{text}");
+        let note = text.strip_prefix("#![type = \"umbrasim::").and_then(|text| text.split_once("\n"));
+        assert!(note.unwrap().1.contains(&format!(" {kind} that started as `{from}`.")), "{text}");
         let message = desk.refuses(&["new", kind, "--from", from, &file]);
         assert!(message.contains("is there already"), "{message}");
         assert_eq!(std::fs::read_to_string(desk.path(&file)).unwrap(), text);

@@ -27,6 +27,41 @@ fn fields_of_experiment_and_machines_are_set_on_the_command_line() {
     assert!(cycles(&["--set", "traversal.cache.latency=90"]) > cycles(&[]));
 }
 
+/// Nothing of what is asked for is dropped, and no folder that is not there is passed over.
+#[test]
+fn what_contradicts_itself_is_refused() {
+    let desk = Desk::with_experiment();
+    desk.put_changed("other.ron", &super::common::machine(), "clock_mhz: 500", "clock_mhz: 600");
+    desk.put("sweep.ron", "(experiment: \"tiny.ron\", vary: {\"clock_mhz\": [400]})");
+    desk.put("named.ron", "(experiment: \"tiny.ron\", vary: {\"name\": [\"a\"]})");
+    desk.put("twice.ron", "(experiment: \"tiny.ron\", vary: {\"clock_mhz\": [400, 400]})");
+    desk.put(
+        "pareto.ron",
+        "(experiments: [(file: \"tiny.ron\"), (file: \"tiny.ron\")], machines: [\"small\"], rungs: [Bound])",
+    );
+    desk.put("sweep\nof.ron", "(experiment: \"tiny.ron\", vary: {\"clock_mhz\": [400]})");
+    desk.prints(&["trace", "tiny.ron", "-o", "s.rays", "--frames", "0..1"]);
+    for (args, said) in [
+        (&["replay", "s.rays", "--machine", "small.ron,other.ron"][..], "names two machines called `small`"),
+        (&["replay", "s.rays", "--machine", "small", "--set", "l2.ways=2", "--set", "l2.ways=4"], "`l2.ways` twice"),
+        (&["run", "tiny.ron", "--frames", "0..1", "--set", "frames=\"0..2\""], "`--frames` sets `frames` too"),
+        (&["pareto", "pareto.ron"], " of `tiny`"),
+        (&["sweep", "named.ron"], "`vary` has `name`"),
+        (&["sweep", "twice.ron"], "`vary` has `400` twice"),
+        (&["sweep", "sweep.ron", "--collect", "absent"], "--collect absent: there is no such folder"),
+        (&["sweep", "sweep.ron", "--shard", "1/2", "--shards", "2"], "--shards"),
+        (&["sweep", "sweep.ron", "--emit", "hq", "-", "--shards", "50"], "`--shards` is 50"),
+        (&["sweep", "sweep\nof.ron", "--emit", "hq", "-"], "control character"),
+        (&["profile", "s.rays", "--machine", "small", "--hot", "5"], "--sample"),
+        (&["stress", "--case", "C1,C1"], "the case `C1` is named twice"),
+    ] {
+        let told = desk.refuses(args);
+        assert!(told.contains(said), "{args:?}: {told}");
+    }
+    let script = desk.prints(&["sweep", "sweep.ron", "--emit", "hq", "-", "--threads", "7"]);
+    assert!(script.contains("#HQ --cpus=7") && script.contains("--threads 7 sweep"), "{script}");
+}
+
 #[test]
 fn several_machines_are_named_in_a_list() {
     let desk = Desk::with_experiment();

@@ -40,3 +40,11 @@ fn two_reports_are_compared() {
     assert!(desk.prints(&["diff", "a", "b", "--all"]).lines().count() > told.lines().count());
     assert!(desk.refuses(&["diff", "a", "none"]).contains("none/summary.json"));
 }
+
+#[test]
+fn an_inspection_fits_a_terminal() {
+    let desk = Desk::new();
+    let told = desk.prints(&["inspect", concat!(env!("CARGO_MANIFEST_DIR"), "/traces/quickstart.rays")]);
+    assert!(fits(&told, 80), "{told}");
+    insta::assert_snapshot!(told, @"");
+}

@@ -122,6 +122,20 @@ fn a_full_or_closed_standard_output_loses_nothing() {
     }
 }
 
+/// What is said on standard error is lost where that is full, and nothing else.
+#[test]
+fn a_full_standard_error_loses_nothing() {
+    let desk = desk();
+    let code = |args: &[&str]| {
+        let mut program = std::process::Command::new(assert_cmd::cargo::cargo_bin("umbrasim"));
+        let full = OpenOptions::new().write(true).open("/dev/full").unwrap();
+        program.args(args).current_dir(desk.path("")).stderr(full).stdout(Stdio::null()).status().unwrap().code()
+    };
+    assert_eq!(code(&["run", "tiny.ron", "--frames", "0..1", "--out", "r"]), Some(0));
+    assert!(desk.path("r/summary.json").is_file());
+    assert_eq!(code(&["inspect", "absent.rays"]), Some(2));
+}
+
 #[test]
 fn names_that_would_share_a_file_get_one_each() {
     let desk = desk();

@@ -63,6 +63,24 @@ fn a_sweep_over_changed_files_is_as_a_new_one() {
     }
 }
 
+/// What a link in a sweep's folder leads to is the user's.
+#[cfg(unix)]
+#[test]
+fn links_in_a_sweeps_folder_are_replaced_and_not_followed() {
+    let desk = desk();
+    let (table, _) = sweep(&desk, "sweep.ron", "s");
+    desk.put("mine.txt", "mine");
+    for part in ["points", "streams"] {
+        let file = kept(&desk, part).remove(0);
+        fs::remove_file(&file).unwrap();
+        std::os::unix::fs::symlink(desk.path("mine.txt"), &file).unwrap();
+        let (again, told) = sweep(&desk, "sweep.ron", "s");
+        assert!(again == table && told.contains("again"), "{told}");
+        assert!(!file.is_symlink(), "{}", file.display());
+        assert_eq!(fs::read(desk.path("mine.txt")).unwrap(), b"mine");
+    }
+}
+
 #[test]
 fn what_is_damaged_or_foreign_is_made_again_and_told() {
     let desk = desk();

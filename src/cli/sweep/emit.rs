@@ -7,6 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use super::quote::shell;
 use crate::output::OutputFile;
+use crate::report::format::counted;
 use crate::shipped;
 use crate::shipped::Kind;
 
@@ -48,6 +49,9 @@ impl Script {
             bail!("there is no engine `{}` for `--emit`: hq, slurm and snakemake are allowed", engine.display());
         };
         let shards = shards.map_or(points.clamp(1, engine.shards), usize::from);
+        if shards > points.max(1) {
+            bail!("`--shards` is {shards}: the sweep has {}", counted(points, "point"));
+        }
         if shards > engine.most {
             bail!("`--shards` is {shards}: `--emit {}` takes up to {}", engine.name, engine.most);
         }

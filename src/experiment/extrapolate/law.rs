@@ -1,16 +1,16 @@
-//! From figures of scale models to that of the large machine.
+//! Extrapolates a figure of the large machine from figures of its scale models.
 //!
-//! A scale model is off for two reasons, and both shrink with its cores. Rays of one pixel meet in one of its `n` cores
-//! with a probability of 1/n, where they share lines, but of 1/N in the large machine. And a burst takes N/n times as
-//! long. So figures are nearly lines over 1/n, and nothing of both is left at 1/N.
+//! A scale model has two errors, which shrink as its cores grow. Rays of one pixel are on the same one of `n` cores,
+//! and share its lines, with probability 1/n; in the large machine with 1/N. And a burst takes N/n times as long. So
+//! figures are nearly linear in 1/n, and both errors vanish at 1/N.
 
 use crate::report::extrapolate::Prediction;
 
-/// The figure of a machine with `cores`, from those of scale models of it: their cores, fewest first, and figures. It
-/// is not below `least`.
+/// Predicts the figure of a machine with `cores` cores from its scale models: their cores, in ascending order, and
+/// their figures. The prediction is at least `least`.
 ///
-/// The law is the line through the two largest models. The range reaches as far to both sides as other laws are away:
-/// the largest model as it is, and the line through the smallest and the largest.
+/// The law is the line through the two largest models. The range is symmetric; its half width is the largest distance
+/// to two other laws: the largest model as it is, and the line through the smallest and the largest.
 pub(super) fn predict(models: &[(u64, f64)], cores: u64, least: u64) -> Prediction {
     let points: Vec<(f64, f64)> =
         models.iter().rev().map(|&(model, figure)| (1.0 / model as f64 - 1.0 / cores as f64, figure)).collect();
@@ -31,7 +31,7 @@ fn at_zero((x, y): &(f64, f64), (other_x, other_y): &(f64, f64)) -> f64 {
 mod tests {
     use super::*;
 
-    /// Models of 1, 2 and 4 cores of one of 16.
+    /// Models with 1, 2 and 4 cores, of a machine with 16.
     fn models(law: impl Fn(f64) -> f64) -> Vec<(u64, f64)> {
         [1, 2, 4].map(|cores| (cores, law(1.0 / cores as f64))).to_vec()
     }
@@ -43,7 +43,7 @@ mod tests {
             let Prediction { value, low, high, .. } = predict(models, 16, 0);
             let truth = law(1.0 / 16.0);
             assert!((value - truth).abs() < 1e-9, "{value}");
-            // The largest model as it is: as far on the other side.
+            // The largest model as it is is one end of the range; the other end is as far away.
             assert!((high - law(0.25)).abs() < 1e-9 && (low - (2.0 * truth - law(0.25))).abs() < 1e-9, "{low} {high}");
         }
     }
@@ -55,7 +55,7 @@ mod tests {
             let Prediction { value, low, high, .. } = predict(&models(law), 16, 0);
             let truth = law(1.0 / 16.0);
             assert!(low <= truth && truth <= high, "{low} {truth} {high}");
-            // The line is off by the bend times the distances of both its models.
+            // The error of the line: the bend times the distances of both models.
             assert!((value - truth + bend * 0.1875 * 0.4375).abs() < 1e-9, "{value} {truth}");
         }
     }

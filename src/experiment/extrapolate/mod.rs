@@ -1,8 +1,8 @@
-//! A machine of many cores, from scale models of it with few.
+//! Predicts a machine of many cores from scale models with few.
 //!
-//! A model has `n` of the `N` cores and a share n/N of what is shared ([`MachineSpec::scale_model`]), and replays one
-//! of every N/n pixels. So each of its cores has as much to do as a core of the large machine, with as much behind it,
-//! and the model takes about as long; its bytes count N/n times.
+//! A model has `n` of the `N` cores and a share n/N of shared resources ([`MachineSpec::scale_model`]), and replays
+//! one of every N/n pixels. So each of its cores has the same load and the same shared resources as a core of the
+//! large machine, and the model takes about as many cycles; its bytes count N/n times.
 
 mod law;
 
@@ -18,22 +18,22 @@ use crate::report::extrapolate::{Extrapolation, Figures, ScaleModel};
 use crate::stats::MachineStats;
 use crate::stream::{Header, StreamReader, Structure};
 
-/// Units whose operations say how much of the stream a model replayed.
+/// Units whose operations measure how much of the stream's work a model replayed.
 const WORK: [Kind; 3] = [Kind::Traversal, Kind::List, Kind::Intersection];
 
-/// What is extrapolated.
+/// The input of an extrapolation.
 pub(crate) struct Task<'a> {
     /// The large machine.
     pub machine: &'a MachineSpec,
-    /// Cores of its models; see [`usual`] if none are given.
+    /// Cores of its models; if empty, those of [`usual`].
     pub models: &'a [u64],
-    /// What the models are replayed by.
+    /// The fidelity level of the models' replays.
     pub fidelity: Fidelity,
     /// Whether the large machine is replayed by `Event` too.
     pub checks: bool,
 }
 
-/// Predicts what a large machine takes for the stream at `path`.
+/// Predicts the figures of a large machine for the stream at `path`.
 ///
 /// # Errors
 /// The machine has no such models, the level cannot replay them, or a replay fails.
@@ -46,7 +46,7 @@ pub(crate) fn extrapolate(task: &Task<'_>, path: &Path) -> Result<Extrapolation,
     let bound = Job { machine, share: 1, fidelity: Fidelity::Bound };
     let truth = checks.then_some(Job { machine, share: 1, fidelity: Fidelity::Event });
     let scaled = models.iter().rev().map(|model| Job { machine: model, share: all / model.cores.get(), fidelity });
-    // The longest first.
+    // The longest job first.
     let jobs: Vec<Job<'_>> = truth.into_iter().chain([bound]).chain(scaled).collect();
     let bar = progress::bar("replaying", jobs.len(), "machines");
     let run = |job: &Job<'_>| job.run(&header, path).inspect(|_| bar.inc(1));
@@ -60,7 +60,7 @@ pub(crate) fn extrapolate(task: &Task<'_>, path: &Path) -> Result<Extrapolation,
     Ok(summary(task, &header, scaled, &whole, truth.as_ref()))
 }
 
-/// Refuses levels that measure no whole stream.
+/// Refuses levels that do not simulate a whole stream.
 fn check_level(fidelity: Fidelity) -> Result<(), SpecError> {
     match fidelity {
         Fidelity::Profile | Fidelity::Event | Fidelity::Cycle => Ok(()),
@@ -87,7 +87,8 @@ fn models(task: &Task<'_>) -> Result<Vec<MachineSpec>, SpecError> {
     cores.into_iter().map(|cores| machine.scale_model(cores)).collect()
 }
 
-/// Cores of the usual models of a machine with `all`: 2 and 4, twice as many of 64, and 1 and 2 of four or fewer.
+/// Cores of the default models of a machine with `all` cores: 1 and 2 up to 4 cores; else 2 and 4, or, from 48 cores
+/// on, all / 16 and twice that.
 fn usual(all: u64) -> Vec<u64> {
     let few = if all <= 4 { 1 } else { (all / 16).max(2) };
     vec![few, 2 * few]
@@ -96,7 +97,7 @@ fn usual(all: u64) -> Vec<u64> {
 /// A replay.
 struct Job<'a> {
     machine: &'a MachineSpec,
-    /// How many pixels one stands for.
+    /// The number of pixels that one replayed pixel represents.
     share: u64,
     fidelity: Fidelity,
 }
@@ -109,8 +110,8 @@ impl Job<'_> {
     }
 }
 
-/// What a model of the `large` machine stands for. Its pixels may have a little more to do than others: how much the
-/// `whole` stream has is counted.
+/// Scales a model's figures to the `large` machine. Its pixels may have more or less work than the others, so figures
+/// are scaled by the operations of the `whole` stream.
 fn stands_for(
     model: &MachineSpec,
     large: &MachineSpec,

@@ -1,4 +1,4 @@
-//! What a machine counts every so many cycles, as CSV.
+//! Writes a machine's counters at a fixed interval of cycles, as CSV.
 
 #[cfg(test)]
 mod tests;
@@ -12,14 +12,14 @@ use crate::report::run::{CountedColumn, counted_columns};
 use crate::stats::{FrameStats, MachineStats};
 use crate::stream::Header;
 
-/// Writes a row an interval. An interval ends with its frame, so that the rows of a frame sum to what it counted.
+/// Writes a row per interval. An interval ends with its frame, so that the rows of a frame sum to the frame's counts.
 pub(crate) struct IntervalExport {
     interval: u64,
-    /// Frames that warm up.
+    /// The warm-up frames.
     warmup: Vec<u32>,
-    /// The run up to the last row.
+    /// The counts up to the last row.
     before: MachineStats,
-    /// The columns, once the first row has told which parts there are.
+    /// The columns, known from the first row on: they depend on the machine's parts.
     columns: Vec<CountedColumn>,
     file: ExportFile,
 }
@@ -62,7 +62,7 @@ impl Observer for IntervalExport {
 
     fn counted(&mut self, frame: u32, stats: MachineStats) -> io::Result<()> {
         let mut own = stats.since(&self.before);
-        // Rays may not have moved yet.
+        // Before rays move there is no entry `fifos`, but its column is needed.
         own.bytes.entry("fifos".into()).or_default();
         let row = own.as_frame(frame, self.warmup.contains(&frame), 0);
         let begin = self.before.cycles.0;

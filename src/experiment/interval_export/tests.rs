@@ -1,4 +1,4 @@
-//! Rows of random machines.
+//! Checks the rows of random machines.
 
 use std::collections::BTreeMap;
 
@@ -21,7 +21,7 @@ fn rows_of_random_machines_sum_to_their_frames_and_both_engines_write_the_same()
         export.finish().map_err(|error| error.to_string())?;
         Ok::<_, String>((stats, std::fs::read_to_string(&path).map_err(|error| error.to_string())?))
     };
-    // A fault hid in 40 cases.
+    // 40 cases missed a fault.
     check_many(
         120,
         || (machines(), streams(), 0..2u32, 1..300u64),
@@ -59,7 +59,7 @@ fn rows_of_random_machines_sum_to_their_frames_and_both_engines_write_the_same()
     );
 }
 
-/// Where two tables differ first: the row, the column, and what stands there.
+/// The first difference of two tables: row, column and values.
 fn first_difference(found: &str, is: &str) -> Option<String> {
     let names: Vec<&str> = is.lines().next()?.split(',').collect();
     for (row, (found, is)) in found.lines().zip(is.lines()).enumerate() {

@@ -1,4 +1,4 @@
-//! What a machine does over time, in spans that grow with the frame.
+//! Records a machine's behaviour over time, in spans whose length grows with the frame.
 
 #[cfg(test)]
 mod tests;
@@ -10,27 +10,27 @@ use crate::report::run::Span;
 use crate::stats::MachineStats;
 use crate::stream::Header;
 
-/// Cycles of a frame's first spans.
+/// Initial length of a frame's spans, in cycles.
 const FIRST: u64 = 1024;
-/// A frame has fewer spans than this: where it gets as many, each two become one.
+/// A frame has fewer spans than this: at this number, pairs of spans are merged.
 const MOST: usize = 32;
 
-/// Watches a run; frames that warm up leave no spans.
+/// Records a run; warm-up frames leave no spans.
 pub(super) struct Recorder {
     warmup: Vec<u32>,
-    /// Cycles of a span of the frame in work.
+    /// Length of the current frame's spans, in cycles.
     interval: u64,
-    /// The first cycle of that frame.
+    /// The first cycle of the current frame.
     begin: u64,
-    /// Its spans.
+    /// The spans of the current frame.
     frame: Vec<Span>,
-    /// Those of the frames before.
+    /// The spans of earlier frames.
     done: Vec<Span>,
     before: MachineStats,
 }
 
 impl Recorder {
-    /// Of a run of a stream with this header.
+    /// A recorder for a run of a stream with this header.
     pub(super) fn new(header: &Header) -> Self {
         let (warmup, before) = (header.warmup.clone(), MachineStats::default());
         Self { warmup, interval: FIRST, begin: 0, frame: Vec::new(), done: Vec::new(), before }

@@ -5,7 +5,7 @@ use crate::engine::tests::recorded::{on, quickstart, shipped};
 use crate::replay::{Exact, Replay};
 use crate::stats::Cause;
 
-/// Spans of a frame follow one another, and add up to what the frame took; to watch changes nothing.
+/// Spans of a frame are contiguous and sum to the frame's figures; recording changes no result.
 #[test]
 fn spans_sum_to_their_frames() {
     let (header, stream) = quickstart();

@@ -1,20 +1,20 @@
-//! What a surrogate knows of a machine: its fields as numbers, and what its resources are asked for.
+//! The inputs of a surrogate for each design: fields as numbers, or the load of each resource.
 
 use super::figure::Figure;
 use crate::replay::Estimate;
 use crate::size;
 use crate::surrogate::Group;
 
-/// How far a resource that is used all the time is from one that is not used, where a field's values lie within 2.
+/// The input of a resource that is always busy; an idle one has 0, and the values of a numeric field span 2. Assumed.
 const SHARES: f64 = 3.0;
-/// An input that moves less is none.
+/// An input whose values span less is left out. Assumed.
 const MOVES: f64 = 0.01;
 
 /// A field's values as inputs.
 pub(super) enum Axis {
-    /// Numbers, by their logarithms if all are above zero, from -1 to 1.
+    /// Numbers, scaled from -1 to 1: by their logarithms if all are above zero.
     Amounts(Vec<f64>),
-    /// Names: an input each, but the first.
+    /// Names: one 0-or-1 input for each name but the first.
     Names(usize),
 }
 
@@ -31,7 +31,7 @@ impl Axis {
         Self::Amounts(scaled.iter().map(place).collect())
     }
 
-    /// The inputs of the value at `place`; those in the middle without one.
+    /// The inputs of the value at `place`; zeros for a design without the field.
     fn inputs(&self, place: Option<usize>) -> Vec<f64> {
         match self {
             Self::Amounts(places) => vec![place.map_or(0.0, |place| places[place])],
@@ -44,22 +44,22 @@ fn range(values: impl Iterator<Item = f64>) -> (f64, f64) {
     values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)))
 }
 
-/// What is known of all designs.
+/// What is known of all designs without a replay.
 pub(super) struct Known<'a> {
     /// The fields.
     pub(super) axes: &'a [Axis],
-    /// Of each design a place on each axis, or none where it does not have the field.
+    /// Of each design, its value's place on each axis; `None` where the design does not have the field.
     pub(super) places: &'a [Vec<Option<usize>>],
-    /// Of each design.
+    /// The estimate of each design.
     pub(super) estimates: &'a [Estimate],
 }
 
-/// Inputs of all designs, and their groups, which have a length each.
+/// Inputs of all designs, and their groups, each with its own length scale.
 pub(super) type Inputs = (Vec<Vec<f64>>, Vec<Group>);
 
 impl Known<'_> {
-    /// The inputs that explain by what a figure differs from its estimate. Cycles and energy: how busy each resource
-    /// is, as the busiest waits for the others. Bytes: the fields.
+    /// The inputs that explain how a figure differs from its estimate. Cycles and energy: the load of each resource,
+    /// since the busiest waits for the others. Bytes: the fields.
     pub(super) fn inputs(&self, figure: Figure) -> Inputs {
         let Self { axes, places, estimates } = *self;
         let mut blocks: Vec<Vec<Vec<f64>>> = Vec::new();
@@ -80,7 +80,7 @@ impl Known<'_> {
     }
 }
 
-/// Blocks as groups of inputs, without those that do not move.
+/// Makes each block a group of inputs; leaves out inputs that hardly change (see `MOVES`).
 fn grouped(blocks: &[Vec<Vec<f64>>], designs: usize) -> Inputs {
     let mut rows: Vec<Vec<f64>> = vec![Vec::new(); designs];
     let mut groups = Vec::new();

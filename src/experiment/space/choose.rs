@@ -1,4 +1,4 @@
-//! Which designs are replayed next: those that may be on the front, and those that least is known of.
+//! Chooses the designs to replay next: those that may be on the front, and those with the widest predictions.
 
 use super::figure::LEAST;
 use super::front::{beats, unbeaten};
@@ -8,14 +8,14 @@ use super::pool::Pool;
 struct Open {
     design: usize,
     expected: Compared,
-    /// Whether it may be on the front: no design that was replayed beats it, even if each of its figures is a standard
-    /// deviation below what is expected.
+    /// Whether it may be on the front: no replayed design beats it, even if each of its figures is one standard
+    /// deviation below its expected value.
     may_lead: bool,
-    /// Whether it is on the front if all is as expected.
+    /// Whether it is on the front if all figures have their expected values.
     leads: bool,
 }
 
-/// What designs are compared by.
+/// The figures by which designs are compared.
 #[derive(Clone)]
 struct Compared {
     /// Logarithms of the figures.
@@ -24,13 +24,13 @@ struct Compared {
 }
 
 impl Compared {
-    /// All of it, as [`beats`] wants it.
+    /// All figures, in the form that [`beats`] takes.
     fn all(&self) -> Vec<f64> {
         self.figures.iter().copied().chain([self.wrong as f64]).collect()
     }
 
-    /// By how much each of `others` is behind in some figure, as a logarithm: below zero where one of them is nowhere
-    /// behind, and infinite where all have more wrong pixels.
+    /// The least lead over any of `others`, as a logarithm: how far the other is behind in its worst figure. Below
+    /// zero where another design is behind in no figure; infinite where all others have more wrong pixels.
     fn ahead_of(&self, others: &[Self]) -> f64 {
         let behind = |other: &Self| {
             let behind = other.figures.iter().zip(&self.figures).map(|(other, own)| other - own);
@@ -40,14 +40,14 @@ impl Compared {
     }
 }
 
-/// The designs that were not replayed, by their prospects.
+/// The designs that were not replayed, and whether they may be on the front.
 pub(super) struct Prospects {
     open: Vec<Open>,
     replayed: Vec<Compared>,
 }
 
 impl Prospects {
-    /// Looks at all designs.
+    /// Sorts all designs into replayed and open ones.
     pub(super) fn new(pool: &Pool) -> Self {
         let (mut replayed, mut open, mut expected, mut at_best) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         for (at, design) in pool.designs.iter().enumerate() {
@@ -75,14 +75,15 @@ impl Prospects {
         Self { open: open.collect(), replayed }
     }
 
-    /// How many designs may be on the front and were not replayed.
+    /// The number of designs that may be on the front and were not replayed.
     pub(super) fn unsure(&self) -> usize {
         self.open.iter().filter(|open| open.may_lead || open.leads).count()
     }
 
-    /// Up to `count` designs to be replayed next. Each choice counts as known for those after it. One in `explore`
-    /// (none if that is 0) is taken wherever least is known; the others where the front is expected, or may be, and the
-    /// farthest from all that is known.
+    /// Chooses up to `count` designs to replay next; each choice counts as known for the following ones. Every
+    /// `explore`-th choice (none if `explore` is 0) goes to the design with the widest prediction. The others go first
+    /// to designs expected on the front, then to those that may be on it, with the largest lead over all known designs
+    /// first.
     pub(super) fn choose(&self, pool: &mut Pool, count: usize, explore: usize) -> Vec<usize> {
         let mut chosen: Vec<usize> = Vec::new();
         let mut known = self.replayed.clone();

@@ -3,7 +3,7 @@
 use crate::replay::Estimate;
 use crate::stats::MachineStats;
 
-/// What a figure is at least where its logarithm is taken.
+/// Lower limit of a figure before its logarithm is taken.
 pub(super) const LEAST: f64 = 1e-30;
 
 /// A figure that designs are compared by.
@@ -17,7 +17,7 @@ pub(super) enum Figure {
 impl Figure {
     pub(super) const ALL: [Self; 3] = [Self::Cycles, Self::DramBytes, Self::Joules];
 
-    /// Its name in files.
+    /// The figure's name in files.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Cycles => "cycles",
@@ -26,7 +26,7 @@ impl Figure {
         }
     }
 
-    /// What was measured; none of an energy that is not known.
+    /// The measured value; `None` if the energy is not known.
     pub(super) fn measured(self, stats: &MachineStats) -> Option<f64> {
         match self {
             Self::Cycles => Some(stats.cycles.0 as f64),
@@ -35,7 +35,7 @@ impl Figure {
         }
     }
 
-    /// What is estimated; 1 of an energy that is not known.
+    /// The estimated value; 1 if the energy is not known.
     pub(super) fn estimated(self, estimate: &Estimate) -> f64 {
         match self {
             Self::Cycles => estimate.cycles,

@@ -1,14 +1,14 @@
-//! Which of several designs no other beats in everything.
+//! The Pareto front: designs that no other design beats.
 
-/// Whether `a` is nowhere worse than `b`, and better somewhere; less is better.
+/// Whether `a` is in no figure worse than `b`, and in one better; less is better.
 pub(super) fn beats(a: &[f64], b: &[f64]) -> bool {
     let pairs = || a.iter().zip(b);
     pairs().all(|(a, b)| a <= b) && pairs().any(|(a, b)| a < b)
 }
 
-/// Which of `all` no other one beats.
+/// For each of `all`, whether no other one beats it.
 pub(super) fn unbeaten(all: &[Vec<f64>]) -> Vec<bool> {
-    // Whoever beats a design comes before it in this order, and is beaten by an unbeaten one if by any.
+    // In this order a design comes after all that beat it. If any design beats it, an unbeaten one does.
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by(|&a, &b| {
         let pairs = all[a].iter().zip(&all[b]).map(|(a, b)| a.total_cmp(b));

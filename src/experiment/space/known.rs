@@ -1,4 +1,4 @@
-//! What is known of every design for nearly nothing: from few passes over each stream.
+//! Estimates of every design at little cost: from few passes over each stream.
 
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -11,23 +11,24 @@ use crate::machine::MachineSpec;
 use crate::machine::shadow_cache::ShadowCacheSpec;
 use crate::replay::Estimate;
 
-/// The most passes over a stream for a machine of the experiment. With more, one must do for all.
+/// The most passes over a stream for each machine of the experiment. If more are needed without any shared field, one
+/// pass serves all. Assumed.
 const MOST: usize = 8;
 
-/// Which fields of a machine the machine of its pass has too, beside those that a pass must know.
+/// Which fields a machine shares with the machine of its pass, besides those that every pass needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Shared {
-    /// Those that say in which order accesses come: numbers of units, and of rays in them.
+    /// The fields that set the order of accesses: numbers of units, and of the rays in them.
     Order,
-    /// The number of traversal units, which says the most of the order.
+    /// The number of traversal units, which affects the order most.
     Traversal,
-    /// None.
+    /// No further field.
     Nothing,
 }
 
-/// The machine of the pass that tells of `machine`: as that one is where a pass must know it, such as the size of
-/// lines, the places of words and what the host moves, and where fields are `shared`; and as the experiment's machine
-/// `base` in what an estimate works out, such as sizes and times.
+/// The machine of the pass that estimates `machine`. It has `machine`'s values where every pass needs them (line size,
+/// layout of mode words, the host's traffic) and in the `shared` fields. It has `base`'s values in fields whose effect
+/// an estimate computes, such as sizes and latencies.
 fn reference(machine: &MachineSpec, base: &MachineSpec, shared: Shared) -> MachineSpec {
     let ShadowCacheSpec { count, latency, interval, contexts, width, cache, .. } = base.shadow_cache;
     let unit = ShadowCacheSpec { count, latency, interval, contexts, width, cache, ..machine.shadow_cache };
@@ -43,12 +44,12 @@ fn reference(machine: &MachineSpec, base: &MachineSpec, shared: Shared) -> Machi
         reference.intersection.count = machine.intersection.count;
         reference.shadow_cache.count = machine.shadow_cache.count;
     }
-    // Sizes of the one may not fit lines of the other.
+    // Sizes of `base` may not fit the line size of `machine`.
     if reference.check().is_ok() { reference } else { MachineSpec { name: base.name.clone(), ..machine.clone() } }
 }
 
-/// The machines of the passes that tell of `machines`, and of each machine the place of its own among them: as few as
-/// [`MOST`], so that their fields are shared as far as that allows.
+/// The machines of the passes that estimate `machines`, and for each machine the index of its pass. Shares the most
+/// fields that need no more than [`MOST`] passes.
 fn references(machines: &[MachineSpec], base: &MachineSpec) -> (Vec<MachineSpec>, Vec<usize>) {
     for shared in [Shared::Order, Shared::Traversal, Shared::Nothing] {
         let mut references: Vec<MachineSpec> = Vec::new();
@@ -67,8 +68,8 @@ fn references(machines: &[MachineSpec], base: &MachineSpec) -> (Vec<MachineSpec>
     (vec![base.clone()], vec![0; machines.len()])
 }
 
-/// Estimates of all `points`, which are of one machine of the experiment under one policy, and how many passes over the
-/// stream these took; passes that are kept in a folder are not made again.
+/// Estimates all `points`, which belong to one machine of the experiment under one policy. Returns also the number of
+/// passes over the stream. Passes that are kept in the folder are not made again.
 ///
 /// # Errors
 /// A pass fails, or `stop` was set.

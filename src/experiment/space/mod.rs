@@ -1,9 +1,8 @@
-//! Spaces of machines: few replays, chosen so that they tell of thousands of designs. A design is a machine under a
-//! policy.
+//! Spaces of machines: a few well-chosen replays predict thousands of designs. A design is a machine under a policy.
 //!
-//! A first set is spread evenly. What each resource of any machine is asked for is known from a pass over the stream.
-//! A surrogate learns what replays differ from that by, and says how sure it is. The designs that may be on the front
-//! are replayed next, until the budget is spent.
+//! The first set is spread evenly. Passes over the streams estimate the load of each resource of every machine. A
+//! surrogate learns how replays differ from these estimates, with intervals. Designs that may be on the front are
+//! replayed next, until the budget is spent.
 
 mod axes;
 mod choose;
@@ -29,10 +28,11 @@ use super::sweep::{
 use crate::output::ResultsFolder;
 use crate::report::space::{Size, SpaceSummary};
 
-/// Of the replays behind the first set, one in so many goes where least is known; of the last quarter of all, none.
+/// After the first set, every third replay goes to the design with the widest prediction; in the last quarter of the
+/// budget none does. Both are assumed.
 const EXPLORE: usize = 3;
 
-/// Runs or continues the space of the file `path`; its streams and points are kept in `folder`.
+/// Runs or continues the space of the file `path`; keeps its streams and points in `folder`.
 ///
 /// # Errors
 /// A file is wrong or cannot be written, a replay fails, or `stop` was set.
@@ -68,7 +68,7 @@ pub(crate) fn space(
     outcome::summary(&sweep, &pool, size, wrong)
 }
 
-/// What replays are made with.
+/// Everything that a replay needs.
 struct Bench<'a> {
     sweep: &'a Sweep,
     plan: &'a Plan,
@@ -82,7 +82,7 @@ impl Bench<'_> {
         self.sweep.space.map_or(0, |space| space.budget.size())
     }
 
-    /// All candidates, with what is known of each; and how many passes that took.
+    /// All candidates with their estimates, and the number of passes these took.
     fn pool(&self, candidates: &[Point], wrong: &[u64]) -> Result<(Pool, usize), SweepError> {
         let (mut points, mut estimates, mut passes) = (Vec::new(), Vec::new(), 0);
         let bar = progress::bar("finding what caches miss", candidates.len(), "designs");
@@ -97,7 +97,7 @@ impl Bench<'_> {
                 passes += more;
             }
         }
-        // A design is known by its machine in the experiment, its policy, and the values of its fields.
+        // A surrogate knows a design by its machine in the experiment, its policy, and the values of its fields.
         let names = [Axis::Names(self.sweep.experiment.machines.len()), Axis::Names(wrong.len())];
         let axes: Vec<Axis> = names.into_iter().chain(self.sweep.tried().map(Axis::new)).collect();
         let places = |(point, _): &(Point, u64)| -> Vec<Option<usize>> {
@@ -110,8 +110,7 @@ impl Bench<'_> {
         Ok((Pool::new(points, &known), passes))
     }
 
-    /// Replays the first set, and then what its results ask for, until the budget is spent. Returns how many replays
-    /// there were.
+    /// Replays the first set and then the chosen designs, until the budget is spent. Returns the number of replays.
     fn explore(&self, pool: &mut Pool) -> Result<usize, SweepError> {
         let first: FxHashSet<Key> = self.plan.points.iter().map(|point| point.key).collect();
         let is_first = |at: &usize| first.contains(&pool.designs[*at].point.key);
@@ -123,7 +122,7 @@ impl Bench<'_> {
             let left = self.budget().saturating_sub(done);
             let explore = if left * 4 > self.budget() { EXPLORE } else { 0 };
             let chosen = Prospects::new(pool).choose(pool, left.div_ceil(3), explore);
-            // Others of the batch were counted in: predictions are of what was known before.
+            // `choose` narrowed predictions as if the batch were known: predicts again from measured designs alone.
             pool.predict();
             if chosen.is_empty() {
                 break;
@@ -134,7 +133,7 @@ impl Bench<'_> {
         Ok(done)
     }
 
-    /// Replays designs, or takes the points that are kept.
+    /// Replays designs, or reads their points if these are kept.
     fn measure(&self, pool: &mut Pool, designs: &[usize], what: &str) -> Result<(), SweepError> {
         let wanted: Vec<Point> = designs.iter().map(|&design| pool.designs[design].point).collect();
         let subject = format!("space {} {}, {what}", self.sweep.experiment.spec.name, self.plan.identity());

@@ -1,4 +1,4 @@
-//! What was found, as a report has it.
+//! Builds the summary of a space for reports.
 
 use std::collections::BTreeMap;
 
@@ -79,7 +79,7 @@ fn mark_front(designs: &mut [Design]) {
     replayed.into_iter().zip(front).for_each(|(design, front)| design.front = front);
 }
 
-/// What each field does to each figure of the machines of each of the experiment's under each policy, from all designs,
+/// The effect of each field on each figure, for each machine of the experiment and each policy: from all designs,
 /// replayed or predicted.
 fn sensitivities(sweep: &Sweep, pool: &Pool, policies: &[PolicyPixels]) -> Vec<Sensitivity> {
     let mut series: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
@@ -116,16 +116,16 @@ fn sensitivities(sweep: &Sweep, pool: &Pool, policies: &[PolicyPixels]) -> Vec<S
     found
 }
 
-/// What a field does to a logarithm.
+/// The effect of a field on a figure's logarithm.
 struct Effect {
-    /// The values' places with the least and the most mean, less the mean of all.
+    /// The places of the values with the lowest and the highest mean, and that mean minus the overall mean.
     least: (usize, f64),
     most: (usize, f64),
     share: f64,
 }
 
 impl Effect {
-    /// Of designs with a value's place and a logarithm each; none without places.
+    /// From each design's place of its value and its logarithm; `None` without places.
     fn new(places: &[usize], logarithms: &[f64], values: usize) -> Option<Self> {
         let count = logarithms.len() as f64;
         let mean = logarithms.iter().sum::<f64>() / count;

@@ -1,4 +1,4 @@
-//! All designs: what is known of each, what was measured, and what a surrogate says of the others.
+//! All designs: their estimates, their measured figures, and the surrogates' predictions of the others.
 
 use rayon::prelude::*;
 
@@ -15,13 +15,13 @@ pub(super) struct Design {
     /// Wrong pixels of the policy.
     pub(super) wrong: u64,
     pub(super) estimate: Estimate,
-    /// Each figure, once it was replayed.
+    /// The figures, once the design was replayed.
     pub(super) measured: Option<Vec<f64>>,
-    /// What was predicted of each figure before it was replayed.
+    /// The predictions of its figures before the design was replayed.
     pub(super) foreseen: Option<Vec<Foreseen>>,
 }
 
-/// A figure as it is predicted: its logarithm is normal.
+/// A predicted figure: its logarithm is normal.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Foreseen {
     pub(super) mean: f64,
@@ -34,16 +34,16 @@ pub(super) struct Foreseen {
 pub(super) struct Pool {
     pub(super) designs: Vec<Design>,
     figures: Vec<Figure>,
-    /// What the surrogate of each of [`Figure::ALL`] knows of all designs.
+    /// The inputs of the surrogate of each of [`Figure::ALL`], for all designs.
     inputs: Vec<Inputs>,
-    /// The surrogate of each figure, as the last fit left it.
+    /// The surrogate of each figure, from the last fit.
     processes: Vec<Process>,
-    /// Of each design, what the surrogates say of it.
+    /// The predictions of each design.
     predictions: Vec<Vec<Prediction>>,
 }
 
 impl Pool {
-    /// Designs with what is known of each; a point comes with its policy's wrong pixels.
+    /// Designs with their estimates; a point comes with its policy's wrong pixels.
     pub(super) fn new(points: Vec<(Point, u64)>, known: &Known<'_>) -> Self {
         let design = |((point, wrong), estimate): ((Point, u64), &Estimate)| Design {
             point,
@@ -57,7 +57,7 @@ impl Pool {
         Self { designs, figures: Figure::ALL.to_vec(), inputs, processes: Vec::new(), predictions: Vec::new() }
     }
 
-    /// A design was replayed.
+    /// Enters the result of a design's replay.
     pub(super) fn measure(&mut self, design: usize, stats: &MachineStats) {
         self.figures.retain(|figure| figure.measured(stats).is_some());
         let foreseen = (!self.processes.is_empty()).then(|| self.foreseen(design));
@@ -71,7 +71,7 @@ impl Pool {
         &self.figures
     }
 
-    /// Fits the surrogates to all that was measured.
+    /// Fits the surrogates to all measured designs.
     pub(super) fn learn(&mut self) {
         let known = self.designs.iter().enumerate();
         let known: Vec<(usize, &Vec<f64>)> =
@@ -90,7 +90,7 @@ impl Pool {
         self.predict();
     }
 
-    /// Has the surrogates say of every design what they know by what was measured.
+    /// Predicts every design from the measured ones.
     pub(super) fn predict(&mut self) {
         let Self { processes, figures, inputs, .. } = self;
         let of = |design: usize, (process, figure): (&Process, &Figure)| {
@@ -100,7 +100,7 @@ impl Pool {
         self.predictions = (0..self.designs.len()).into_par_iter().map(predict).collect();
     }
 
-    /// What is said of each figure of a design: the logarithms' means and standard deviations.
+    /// The prediction of each figure of a design: mean and standard deviation of the logarithm.
     pub(super) fn logarithms(&self, design: usize) -> Vec<(f64, f64)> {
         let estimate = &self.designs[design].estimate;
         let of = |(figure, found): (&Figure, &Prediction)| {
@@ -109,7 +109,7 @@ impl Pool {
         self.figures.iter().zip(&self.predictions[design]).map(of).collect()
     }
 
-    /// What is said of each figure of a design.
+    /// The prediction of each figure of a design.
     pub(super) fn foreseen(&self, design: usize) -> Vec<Foreseen> {
         let of = |((mean, deviation), process): ((f64, f64), &Process)| {
             let half = process.student() * deviation;
@@ -118,14 +118,14 @@ impl Pool {
         self.logarithms(design).into_iter().zip(&self.processes).map(of).collect()
     }
 
-    /// The error of a figure's surrogate without the design itself at each measured one, as a logarithm, and half the
-    /// width of its 95 % interval.
+    /// The leave-one-out error of a figure's surrogate at each measured design, as a logarithm, and half the width of
+    /// its 95 % interval.
     pub(super) fn left_out(&self, figure: usize) -> Vec<(f64, f64)> {
         let process = &self.processes[figure];
         process.left_out_errors().into_iter().map(|(error, it)| (error, process.student() * it)).collect()
     }
 
-    /// A design will be known: what is said of others becomes surer.
+    /// Narrows the predictions of the other designs as if the chosen one were measured.
     pub(super) fn count_in(&mut self, chosen: usize) {
         let Self { processes, figures, inputs, predictions, .. } = self;
         let own = predictions[chosen].clone();

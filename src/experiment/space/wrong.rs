@@ -1,4 +1,4 @@
-//! Wrong pixels of policies: those whose shadows culling changed. No machine has a part in them.
+//! Wrong pixels of policies: those whose shadows culling changed. They do not depend on the machine.
 
 use std::convert::Infallible;
 use std::path::Path;
@@ -10,8 +10,7 @@ use super::super::sweep::{SweepError, kept};
 use crate::report::space::PolicyPixels;
 use crate::tracer::Tracer;
 
-/// Counts wrong pixels in the measured frames, or takes the counts that are kept in `folder` of streams that are known
-/// by `identity`.
+/// Counts wrong pixels in the measured frames, or reads the counts that `folder` keeps for the streams of `identity`.
 ///
 /// # Errors
 /// The counts cannot be kept, or `stop` was set.

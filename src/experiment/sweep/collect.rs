@@ -10,11 +10,11 @@ use super::points::{self, Refused};
 use super::shard::Shard;
 use crate::console;
 
-/// Copies the points of the plan that are not in `own`, but in one of `others`.
+/// Copies into `own` the points of the plan that only `others` have.
 ///
 /// # Errors
-/// A point is nowhere, or was made by another build of the program, or cannot be copied. `command` gives the command
-/// that makes a shard in a folder.
+/// A point is in none of the folders, was made by another build of the program, or cannot be copied. `command` gives
+/// the command that makes a shard in a folder.
 pub(super) fn collect(
     plan: &Plan,
     own: &Path,
@@ -66,7 +66,7 @@ pub(super) fn collect(
     Err(SweepError::Missing { missing: missing.len(), of: plan.points.len(), commands })
 }
 
-/// Commands that make the points `missing`: of the shards that have them, in the folders in which these were begun.
+/// Commands that make the points `missing`: one for each shard that has any, in the folder where the shard was begun.
 fn commands(
     plan: &Plan,
     missing: &[Point],

@@ -1,16 +1,16 @@
-//! Combinations of values, spread evenly: by a Sobol sequence.
+//! Draws combinations of values, spread evenly by a Sobol sequence.
 
 use rustc_hash::FxHashSet;
 
-/// Points of the sequence that are looked at, at most: as many as the crate's directions are made for.
+/// The most points of the sequence that are drawn: the limit of the crate's direction numbers.
 const DRAWN: u32 = 1 << 16;
-/// The most fields: dimensions of the sequence.
+/// The most fields, each a dimension of the sequence.
 pub(super) const MAX_FIELDS: usize = 200;
 
-/// Combinations of the places of values, each once, by the Sobol sequence of Joe and Kuo 2008 with the scrambling of
-/// Burley 2020; then those that the sequence did not meet, if they are few enough to be gone through.
+/// Draws combinations of value indices, each once, by the Sobol sequence of Joe and Kuo 2008 with the scrambling of
+/// Burley 2020. After the sequence come the combinations that it missed, if there are at most [`DRAWN`] in all.
 pub(super) struct Draw {
-    /// Values of each field.
+    /// Number of values of each field.
     sizes: Vec<usize>,
     all: u128,
     seen: FxHashSet<Vec<usize>>,
@@ -19,18 +19,18 @@ pub(super) struct Draw {
 }
 
 impl Draw {
-    /// Combinations of fields with so many values each.
+    /// Combinations of fields with the given numbers of values.
     pub(super) fn new(sizes: Vec<usize>) -> Self {
         let all = sizes.iter().fold(1u128, |all, &size| all.saturating_mul(size as u128));
         Self { sizes, all, seen: FxHashSet::default(), drawn: 0, counted: 0 }
     }
 
-    /// How many combinations there are.
+    /// The number of all combinations.
     pub(super) fn all(&self) -> u128 {
         self.all
     }
 
-    /// Combination `index` of those that are spread evenly: a Sobol sequence.
+    /// Point `index` of the Sobol sequence, as a combination.
     fn sampled(&self, index: u32) -> Vec<usize> {
         let place = |(dimension, &size): (usize, &usize)| {
             let at = f64::from(sobol_burley::sample(index, dimension as u32, 0));
@@ -39,7 +39,7 @@ impl Draw {
         self.sizes.iter().enumerate().map(place).collect()
     }
 
-    /// Combination `number`, the first field's value changing fastest.
+    /// Combination `number` of all; the first field's value changes fastest.
     fn numbered(&self, mut number: u128) -> Vec<usize> {
         let place = |&size: &usize| {
             let place = (number % size as u128) as usize;

@@ -11,7 +11,7 @@ use crate::stream::StreamError;
 /// Why a sweep ended without a result.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// The experiment cannot be had.
+    /// The experiment cannot be loaded.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
     /// A config is wrong.
@@ -41,14 +41,14 @@ pub enum SweepError {
         /// What the system said.
         source: std::io::Error,
     },
-    /// Points that a report needs are not there.
+    /// Points that a report needs are missing.
     #[error("{missing} of {of} points are missing. To make them:\n{}", commands.join("\n"))]
     Missing {
-        /// How many are missing.
+        /// The number of missing points.
         missing: usize,
-        /// How many the sweep has.
+        /// The number of points of the sweep.
         of: usize,
-        /// Commands that make them.
+        /// Commands that make the missing points.
         commands: Vec<String>,
     },
     /// Points were made by another build of the program.
@@ -60,14 +60,14 @@ pub enum SweepError {
     OtherBuild {
         /// The file of one of the points.
         path: PathBuf,
-        /// How many points there are of another build.
+        /// The number of points of the other build.
         points: usize,
-        /// How many the sweep has.
+        /// The number of points of the sweep.
         of: usize,
         /// The other build.
         build: String,
     },
-    /// Stopped: what was done is kept.
+    /// Stopped: points that are done are kept.
     #[error("stopped; the points done are kept, and the same command goes on with the others")]
     Stopped,
 }

@@ -1,5 +1,5 @@
-//! What is kept beside the points because it takes long to find, such as what a stream asks of machines: each in a file
-//! named by a hash of what it is of, with a checksum.
+//! Keeps results that take long to compute, such as estimates, beside the points. Each has a file named by a hash of
+//! its inputs, with a checksum.
 
 use std::path::Path;
 use std::{fmt, io};
@@ -15,24 +15,24 @@ use crate::input;
 use crate::json;
 use crate::output::{unlink, write_whole};
 
-/// The largest of these files, in bytes.
+/// The largest size of such a file, in bytes.
 const MAX_BYTES: u64 = 1 << 24;
 
-/// What a file holds.
+/// The content of a file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Kept<T> {
-    /// What it is of: its inputs, and the build of the program.
+    /// A hash of the inputs, and the build of the program.
     of: String,
-    /// XXH3 (128 bits) of what was found as compact JSON.
+    /// XXH3 (128 bits) of the result as compact JSON.
     checksum: String,
     found: T,
 }
 
-/// Takes what is kept in `folder` of these inputs, or finds and keeps it. `what` names it.
+/// Reads the result that `folder` keeps for `inputs`, or computes and keeps it. `what` names the kind of result.
 ///
 /// # Errors
-/// It cannot be found or kept.
+/// The result cannot be computed or kept.
 pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     folder: &Path,
     what: &str,

@@ -21,19 +21,19 @@ pub(crate) struct Listing {
 /// A point: a replay of a policy's stream on a machine.
 #[derive(Serialize)]
 pub(crate) struct Listed {
-    /// Its place in the plan, from 1.
+    /// The point's number in the plan, from 1.
     pub(crate) index: usize,
     /// The machine's name.
     pub(crate) machine: String,
     /// The policy's name.
     pub(crate) policy: String,
-    /// What the machine is replayed for.
+    /// The machine's role.
     pub(crate) role: &'static str,
-    /// Values of the fields that vary; none of a unit that the machine does not have in this role.
+    /// Values of the fields that vary, without those of a unit that the machine does not have in this role.
     pub(crate) fields: Map<String, Value>,
     /// A hash of the inputs of the replay.
     pub(crate) identity: String,
-    /// Expected cost, in rays that a replay without culling takes as long for.
+    /// Expected cost: the number of rays whose replay without culling takes as long.
     pub(crate) cost: u64,
 }
 
@@ -67,7 +67,7 @@ fn name(role: Role) -> &'static str {
     }
 }
 
-/// The fields' values in a machine. A machine without a shadow-cache unit has no fields of one.
+/// The fields' values in a machine, without those that do not exist in this role.
 fn values(machine: &MachineSpec, role: Role, fields: &[String]) -> Map<String, Value> {
     let has = |field: &&String| role.has_field(field);
     fields.iter().filter(has).filter_map(|field| Some((field.clone(), set::value(machine, field)?))).collect()

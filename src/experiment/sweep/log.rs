@@ -1,4 +1,4 @@
-//! How far a sweep is: a bar on a terminal, and lines in a log.
+//! Shows the progress of a sweep: a bar on a terminal, and lines in a log elsewhere.
 
 use std::io::{IsTerminal, stderr};
 use std::sync::{Mutex, PoisonError};
@@ -9,7 +9,7 @@ use crate::console::note;
 
 /// The time between two lines of a log.
 const INTERVAL: Duration = Duration::from_secs(30);
-/// An estimate needs so many points and so much time.
+/// Points done and time passed before the remaining time is estimated.
 const STABLE: (usize, Duration) = (3, Duration::from_secs(5));
 
 /// The progress of one process's points.
@@ -24,13 +24,13 @@ pub(super) struct Log {
 
 struct State {
     done: usize,
-    /// Cost of the points done and of those left.
+    /// Costs of the points done by this process, and of those left.
     cost: [u64; 2],
     told: Instant,
 }
 
 impl Log {
-    /// Begins: of `points`, those of the costs `left` are to be made.
+    /// Starts the progress of `points` points. `left` holds the costs of those that are not kept yet.
     pub(super) fn new(subject: String, points: usize, left: &[u64]) -> Self {
         let is_terminal = stderr().is_terminal();
         let begin = Instant::now();
@@ -43,7 +43,7 @@ impl Log {
         Self { subject, points, begin, bar, state }
     }
 
-    /// A point of this cost is done.
+    /// Counts a point of this cost as done.
     pub(super) fn done(&self, cost: u64) {
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         state.done += 1;
@@ -59,7 +59,7 @@ impl Log {
         }
     }
 
-    /// All points are done.
+    /// Ends the progress: all points are done.
     pub(super) fn finish(self) {
         match self.bar {
             Some(bar) => drop(bar),

@@ -1,4 +1,4 @@
-//! Makes points: those of a share that are not kept yet, several at a time, each by one process.
+//! Makes the points of a share that are not kept yet, several at a time, each by one process.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -19,10 +19,10 @@ use crate::output::Turn;
 use crate::replay::Fidelity;
 use crate::stats::MachineStats;
 
-/// How long a process waits for a point that another one makes before it looks again.
+/// Pause before a process looks again for a point that another process makes. Assumed.
 pub(super) const PAUSE: Duration = Duration::from_millis(50);
 
-/// Those of `share` that are to be made. What is damaged, or of another build, is told and made again.
+/// The points of `share` that are not kept. Damaged points and those of another build are reported and made again.
 pub(super) fn missing(share: &[Point], folder: &Path) -> Vec<Point> {
     let mut of_other_builds = 0;
     let is_missing = |point: &&Point| match points::read(folder, point.key) {
@@ -46,7 +46,7 @@ pub(super) fn missing(share: &[Point], folder: &Path) -> Vec<Point> {
     missing
 }
 
-/// Makes the points `wanted` and keeps them in `folder`. Points that another process makes are waited for.
+/// Makes the points `wanted`, keeps them in `folder`, and waits for those that other processes make.
 ///
 /// # Errors
 /// A replay fails, a point cannot be kept, or `stop` was set.
@@ -85,7 +85,7 @@ pub(super) struct Maker<'a> {
 }
 
 impl Maker<'_> {
-    /// Makes points, together where they share something. Returns those that other processes make.
+    /// Makes points, together where they share passes. Returns the points that other processes make.
     fn make_all<'p>(&self, points: &[&'p Point]) -> Result<Vec<&'p Point>, SweepError> {
         let (batches, alone) = self.batches(points)?;
         let mut elsewhere = Vec::new();
@@ -97,7 +97,7 @@ impl Maker<'_> {
         Ok(elsewhere)
     }
 
-    /// Makes a point that is not there. `false` while another process makes it.
+    /// Makes a point. Returns `false` while another process makes it.
     fn make(&self, point: &Point) -> Result<bool, SweepError> {
         let is_made = self.have(point)?;
         if is_made {
@@ -106,7 +106,7 @@ impl Maker<'_> {
         Ok(is_made)
     }
 
-    /// The same without a word in the log.
+    /// Makes a point without logging it. Returns `false` while another process makes it.
     pub(super) fn have(&self, point: &Point) -> Result<bool, SweepError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(SweepError::Stopped);
@@ -121,7 +121,7 @@ impl Maker<'_> {
         Ok(true)
     }
 
-    /// Whether a point is there: another process may have made it since it was looked for.
+    /// Whether a point is kept: another process may have made it in the meantime.
     pub(super) fn is_there(&self, point: &Point) -> bool {
         matches!(points::read(self.folder, point.key), Ok(Some(_)))
     }
@@ -131,13 +131,13 @@ impl Maker<'_> {
         Ok(point.role.machine(&self.sweep.machine(point.machine)?.spec))
     }
 
-    /// The level of a point's replay, which is compared with others.
+    /// The fidelity level of a point's replay, which is compared with other replays.
     pub(super) fn fidelity(&self, point: &Point) -> Fidelity {
         let fidelity = self.sweep.experiment.spec.fidelity;
         if point.baseline.is_some() { fidelity.compared() } else { fidelity.of_baseline() }
     }
 
-    /// Keeps what a point's replay measured.
+    /// Keeps the measurements of a point's replay.
     pub(super) fn keep(&self, point: &Point, stats: MachineStats) -> Result<(), SweepError> {
         let measured = Measured { stats, totals: self.streams[point.policy].totals };
         points::write(self.folder, point.key, measured)

@@ -1,8 +1,8 @@
-//! Sweeps: the same ray streams on many machines, which differ in named fields of their specs.
+//! Sweeps: the same ray streams on many machines that differ in named fields of their specs.
 //!
 //! Frames are traced once; every point is a replay. Streams and points are kept in files named by hashes of their
-//! inputs: a sweep that was stopped goes on, and ends with the same bytes. Processes share the work without talking to
-//! each other: each reads the same files, has the same plan, and makes its shard of the plan.
+//! inputs, so that a stopped sweep continues and ends with the same bytes. Processes share the work without
+//! communication: each reads the same files, computes the same plan, and makes its shard of the plan.
 
 mod collect;
 mod draw;
@@ -43,7 +43,7 @@ use crate::output::{ResultsFolder, SharedFolder};
 use crate::report::sweep::SweepSummary;
 use crate::ron_file;
 
-/// Runs or continues the sweep of the file `path`; its streams and points are kept in `folder`.
+/// Runs or continues the sweep of the file `path`; keeps its streams and points in `folder`.
 ///
 /// # Errors
 /// A file is wrong or cannot be written, a replay fails, or `stop` was set.
@@ -60,7 +60,7 @@ pub(crate) fn sweep(
     summary::summary(&sweep, &plan, &places.points)
 }
 
-/// Makes or continues a shard of the sweep of the file `path`. Returns how many points the shard has.
+/// Makes or continues a shard of the sweep of the file `path`. Returns the number of the shard's points.
 ///
 /// # Errors
 /// As [`sweep`].
@@ -76,7 +76,7 @@ pub(crate) fn shard(
     Ok(plan.share(shard).len())
 }
 
-/// Records the streams of the sweep of the file `path`, or finds them good.
+/// Records the streams of the sweep of the file `path`, or checks that they are complete.
 ///
 /// # Errors
 /// As [`sweep`].
@@ -93,11 +93,11 @@ pub(crate) fn record(
     Ok(())
 }
 
-/// Merges the points of `others`, folders of shards, into `folder`. `command` gives the command that makes a shard in a
-/// folder, for what is missing.
+/// Merges the points of `others`, folders of shards, into `folder`. For missing points, `command` gives the command
+/// that makes a shard in a folder.
 ///
 /// # Errors
-/// As [`sweep`]; points are missing, or are of another build of the program.
+/// As [`sweep`], or points are missing or of another build of the program.
 pub(crate) fn collect(
     path: &Path,
     level: ChosenLevel,
@@ -124,7 +124,7 @@ pub(crate) fn list(path: &Path, level: ChosenLevel) -> Result<Listing, SweepErro
     Listing::new(&sweep, &plan)
 }
 
-/// The replays that the sweep of the file `path` allows; none where its machines are no space.
+/// The number of replays that the sweep of the file `path` allows; `None` if its machines are not a space.
 ///
 /// # Errors
 /// The file is wrong.
@@ -165,8 +165,7 @@ fn costs(points: &[Point]) -> Vec<u64> {
     points.iter().map(|point| point.cost).collect()
 }
 
-/// Makes those of `points` that are not kept in `folder` yet, from streams that are there. `subject` names them in a
-/// log.
+/// Makes the points of `points` that `folder` does not keep yet, from recorded streams. `subject` names them in a log.
 ///
 /// # Errors
 /// A replay fails, a point cannot be kept, or `stop` was set.

@@ -1,4 +1,4 @@
-//! Where a sweep keeps what it has made, in its folder.
+//! The folders in which a sweep keeps its streams and points.
 
 use std::path::{Path, PathBuf};
 
@@ -6,25 +6,26 @@ use super::error::SweepError;
 use super::shard::Shard;
 use crate::output::{remove_leftovers, write_whole};
 
-/// The folders of a sweep in its own.
+/// The subfolders of a sweep's folder.
 pub(in super::super) struct Places {
     pub(in super::super) points: PathBuf,
     pub(in super::super) streams: PathBuf,
-    /// A file for each shard that was begun: by these a collector knows the commands that make what is missing.
+    /// A folder with a file for each shard that was begun. From these a collector derives the commands for missing
+    /// points.
     shards: PathBuf,
 }
 
 impl Places {
-    /// The places in `folder`.
+    /// The subfolders of `folder`.
     pub(in super::super) fn of(folder: &Path) -> Self {
         let [points, streams, shards] = ["points", "streams", "shards"].map(|part| folder.join(part));
         Self { points, streams, shards }
     }
 
-    /// Makes the folders that are not there, and removes what dead processes left in the others.
+    /// Makes missing folders, and removes what killed processes left in existing ones.
     ///
     /// # Errors
-    /// One cannot be made.
+    /// A folder cannot be made.
     pub(in super::super) fn make(&self) -> Result<(), SweepError> {
         [&self.points, &self.streams, &self.shards].into_iter().try_for_each(|part| {
             std::fs::create_dir_all(part).map_err(|source| SweepError::File { path: part.clone(), source })?;

@@ -1,4 +1,4 @@
-//! The points of a sweep: every replay that its report needs, once each, and what each is expected to cost.
+//! The points of a sweep: every replay that its report needs, once each, with its expected cost.
 
 use std::collections::{HashMap, HashSet};
 
@@ -19,14 +19,14 @@ pub(in super::super) struct Point {
     pub(in super::super) policy: usize,
     pub(in super::super) machine: usize,
     pub(in super::super) role: Role,
-    /// Expected cost, in rays that a replay without culling takes as long for.
+    /// Expected cost: the number of rays whose replay without culling takes as long.
     pub(in super::super) cost: u64,
-    /// The point that it is measured beside, where samples go on to a target; the point there is its own.
+    /// The point that is the baseline of this one, where samples have a target error. A baseline itself has none.
     pub(in super::super) baseline: Option<Key>,
 }
 
-/// All points of a sweep, in the order of its files; of a space its first set, from which the others are chosen. They
-/// depend on the sweep's inputs alone: every process that reads the same files has the same plan.
+/// All points of a sweep, in the order of its files; for a space, its first set. They depend on the sweep's inputs
+/// alone, so every process that reads the same files has the same plan.
 pub(in super::super) struct Plan {
     pub(in super::super) points: Vec<Point>,
     identities: Vec<Identity>,
@@ -34,7 +34,7 @@ pub(in super::super) struct Plan {
 }
 
 impl Plan {
-    /// The plan of a sweep whose policies have streams with these identities.
+    /// The plan of a sweep whose policies' streams have these identities.
     ///
     /// # Errors
     /// A machine cannot be made.
@@ -47,7 +47,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// All machines in these roles under these policies, each replay once.
+    /// The replays of all machines under these policies in these roles, each replay once.
     pub(in super::super) fn candidates(
         &self,
         sweep: &Sweep,
@@ -68,7 +68,7 @@ impl Plan {
         Ok(points)
     }
 
-    /// So many machines of each of the experiment's under each policy, the first ones of the space.
+    /// The first set of a space: for each machine of the experiment under each policy, the first `machines` variants.
     fn first_set(&self, sweep: &Sweep, machines: usize) -> Result<Vec<Point>, SweepError> {
         let mut taken: HashMap<(usize, usize), usize, FxBuildHasher> = HashMap::default();
         let mut is_first = |point: &Point| {
@@ -85,7 +85,7 @@ impl Plan {
         (0..self.identities.len()).map(|policy| (policy, role(policy))).collect()
     }
 
-    /// The key of the replay of a machine, whose number and spec are given.
+    /// The key of the replay of a machine, given by its number and spec.
     pub(in super::super) fn key(
         &self,
         sweep: &Sweep,
@@ -96,7 +96,7 @@ impl Plan {
         self.keys(sweep, (machine, spec), policy, role).0
     }
 
-    /// The key of the replay of a machine, and that of its baseline.
+    /// The key of the replay of a machine, and the key of its baseline if that is another replay.
     fn keys(
         &self,
         sweep: &Sweep,
@@ -117,7 +117,7 @@ impl Plan {
         }
     }
 
-    /// The policy that the others are measured against.
+    /// The index of the policy `Off`, the baseline of the others.
     pub(super) fn off(&self) -> usize {
         self.off
     }
@@ -134,12 +134,12 @@ impl Plan {
         std::iter::once((self.off, Role::WithoutUnit)).chain(of_policies)
     }
 
-    /// What the plan is known by: eight digits of a hash of all its keys.
+    /// The plan's identity: eight digits of a hash of all its keys.
     pub(in super::super) fn identity(&self) -> String {
         Key::of_all(self.points.iter().map(|point| point.key)).to_string().chars().take(8).collect()
     }
 
-    /// What all its streams are known by.
+    /// The identities of all its streams.
     pub(in super::super) fn streams(&self) -> String {
         self.identities.iter().map(|identity| identity.to_string()).collect::<Vec<_>>().join(" ")
     }
@@ -151,8 +151,9 @@ impl Plan {
         mine.map(|(point, _)| *point).collect()
     }
 
-    /// Which of `of` shards has each point. The costliest points are dealt first, each to the shard that has the least;
-    /// points of one cost are dealt in the order of their keys, which mixes machines and policies.
+    /// The shard of each point, with `of` shards. The costliest points are dealt first, each to the shard with the
+    /// least cost so far. Points of equal cost are dealt in the order of their keys, which mixes machines and
+    /// policies.
     pub(super) fn deal(&self, of: usize) -> Vec<usize> {
         let mut order: Vec<usize> = (0..self.points.len()).collect();
         order.sort_by(|&a, &b| {
@@ -170,15 +171,15 @@ impl Plan {
     }
 }
 
-/// Rays of a stream without culling, secondary ones not counted.
+/// Rays of a stream without culling, without secondary rays.
 fn rays(sweep: &Sweep) -> u64 {
     let experiment = &sweep.experiment;
     let pixels = experiment.spec.resolution.pixels() as u64 * experiment.frames.len() as u64;
     pixels * (1 + experiment.scene.light_count as u64)
 }
 
-/// What a replay costs, in tenths of one without culling: processor time of `Event`, BART kitchen, `Published`, mean of
-/// the machines `small` and `desktop`.
+/// The cost of a replay, in tenths of the cost without culling: processor time of `Event`, BART kitchen, `Published`,
+/// mean of the machines `small` and `desktop`.
 fn weight(role: Role) -> u64 {
     match role {
         Role::WithoutUnit => 10,

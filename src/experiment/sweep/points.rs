@@ -1,5 +1,5 @@
-//! Points that a sweep keeps: what replays measured, each in a file named by a hash of its inputs, with a checksum and
-//! the build of the program that made the point.
+//! The points that a sweep keeps: measurements of replays. Each has a file named by a hash of its inputs, with a
+//! checksum and the build of the program that made it.
 
 use std::fmt;
 use std::io;
@@ -20,19 +20,19 @@ use crate::stream::Totals;
 /// The largest file of a point, in bytes.
 const MAX_POINT_BYTES: u64 = 1 << 24;
 
-/// A hash of the inputs of a replay. A point depends on them and on the program's build alone.
+/// A hash of the inputs of a replay. A point depends only on these inputs and on the program's build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub(in super::super) struct Key(u128);
 
 impl Key {
-    /// A hash of many keys in order, as the identity of what has them.
+    /// A hash of several keys in order: the identity of a plan.
     pub(super) fn of_all(keys: impl Iterator<Item = Self>) -> Self {
         Self(xxh3_128(&keys.flat_map(|key| key.0.to_le_bytes()).collect::<Vec<u8>>()))
     }
 
-    /// The key of a replay of a stream, of which samples are cut alike, beside that of a baseline if there is one. A
-    /// machine's name changes no result.
+    /// The key of a replay: stream, fidelity level, cut of samples, machine, and baseline if there is one. Machine
+    /// names are left out, since they change no result.
     pub(super) fn new(
         stream: Identity,
         (fidelity, cut): (Fidelity, Option<Cut>),
@@ -70,7 +70,7 @@ impl TryFrom<String> for Key {
     }
 }
 
-/// What a replay measured, and what the tracer counted in the measured frames of its stream.
+/// The measurements of a replay, and the tracer's counts in the measured frames of its stream.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(in super::super) struct Measured {
@@ -78,25 +78,25 @@ pub(in super::super) struct Measured {
     pub(in super::super) totals: Totals,
 }
 
-/// A point as its file holds it.
+/// The content of a point's file.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Point {
     key: Key,
-    /// The build of the program that made it.
+    /// The build of the program that made the point.
     build: String,
-    /// XXH3 (128 bits) of what was measured as compact JSON.
+    /// XXH3 (128 bits) of the measurements as compact JSON.
     checksum: String,
     measured: Measured,
 }
 
-/// Why a point that is there is not taken.
+/// Why a kept point is refused.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Refused {
     /// Another build of the program made it.
     #[error("build {0} of the program made it")]
     OtherBuild(String),
-    /// Its file is not what was written.
+    /// The file's content is not what the program wrote.
     #[error("{0}")]
     Damaged(String),
 }
@@ -106,7 +106,7 @@ fn checksum(measured: &Measured) -> String {
     format!("{:032x}", xxh3_128(text.as_bytes()))
 }
 
-/// Reads a kept point; none if there is none. One that is refused is to be made again.
+/// Reads a kept point; `None` if there is none. A refused point must be made again.
 pub(super) fn read(folder: &Path, key: Key) -> Result<Option<Measured>, Refused> {
     let damaged = |why: &dyn fmt::Display| Refused::Damaged(why.to_string());
     let text = match input::read_text(&key.file(folder), MAX_POINT_BYTES) {

@@ -1,4 +1,4 @@
-//! A recorded stream replayed on a machine, unless it is stopped.
+//! Replays a recorded stream on a machine, with a way to stop.
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,7 @@ use crate::replay::{Cut, Estimate, Fidelity, Items, Replay, RunError, Source, St
 use crate::stats::MachineStats;
 use crate::stream::StreamError;
 
-/// A recorded stream that ends as one that is cut off does when it is stopped: the replay is thrown away.
+/// A recorded stream that ends early when it is stopped; the result of that replay is discarded.
 struct Stoppable<'a> {
     file: StreamFile<'a>,
     stop: &'a AtomicBool,
@@ -24,7 +24,7 @@ impl Source for Stoppable<'_> {
     }
 }
 
-/// Replays a recorded stream on a machine; samples are cut as is said, or as the machine asks for.
+/// Replays a recorded stream on a machine. Samples are cut as `cut` says; by default as the machine requires.
 ///
 /// # Errors
 /// The replay is stopped or fails.
@@ -39,8 +39,7 @@ pub(crate) fn replay(
     told(replayed, machine, stream, stop)
 }
 
-/// What each of `machines` takes for a recorded stream, roughly, by a pass on `reference`, unless that is kept in
-/// `folder`.
+/// Estimates of `machines` on a recorded stream, from a pass on `reference`, unless `folder` keeps them.
 ///
 /// # Errors
 /// The pass is stopped or fails.
@@ -51,7 +50,7 @@ pub(in super::super) fn estimates(
     (folder, stop): (&Path, &AtomicBool),
 ) -> Result<Vec<Estimate>, SweepError> {
     let specs = json::line(&(reference, machines)).expect("plain data, which JSON can hold");
-    // A stream's file is named by its inputs.
+    // The name of a stream's file is a hash of its inputs.
     let inputs = format!("{} {specs}", stream.path.file_name().unwrap_or_default().display());
     kept(folder, "estimates", &inputs, || {
         let replay = replay_of(reference, stream);
@@ -60,7 +59,7 @@ pub(in super::super) fn estimates(
     })
 }
 
-/// Samples a recorded stream for several machines on the same passes, where that is what the level does.
+/// Samples a recorded stream for several machines on the same passes, if the fidelity level samples.
 pub(super) struct Shared<'a> {
     together: Together<'a>,
     stream: &'a Recorded,
@@ -68,7 +67,7 @@ pub(super) struct Shared<'a> {
 }
 
 impl<'a> Shared<'a> {
-    /// None where nothing is sampled.
+    /// `None` if the level does not sample.
     pub(super) fn of(
         (fidelity, cut): (Fidelity, Option<Cut>),
         baseline: Option<(&'a MachineSpec, &'a MachineStats)>,
@@ -79,7 +78,7 @@ impl<'a> Shared<'a> {
         together.samples().then_some(Self { together, stream, stop })
     }
 
-    /// The sample of each machine, or what says that everything is to be replayed.
+    /// The sample of each machine, or the verdict that its whole stream is to be replayed.
     ///
     /// # Errors
     /// Sampling is stopped or fails.
@@ -94,7 +93,7 @@ impl<'a> Shared<'a> {
         sampled.map(|(verdict, machine)| told(verdict, machine, self.stream, self.stop)).collect()
     }
 
-    /// The statistics of a machine: of its sample, or of a replay of everything.
+    /// The statistics of a machine: from its sample, or from a replay of the whole stream.
     ///
     /// # Errors
     /// The replay is stopped or fails.

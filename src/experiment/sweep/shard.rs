@@ -1,4 +1,4 @@
-//! A shard: one of several shares of a sweep's points, of about even cost.
+//! A shard: one of several shares of a sweep's points, of about equal cost.
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,17 +17,17 @@ impl Shard {
     /// The only shard: everything.
     pub(super) const WHOLE: Self = Self { index: 0, of: 1 };
 
-    /// All shards, of which there are `of`.
+    /// All shards of a division into `of`.
     pub(super) fn all(of: usize) -> impl Iterator<Item = Self> {
         (0..of).map(move |index| Self { index, of })
     }
 
-    /// Its place, from 0.
+    /// The shard's index, from 0.
     pub(super) fn index(self) -> usize {
         self.index
     }
 
-    /// How many shards there are.
+    /// The number of shards.
     pub(super) fn of(self) -> usize {
         self.of
     }

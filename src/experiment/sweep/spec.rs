@@ -1,4 +1,4 @@
-//! A sweep's file, and the machines that it makes of an experiment's.
+//! A sweep's spec, and the machines that it derives from an experiment's machines.
 
 use std::path::{Path, PathBuf};
 
@@ -53,7 +53,7 @@ pub(crate) struct SweepSpec {
 }
 
 impl SweepSpec {
-    /// The replays that a space allows; none where the machines are no space.
+    /// The number of replays that a space allows; `None` if the machines are not a space.
     pub(super) fn budget(&self) -> Option<usize> {
         match self.points {
             Points::Space(space) => Some(space.budget.size()),
@@ -62,12 +62,12 @@ impl SweepSpec {
     }
 }
 
-/// What the command line sets in place of a sweep's file.
+/// What the command line sets in place of the sweep's file.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct ChosenLevel {
     /// The fidelity level.
     pub(crate) fidelity: Option<Fidelity>,
-    /// Sample until the intervals are within this share.
+    /// The target error: samples grow until the intervals are within this share.
     pub(crate) target_error: Option<Share>,
 }
 
@@ -100,32 +100,32 @@ fn machines_of_a_space() -> Within<2, 10_000> {
 
 /// A sweep with everything that its files name.
 pub(in super::super) struct Sweep {
-    /// The sweep's file, beside which files lie that `vary` names.
+    /// The sweep's file. Paths in `vary` are relative to its folder.
     path: PathBuf,
     pub(in super::super) experiment: Experiment,
     fields: Vec<Field>,
-    /// All machines, in the order of the files: no two of them are the same.
+    /// All machines, in the order of the files, without duplicates.
     machines: Vec<Combination>,
-    /// Where the machines are a space.
+    /// The spec of the space, if the machines are one.
     pub(in super::super) space: Option<SpaceSpec>,
-    /// Combinations, and those that are no machines.
+    /// The number of combinations, and of those that are invalid machines.
     pub(in super::super) combined: Combined,
-    /// How samples cut streams, for each of the experiment's machines: alike for all that are made of it, so that what
-    /// a field changes is told window by window. Empty where nothing is sampled.
+    /// The cut of samples for each of the experiment's machines. All machines derived from it share the cut, so that
+    /// the effect of a field can be compared window by window. Empty where nothing is sampled.
     cuts: Vec<Cut>,
-    /// For each of the experiment's machines, the one that the others made of it are measured beside: the first. Empty
-    /// where no sample goes on to a target.
+    /// For each of the experiment's machines, the baseline of those derived from it: the first of them. Empty where
+    /// samples have no target error.
     baselines: Vec<MachineSpec>,
 }
 
 /// Combinations of values in a space.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct Combined {
-    /// All that there are, for one machine of the experiment.
+    /// The number of all combinations, for one machine of the experiment.
     pub(in super::super) all: u128,
-    /// Those that were drawn and are no machines, since values do not fit each other.
+    /// The number of drawn combinations that are invalid, since their values do not fit together.
     pub(in super::super) left_out: usize,
-    /// Why the first of them is none.
+    /// Why the first invalid combination is invalid.
     pub(in super::super) why: Option<String>,
 }
 
@@ -135,10 +135,10 @@ struct Field {
     values: Vec<String>,
 }
 
-/// A machine of the experiment, and the places of the values that it gets.
+/// A machine of the experiment, and the values that some of its fields get.
 struct Combination {
     base: usize,
-    /// A field, and one of its values.
+    /// Indices of a field and of one of its values.
     values: Vec<(usize, usize)>,
 }
 
@@ -223,60 +223,60 @@ impl Sweep {
         self.fields.iter().map(|field| field.path.as_str())
     }
 
-    /// How many machines are replayed under each policy of a space before any is chosen by what the others told; none
-    /// where the machines are no space.
+    /// The number of machines in a space's first set, per machine of the experiment and policy; `None` if the machines
+    /// are not a space.
     pub(in super::super) fn first_set(&self) -> Option<usize> {
         let series = self.experiment.machines.len() * self.experiment.spec.policies.len();
         self.space.map(|space| (space.budget.size() / 2 / series.max(1)).max(1))
     }
 
-    /// The number of a machine's base among the experiment's machines.
+    /// The index of a machine's base among the experiment's machines.
     pub(in super::super) fn base(&self, index: usize) -> usize {
         self.machines[index].base
     }
 
-    /// How samples for a machine cut streams; none where nothing is sampled.
+    /// The cut of a machine's samples; `None` if nothing is sampled.
     pub(in super::super) fn cut(&self, index: usize) -> Option<Cut> {
         self.cuts.get(self.base(index)).copied()
     }
 
-    /// What a machine is measured beside; none where no sample goes on to a target.
+    /// The baseline of a machine; `None` if samples have no target error.
     pub(in super::super) fn baseline(&self, index: usize) -> Option<&MachineSpec> {
         self.baselines.get(self.base(index))
     }
 
-    /// The first machine that is made of one of the experiment's.
+    /// The first machine that is derived from machine `base` of the experiment.
     pub(in super::super) fn first(&self, base: usize) -> usize {
         self.machines.iter().position(|machine| machine.base == base).unwrap_or_default()
     }
 
-    /// Whether a machine has no other values than its file.
+    /// Whether a machine has only the values of its file.
     pub(in super::super) fn is_as_in_its_file(&self, index: usize) -> bool {
         self.machines[index].values.is_empty()
     }
 
-    /// The places that a machine's values have among those that its fields are tried with.
+    /// The indices of a machine's values among those tried for its fields.
     pub(in super::super) fn places(&self, index: usize) -> impl Iterator<Item = usize> {
         self.machines[index].values.iter().map(|(_, place)| *place)
     }
 
-    /// The values that the fields are tried with.
+    /// The values tried for each field.
     pub(in super::super) fn tried(&self) -> impl Iterator<Item = &[String]> {
         self.fields.iter().map(|field| field.values.as_slice())
     }
 
-    /// How many machines there are.
+    /// The number of machines.
     pub(in super::super) fn len(&self) -> usize {
         self.machines.len()
     }
 
-    /// A machine. It was checked when the sweep was read.
+    /// Builds a machine. Reading the sweep has checked it.
     pub(in super::super) fn machine(&self, index: usize) -> Result<Machine, SweepError> {
         let made = self.make(&self.machines[index]);
         made.map_err(|what| ConfigError::Content { path: self.path.clone(), what }.into())
     }
 
-    /// Finds all machines. A value that a machine has already makes no machine of its own.
+    /// Finds all machines. A value that a machine's file already has gives no further machine.
     fn combine(&mut self, points: Points) -> Result<(), String> {
         if self.experiment.machines.is_empty() {
             return Err(format!("the experiment `{}` has no machines", self.experiment.spec.name));
@@ -326,7 +326,7 @@ impl Sweep {
         }
     }
 
-    /// Draws the machines of a space: as many of each of the experiment's.
+    /// Draws the machines of a space: the same number for each of the experiment's machines.
     fn draw(&mut self, space: SpaceSpec) -> Result<(), String> {
         self.space = Some(space);
         if self.fields.len() > MAX_FIELDS {
@@ -373,7 +373,7 @@ impl Sweep {
         Ok(())
     }
 
-    /// Sets each value alone: what is no field, or no value of one, is refused before combinations are tried.
+    /// Sets each value alone, so that an unknown field or a bad value is refused before combinations are tried.
     fn try_each_value(&self) -> Result<(), String> {
         for (name, base) in self.experiment.machines.iter() {
             for Field { path, values } in &self.fields {

@@ -1,4 +1,4 @@
-//! The ray streams of an experiment, kept in files named by all that they depend on.
+//! The ray streams of an experiment, kept in files named by hashes of their inputs.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -18,22 +18,22 @@ use crate::output::unlink;
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};
 use crate::tracer::Tracer;
 
-/// What the turn to record streams is taken at, in their folder.
+/// Name of the lock for recording streams, in their folder.
 const RECORDING: &str = "recording";
-/// How long a process that waits for its turn waits before it tries again.
+/// Pause between attempts to take the lock. Assumed.
 const PAUSE: Duration = Duration::from_millis(100);
 
-/// A hash of everything that the program is built from.
+/// A hash of all inputs of the program's build.
 pub(in super::super) const BUILD: &str = env!("UMBRASIM_BUILD");
 
-/// A hash of the inputs of a stream: its header, in which the specs and the files of the scene are, and what the
-/// policies that are traced beside the stream need.
+/// A hash of the inputs of a stream: its header, which covers the specs and the scene's files, and the needs of all
+/// policies that are traced together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) struct Identity(u128);
 
 impl Identity {
     fn new(header: &Header, policies: &[Box<dyn Policy>]) -> Self {
-        // What one policy needs changes how all streams are cut into chunks.
+        // The needs of one policy change how all streams are cut into chunks.
         let needs: Vec<String> = policies.iter().map(|policy| format!("{:?}", policy.needs())).collect();
         let mut needs: Vec<&String> = needs.iter().collect();
         needs.sort();
@@ -42,7 +42,7 @@ impl Identity {
         Self(xxh3_128(all.expect("plain data, which JSON can hold").as_bytes()))
     }
 
-    /// The name of the stream's file: another build may make another stream of the same inputs.
+    /// The name of the stream's file. It depends on the build, which may make another stream of the same inputs.
     fn file(self) -> String {
         format!("{:032x}.rays", xxh3_128(format!("{self}{BUILD}").as_bytes()))
     }
@@ -65,7 +65,7 @@ pub(in super::super) struct Streams<'a> {
     pub(in super::super) identities: Vec<Identity>,
 }
 
-/// A recorded stream and what the tracer counted in its measured frames.
+/// A recorded stream, and the tracer's counts in its measured frames.
 pub(in super::super) struct Recorded {
     pub(crate) path: PathBuf,
     pub(crate) header: Header,
@@ -74,7 +74,7 @@ pub(in super::super) struct Recorded {
 }
 
 impl Recorded {
-    /// The rays of all its frames, skipped ones included.
+    /// The rays of all its frames, warm-up frames included.
     pub(crate) fn rays(&self) -> u64 {
         self.rays
     }
@@ -90,7 +90,7 @@ impl Recorded {
 }
 
 impl<'a> Streams<'a> {
-    /// The streams of an experiment, whose files lie in `folder`.
+    /// The streams of an experiment; `folder` holds their files.
     pub(in super::super) fn new(experiment: &'a Experiment, folder: &Path) -> Self {
         let scene = &experiment.scene;
         let first = scene.animation.frame(experiment.frames[0]);
@@ -111,9 +111,8 @@ impl<'a> Streams<'a> {
         Self { experiment, tracer, policies, headers, paths, folder: folder.into(), identities }
     }
 
-    /// Takes the streams that are there, and records the others. Those that are `wanted`, by policy, are read whole
-    /// first, so that a damaged one is noticed before a replay. One process records in a folder, and others wait for
-    /// its streams.
+    /// Records missing streams. First reads the streams that `wanted` selects (by policy) completely, so that a
+    /// damaged one is found before a replay. Only one process records in a folder; others wait for its streams.
     pub(in super::super) fn have(
         mut self,
         wanted: impl Fn(usize) -> bool,
@@ -134,8 +133,8 @@ impl<'a> Streams<'a> {
         Ok(self.paths.iter().map(read).collect::<Result<_, _>>()?)
     }
 
-    /// Tells of streams in the folder that are not of these inputs: they may be large, and only their user knows
-    /// whether another sweep wants them.
+    /// Reports streams in the folder that do not belong to this experiment. They may be large, and only the user knows
+    /// whether another sweep needs them.
     fn tell_unread(&self) {
         let entries = std::fs::read_dir(&self.folder).into_iter().flatten().flatten();
         let unread = entries.filter(|entry| {
@@ -152,7 +151,7 @@ impl<'a> Streams<'a> {
         }
     }
 
-    /// Waits until no other process records here.
+    /// Waits until no other process records in the folder.
     fn wait_for_turn(&self, stop: &AtomicBool) -> Result<Turn, SweepError> {
         console::tell(format_args!(
             "another process records the streams in {}: this one waits for them",
@@ -169,7 +168,7 @@ impl<'a> Streams<'a> {
         }
     }
 
-    /// Whether a policy's stream is there and what it should be; `whole` reads all of it.
+    /// Whether a policy's stream is in the folder and has the right header; `whole` checks all of its content.
     fn is_there(&self, policy: usize, whole: bool) -> bool {
         let (path, header) = (&self.paths[policy], &self.headers[policy]);
         if path.symlink_metadata().is_err() {
@@ -187,7 +186,7 @@ impl<'a> Streams<'a> {
         false
     }
 
-    /// Traces all frames and writes the streams of the policies for which `is_missing` is set.
+    /// Traces all frames, and writes the streams of policies whose `is_missing` is true.
     fn record(&mut self, is_missing: &[bool], stop: &AtomicBool) -> Result<(), SweepError> {
         if !is_missing.contains(&true) {
             return Ok(());

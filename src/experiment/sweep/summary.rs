@@ -1,4 +1,4 @@
-//! What a sweep found, from its points: read one after another, so that memory does not grow with them.
+//! Summarises a sweep from its points, which are read one after another to limit memory.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -16,12 +16,12 @@ use crate::stats::MachineStats;
 /// The summary of a sweep whose points are all in `folder`.
 ///
 /// # Errors
-/// A point is not there any more.
+/// A point is missing.
 pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<SweepSummary, SweepError> {
     let experiment = &sweep.experiment;
     let names: Vec<&str> = experiment.policy_names().collect();
     let mut found = Vec::new();
-    // By machine of the experiment and policy, what it measured as in its file.
+    // Measurements with the values of the machine's file, by machine of the experiment and policy.
     let mut own: HashMap<(usize, usize), MachineStats, FxBuildHasher> = HashMap::default();
     for at in (0..sweep.len()).filter(|&at| sweep.is_as_in_its_file(at)) {
         for policy in plan.culling() {
@@ -57,7 +57,7 @@ pub(super) fn summary(sweep: &Sweep, plan: &Plan, folder: &Path) -> Result<Sweep
     })
 }
 
-/// A point that was made or found good.
+/// Reads a point that was made or checked before.
 pub(in super::super) fn read(folder: &Path, key: Key) -> Result<Measured, SweepError> {
     let failed = |why: String| SweepError::File { path: key.file(folder), source: std::io::Error::other(why) };
     let point = points::read(folder, key).map_err(|why| failed(why.to_string()))?;

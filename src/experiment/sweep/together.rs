@@ -1,4 +1,4 @@
-//! Points that are sampled together: those of one stream and of machines that cut it alike, beside one baseline.
+//! Points that are sampled together: those of one stream, with machines that cut it alike, and one baseline.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::Ordering;
@@ -15,8 +15,8 @@ use crate::machine::MachineSpec;
 use crate::output::Turn;
 use crate::stats::MachineStats;
 
-/// Points that share a pass at most: so many machines' tags and windows are in memory, and so many points are lost when
-/// a sweep is killed.
+/// The most points that share a pass. All their machines' tags and windows are in memory, and all these points are
+/// lost when the process is killed. Assumed.
 const MOST: usize = 32;
 
 /// Points that share their passes.
@@ -26,7 +26,7 @@ pub(super) struct Batch<'p> {
 }
 
 impl Maker<'_> {
-    /// Makes the baselines of `points`, or waits for who makes them.
+    /// Makes the baselines of `points`, or waits until other processes have made them.
     pub(super) fn make_baselines(&self, points: &[&Point]) -> Result<(), SweepError> {
         let mut others: BTreeMap<Key, Point> = BTreeMap::new();
         for point in points {
@@ -44,7 +44,7 @@ impl Maker<'_> {
         })
     }
 
-    /// Points that share their passes, in batches, and those that share none.
+    /// Batches of points that share passes, and the points that share none.
     pub(super) fn batches<'p>(&self, points: &[&'p Point]) -> Result<(Vec<Batch<'p>>, Vec<&'p Point>), SweepError> {
         let mut alike: BTreeMap<(usize, usize, Option<Key>), Vec<&'p Point>> = BTreeMap::new();
         for &point in points {
@@ -79,7 +79,7 @@ impl Maker<'_> {
         Shared::of(level, baseline, &self.streams[point.policy], self.stop)
     }
 
-    /// Makes the points of a batch. Returns those that other processes make.
+    /// Makes the points of a batch. Returns the points that other processes make.
     pub(super) fn make_together<'p>(&self, batch: &Batch<'p>) -> Result<Vec<&'p Point>, SweepError> {
         if self.stop.load(Ordering::Relaxed) {
             return Err(SweepError::Stopped);

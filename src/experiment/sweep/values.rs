@@ -1,4 +1,4 @@
-//! The values that a field is tried with: a list, or a range.
+//! The values tried for a field: a list, or a range.
 
 use std::fmt;
 
@@ -62,7 +62,7 @@ impl End {
     }
 }
 
-/// What `vary` has for a field, as values of a config file.
+/// The values of a field in `vary`, in a config file's syntax.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Tried {
     /// The values in order.
@@ -72,10 +72,10 @@ pub(super) struct Tried {
 }
 
 impl Tried {
-    /// Reads the text `raw` that `vary` has for the field `path`.
+    /// Reads the text `raw` of the field `path` in `vary`.
     ///
     /// # Errors
-    /// It is neither a list nor a range, or a range has no values; the error says what is allowed.
+    /// The text is neither a list nor a range, or a range has no values; the error says what is allowed.
     pub(super) fn read(path: &str, raw: &RawValue) -> Result<Self, String> {
         let text = raw.get_ron().trim();
         let options = ron::Options::default().with_default_extension(ron_file::extensions());

@@ -1,5 +1,5 @@
-//! A timeline of one frame, for Perfetto: the cause of each unit's cycles, depths of queues, misses under way, and open
-//! rows of the DRAM's banks. A nanosecond of Perfetto's is a cycle of the machine; the frame begins at 0.
+//! A timeline of one frame, for Perfetto: the cause of each unit's cycles, queue depths, outstanding misses, and open
+//! rows of the DRAM's banks. One nanosecond in Perfetto is one cycle of the machine; the frame begins at 0.
 
 mod perfetto;
 #[cfg(test)]
@@ -17,21 +17,21 @@ use crate::replay::{Observer, Place, Places, Seen};
 use crate::stats::Cause;
 use crate::stream::Header;
 
-/// Cycles between two looks at queues and misses: their numbers change nearly every cycle, and would fill the file.
+/// Cycles between two samples of queue depths and misses: these change nearly every cycle, and would fill the file.
 const LOOK_CYCLES: u64 = 16;
 
 /// Writes the timeline of a frame while its stream is replayed.
 pub(crate) struct Timeline {
     trace: Trace,
     frame: u32,
-    /// When the frame began, and the first cycle that is not written.
+    /// The cycle in which the frame began, and the first cycle that is not written.
     begin: Option<u64>,
     end: u64,
     units: Vec<Unit>,
     causes: [Name; Cause::ALL.len()],
     counters: Vec<Counter>,
     banks: Option<Banks>,
-    /// Commands of the cycle that is not written.
+    /// Commands of the cycle that is not written yet.
     given: Vec<(usize, LoggedCommand)>,
 }
 
@@ -41,7 +41,7 @@ struct Unit {
     cause: Option<Cause>,
 }
 
-/// The track of a number, and its last value.
+/// The track of a counter, and its last value.
 struct Counter {
     track: Track,
     value: Option<u32>,
@@ -65,7 +65,7 @@ struct Bank {
 }
 
 impl Timeline {
-    /// Begins the timeline of `frame`, by default of the first one that is measured.
+    /// Begins the timeline of `frame`, by default the first measured frame.
     ///
     /// # Errors
     /// The stream has no such frame, or the file cannot be written.
@@ -95,7 +95,7 @@ impl Timeline {
         Ok(Self { trace, frame, begin: None, end: 0, units, causes, counters, banks, given: Vec::new() })
     }
 
-    /// Puts the file into its place, and says what it holds.
+    /// Puts the file into its place. Returns a message about its content.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -116,7 +116,7 @@ impl Timeline {
     }
 }
 
-/// Why there is no frame to write.
+/// Why there is no such frame.
 fn no_frame(frame: Option<u32>, header: &Header) -> String {
     match (frame, header.frames.as_slice()) {
         (None, _) => "the stream has no measured frame: `--timeline-frame` names one that warms up".into(),
@@ -128,7 +128,7 @@ fn no_frame(frame: Option<u32>, header: &Header) -> String {
     }
 }
 
-/// A track a part, below one for each kind; of counters if they have a unit.
+/// Makes a track for each part, below one for each kind. `unit` makes them counters.
 fn tracks(trace: &mut Trace, parent: Track, places: &[Place], unit: Option<&str>) -> io::Result<Vec<Track>> {
     let mut all = Vec::with_capacity(places.len());
     for kind in places.chunk_by(|one, next| one.kind == next.kind) {
@@ -162,7 +162,7 @@ impl Banks {
         Ok(Self { clocks: machine.dram.clocks(machine.clock_mhz.get()), a_channel, channels, banks, open, refresh })
     }
 
-    /// A command that was given; written at `at`, if there is a time for it.
+    /// Notes a DRAM command; writes it at cycle `at`, if given.
     fn command(&mut self, trace: &mut Trace, at: Option<u64>, channel: usize, command: Command) -> io::Result<()> {
         let first = channel * self.a_channel;
         let one = |bank: usize| first + bank..first + bank + 1;
@@ -189,7 +189,7 @@ impl Banks {
         Ok(())
     }
 
-    /// The frame begins: rows that are open stay so.
+    /// Starts slices for rows that are open when the frame begins.
     fn begin(&self, trace: &mut Trace) -> io::Result<()> {
         let open = self.banks.iter().filter(|bank| bank.is_open);
         open.into_iter().try_for_each(|bank| trace.begin_slice(0, bank.track, self.open))
@@ -209,7 +209,7 @@ impl Observer for Timeline {
         let Some(banks) = &mut self.banks else { return Ok(()) };
         match self.begin {
             None => banks.command(&mut self.trace, None, channel, given.command),
-            // Commands of later frames come too. One of the frame is of the cycle that is shown next.
+            // Commands of later frames arrive too. Those of this frame belong to the cycle that is shown next.
             Some(begin) if banks.clocks.cycle(given.clock) <= begin + self.end => {
                 self.given.push((channel, given));
                 Ok(())

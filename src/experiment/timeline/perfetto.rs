@@ -1,8 +1,8 @@
-//! Writes traces for Perfetto: protobuf packets of its `TrackEvent` form.
+//! Writes traces for Perfetto: protobuf packets with its `TrackEvent` messages.
 //!
 //! Field numbers are those of `protos/perfetto/trace/trace_packet.proto` and `track_event/*.proto` of Perfetto 0.59.
-//! Names are interned, and timestamps are differences, of a clock that belongs to this sequence of packets: a slice
-//! takes some 30 bytes.
+//! Names are interned, and timestamps are differences on the packet sequence's own clock, so that a slice takes some
+//! 30 bytes.
 
 use std::io;
 
@@ -10,11 +10,11 @@ use smallvec::SmallVec;
 
 use crate::experiment::export_file::ExportFile;
 
-/// The one sequence of packets.
+/// The id of the only packet sequence.
 const SEQUENCE: u64 = 1;
-/// The sequence's own clock: ids from 64 to 127 are free for that.
+/// The sequence's own clock: ids 64 to 127 are for such clocks.
 const CLOCK: u64 = 64;
-/// Perfetto's clock `BOOTTIME`, of which traces have their time.
+/// Perfetto's clock `BOOTTIME`, the default time of traces.
 const BOOTTIME: u64 = 6;
 /// `SEQ_INCREMENTAL_STATE_CLEARED` and `SEQ_NEEDS_INCREMENTAL_STATE`.
 const CLEARED: u64 = 1;
@@ -42,15 +42,15 @@ enum EventType {
     Counter = 4,
 }
 
-/// A track: what happens in one part.
+/// A track: the events of one part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Track(u64);
 
-/// A name of slices that the trace has once.
+/// An interned name of slices.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Name(u64);
 
-/// A trace on its way into its file.
+/// A trace that is being written.
 pub(super) struct Trace {
     file: ExportFile,
     tracks: u64,
@@ -81,7 +81,7 @@ impl Trace {
         Ok(trace)
     }
 
-    /// A track for slices, below `parent`.
+    /// Adds a track for slices, below `parent`.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -89,7 +89,7 @@ impl Trace {
         self.describe(parent, name, Message::new())
     }
 
-    /// A track for a number that changes, below `parent`.
+    /// Adds a track for a counter, below `parent`.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -100,7 +100,7 @@ impl Trace {
 
     fn describe(&mut self, parent: Option<Track>, name: &str, kind: Message) -> io::Result<Track> {
         self.tracks += 1;
-        // Tracks are shown in the order in which they are described.
+        // Perfetto shows tracks in the order in which they are described.
         let (explicit, rank) = ((11, 3), (12, self.tracks));
         let mut track = Message::new().number(1, self.tracks).text(2, name);
         if let Some(Track(parent)) = parent {
@@ -111,7 +111,7 @@ impl Trace {
         Ok(Track(self.tracks))
     }
 
-    /// A name for slices.
+    /// Interns a name for slices.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -124,7 +124,7 @@ impl Trace {
         Ok(Name(self.names))
     }
 
-    /// A slice begins on a track at time `at`, in which the earlier one has ended.
+    /// Begins a slice on a track at time `at`. The track's earlier slice must have ended.
     ///
     /// # Errors
     /// See [`Trace::end_slice`].
@@ -133,7 +133,7 @@ impl Trace {
         self.event(at, EventType::Begin, track, Message::new().number(10, name))
     }
 
-    /// The slice of a track ends.
+    /// Ends the slice of a track.
     ///
     /// # Errors
     /// The file cannot be written, or `at` lies before an event that was written.
@@ -141,7 +141,7 @@ impl Trace {
         self.event(at, EventType::End, track, Message::new())
     }
 
-    /// Something happens that takes no time.
+    /// Adds an event without duration.
     ///
     /// # Errors
     /// See [`Trace::end_slice`].
@@ -149,7 +149,7 @@ impl Trace {
         self.event(at, EventType::Instant, track, Message::new().number(10, name))
     }
 
-    /// A number has another value from `at` on.
+    /// Sets a counter's value from `at` on.
     ///
     /// # Errors
     /// See [`Trace::end_slice`].
@@ -167,13 +167,13 @@ impl Trace {
         self.put(message.number(packet::SEQUENCE_FLAGS, NEEDS_STATE))
     }
 
-    /// A packet: field 1 of `Trace`.
+    /// Writes a packet: field 1 of `Trace`.
     fn put(&mut self, message: Message) -> io::Result<()> {
         let message = message.number(packet::SEQUENCE_ID, SEQUENCE);
         self.file.bytes(Message::new().message(1, &message).bytes())
     }
 
-    /// Slices that were begun.
+    /// The number of slices that were begun.
     pub(super) fn slices(&self) -> u64 {
         self.slices
     }
@@ -187,7 +187,7 @@ impl Trace {
     }
 }
 
-/// A protobuf message. All fields are of wire type 0, a number, or 2, bytes.
+/// A protobuf message. All fields have wire type 0 (a number) or 2 (bytes).
 #[derive(Clone, Debug, Default)]
 struct Message(SmallVec<[u8; 64]>);
 
@@ -229,7 +229,7 @@ impl Message {
         self
     }
 
-    /// All fields of both.
+    /// Appends the fields of `other`.
     fn append(mut self, other: Self) -> Self {
         self.0.extend_from_slice(&other.0);
         self

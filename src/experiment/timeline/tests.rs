@@ -1,4 +1,4 @@
-//! A reader of the format, and what the tracks of random machines say of their frames.
+//! A reader of the format, and checks of the tracks against the frames of random machines.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -69,18 +69,18 @@ fn text(message: &[u8], field: u64) -> String {
     String::from_utf8(bytes(message, field).unwrap().to_vec()).unwrap()
 }
 
-/// What a timeline shows.
+/// The content of a timeline.
 #[derive(Debug, Default)]
 struct Shown {
     /// Names of tracks and of their parents.
     tracks: BTreeMap<u64, (String, Option<u64>)>,
-    /// Slices: a track, a name, from when, until when.
+    /// Slices: track, name, begin, end.
     slices: Vec<(u64, String, u64, u64)>,
-    /// Values of counters: a track, when, how many.
+    /// Values of counters: track, time, value.
     counts: Vec<(u64, u64, u64)>,
 }
 
-/// Reads a trace as Perfetto does: packets of one sequence, a clock of differences, interned names.
+/// Reads a trace as Perfetto does: one packet sequence, timestamps as differences, interned names.
 fn read(trace: &[u8]) -> Shown {
     let (mut shown, mut names, mut now) = (Shown::default(), BTreeMap::new(), 0);
     let mut open: BTreeMap<u64, (String, u64)> = BTreeMap::new();
@@ -117,12 +117,12 @@ fn read(trace: &[u8]) -> Shown {
 }
 
 impl Shown {
-    /// The kind of a part: the name of its track without its place.
+    /// The kind of a part: the name of its track without its index.
     fn kind(&self, track: u64) -> &str {
         self.tracks[&track].0.rsplit_once(' ').unwrap().0
     }
 
-    /// Cycles of each kind of units by cause.
+    /// Cycles of each kind of unit, by cause.
     fn units(&self) -> BTreeMap<String, BTreeMap<String, u64>> {
         let mut sums: BTreeMap<String, BTreeMap<String, u64>> = BTreeMap::new();
         for (track, name, begin, end) in self.slices.iter().filter(|slice| slice.1 != "row open") {
@@ -132,7 +132,7 @@ impl Shown {
     }
 }
 
-/// The causes of a frame that occurred, by name.
+/// The causes in a frame's statistics with nonzero cycles, by name.
 fn causes(frame: &FrameStats) -> BTreeMap<String, BTreeMap<String, u64>> {
     let named = |causes: &BTreeMap<Cause, u64>| {
         let there = causes.iter().filter(|(_, cycles)| **cycles > 0);
@@ -142,7 +142,7 @@ fn causes(frame: &FrameStats) -> BTreeMap<String, BTreeMap<String, u64>> {
     units.filter(|(_, causes): &(String, BTreeMap<_, _>)| !causes.is_empty()).collect()
 }
 
-/// Replays a stream, and writes the timeline of `frame` at `path`.
+/// Replays a stream, and writes the timeline of `frame` to `path`.
 fn timeline(
     machine: &MachineSpec,
     level: Exact,
@@ -206,7 +206,7 @@ fn a_timeline_is_small_and_shows_queues_and_misses() {
     };
     assert!(most("in_fifo") > 0 && most("l1_traversal") > 0 && most("l2") > 0 && most("intersection") > 0);
     assert_eq!(most("list"), 0, "a tree of boxes has no lists");
-    // No two slices of a track that follow each other are of the same cause.
+    // Adjacent slices of a track have different causes.
     let mut last: BTreeMap<u64, (&str, u64)> = BTreeMap::new();
     for (track, name, begin, end) in &shown.slices {
         assert!(last.insert(*track, (name, *end)).is_none_or(|(before, ended)| before != name || ended < *begin));

@@ -17,11 +17,11 @@ pub(super) const ROOT: usize = 0;
 /// An animated transform.
 #[derive(Clone, Debug)]
 pub(super) struct Node {
-    /// The node that it is under; always an earlier one.
+    /// The parent node; always an earlier one.
     pub parent: usize,
-    /// Static transforms from just under the node to the parent.
+    /// The static transforms between the parent and the node's motion.
     pub place: DAffine3,
-    /// The keyframes' name; keyframes may come later in the scene than the node.
+    /// The name of its keyframes, which may come later in the scene than the node.
     pub name: String,
 }
 
@@ -43,7 +43,7 @@ impl Pose {
         }
     }
 
-    /// Rounded for the tracer. Normals come to unit length; where one has none, the triangle shades flat.
+    /// Rounded for the tracer. Normals get unit length; if a normal has no length, the triangle shades flat.
     pub(super) fn rounded(&self) -> (Triangle, Option<[Vec3; 3]>) {
         let unit = self.normals.map(|normals| normals.map(DVec3::normalize_or_zero));
         let normals = unit.filter(|normals| !normals.contains(&DVec3::ZERO));
@@ -61,12 +61,12 @@ impl Pose {
 pub(super) enum Shape {
     /// Not at all.
     Rigid(Pose),
-    /// From pose to pose (`tpa`): times in seconds, at least one.
+    /// Interpolated between poses (`tpa`): times in seconds, at least one.
     Morph(Box<[(f64, Pose)]>),
 }
 
 impl Shape {
-    /// The poses that it takes or runs between.
+    /// All poses of the shape.
     pub(super) fn poses(&self) -> impl Iterator<Item = &Pose> {
         let (rigid, morph) = match self {
             Self::Rigid(pose) => (Some(pose), &[][..]),
@@ -75,7 +75,7 @@ impl Shape {
         rigid.into_iter().chain(morph.iter().map(|(_, pose)| pose))
     }
 
-    /// Linear between keys, still before the first and after the last. Of keys at one time the last counts.
+    /// Linear between keys, constant before the first and after the last. Of several keys at one time the last counts.
     fn at(&self, time: f64) -> Pose {
         let keys = match self {
             Self::Rigid(pose) => return *pose,
@@ -93,7 +93,7 @@ impl Shape {
 /// A triangle that can move.
 #[derive(Clone, Debug)]
 pub(super) struct Moving {
-    /// The node that it is under.
+    /// The node that it belongs to.
     pub node: usize,
     /// Its pose in the node.
     pub shape: Shape,
@@ -110,18 +110,18 @@ pub(super) struct Lamp {
     pub position: DVec3,
     /// Its colour.
     pub color: Vec3,
-    /// The keyframes' name, if it is an animated one.
+    /// The name of its keyframes, if it is animated.
     pub name: Option<String>,
 }
 
-/// When the frames are.
+/// The times of the frames.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Times {
     /// The first frame's time in seconds.
     pub start: f64,
-    /// The last frame's.
+    /// The last frame's time in seconds.
     pub end: f64,
-    /// How many frames there are, at least one.
+    /// Number of frames, at least one.
     pub frames: u32,
 }
 
@@ -133,7 +133,7 @@ impl Times {
     }
 }
 
-/// Where `v` puts the camera.
+/// The camera as the command `v` gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct View {
     /// The eye.
@@ -146,8 +146,8 @@ pub(super) struct View {
     pub fov: f64,
 }
 
-/// The [`Animation`] of an AFF scene. Names are resolved to motions; what has no keyframes has a motion that stands
-/// still.
+/// The [`Animation`] of an AFF scene. Names are resolved to motions; an object without keyframes has a motion that
+/// stands still.
 #[derive(Debug)]
 pub(super) struct AffAnimation {
     /// The tree, [`ROOT`] first, and each node's motion.
@@ -160,12 +160,12 @@ pub(super) struct AffAnimation {
     pub view: View,
     /// The motion of the camera.
     pub camera: Motion,
-    /// When the frames are.
+    /// The times of the frames.
     pub times: Times,
 }
 
 impl AffAnimation {
-    /// The keyframes of a camera say where it is and how it is turned; it looks along -z, its y axis is up.
+    /// The camera at a time in seconds. Its keyframes give position and rotation; it looks along -z, its y axis is up.
     fn camera_at(&self, time: f64) -> Camera {
         let eye = self.camera.translation.as_ref().map_or(self.view.eye, |track| track.at(time));
         let axes = self.camera.rotation.as_ref().map(|track| track.at(time));
@@ -183,7 +183,7 @@ impl AffAnimation {
         worlds.into_iter().map(|(world, shown)| (Transform::new(world), shown)).collect()
     }
 
-    /// The largest distance from the origin that anything may ever have; a bound that is not tight.
+    /// An upper bound, not tight, of the distance of anything from the origin at any time.
     pub(super) fn reach(&self) -> f64 {
         let mut radius = vec![0.0_f64; self.nodes.len()];
         for moving in &self.moving {
@@ -201,9 +201,9 @@ impl AffAnimation {
     }
 }
 
-/// A bound on how much longer a vector gets by `m`; exact if the axes of `m` are at right angles.
+/// An upper bound of the factor by which `m` lengthens a vector; exact if the axes of `m` are at right angles.
 fn stretch(m: DMat3) -> f64 {
-    // Gershgorin's circles of m^T m, whose largest eigenvalue is the square of what we look for.
+    // Gershgorin's circles of m^T m, whose largest eigenvalue is the square of the factor.
     let squares = m.transpose() * m;
     [squares.x_axis, squares.y_axis, squares.z_axis]
         .map(|row| row.abs().element_sum())

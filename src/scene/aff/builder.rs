@@ -1,4 +1,4 @@
-//! Gathers what the files of an AFF scene define, and makes the [`Scene`] of it.
+//! Collects the definitions in the files of an AFF scene and builds the [`Scene`].
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -17,7 +17,7 @@ use crate::scene::material::{Material, MaterialId, TextureId};
 use crate::scene::texture;
 use crate::scene::transform::Transform;
 
-/// Where shapes go: a node, and static transforms under it.
+/// The space of shapes: a node, and static transforms below it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Space {
     /// The animated transform.
@@ -52,7 +52,7 @@ pub(super) struct Builder {
     pub lamps: Vec<Lamp>,
     /// The camera.
     pub view: Option<View>,
-    /// When the frames are.
+    /// The times of the frames.
     pub times: Times,
     /// Colour of rays that hit nothing.
     pub background: Vec3,
@@ -91,7 +91,7 @@ impl Builder {
         Space { node: self.nodes.len() - 1, place: DAffine3::IDENTITY }
     }
 
-    /// The number of `material`, the same for equal ones.
+    /// The id of `material`; equal materials share an id.
     pub(super) fn material(&mut self, material: Material) -> MaterialId {
         let Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture } = material;
         let [[a, b, c], [d, e, f], [g, h, i]] = [ambient, diffuse, specular].map(|color| color.to_array());
@@ -100,13 +100,13 @@ impl Builder {
         *self.material_ids.entry((numbers, texture)).or_insert_with(|| loader.add_material(material))
     }
 
-    /// The number of the texture in file `name`, which is in the scene's folder or in `../textures`.
+    /// The id of the texture in file `name`, which is in the scene's folder or in `../textures`.
     ///
-    /// BART's texture coordinates are OpenGL's for a picture loaded as it is: v = 0 is the file's first row. The
-    /// kitchen's garden (sky at the top of the file, v = 0 at the top of the wall) and the robot's `signracer.ppm`
-    /// (upside down in the file, v = 0 at the bottom of the sign) agree on that; of the toy car, only the licence plate
-    /// comes out upside down. [`Texture`] has v = 1 at its first
-    /// row, so rows change places here.
+    /// BART's texture coordinates are OpenGL's for a picture in the file's order of rows: v = 0 is the file's first
+    /// row. The kitchen's garden (sky at the top of the file, v = 0 at the top of the wall) and the robot's
+    /// `signracer.ppm` (upside down in the file, v = 0 at the bottom of the sign) agree on that; of the toy car, only
+    /// the licence plate comes out upside down. [`Texture`] has v = 1 at its first row, so the order of rows is
+    /// reversed here.
     pub(super) fn texture(&mut self, name: &str) -> Result<TextureId, String> {
         if let Some(&id) = self.texture_ids.get(name) {
             return Ok(id);
@@ -151,12 +151,12 @@ impl Builder {
         Ok(())
     }
 
-    /// The scene. The error says what is missing, or what goes too far.
+    /// Builds the scene. The error says what is missing or too far from the origin.
     pub(super) fn finish(self, name: String) -> Result<Scene, String> {
         let view = self.view.ok_or("no camera: the command `v` is needed")?;
         let motion = |name: &str| self.motions.get(name).cloned().unwrap_or_default();
         let still = |lamp: &Lamp| lamp.name.as_deref().map(motion).unwrap_or_default();
-        // A light is a point: its keyframes can move it, and nothing else.
+        // A light is a point: only the translation of its keyframes has an effect.
         let lamp_motion = |lamp: &Lamp| Motion { translation: still(lamp).translation, ..Motion::default() };
         let animation = AffAnimation {
             nodes: self.nodes.into_iter().map(|node| (node.clone(), motion(&node.name))).collect(),

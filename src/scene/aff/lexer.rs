@@ -7,9 +7,9 @@ use glam::{DVec2, DVec3};
 use crate::scene::error::SceneError;
 use crate::scene::limits::{COORDINATE, Range};
 
-/// Takes a file apart. White space separates words, `{` and `}` are words of their own, a word that begins with `#` or
-/// `%` begins a comment that ends with its line; lines end in LF, CR LF or a lone CR. Bytes are not decoded: some BART
-/// files have Latin-1 comments.
+/// Splits a file into words. White space separates words; `{` and `}` are words of their own. A word that begins with
+/// `#` or `%` begins a comment, which ends with its line. Lines end in LF, CR LF or a lone CR. Bytes are not decoded:
+/// some BART files have Latin-1 comments.
 #[derive(Clone, Debug)]
 pub(super) struct Lexer<'a> {
     path: &'a Path,
@@ -56,7 +56,7 @@ impl<'a> Lexer<'a> {
         Some(word)
     }
 
-    /// Passes white space and comments.
+    /// Skips white space and comments.
     fn skip(&mut self) {
         let mut comment = false;
         while let [byte, rest @ ..] = self.bytes {
@@ -96,7 +96,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes the word `expected`.
+    /// Skips the word `expected`.
     pub(super) fn expect(&mut self, expected: &str) -> Result<(), SceneError> {
         let what = format!("`{expected}`");
         match self.word(&what)? {
@@ -136,7 +136,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// How many of `what` follow. Nothing is allocated by it: a file can announce more than it has.
+    /// The number of `what` that follow. Nothing is allocated by it: a file can announce more than it has.
     pub(super) fn count(&mut self, what: &str, least: i64) -> Result<usize, SceneError> {
         self.whole(&format!("the number of {what}"), least, i64::from(u32::MAX)).map(|count| count as usize)
     }
@@ -153,7 +153,7 @@ impl<'a> Lexer<'a> {
 
     /// An error about the word that was read last.
     pub(super) fn found(&self, word: &[u8], allowed: &str) -> SceneError {
-        // A file that is no text may be one long word.
+        // A binary file may be one long word.
         let shown = String::from_utf8_lossy(&word[..word.len().min(40)]);
         self.error(format!("found `{}`: {allowed} should be here", shown.escape_debug()))
     }

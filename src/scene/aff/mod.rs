@@ -1,13 +1,12 @@
 //! Scenes in AFF, the Animated File Format of the BART benchmark for animated ray tracing.
 //!
-//! Sources: Lext, Assarsson and Möller, "A benchmark for animated ray tracing", IEEE Computer Graphics and
-//! Applications 21(2), 2001, with its description of AFF; and Haines's NFF, which AFF extends. All commands are read.
-//! What the description leaves open is settled so:
-//! - A triangle can move if it is inside an `x` block, keyframes or not, or if it is a `tpa`. All else is static.
-//! - Names of files start from the first file's folder; textures may also be in `../textures` beside it.
+//! Choices where the description leaves the behaviour open:
+//! - A triangle can move if it is inside an `x` block, with or without keyframes, or if it is a `tpa`. All others are
+//!   static.
+//! - File names are relative to the first file's folder; textures may also be in `../textures` beside it.
 //! - A file closes the blocks that it opens, and no others.
-//! - `hither` is read and has no effect: rays have no near plane. Nor has `resolution`, which an experiment sets.
-//! - Lights are in world space wherever they stand in a file. Keyframes of an `la` add their translation.
+//! - `hither` is read without effect, since rays have no near plane, and so is `resolution`, which an experiment sets.
+//! - Lights are in world space, also inside blocks. Keyframes of an `la` add their translation.
 //! - Shapes before the first `f` or `fm` have [`Material::default`](super::Material).
 //! - Spheres and cones become triangles as `tessellate` says.
 
@@ -23,11 +22,12 @@ use super::error::SceneError;
 use super::frame::Scene;
 use parser::{Parser, WORLD};
 
-/// Reads the scene whose first file is at `path`. It is named by the file's stem in lower case.
+/// Reads the scene whose first file is at `path`. Its name is the file's stem in lower case.
 ///
 /// # Errors
 /// [`SceneError::Read`] if the file cannot be read, [`SceneError::Syntax`] with file and line for anything wrong in it
-/// or in the files it names, [`SceneError::Content`] for a scene without camera or one that moves without bounds.
+/// or in the files it names, [`SceneError::Content`] for a scene without camera or one that reaches too far from the
+/// origin.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
     let mut parser = Parser::new(path.parent().unwrap_or(Path::new("")).into());
     let bytes = parser.builder.loader.files.read(path);
@@ -43,7 +43,7 @@ mod tests {
 
     #[test]
     fn bart_scenes_have_their_animated_transforms() {
-        // How many there are, under how many names, how deep they nest.
+        // Number of transforms, number of distinct names, depth of nesting.
         for (file, count, names, depth) in [("kitchen/aff/kitchen.aff", 7, 5, 3), ("robot/aff/Robot.aff", 190, 190, 8)]
         {
             let path = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/scenes/bart")).join(file);

@@ -14,21 +14,21 @@ use crate::scene::light::MAX_LIGHTS;
 use crate::scene::limits::{REFRACTION, Range, SHARE, SHININESS, STRENGTH};
 use crate::scene::material::Material;
 
-/// How deep files may include one another; the BART scenes go 4 deep.
+/// The largest depth of includes; the BART scenes go 4 deep.
 pub(super) const MAX_INCLUDE_DEPTH: usize = 32;
-/// How many includes a scene may have in all; the BART robot has 835.
+/// The largest number of includes in a scene; the BART robot has 835.
 pub(super) const MAX_INCLUDES: usize = 1 << 16;
-/// What the start of a command may be.
+/// The words that can begin a command, for messages.
 const COMMANDS: &str =
     "one of the commands v b l la am f fm s c p pp tt ttp tpa m i d xs x k a, or `}` after an open block,";
 
 /// Reads files into a [`Builder`].
 pub(super) struct Parser {
-    /// What was read so far.
+    /// The scene so far.
     pub builder: Builder,
-    /// The material of the shapes to come. Neither blocks nor includes bound it.
+    /// The material of the shapes that follow. Neither the end of a block nor of an include resets it.
     material: Material,
-    /// Includes of a higher level are passed over.
+    /// The level of detail; includes of a higher level are skipped.
     detail: i64,
     /// The files that are being read, the outermost first.
     open: Vec<PathBuf>,
@@ -98,7 +98,7 @@ impl Parser {
             b"i" => self.include(lexer, space)?,
             b"k" => {
                 let name = lexer.name("the name of an animation")?;
-                // Of keyframes with one name the newest count, and only they.
+                // The newest keyframes of a name replace all earlier ones.
                 self.builder.motions.insert(name, motion(lexer)?);
             }
             b"s" => self.shapes(lexer, space, shapes::sphere)?,
@@ -199,7 +199,7 @@ fn view(lexer: &mut Lexer<'_>) -> Result<View, SceneError> {
     for what in ["the width of the picture", "the height of the picture"] {
         lexer.whole(what, 1, i64::from(u32::MAX))?;
     }
-    // The sine of the angle between the two; below this the picture has no upright position.
+    // The sine of the angle between the two directions; below this limit the picture has no upright position.
     if direction.normalize_or_zero().cross(up.normalize_or_zero()).length() < 1e-9 {
         return Err(start.error("`at` must differ from `from`, and `up` must not run along the line between them"));
     }
@@ -211,7 +211,7 @@ fn material(lexer: &mut Lexer<'_>) -> Result<Material, SceneError> {
     let ambient = share(lexer, "a material's ambient term")?;
     let diffuse = share(lexer, "a material's diffuse term")?;
     let specular = share(lexer, "a material's specular term")?;
-    // The BART robot has glass of index 0: no ray enters it, and what it would let through is reflected.
+    // The BART robot has glass of index 0: no ray enters it, and the light that it would let through is reflected.
     surface(lexer, [ambient, diffuse, specular], WITH_ZERO)
 }
 
@@ -226,12 +226,12 @@ fn nff_material(lexer: &mut Lexer<'_>) -> Result<Material, SceneError> {
 /// Indices of refraction, and 0.
 const WITH_ZERO: Range = Range { low: 0.0, ..REFRACTION };
 
-/// What follows the colours of a material; `refraction` is the range of its index if it lets light through.
+/// Reads a material after its colours; `refraction` is the range of its index of refraction if it lets light through.
 fn surface(lexer: &mut Lexer<'_>, colors: [Vec3; 3], refraction: Range) -> Result<Material, SceneError> {
     let [ambient, diffuse, specular] = colors;
     let shininess = lexer.number_within("a material's shininess", SHININESS)? as f32;
     let transmittance = lexer.number_within("a material's transmittance", SHARE)? as f32;
-    // Files have 0 for what lets no light through: nothing is refracted there.
+    // Files give index 0 to opaque materials, which refract nothing.
     let range = if transmittance > 0.0 { refraction } else { WITH_ZERO };
     let index_of_refraction = lexer.number_within("a material's index of refraction", range)? as f32;
     Ok(Material { ambient, diffuse, specular, shininess, transmittance, index_of_refraction, texture: None })
@@ -260,7 +260,7 @@ fn static_transform(lexer: &mut Lexer<'_>) -> Result<DAffine3, SceneError> {
     Ok(DAffine3 { matrix3: rotation * DMat3::from_diagonal(scale), translation })
 }
 
-/// The tracks of `k` in their braces, each kind once at most.
+/// Reads the tracks of `k` in their braces, each kind at most once.
 fn motion(lexer: &mut Lexer<'_>) -> Result<Motion, SceneError> {
     let mut motion = Motion::default();
     lexer.expect("{")?;
@@ -307,8 +307,8 @@ fn keys<V>(
     (0..count).map(key).collect()
 }
 
-/// Axis and angle of a key. The axis is taken as it is: 214 keys of the BART robot have one that is not of unit
-/// length, and the original takes it so.
+/// Axis and angle of a key. The axis is not normalised, as in the original program: 214 keys of the BART robot have an
+/// axis that is not of unit length.
 fn rotation(lexer: &mut Lexer<'_>) -> Result<DQuat, SceneError> {
     let axis = lexer.vector("the axis of a rotation")?;
     let (sine, cosine) = (0.5 * lexer.number("the angle of a rotation")?.to_radians()).sin_cos();

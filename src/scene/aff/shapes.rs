@@ -12,14 +12,14 @@ use crate::scene::limits::LENGTH;
 use crate::scene::polygon::{Cut, Cutter, MAX_CORNERS};
 use crate::scene::tessellate::{self, SmoothTriangle};
 
-/// Triangles with one look.
+/// Triangles with one texture.
 #[derive(Debug)]
 pub(super) struct Shapes {
     /// The triangles.
     pub faces: Vec<Face>,
     /// The name of their texture's file.
     pub texture: Option<String>,
-    /// Whether they are of a polygon that crosses itself.
+    /// Whether they come from a polygon that crosses itself.
     pub crosses_itself: bool,
 }
 
@@ -37,7 +37,7 @@ fn smooth(triangles: Vec<SmoothTriangle>) -> Shapes {
     Shapes::plain(triangles.into_iter().map(|SmoothTriangle { v, normals }| rigid(v, Some(normals))))
 }
 
-/// Reads `N` things, one by one: nothing is allocated for things that are announced and do not come.
+/// Reads `count` elements one by one: nothing is allocated for elements that are announced and missing.
 fn many<T>(
     lexer: &mut Lexer<'_>,
     count: usize,
@@ -114,7 +114,7 @@ pub(super) fn textured_triangle(lexer: &mut Lexer<'_>, with_normals: bool) -> Re
     })
 }
 
-/// `tpa`: a triangle that runs from pose to pose.
+/// `tpa`: a triangle that moves from pose to pose.
 pub(super) fn animated_triangle(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     let count = lexer.count("poses", 1)?;
     let keys = many(lexer, count, |lexer| {
@@ -125,7 +125,7 @@ pub(super) fn animated_triangle(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneEr
     Ok(Shapes::plain(iter::once(Face { shape: Shape::Morph(keys.into()), uv: [Vec2::ZERO; 3] })))
 }
 
-/// `m`: a mesh. Corners, normals and texture coordinates are numbered from 0, each on its own.
+/// `m`: a mesh. Vertices, normals and texture coordinates are each numbered from 0.
 pub(super) fn mesh(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     lexer.expect("vertices")?;
     let count = lexer.count("vertices", 1)?;
@@ -161,7 +161,7 @@ pub(super) fn mesh(lexer: &mut Lexer<'_>) -> Result<Shapes, SceneError> {
     Ok(Shapes { faces, texture: texture.map(|(name, _)| name), crosses_itself: false })
 }
 
-/// The entry of `list` whose number comes next.
+/// Reads a number and returns that entry of `list`.
 fn at<T: Copy>(lexer: &mut Lexer<'_>, what: &str, list: &[T]) -> Result<T, SceneError> {
     let index = lexer.whole(&format!("the number of {what}"), 0, list.len() as i64 - 1)?;
     Ok(list[index as usize])

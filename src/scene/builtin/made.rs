@@ -1,4 +1,4 @@
-//! What a built-in scene's code makes, and the scene of it.
+//! The parts that a built-in scene's code makes, and the scene of these parts.
 
 use glam::Vec3;
 
@@ -12,7 +12,7 @@ use crate::scene::parts::Parts;
 /// A number of frames.
 pub(super) type Frames = Within<1, 1_000_000>;
 
-/// What a scene's code makes.
+/// The parts that a scene's code makes.
 pub(super) struct Made {
     pub(super) statics: Geometry,
     pub(super) parts: Parts,
@@ -22,7 +22,7 @@ pub(super) struct Made {
 }
 
 impl Made {
-    /// The scene of that name.
+    /// The scene, with the name `name`.
     pub(super) fn into_scene(self, name: &str, frame_count: Frames) -> Scene {
         Scene {
             name: name.into(),

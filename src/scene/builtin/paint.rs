@@ -48,7 +48,7 @@ impl Palette {
         })
     }
 
-    /// Something that glows: it sends back far more ambient light than falls on it.
+    /// A glowing surface: it reflects far more ambient light than falls on it.
     pub(super) fn glow(&mut self, r: f32, g: f32, b: f32) -> MaterialId {
         self.add(Material { ambient: 5.0 * Vec3::new(r, g, b), ..matt(Vec3::new(r, g, b)) })
     }
@@ -73,7 +73,7 @@ fn matt(color: Vec3) -> Material {
     Material { ambient: color, diffuse: color, ..Material::default() }
 }
 
-/// The first `count` lights, that share `strength`: a picture is about as bright with few as with many.
+/// The first `count` lights, which share `strength`: the brightness of a picture hardly depends on their number.
 pub(super) fn share(lights: &[(Vec3, Vec3)], count: usize, strength: f32) -> Vec<Light> {
     let lights = lights[..count].iter();
     lights.map(|(position, color)| Light { position: *position, color: *color * strength / count as f32 }).collect()

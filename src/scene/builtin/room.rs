@@ -15,9 +15,9 @@ use crate::scene::parts::{Part, Parts};
 const ROOM: DVec3 = dvec3(3.0, 2.7, 2.5);
 /// The middle of the rails.
 const RAILS: DVec3 = dvec3(0.75, 0.02, 0.55);
-/// Their radius.
+/// The radius of the rails.
 const LOOP: f64 = 0.85;
-/// What the train drives in a frame: 0.6 m/s at 30 frames a second.
+/// Metres that the train drives per frame: 0.6 m/s at 30 frames a second.
 const DRIVE: f64 = 0.02;
 /// The middle of the table.
 const TABLE: DVec3 = dvec3(-1.5, 0.0, -0.6);
@@ -32,7 +32,7 @@ const LAMPS: [(Vec3, Vec3); 6] = [
     (vec3(2.0, 2.5, -1.2), vec3(1.0, 0.95, 0.88)),
 ];
 
-/// The room; lengths of tiles fall and segments of round things rise with `detail`.
+/// Builds the room; a larger `detail` gives smaller tiles and more segments of round shapes.
 pub(super) fn build(lights: usize, detail: usize) -> Made {
     let mut palette = Palette::default();
     let mut room = Maker { shapes: Shapes::default(), tile: 0.8 / detail as f64, round: 6 * detail };
@@ -216,7 +216,7 @@ impl Maker {
         }
     }
 
-    /// The bodies of the six lamps; the lights are in the open, so that all of them can be seen to shine.
+    /// The bodies of the six lamps; no body encloses its light.
     fn lamps(&mut self, palette: &mut Palette) {
         let (brass, shade, glow) =
             (palette.glossy(0.6, 0.48, 0.25), palette.matt(0.9, 0.78, 0.6), palette.glow(1.0, 0.9, 0.7));
@@ -239,7 +239,7 @@ impl Maker {
             let drum = [(width, height - 0.05), (width * 0.75, height + 0.25)].map(DVec2::from);
             self.shapes.paint(shade).shifted(foot, |s| s.lathe(&drum, 2 * round));
         }
-        // A small chest carries the last of them.
+        // A small chest carries the last lamp.
         let chest = palette.matt(0.75, 0.73, 0.68);
         self.shapes.paint(chest).cuboid(dvec3(2.1, 0.05, -2.48), dvec3(2.9, 0.7, -2.0), self.tile);
         self.shapes.paint(brass);
@@ -295,7 +295,7 @@ fn train(palette: &mut Palette, round: usize) -> Vec<Part> {
     parts.map(|(index, shapes)| Part { geometry: shapes.geometry, pose: Box::new(place(index)) }).collect()
 }
 
-/// Lays what is upright along the way of travel (`along`) or across it.
+/// Turns upright shapes so that they lie along the direction of travel (`along`) or across it.
 fn lying(shapes: &mut Shapes, origin: DVec3, along: bool) {
     let turn = if along { DQuat::from_rotation_z(-FRAC_PI_2) } else { DQuat::from_rotation_x(FRAC_PI_2) };
     shapes.at = DAffine3::from_rotation_translation(turn, origin);

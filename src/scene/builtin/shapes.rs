@@ -11,7 +11,7 @@ use crate::scene::material::MaterialId;
 /// Adds shapes to a geometry, each at the place and of the material set before.
 #[derive(Debug, Default)]
 pub(crate) struct Shapes {
-    /// What has been made.
+    /// The shapes so far.
     pub geometry: Geometry,
     /// From the shape's space to that of the geometry.
     pub at: DAffine3,
@@ -59,7 +59,7 @@ impl Shapes {
     }
 
     /// A parallelogram at `corner` with the edges `u` and `v`, in tiles of two triangles with edges of at most `tile`.
-    /// Its front is the side of `u` x `v`. A texture lies on it once in every world unit.
+    /// Its front is the side of `u` x `v`. A texture repeats after every world unit.
     pub(crate) fn plane(&mut self, corner: DVec3, u: DVec3, v: DVec3, tile: f64) {
         let count = |edge: DVec3| (edge.length() / tile - 1e-9).ceil().max(1.0) as u32;
         let (across, along) = (count(u), count(v));
@@ -84,8 +84,8 @@ impl Shapes {
         }
     }
 
-    /// The body of revolution about the vertical whose outline runs through `outline` (radius and height), upwards on
-    /// its outside. Smooth along and around, with an edge where a point comes twice; flat rings of radius 0 close it.
+    /// The body of revolution about the vertical through `outline` (radius and height), which runs upwards on the
+    /// outside. It is smooth along and around, with an edge where a point occurs twice; points of radius 0 close it.
     pub(crate) fn lathe(&mut self, outline: &[DVec2], segments: usize) {
         let ring = |k: usize| DVec2::from_angle(-TAU * (k % segments) as f64 / segments as f64);
         let last = outline.len() - 1;
@@ -98,7 +98,7 @@ impl Shapes {
             let here = facing(i);
             let below = if i > 0 { (here + facing(i - 1)).normalize_or(here) } else { here };
             let above = if i + 1 < last { (here + facing(i + 1)).normalize_or(here) } else { here };
-            // Beside a doubled point the neighbour faces nowhere, and the sum is this face's own normal.
+            // Beside a doubled point the neighbour's normal is zero, so the sum is this face's own normal.
             let corner = |k: usize, point: DVec2, normal: DVec2| {
                 let around = ring(k);
                 let turn = |p: DVec2| DVec3::new(p.x * around.x, p.y, p.x * around.y);
@@ -145,7 +145,7 @@ impl Shapes {
         self.shifted(centre, |shapes| shapes.lathe(&outline, segments[0]));
     }
 
-    /// Makes something around another origin.
+    /// Calls `make` with the origin moved to `origin`.
     pub(crate) fn shifted(&mut self, origin: DVec3, make: impl FnOnce(&mut Self)) {
         let before = self.at;
         self.at = before * DAffine3::from_translation(origin);
@@ -165,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    /// Six times the volume inside: positive if closed and counter-clockwise from outside.
+    /// The volume inside: positive if closed and counter-clockwise from outside.
     fn volume(geometry: &Geometry) -> f64 {
         let of = |t: &Triangle| t.v[0].as_dvec3().dot(t.v[1].as_dvec3().cross(t.v[2].as_dvec3()));
         geometry.triangles.iter().map(of).sum::<f64>() / 6.0

@@ -11,12 +11,12 @@ use crate::scene::camera::Camera;
 use crate::scene::material::MaterialId;
 use crate::scene::parts::{Part, Parts, Pose};
 
-/// From one house to the next.
+/// Metres from one house to the next.
 const PLOT: f64 = 9.0;
-/// Half the width of the road, and from its middle to the houses.
+/// Half the width of the road, and the distance from its middle to the houses.
 const ROAD: f64 = 3.0;
 const FRONT: f64 = 6.6;
-/// What people walk and the camera drives at most in a frame: 1.4 m/s and 3 m/s at 30 frames a second.
+/// Metres per frame that people walk, and that the camera drives at most: 1.4 m/s and 3 m/s at 30 frames a second.
 const WALK: f64 = 0.047;
 const DRIVE: f64 = 0.1;
 /// Edge of a tile of a wall or of the road.
@@ -62,7 +62,7 @@ pub(super) fn build(lights: usize, houses: usize, walkers: usize) -> Made {
     }
 }
 
-/// Materials of what comes often.
+/// Materials that are used often.
 struct Looks {
     walls: [MaterialId; 6],
     roofs: [MaterialId; 2],
@@ -226,7 +226,7 @@ fn tree(shapes: &mut Shapes, looks: &Looks, seed: u64) {
     }
 }
 
-/// An even point of the unit sphere of two numbers from 0 to 1.
+/// A point of the unit sphere from two numbers from 0 to 1; uniform numbers give uniform points.
 fn on_sphere(s: f64, t: f64) -> DVec3 {
     let y = 2.0 * s - 1.0;
     let (sin, cos) = (TAU * t).sin_cos();
@@ -234,7 +234,8 @@ fn on_sphere(s: f64, t: f64) -> DVec3 {
     dvec3(flat * cos, y, flat * sin)
 }
 
-/// Six street lamps on alternate sides, spread over the first half of the street; the place and colour of their lights.
+/// Six street lamps on alternate sides, spread over the first half of the street. Returns the positions and colours of
+/// their lights.
 fn lamps(shapes: &mut Shapes, palette: &mut Palette, length: f64) -> [(Vec3, Vec3); 6] {
     let (iron, glow) = (palette.glossy(0.16, 0.2, 0.19), palette.glow(1.0, 0.85, 0.55));
     let mut lights = [(Vec3::ZERO, vec3(1.0, 0.86, 0.62)); 6];

@@ -35,7 +35,7 @@ pub(super) fn build(lights: usize, triangles: usize) -> Made {
         })
         .collect();
     let leaf = [palette.matt(0.12, 0.36, 0.12), palette.matt(0.5, 0.15, 0.2), palette.matt(0.36, 0.5, 0.14)];
-    // More blades and leaves are smaller ones: about the same share of the ground is covered.
+    // More blades and leaves are smaller, so that they cover about the same share of the ground.
     let scale = (1e5 / triangles as f64).sqrt().clamp(0.2, 2.0);
     let width = 0.02 * scale;
     let cards = triangles / 10;
@@ -62,7 +62,7 @@ pub(super) fn build(lights: usize, triangles: usize) -> Made {
     }
     let parts = balls(&mut palette);
     let camera = |frame: u32| {
-        // Slowly around the middle.
+        // The camera circles slowly around the middle.
         let angle = 0.9 + 0.004 * f64::from(frame);
         let eye = dvec3(4.4 * angle.cos(), 2.0, 4.4 * angle.sin());
         Camera::perspective(eye, dvec3(0.0, 0.45, 0.0) - eye, DVec3::Y, 45f64.to_radians())
@@ -81,13 +81,13 @@ fn height(x: f64, z: f64) -> f64 {
     0.16 * (1.1 * x + 0.4).sin() * (0.9 * z).cos() + 0.06 * (2.3 * x - 1.7 * z).sin()
 }
 
-/// Where a blade grows.
+/// The point of the ground for two numbers from 0 to 1.
 fn spot(s: f64, t: f64) -> DVec3 {
     let (x, z) = (HALF * (2.0 * s - 1.0), HALF * (2.0 * t - 1.0));
     dvec3(x, height(x, z), z)
 }
 
-/// Where the grass is tall (1) and where it is short (0).
+/// How tall the grass is, from short (0) to tall (1).
 fn meadow(at: DVec3) -> f64 {
     0.5 + 0.5 * (1.9 * at.x).sin() * (1.4 * at.z + 1.0).sin()
 }

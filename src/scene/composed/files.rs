@@ -46,7 +46,7 @@ fn unscaled() -> f64 {
 }
 
 impl FileSpec {
-    /// A file as it is.
+    /// A file that is neither scaled, turned nor moved.
     pub(super) fn of(path: PathBuf) -> Self {
         Self { path, scale: 1.0, rotate: DVec3::ZERO, translate: DVec3::ZERO, animation: None }
     }
@@ -58,7 +58,7 @@ impl FileSpec {
         DAffine3::from_scale_rotation_translation(DVec3::splat(self.scale), turned, self.translate)
     }
 
-    /// What the file holds, at `place`. Triangles without a material get `plain`.
+    /// The contents of the file, at `place`. Triangles without a material get `plain`.
     pub(super) fn read(
         &self,
         base: &Path,

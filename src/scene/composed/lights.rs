@@ -49,7 +49,7 @@ fn white() -> Vec3 {
 }
 
 impl LightSpec {
-    /// How many points shine.
+    /// Number of points.
     pub(super) fn points(&self) -> usize {
         self.area.map_or(1, |area| area.points.size().pow(2))
     }
@@ -74,7 +74,7 @@ pub(super) fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<LightSpec>,
     Ok(lights)
 }
 
-/// An error if so many points are too many lights.
+/// An error if there are more than [`MAX_LIGHTS`] points.
 pub(super) fn check_count(points: usize) -> Result<(), String> {
     if points <= MAX_LIGHTS {
         Ok(())

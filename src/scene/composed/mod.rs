@@ -1,4 +1,4 @@
-//! Scenes of files of triangles: what stands in the files, with lights, a camera and moving objects of the config.
+//! Scenes composed of files of triangles, and of the config's lights, camera and moving objects.
 
 mod cameras;
 mod files;
@@ -94,7 +94,7 @@ fn dim() -> Vec3 {
     Vec3::splat(0.1)
 }
 
-/// What all files hold together.
+/// The contents of all files.
 #[derive(Default)]
 struct Contents {
     statics: Geometry,
@@ -106,8 +106,8 @@ struct Contents {
 /// The scene of `spec`, with paths relative to `base`.
 ///
 /// # Errors
-/// What cannot be read or is malformed (see the readers of the formats), cameras that look nowhere, too many lights,
-/// and what goes too far.
+/// A file that cannot be read or is malformed (see the readers of the formats), a camera without a direction, too many
+/// lights, or something too far from the origin.
 pub(crate) fn load(spec: &ComposedSpec, base: &Path) -> Result<Scene, SceneError> {
     let first = spec.files.first().map(|file| base.join(&file.path)).unwrap_or_default();
     let frame_count = spec.frame_count.get() as u32;

@@ -65,7 +65,7 @@ fn round() -> Within<3, 1024> {
 }
 
 impl MovingSpec {
-    /// The object and where it is, over `frame_count` frames. `wrong` makes an error of the scene as a whole.
+    /// The object with its path over `frame_count` frames. `wrong` makes an error of the scene as a whole.
     pub(super) fn part(
         &self,
         base: &Path,
@@ -121,7 +121,7 @@ fn still(
     }
 }
 
-/// Refuses a path that leads too far, or on which the object vanishes: curves between keys can overshoot them.
+/// Refuses a path that leads too far, or on which the scale becomes too small: curves can overshoot their keys.
 fn check_path(track: &PoseTrack, geometry: &Geometry, frame_count: u32) -> Result<(), String> {
     let corners = geometry.triangles.iter().flat_map(|triangle| triangle.v);
     let radius = corners.map(|corner| corner.as_dvec3().length()).fold(0.0, f64::max);

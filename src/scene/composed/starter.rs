@@ -12,25 +12,25 @@ use crate::scene::obj::Libraries;
 
 /// Endings of files that hold triangles.
 const ENDINGS: [&str; 4] = ["obj", "ply", "gltf", "glb"];
-/// The camera goes a quarter of a circle round the middle in so many frames.
+/// Frames in which the camera goes a quarter of a circle around the middle.
 const FRAMES: u32 = 48;
 const KEYS: u32 = 4;
 /// The camera's vertical angle of view, and how high above the middle it is, in degrees.
 const VIEW: f64 = 45.0;
 const HEIGHT: f64 = 25.0;
 
-/// Whether the file `path` holds triangles, and is no config.
+/// Whether the ending of `path` is that of a file of triangles.
 pub(crate) fn is_mesh(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ENDINGS.iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
-/// The config, in RON, of a scene that shows the file `mesh`, which the config calls `name`. A camera goes round all
-/// that the file holds, and one light shines from above.
+/// The config, in RON, of a scene that shows the file `mesh`, which the config calls `name`. A camera moves around the
+/// file's contents, and one light shines from above.
 ///
 /// # Errors
-/// As reading the file; it holds no triangle.
+/// The file cannot be read, or it holds no triangle of any size.
 pub(crate) fn config(mesh: &Path, name: &str) -> Result<String, SceneError> {
-    // Pictures don't matter to where things are.
+    // Pictures have no effect on positions.
     let mut loader = Loader::default();
     loader.ignore_textures = true;
     let plain = loader.add_material(Default::default());
@@ -49,7 +49,7 @@ pub(crate) fn config(mesh: &Path, name: &str) -> Result<String, SceneError> {
     }
     let digits = usize::try_from(2 - radius.log10().floor() as i32).unwrap_or(0);
     let point = |at: DVec3| format!("({:.digits$}, {:.digits$}, {:.digits$})", at.x, at.y, at.z);
-    // As far away as the whole sphere about the box is seen.
+    // At this distance the whole bounding sphere of the box is in view.
     let distance = radius / (VIEW / 2.0).to_radians().sin();
     let keys = (0..KEYS).map(|key| {
         let share = f64::from(key) / f64::from(KEYS - 1);

@@ -25,19 +25,19 @@ struct Stored<'a> {
     step: usize,
 }
 
-/// Elements that take the place of others.
+/// Elements that replace others (a sparse accessor).
 #[derive(Debug)]
 struct Substitutes<'a> {
-    /// The places, rising.
+    /// Numbers of the replaced elements, ascending.
     places: Vec<usize>,
     values: Stored<'a>,
 }
 
 impl<'a, const N: usize> Elements<'a, N> {
-    /// The accessor of that number; `what` names it in errors.
+    /// Accessor number `index`; `what` names it in errors.
     ///
     /// # Errors
-    /// An accessor that is not there, of other elements than `N` numbers, or outside its buffer.
+    /// The accessor does not exist, its elements are not of `N` numbers, or they lie outside the buffer.
     pub(super) fn new(root: &Root, buffers: &'a Buffers, index: usize, what: &str) -> Result<Self, String> {
         Self::read(root, buffers, index).map_err(|error| format!("{what}, accessor {index}: {error}"))
     }
@@ -60,7 +60,7 @@ impl<'a, const N: usize> Elements<'a, N> {
             return Err(format!("its elements are of {numbers} numbers: {N} are needed"));
         }
         let count = usize::try_from(accessor.count.0).map_err(|_| "its count is too large")?;
-        // Elements without bytes are zero; more of them than the file has bytes are of no use.
+        // Elements without bytes are zero; the file's size bounds their number, too.
         if count > buffers.size() {
             return Err(format!("{count} elements are told: the file has {} bytes in buffers", buffers.size()));
         }
@@ -102,17 +102,17 @@ impl<'a, const N: usize> Elements<'a, N> {
         Ok(Self { stored: base, substitutes, count, component, normalized: accessor.normalized })
     }
 
-    /// How many elements there are.
+    /// Number of elements.
     pub(super) fn len(&self) -> usize {
         self.count
     }
 
-    /// The type of the numbers, and whether they stand for 0 to 1 or -1 to 1.
+    /// The type of the numbers, and whether they are normalized to 0 to 1 or -1 to 1.
     pub(super) fn component(&self) -> (ComponentType, bool) {
         (self.component, self.normalized)
     }
 
-    /// The element of that number, if there is one.
+    /// Element number `index`, if it exists.
     pub(super) fn get(&self, index: usize) -> Option<[f64; N]> {
         if index >= self.count {
             return None;
@@ -133,7 +133,8 @@ impl<'a, const N: usize> Elements<'a, N> {
         (0..self.count).filter_map(|index| self.get(index))
     }
 
-    /// Section "Animations": normalized integers stand for 0 to 1, or for -1 to 1 with the lowest number left out.
+    /// Section "Animations": normalized integers stand for 0 to 1, or for -1 to 1, where the lowest number also means
+    /// -1.
     fn scaled(&self, number: f64) -> f64 {
         match self.component {
             _ if !self.normalized => number,

@@ -11,7 +11,7 @@ use super::buffers::Buffers;
 use super::document::name;
 use crate::scene::limits::COORDINATE;
 
-/// What moves a node; what is `None` stands still.
+/// The tracks of a node; a property without a track does not change.
 #[derive(Debug, Default)]
 pub(super) struct Motion {
     /// Where it is.
@@ -28,20 +28,20 @@ impl Motion {
         self.translation.is_some() || self.rotation.is_some() || self.scale.is_some()
     }
 
-    /// Whether a track changes anything: one that has the same value at every key holds the node in one pose.
+    /// Whether a track changes its value: a track with the same value at every key holds the node in one pose.
     pub(super) fn moves(&self) -> bool {
         let vectors = [&self.translation, &self.scale].into_iter().flatten().any(|track| track.0.moves());
         vectors || self.rotation.as_ref().is_some_and(|track| track.0.moves())
     }
 }
 
-/// Keys, still before the first one and after the last.
+/// Keys; the value is constant before the first one and after the last.
 #[derive(Debug)]
 struct Track<V> {
-    /// Seconds, rising, at least one.
+    /// Times in seconds, ascending, at least one.
     times: Vec<f64>,
     interpolation: Interpolation,
-    /// One value a key; three for a cubic spline: the tangent that comes in, the value, the tangent that goes out.
+    /// One value per key; three for a cubic spline: incoming tangent, value, outgoing tangent.
     values: Vec<V>,
 }
 
@@ -59,7 +59,8 @@ impl<V: Copy + PartialEq + Default> Track<V> {
     /// Whether the value changes with time.
     fn moves(&self) -> bool {
         match self.interpolation {
-            // Tangents of zero between equal values; the first tangent in and the last one out have no effect.
+            // The value is constant if all values are equal and all inner tangents zero; the first incoming and the
+            // last outgoing tangent have no effect.
             Interpolation::CubicSpline => {
                 let values = self.values.chunks_exact(3);
                 let tangents = self.values.iter().enumerate().filter(|(at, _)| at % 3 != 1);
@@ -122,20 +123,20 @@ impl Rotations {
     pub(super) fn at(&self, time: f64) -> DQuat {
         match self.0.place(time) {
             Place::On(value) => DQuat::from_vec4(value).normalize(),
-            // The shorter way, as the specification asks.
+            // The shorter way, as the specification requires.
             Place::Between(from, to, share) => {
                 DQuat::from_vec4(from).normalize().slerp(DQuat::from_vec4(to).normalize(), share)
             }
             Place::Cubic(parts) => {
                 let sum: DVec4 = parts.into_iter().map(|(value, weight)| value * weight).sum();
-                // Tangents can cancel the values: such a moment has no rotation of its own.
+                // Tangents can cancel the values: then the rotation is undefined.
                 if sum.length() > 1e-9 { DQuat::from_vec4(sum.normalize()) } else { DQuat::IDENTITY }
             }
         }
     }
 }
 
-/// The motions of all nodes by number: those of the animation called `wanted`, or of the only one.
+/// The motions of all nodes by number, from the animation called `wanted` or from the only one.
 ///
 /// # Errors
 /// No animation of that name, several and no name, weights of morph targets, two channels of one node and property,
@@ -203,7 +204,7 @@ fn read_channel(
             let values = Elements::<4>::new(root, buffers, output, "values")?;
             let tangents = interpolation == Interpolation::CubicSpline;
             let values = values.iter().enumerate().map(|(at, value)| {
-                // Tangents are no rotations.
+                // Tangents need not be of unit length.
                 if tangents && at % 3 != 1 {
                     value.into_iter().try_for_each(|number| COORDINATE.check("a tangent", number).map(|_| ()))?;
                 } else {
@@ -227,7 +228,7 @@ fn track<V>(times: Vec<f64>, interpolation: Interpolation, values: Vec<V>) -> Re
     }
 }
 
-/// A rotation of four numbers. The file's are rounded, so that their length is about 1.
+/// A rotation of four numbers, whose length is about 1: files hold rounded numbers.
 pub(super) fn unit(numbers: [f64; 4]) -> Result<DQuat, String> {
     let rotation = DQuat::from_array(numbers);
     if (rotation.length() - 1.0).abs() < 0.01 {

@@ -1,4 +1,4 @@
-//! The bytes that a glTF file's accessors and pictures lie in.
+//! The buffers of a glTF file: the bytes of its accessors and pictures.
 
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -16,7 +16,7 @@ pub(super) struct Buffers {
 }
 
 impl Buffers {
-    /// Reads them: from files, from data URIs, and the first one of a GLB container from its binary chunk.
+    /// Reads the buffers from files and data URIs, and the first one of a GLB container from its binary chunk.
     pub(super) fn read(root: &Root, chunk: Option<&[u8]>, path: &Path, loader: &mut Loader) -> Result<Self, String> {
         let mut buffers = Vec::new();
         for (index, buffer) in root.buffers.iter().enumerate() {
@@ -43,7 +43,7 @@ impl Buffers {
         Ok(Self { buffers })
     }
 
-    /// All bytes together.
+    /// Number of bytes of all buffers.
     pub(super) fn size(&self) -> usize {
         self.buffers.iter().map(|buffer| buffer.len()).sum()
     }
@@ -68,7 +68,7 @@ pub(super) fn data(uri: &str) -> Option<Result<Vec<u8>, String>> {
     Some(STANDARD.decode(text).map_err(|error| format!("its data URI is not base64: {error}")))
 }
 
-/// The path of a file beside `path` that a relative URI names; `%20` and the like stand for bytes.
+/// The path of the file that a relative URI names, from the folder of `path`; escapes such as `%20` are decoded.
 pub(super) fn beside(path: &Path, uri: &str) -> Result<PathBuf, String> {
     // A single letter before a colon is a drive, not a scheme; it is no relative URI either.
     if uri.split(['/', '?', '#']).next().is_some_and(|first| first.contains(':')) {

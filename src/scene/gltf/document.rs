@@ -7,7 +7,7 @@ use gltf_json::validation::Validate;
 
 use crate::scene::loader::Loader;
 
-/// Extensions that change which triangles there are or where: without them the scene would be another one.
+/// Extensions that change the triangles or their positions: without them the scene would be wrong.
 const GEOMETRY: &[&str] = &[
     "KHR_draco_mesh_compression",
     "EXT_meshopt_compression",
@@ -17,7 +17,8 @@ const GEOMETRY: &[&str] = &[
     "KHR_node_visibility",
     "KHR_animation_pointer",
 ];
-/// Of these, those that have nothing in the file to stand for them: they are refused wherever they are used.
+/// The extensions of `GEOMETRY` without a fallback in the file: a file that uses one is refused, even if it does not
+/// require it.
 const WITHOUT_FALLBACK: &[&str] = &["EXT_mesh_gpu_instancing", "KHR_node_visibility", "KHR_animation_pointer"];
 /// Extensions that are read.
 const READ: &[&str] = &["KHR_lights_punctual"];
@@ -75,7 +76,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), String> {
         match &bytes[at + 4..at + 8] {
             b"JSON" if json.is_none() => json = Some(chunk),
             b"BIN\0" if binary.is_none() => binary = Some(chunk),
-            // Chunks of other kinds are passed over, as the specification asks.
+            // Chunks of other kinds are skipped, as the specification requires.
             _ => {}
         }
         at = end;

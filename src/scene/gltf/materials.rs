@@ -22,7 +22,7 @@ use crate::scene::texture;
 pub(super) struct Material {
     /// Its number in the scene.
     pub id: MaterialId,
-    /// Which texture coordinates its picture takes.
+    /// The set of texture coordinates of its picture.
     pub uv_set: u32,
     /// Whether it has a picture.
     pub textured: bool,
@@ -35,7 +35,7 @@ pub(super) struct Materials<'a> {
     path: &'a Path,
     plain: MaterialId,
     read: Vec<Option<Material>>,
-    /// By number of the file's image.
+    /// Textures by the number of the file's image.
     textures: Vec<Option<TextureId>>,
 }
 
@@ -46,7 +46,7 @@ impl<'a> Materials<'a> {
         Self { root, buffers, path, plain, read, textures }
     }
 
-    /// The material of that number.
+    /// Material number `index`; the plain material without a number.
     pub(super) fn get(&mut self, index: Option<usize>, loader: &mut Loader) -> Result<Material, String> {
         let Some(index) = index else { return Ok(Material { id: self.plain, uv_set: 0, textured: false }) };
         if let Some(Some(known)) = self.read.get(index) {
@@ -124,7 +124,7 @@ fn decode(bytes: &[u8]) -> Result<material::Texture, String> {
     texture::decode(bytes).map_err(missing)
 }
 
-/// An error of a picture, and how the scene can be had without.
+/// The error about a picture, with advice on loading the scene without pictures.
 fn missing(what: String) -> String {
     format!("{what} (`textures: Ignore` in the scene's config takes the scene without its pictures)")
 }

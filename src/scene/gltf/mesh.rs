@@ -56,7 +56,7 @@ impl<'a> Meshes<'a> {
             return Err("a primitive is of no mode of the specification".into());
         };
         if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
-            // Points and lines are nothing that a ray meets.
+            // Rays cannot hit points and lines.
             loader.count_without_effect(self.path, "primitives of points or lines");
             return Ok(());
         }
@@ -95,7 +95,7 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// What the corners of a primitive refer to.
+/// The vertex data of a primitive.
 struct Vertices<'a> {
     positions: Elements<'a, 3>,
     normals: Option<Elements<'a, 3>>,
@@ -146,7 +146,7 @@ impl<'a> Vertices<'a> {
         let v = vectors(&self.positions, "a position")?.map(|corner| corner.as_vec3());
         let normals = self.normals.as_ref().map(|normals| vectors(normals, "a normal")).transpose()?;
         let normals = normals.map(|normals| normals.map(DVec3::normalize_or_zero));
-        // A normal of length zero says nothing.
+        // A normal of length zero has no direction: the triangle shades flat.
         let normals = normals.filter(|normals| !normals.contains(&DVec3::ZERO));
         let mut uv = [Vec2::ZERO; 3];
         if let Some(uvs) = &self.uvs {

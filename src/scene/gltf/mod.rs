@@ -4,11 +4,12 @@
 //! `gltf-json` gives the data model and checks it; indices, bounds and numbers are checked here, since the accessors of
 //! the crate `gltf` panic on indices that no validation reaches.
 //!
-//! - Every mesh node of the scene becomes triangles of its own, placed by its node: an instance is stored as often as
-//!   it is placed. Nodes that an animation moves, and all below them, are dynamic; all else is static, also a node
-//!   whose keys all have the same value.
-//! - Cameras go by the name of their node. Point lights shine without attenuation, as all lights here do.
-//! - Skins and morph targets are refused. A required extension that touches geometry is refused; others are told.
+//! - Every mesh node of the scene becomes separate triangles, so a mesh is stored once per instance. Nodes that an
+//!   animation moves, and all nodes below them, are dynamic. All others are static, also a node whose keys all have the
+//!   same value.
+//! - A camera has the name of its node. Point lights shine without attenuation, as all lights here do.
+//! - Skins and morph targets are refused. A required extension that changes geometry is refused; notices list the
+//!   others.
 
 mod accessor;
 mod animation;
@@ -38,12 +39,12 @@ use super::loader::Loader;
 use super::material::MaterialId;
 use super::model::{FileCamera, FileLight, Model, append};
 
-/// What the glTF file at `path` holds, at `place`. Primitives without a material get `plain`; `animation` names the one
-/// of the file's animations that moves its nodes.
+/// The contents of the glTF file at `path`, at `place`. Primitives without a material get `plain`; `animation` names
+/// the animation that moves the nodes.
 ///
 /// # Errors
-/// A file that cannot be read or breaks the specification, an extension, skin or morph target that is not read, a
-/// picture that cannot be had, numbers out of range, a light that is no point, an animation that is not there.
+/// A file that cannot be read or breaks the specification, an extension, skin or morph target that is not supported, a
+/// picture that cannot be read, numbers out of range, a light that is no point light, an animation that does not exist.
 pub(super) fn read(
     path: &Path,
     animation: Option<&str>,
@@ -120,7 +121,7 @@ fn projection(root: &Root, index: usize) -> Result<Projection, String> {
     }
     let parallel = camera.orthographic.as_ref().ok_or("it is neither perspective nor orthographic")?;
     let half_height = super::limits::LENGTH.check("`ymag`", parallel.ymag.into())?;
-    // The direction is that of the camera's pose.
+    // The camera's pose replaces this direction.
     Ok(Projection::Parallel { half_height, direction: DVec3::NEG_Z })
 }
 

@@ -1,4 +1,4 @@
-//! The tree of nodes, and where each is at a time.
+//! The tree of nodes, and their poses over time.
 
 use std::sync::Arc;
 
@@ -37,11 +37,11 @@ enum Local {
 }
 
 impl Tree {
-    /// The nodes of the scene that the file shows; `motions` are the nodes' motions by number, and `place` puts the
-    /// whole into the world.
+    /// The nodes of the file's default scene; `motions` are the nodes' motions by number, and `place` maps the scene to
+    /// the world.
     ///
     /// # Errors
-    /// No scene, a node that is not there, has two parents or is its own ancestor, a transform out of range.
+    /// No scene; a node that does not exist, has two parents or is its own ancestor; a transform out of range.
     pub(super) fn new(root: &Root, mut motions: Vec<Motion>, place: DAffine3) -> Result<Self, String> {
         let scene = root.scene.map_or(0, |scene| scene.value());
         let scene = root.scenes.get(scene).ok_or("it has no scene")?;
@@ -76,7 +76,7 @@ impl Tree {
         self.nodes[index].as_ref().is_some_and(|node| node.moves)
     }
 
-    /// How many of the scene's nodes an animation holds in one pose.
+    /// Number of the scene's nodes that an animation holds in one pose.
     pub(super) fn held(&self) -> usize {
         let motions = self.nodes.iter().flatten().map(|node| &node.motion);
         motions.filter(|motion| motion.is_there() && !motion.moves()).count()
@@ -93,7 +93,7 @@ impl Tree {
         self.place * world
     }
 
-    /// Where a node is.
+    /// The pose of a node over time.
     pub(super) fn pose(self: &Arc<Self>, index: usize) -> PoseAt {
         let tree = self.clone();
         if self.moves(index) {

@@ -1,4 +1,4 @@
-//! Tests of glTF files; `tests/fixtures/gltf` says what independent readers find in three of them.
+//! Tests of glTF files; `tests/fixtures/gltf` holds the results of independent readers for three of them.
 
 use std::path::PathBuf;
 
@@ -11,7 +11,7 @@ use super::accessor::Elements;
 use super::*;
 use crate::scene::material::Material;
 
-/// The folder of the files that are compared, and the path of each; `None` if it is absent.
+/// The path of a compared file; `None` if it is absent.
 fn file(name: &str) -> Option<PathBuf> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
     let path = match name {
@@ -141,7 +141,7 @@ fn parsed(document: &Value, animation: Option<&str>) -> Result<(Model, Loader), 
     Ok((model, loader))
 }
 
-/// The error after `value` was put at a JSON pointer.
+/// The error with `value` at a JSON pointer of the document.
 fn error(pointer: &str, value: Value) -> String {
     let mut document = document();
     let (parent, key) = pointer.rsplit_once('/').unwrap();

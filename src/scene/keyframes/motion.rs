@@ -1,4 +1,4 @@
-//! The motion of an object: where it is, how it is turned, how large it is and whether it is there.
+//! The motion of an object: position, rotation, scale and visibility.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -8,7 +8,7 @@ use super::vector::VectorTrack;
 /// A switch that is on before its first key.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct VisibilityTrack {
-    /// Times and what holds from then on.
+    /// Times in seconds, each with the state from then on.
     pub keys: Vec<(f64, bool)>,
 }
 
@@ -20,7 +20,7 @@ impl VisibilityTrack {
     }
 }
 
-/// The motion of an object: scale first, then rotation, then translation; what is `None` stands still.
+/// The motion of an object: scale first, then rotation, then translation; a property that is `None` does not change.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Motion {
     /// Where it is.
@@ -47,7 +47,8 @@ impl Motion {
         self.visibility.as_ref().is_none_or(|track| track.at(time))
     }
 
-    /// A bound, over all times, on the distance from the origin of points that are within `radius` before the motion.
+    /// An upper bound, over all times, of the distance from the origin of points that are within `radius` before the
+    /// motion.
     pub(crate) fn reach(&self, radius: f64) -> f64 {
         let scale = self.scale.as_ref().map_or(1.0, |track| track.bound().max_element());
         let translation = self.translation.as_ref().map_or(0.0, |track| track.bound().length());

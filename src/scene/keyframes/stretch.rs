@@ -28,12 +28,12 @@ pub(crate) enum TrackError {
     /// The first and the last key only give tangents.
     #[error("{0} keys: at least 4 are needed")]
     TooFew(usize),
-    /// A number is infinite or no number, or two keys around a third are at one time.
+    /// A number is not finite, or the keys before and after a key are at one time.
     #[error("key {0} gives no finite tangents: finite numbers, and other times before and after a key are allowed")]
     NotFinite(usize),
 }
 
-/// The stretches between keys that can be reached, in order of their end.
+/// The reachable stretches between keys, in order of their end.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Stretches<C> {
     start: f64,
@@ -58,7 +58,7 @@ pub(super) enum Place<'a, C> {
 }
 
 impl<C> Stretches<C> {
-    /// Fits a curve to each reachable stretch; `fit` sees the number of the key before the stretch's start, and the
+    /// Fits a curve to each reachable stretch; `fit` gets the number of the key before the stretch's start, and the
     /// tangents' weights.
     pub(super) fn new<V>(
         keys: &[Key<V>],
@@ -96,7 +96,7 @@ impl<C> Stretches<C> {
     }
 }
 
-/// Shares of the differences before, along and after a stretch in its tangents.
+/// Weights of the differences before, along and after a stretch in its tangents.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Weights {
     pub(super) out_before: f64,

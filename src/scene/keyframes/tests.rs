@@ -1,4 +1,4 @@
-//! Closed forms of tracks.
+//! Tracks compared with closed forms.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 

@@ -41,7 +41,7 @@ impl VectorTrack {
         }
     }
 
-    /// Bounds on the value's components, without their sign, over all times. They hold, but are not tight.
+    /// Upper bounds, not tight, of the absolute values of the components over all times.
     pub(crate) fn bound(&self) -> DVec3 {
         let ends = self.first.abs().max(self.last.abs());
         let sums = self.cubics.list.iter().map(|stretch| stretch.curve.iter().map(|c| c.abs()).sum());

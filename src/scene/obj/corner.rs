@@ -2,13 +2,13 @@
 
 use crate::scene::text::{shortened, words};
 
-/// How many vertices, texture coordinates and normals there are.
+/// Numbers of vertices, texture coordinates and normals.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Counts(pub [usize; 3]);
 
 const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// A corner, by places in the lists of vertices, texture coordinates and normals.
+/// A corner: indices from 0 into the lists of vertices, texture coordinates and normals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Corner {
     /// The vertex.
@@ -19,8 +19,8 @@ pub(super) struct Corner {
     pub normal: Option<usize>,
 }
 
-/// Reads the corners of a face into `corners`. An index counts from 1; a negative one counts backwards from the last of
-/// `seen`, those that stand before the face. `all` are those of the whole file.
+/// Reads the corners of a face into `corners`. An index counts from 1; a negative index counts backwards from the end
+/// of `seen`, the elements before the face in the file. `all` counts the elements of the whole file.
 ///
 /// # Errors
 /// Fewer than three corners, a word that is no corner, corners of different kinds, an index without its vertex.

@@ -18,13 +18,13 @@ pub(crate) struct Libraries(BTreeMap<PathBuf, Rc<Materials>>);
 pub(crate) enum Failure {
     /// The statement itself is wrong.
     Line(String),
-    /// A library is.
+    /// A library is wrong.
     Library(SceneError),
 }
 
 impl Libraries {
-    /// The libraries that the statement `mtllib` of the file at `obj` names: one whose name may have spaces, or several
-    /// names without.
+    /// The libraries that the statement `mtllib` of the file at `obj` names: one name, which may have spaces, or
+    /// several names without spaces.
     pub(crate) fn named_by(
         &mut self,
         line: &Line<'_>,

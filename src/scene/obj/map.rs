@@ -7,7 +7,7 @@ use glam::Vec2;
 use crate::scene::limits::COORDINATE;
 use crate::scene::text::{number, shortened};
 
-/// From a face's texture coordinates to those of the picture: `-s` scales, then `-o` moves.
+/// Maps a face's texture coordinates to the picture's: `-s` scales, then `-o` moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct UvMap {
     scale: Vec2,
@@ -30,8 +30,7 @@ impl UvMap {
 /// Takes the options from the front of `text`; what is left is the name of the file.
 ///
 /// # Errors
-/// An option that is not known, one that would change the picture in a way that is not read, and options without a
-/// name.
+/// An unknown option, an option with an unsupported effect on the picture, options without a name.
 pub(super) fn options(text: &str) -> Result<(UvMap, &str), String> {
     let (mut map, mut rest) = (UvMap::default(), text);
     while rest.starts_with('-') {
@@ -50,7 +49,7 @@ pub(super) fn options(text: &str) -> Result<(UvMap, &str), String> {
                 }
                 after
             }
-            // How the picture is filtered and corrected: no effect on which texel a point has.
+            // Filtering and colour correction do not change the texel of a point.
             "-blendu" | "-blendv" | "-cc" => switch(option, after, true)?,
             "-clamp" => switch(option, after, false)?,
             "-texres" => {
@@ -94,7 +93,7 @@ fn switch<'a>(option: &str, text: &'a str, on_allowed: bool) -> Result<&'a str, 
     }
 }
 
-/// The first two of one to three numbers; those that are left out are `base`.
+/// The first two of one to three numbers; missing numbers are `base`.
 fn up_to_three(text: &str, base: f32) -> Result<(Vec2, &str), String> {
     let (mut numbers, mut rest) = ([base; 3], text);
     for (index, place) in numbers.iter_mut().enumerate() {

@@ -1,8 +1,7 @@
 //! Wavefront OBJ files: polygons with materials.
 //!
-//! The reader is our own: the crate `tobj` gives no lines with its errors, passes over statements that it does not
-//! know, takes a polyline of three points for a triangle, cuts concave polygons wrongly and holds materials of one
-//! library only.
+//! The crate `tobj` does not suffice: its errors have no lines, it skips unknown statements, takes a polyline of three
+//! points for a triangle, cuts concave polygons wrongly and holds materials of one library only.
 
 mod corner;
 mod libraries;
@@ -35,9 +34,8 @@ pub(super) use self::libraries::Libraries;
 /// The triangles of the OBJ file at `path`. Faces without a material get `plain`.
 ///
 /// # Errors
-/// A file that cannot be read, a statement that is not known or not read, a number that is not finite or out of range,
-/// an index without its vertex, a material that no library of the file defines, no face at all; and what a library
-/// refuses.
+/// A file that cannot be read, an unknown or unsupported statement, a number that is not finite or out of range, an
+/// index without its vertex, a material that no library of the file defines, no face at all; any error of a library.
 pub(super) fn read(
     path: &Path,
     plain: MaterialId,
@@ -50,8 +48,7 @@ pub(super) fn read(
 
 /// As [`read`], of the file's bytes.
 ///
-/// Vertices and libraries are read first, faces after: an index may point forwards, and `usemtl` may stand before the
-/// library.
+/// Vertices and libraries are read before faces: an index may point forwards, and `usemtl` may precede the library.
 fn parse(
     path: &Path,
     bytes: &[u8],
@@ -93,7 +90,7 @@ fn parse(
     Ok(faces.geometry)
 }
 
-/// What faces are made of.
+/// The data that faces refer to.
 #[derive(Default)]
 struct Definitions {
     positions: Vec<Vec3>,
@@ -201,7 +198,7 @@ impl<'a> Faces<'a> {
             loader.count_without_effect(path, "usemtl without a mtllib");
             return Ok(Entry::of(self.plain));
         }
-        // Of several libraries the first that has the name counts (section "mtllib").
+        // The first library that has the name counts (section "mtllib").
         let found = self.definitions.materials.iter().find_map(|library| library.find(line.rest));
         found.ok_or_else(|| format!("no material is named {:?}", shortened(without_comment(line.rest))))
     }
@@ -222,7 +219,7 @@ impl<'a> Faces<'a> {
             let uv = corners.map(|corner| corner.uv.map_or(Vec2::ZERO, |index| self.material.map.apply(uvs[index])));
             let normals =
                 corners.map(|corner| corner.normal.map_or(Vec3::ZERO, |index| normals[index].normalize_or_zero()));
-            // A normal of length zero says nothing.
+            // A normal of length zero has no direction: the triangle shades flat.
             let normals = (!normals.contains(&Vec3::ZERO)).then_some(normals);
             let triangle = Triangle { v: corners.map(|corner| positions[corner.vertex]) };
             self.geometry.push(triangle, Attributes { normals, uv, material: self.material.id });

@@ -2,7 +2,7 @@
 //!
 //! Source: Wavefront Technologies, "MTL material format (Lightwave, OBJ)", version 4.2; its sections are named beside
 //! the statements. `Tr`, `Ke` and the statements of "Physically based rendering extension to the MTL format" are later
-//! additions of exporters. Statements are read in any case of their letters, as exporters write them.
+//! additions of exporters. Statements are case-insensitive, since exporters write them in different cases.
 //!
 //! `Kd` colours the surface in point light and in ambient light, `Ks`, `Ns` and `Ni` are as in the specification, and
 //! the transmittance is 1 - `d`, or `Tr`.
@@ -66,8 +66,8 @@ const WITHOUT_EFFECT: &[&str] = &[
 /// The materials of the library at `path`, added to `loader`.
 ///
 /// # Errors
-/// A statement that is not known, one before the first `newmtl`, a name that is missing or defined twice, numbers that
-/// are malformed or out of range, a picture that cannot be had; each with its line.
+/// An unknown statement, a statement before the first `newmtl`, a name that is missing or defined twice, numbers that
+/// are malformed or out of range, a picture that cannot be read; each with its line.
 pub(super) fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Materials, SceneError> {
     let mut library = Library { materials: Materials::default(), open: None };
     each_line(bytes, |line| library.read(line, path, loader)).map_err(|(line, what)| SceneError::Syntax {
@@ -81,7 +81,7 @@ pub(super) fn parse(path: &Path, bytes: &[u8], loader: &mut Loader) -> Result<Ma
 
 struct Library {
     materials: Materials,
-    /// The material that the statements are for.
+    /// The material that the next statements describe.
     open: Option<Open>,
 }
 
@@ -89,7 +89,7 @@ struct Open {
     name: String,
     material: Material,
     map: map::UvMap,
-    /// Opacity `d` and transparency `Tr`, as far as they are given.
+    /// Opacity `d` and transparency `Tr`, if given.
     opacity: Option<f32>,
     transparency: Option<f32>,
 }
@@ -173,7 +173,7 @@ impl Library {
 /// Statements that are read, in lower case, beside `newmtl`.
 const READ: &[&str] = &["kd", "ks", "ns", "ni", "d", "tr", "map_kd"];
 
-/// Colours that have no effect must be colours nevertheless: a library that is broken there is broken elsewhere.
+/// Colours without effect must be valid nevertheless: a library that is broken there is broken elsewhere.
 fn check_ignored(statement: &str, line: &Line<'_>) -> Result<(), String> {
     match statement {
         "ka" => color(line, SHARE).map(|_| ()),
@@ -182,7 +182,7 @@ fn check_ignored(statement: &str, line: &Line<'_>) -> Result<(), String> {
     }
 }
 
-/// Three numbers, or one that stands for all (section "Material color and illumination").
+/// Three numbers, or one for all three (section "Material color and illumination").
 fn color(line: &Line<'_>, range: Range) -> Result<Vec3, String> {
     let numbers: Vec<f32> = words(line.rest).map(number).collect::<Result<_, _>>()?;
     let color = match numbers[..] {

@@ -17,7 +17,7 @@ pub(crate) struct Entry {
 }
 
 impl Entry {
-    /// A material whose picture lies as the texture coordinates say.
+    /// A material whose picture takes the texture coordinates unchanged.
     pub(crate) fn of(id: MaterialId) -> Self {
         Self { id, map: UvMap::default() }
     }
@@ -25,8 +25,8 @@ impl Entry {
 
 /// The materials of one library by name.
 ///
-/// A name can have spaces and `#`, as in `Material #25`, and a comment can follow a name. So the whole text counts
-/// first; if nothing has that name, the part before the comment does, if it tells one material from all others.
+/// A name can have spaces and `#`, as in `Material #25`, and a comment can follow a name. So the whole text is looked
+/// up first. If no material has that name, the part before the comment is looked up; it must identify one material.
 #[derive(Debug, Default)]
 pub(crate) struct Materials {
     whole: BTreeMap<String, Entry>,
@@ -52,13 +52,13 @@ impl Materials {
         exact(whole).or_else(|| exact(before_comment)).or_else(|| self.before_comment.get(before_comment).copied()?)
     }
 
-    /// Whether the text after a `newmtl` is taken.
+    /// Whether a material has this whole text as its name.
     pub(crate) fn contains(&self, name: &str) -> bool {
         self.whole.contains_key(name)
     }
 }
 
-/// The path of a file that another one names. A name with `\` is one of another system if no file is called so.
+/// The path of a file that `file` names. If no file has a name with `\`, each `\` is taken as `/`.
 pub(super) fn beside(file: &Path, name: &str) -> PathBuf {
     let folder = file.parent().unwrap_or(Path::new(""));
     let path = folder.join(name);

@@ -3,7 +3,7 @@
 //! Source: Wavefront Technologies, "Advanced Visualizer Manual", Appendix B1, "Object Files (.obj)", version 3.0; its
 //! sections are named beside the statements.
 
-/// Statements that are known and have no effect on what a ray meets or on its colour here.
+/// Known statements without effect on ray hits or on colours here.
 pub(super) const WITHOUT_EFFECT: &[&str] = &[
     // Vertex data: points in the parameter space of curves.
     "vp", // Free-form curve/surface attributes. A surface needs `surf`, which is refused.
@@ -18,7 +18,7 @@ pub(super) const WITHOUT_EFFECT: &[&str] = &[
     "cdc", "res",
 ];
 
-/// Statements that would change what a ray meets, and cannot be read.
+/// Statements that would change ray hits, and are not supported.
 const REFUSED: &[(&str, &str)] = &[
     ("surf", "free-form surfaces are not read"),
     ("bsp", "patches are not read"),

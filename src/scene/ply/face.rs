@@ -3,13 +3,13 @@
 use ply_rs_bw::ply::{Property, PropertyAccess, PropertyAccessResult};
 use smallvec::SmallVec;
 
-/// Properties of a face that are read, one of them in a file.
+/// Names of the one property of a face that is read; a file has one of them.
 pub(super) const PROPERTIES: &[&str] = &["vertex_indices", "vertex_index"];
 
 /// A face.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Face {
-    /// The places of its corners in the list of vertices.
+    /// Indices of its corners in the list of vertices.
     pub indices: SmallVec<[i64; 4]>,
 }
 

@@ -1,4 +1,4 @@
-//! Files that were cut off, changed, or are something else.
+//! Files that were cut off or changed, or are no ray streams.
 
 use super::*;
 
@@ -58,8 +58,8 @@ fn foreign_files_are_named() {
     assert!(matches!(StreamReader::open(&missing), Err(StreamError::Io { doing: "read", .. })));
 }
 
-/// Two streams that differ in their scene's name alone have the same items and lengths, and yet none of one's blocks
-/// passes in the other.
+/// Two streams that differ only in their scene's name have the same items and lengths. Still, no block of one is
+/// accepted in the other.
 #[test]
 fn blocks_of_another_file_are_refused() {
     let (one, items) = small_stream();

@@ -1,11 +1,11 @@
-//! What the reader makes of files whose checksums are right and whose contents are not.
+//! Files with correct checksums and wrong contents are refused.
 
 use super::super::format::{BlockHeader, END_MAGIC, RAW_LIMIT, Tag, checksum};
 use super::super::version::Version;
 use super::super::violation::{RayFault, StepFault};
 use super::*;
 
-/// A file of the header for frame 0 alone and of `blocks`, with checksums, index and footer that fit them.
+/// A file with a header for frame 0 only and with `blocks`; checksums, index and footer fit them.
 fn forged(blocks: &[(Tag, u64, usize, Vec<u8>)], entry: impl FnOnce(&mut FrameEntry)) -> Vec<u8> {
     let header = header(&[0]);
     let whole = written(&header, &frame(0, vec![], vec![]));
@@ -82,12 +82,12 @@ fn forged_files_are_refused() {
         assert_eq!(fault(&bytes), (at(1), Fault::Compression { raw }));
     }
 
-    // An index that does not fit the frame, which only reading the frame shows.
+    // An index that does not fit the frame: found when the frame is read.
     let bytes = forged(&[frame_block(), end_block(1)], |entry| entry.rays = 4);
     assert_eq!(fault(&bytes), (Place::Index, Fault::Index { frame: 0, what: "rays", index: 4, found: 0 }));
     let bytes = forged(&[frame_block(), end_block(1)], |entry| entry.totals.node_visits = 1);
     assert!(matches!(fault(&bytes), (Place::Index, Fault::Index { what: "node_visits", .. })));
-    // And one that does not fit the file, which opening shows.
+    // An index that does not fit the file: found when the file is opened.
     for change in [|entry: &mut FrameEntry| entry.bytes.0 += 1, |entry: &mut FrameEntry| entry.offset = u64::MAX] {
         let bytes = forged(&[frame_block(), end_block(1)], change);
         assert!(StreamReader::new(Cursor::new(bytes), Path::new(PATH)).is_err());
@@ -115,7 +115,8 @@ fn chunks_with_impossible_columns_are_refused() {
         bytes[at] = byte;
         columns::chunk(&bytes, Version::CURRENT)
     };
-    // Of three rays, columns begin at: classes 8, lights 11, primitives 14, pixels 26, parents 38, path lengths 50.
+    // Offsets of the columns of three rays: classes 8, lights 11, primitives 14, pixels 26, parents 38, path lengths
+    // 50.
     assert!(matches!(with(8, 0b0100_0000), Err(Fault::Class { ray: 0, .. })), "unused bits");
     assert!(matches!(with(9, 0b1101), Err(Fault::Class { ray: 1, .. })), "no decision");
     assert!(matches!(with(15, 1), Err(Fault::Class { ray: 1, primitive: 1, .. })), "a primitive without a hit");
@@ -141,7 +142,7 @@ fn lengths_are_checked_before_memory_is_taken() {
     assert_eq!(refused(100, 101, 100), 100, "more than the file has");
     assert!(BlockHeader::decode(&bytes(RAW_LIMIT as u32, 1 << 20), 3, 1 << 20).is_ok());
 
-    // A header's length of 4 GiB, in a file that has the bytes neither.
+    // A header length of 4 GiB, in a file without these bytes.
     let mut start = b"\x89RAYS\r\n\x1a".to_vec();
     start.extend(Version::CURRENT.number().to_le_bytes());
     start.extend(u32::MAX.to_le_bytes());
@@ -149,7 +150,7 @@ fn lengths_are_checked_before_memory_is_taken() {
     assert!(matches!(fault(&start), (Place::Header, Fault::TooLarge { .. })));
 }
 
-/// Steps that [`Chunk::push`] would not take in a debug build come from files.
+/// Files can hold steps that [`Chunk::push`] refuses in a debug build.
 #[test]
 fn steps_of_files_are_checked_before_they_are_unpacked() {
     let primary = head(RayKind::Primary, Outcome::Miss, 0);

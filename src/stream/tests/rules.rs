@@ -102,7 +102,7 @@ fn every_rule_of_rays_is_checked() {
     skipped.1 = packed(&[Step::Node(NodeId(0))]);
     assert_eq!(refused(&[primary(), skipped]), RayFault::SkippedPath(1));
 
-    // The first id that is too large, of each step; the last that is possible was written by other tests.
+    // The first id that is too large, for each kind of step; other tests write the largest valid id.
     let slot = |index| Step::Triangle { slot: TriangleSlot(index), stop: Stop::Edges };
     let too_large = [(Step::Node(NodeId(7)), 7), (Step::List(ListId(5)), 5), (slot(11), 11)];
     for (step, limit) in too_large {

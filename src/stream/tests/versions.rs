@@ -3,7 +3,7 @@
 use super::super::version::Version;
 use super::*;
 
-/// Tags of version 2 and the steps that they are of: nothing is judged.
+/// The tags of version 2 and their steps; updates have no recorded effect.
 fn steps(id: u32) -> [(u32, Step); 14] {
     let triangle = |stop| Step::Triangle { slot: TriangleSlot(id), stop };
     let stores = [Store::ModeWord, Store::PixelCounter, Store::OccluderId];
@@ -46,7 +46,7 @@ fn other_versions_are_refused_by_their_number() {
         assert!(matches!(error, StreamError::Version { found, .. } if found == version), "{error}");
         assert!(error.to_string().ends_with("this program reads versions 2 and 3: record it again"), "{error}");
     }
-    // Version 2 without the bytes of version 2: the checksum knows.
+    // A file of version 3 that claims to be of version 2: the checksum does not match.
     bytes[8..12].copy_from_slice(&2u32.to_le_bytes());
     assert!(matches!(read(&bytes), Err(StreamError::Corrupt { place: Place::Header, fault: Fault::Checksum, .. })));
 }

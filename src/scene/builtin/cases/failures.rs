@@ -1,5 +1,5 @@
-//! Minimal scenes in which shadow culling by learned modes fails, and controls in which it does not: facts found with
-//! an independent model in double precision.
+//! Minimal scenes in which shadow culling by learned modes fails, and controls in which it does not. Both were found
+//! with an independent model in double precision.
 //!
 //! A world unit is a pixel at scale 1; the picture has 16 x 16 pixels and a parallel camera. The sample of pixel (x, y)
 //! lies in the plane z = 0 at `((x + 0.5 + jitter) / scale + origin, (16 - y - 0.5 + jitter) / scale + origin)`; its
@@ -19,9 +19,9 @@ use crate::scene::material::MaterialId;
 /// A failure case.
 pub(super) struct Failure {
     triangles: &'static [Part],
-    /// The light's place at first.
+    /// The light's first position.
     light: [f64; 3],
-    /// One a frame.
+    /// One per frame.
     views: &'static [View],
 }
 
@@ -44,7 +44,7 @@ const fn moving(corners: [[f64; 3]; 3]) -> Part {
     Part { corners, material: MATT, moves: true }
 }
 
-/// What is different in a frame.
+/// The settings of one frame.
 struct View {
     /// Pixels a world unit.
     scale: f64,
@@ -53,9 +53,9 @@ struct View {
     tilt: [f64; 2],
     jitter: [f64; 2],
     from_behind: bool,
-    /// How far the moving triangles are from their first place.
+    /// Displacement of the moving triangles from their first place.
     shift: [f64; 3],
-    /// The light's place, if it is another.
+    /// The light's position, if it differs from the first one.
     light: Option<[f64; 3]>,
 }
 
@@ -74,7 +74,7 @@ const fn zoom(scale: f64) -> View {
     View { scale, origin: [8.0 - 8.0 / scale; 2], ..FIRST }
 }
 
-/// From where rays start, in lengths of their direction before the plane z = 0: in front of everything.
+/// Distance of the rays' origins from the plane z = 0, in lengths of their direction: in front of everything.
 const FAR: f64 = 64.0;
 
 impl View {
@@ -150,10 +150,10 @@ pub(super) const C1B: Failure = Failure {
     views: &[FIRST, FIRST, View { jitter: [0.5, 0.0], ..FIRST }],
 };
 
-// In the model the long side runs through samples at both scales: at scale 1 they belong to the triangle, ten in all;
-// of those at scale 1.9 rounding puts all in the shadow outside. In `f32` it would do otherwise. So the corners are
-// exact here (the model has 6.1 and 9.9), which puts the first inside, and the window's corner is 3.79 instead of 8 - 8
-// / 1.9, which puts the others outside.
+// In the model the long side runs through samples at both scales. At scale 1 these belong to the triangle, ten in all;
+// at scale 1.9 rounding puts all shadowed ones outside. `f32` would round differently. So the corners are exact here
+// (the model has 6.1 and 9.9), which puts the samples of scale 1 inside. The window's corner is 3.79 instead of 8 - 8 /
+// 1.9, which puts the samples of scale 1.9 outside.
 pub(super) const C2: Failure = Failure {
     triangles: &[
         matt([[6.125, 6.125, 0.0], [9.875, 6.125, 0.0], [6.125, 9.875, 0.0]]),

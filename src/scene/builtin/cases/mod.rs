@@ -1,4 +1,5 @@
-//! Small scenes that put culling to the test: where it is known to fail, and where a renderer's arithmetic may.
+//! Small scenes to test culling: cases in which culling is known to fail, and cases that stress a renderer's
+//! arithmetic.
 
 mod failures;
 mod film;
@@ -37,7 +38,7 @@ macro_rules! cases {
                 }
             }
 
-            /// What happens in it.
+            /// A description of the case.
             pub fn title(self) -> &'static str {
                 match self {
                     $(Self::$failure => $failure_title,)*
@@ -107,7 +108,7 @@ impl Case {
         Self::FAILURES.contains(&self)
     }
 
-    /// The size that the case's numbers are for.
+    /// The resolution that the case is made for.
     pub fn resolution(self) -> Resolution {
         let side = if self.is_failure() { 16 } else { 32 };
         Resolution { width: side, height: side }

@@ -15,14 +15,14 @@ use crate::scene::lamps::rectangle;
 use crate::scene::light::Light;
 use crate::scene::material::MaterialId;
 
-/// What a random scene is made of. The ground is about ten units wide.
+/// The recipe of a random scene. The ground is about ten units wide.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Recipe {
-    /// Scenes that differ in it have other random numbers.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// Where the middle of the ground is.
+    /// The middle of the ground.
     pub centre: [f64; 3],
-    /// Squares of the ground along a side; none at 0.
+    /// Squares along a side of the ground; 0 for no ground.
     pub ground: u32,
     /// Floating triangles that stand still.
     pub count: u32,
@@ -32,11 +32,11 @@ pub struct Recipe {
     pub moving: u32,
     /// Lights.
     pub lights: u32,
-    /// Whether these move.
+    /// Whether the lights move.
     pub lights_move: bool,
-    /// Points along an edge of the first light, if that is a rectangle.
+    /// Points along an edge of the first light if it is a rectangle; 0 for a point light.
     pub area: u32,
-    /// What the camera does.
+    /// The camera's motion.
     pub camera: CameraPath,
 }
 
@@ -47,20 +47,20 @@ pub enum Pieces {
     Any,
     /// Needles.
     Slivers,
-    /// Every other one is a point, or a line.
+    /// Every other triangle is a point or a line.
     Degenerate,
-    /// In the plane of the ground; every other one is there twice.
+    /// In the plane of the ground; every other triangle exists twice.
     Coplanar,
 }
 
-/// What a camera does.
+/// The motion of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CameraPath {
-    /// Its samples move within their pixels.
+    /// It stands still; its samples move within their pixels.
     Jitter,
     /// It moves by a fraction of a pixel to some pixels a frame.
     Pan,
-    /// It is somewhere else in each frame.
+    /// It has a new position in each frame.
     Jump,
 }
 
@@ -84,7 +84,7 @@ impl Default for Recipe {
 /// Frames of every recipe.
 const FRAMES: u32 = 8;
 
-/// Random numbers, each named by what it is for.
+/// Random numbers, each selected by its purpose.
 #[derive(Clone, Copy)]
 struct Dice(u64);
 
@@ -155,7 +155,7 @@ impl Recipe {
                 Pieces::Degenerate => [middle, middle + a, middle + b],
                 Pieces::Coplanar => [middle, middle + a, middle + b].map(|corner| corner.with_y(0.0)),
             };
-            // Glass would not matter: it blocks like everything.
+            // Glass would add nothing: it blocks shadow rays like every material.
             let material = if piece % 5 == 4 { MIRROR } else { MATT };
             self.push(&mut statics, corners, material);
             if self.pieces == Pieces::Coplanar && odd {
@@ -179,7 +179,7 @@ impl Recipe {
             let turn = DQuat::from_rotation_y(0.4 * time * (dice.share(9) - 0.3));
             let middle = turn * (dice.cube(0) * DVec3::new(4.0, 0.8, 4.0) + DVec3::Y * 2.0);
             self.push(&mut dynamic, [middle, middle + turn * dice.cube(1), middle + turn * dice.cube(2)], MATT);
-            // Some are away in some frames.
+            // Some are invisible in some frames.
             visible.push(piece % 3 != 2 || number % 3 != 1);
         }
         let lights = (0..u64::from(self.lights)).map(|light| {
