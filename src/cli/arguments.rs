@@ -39,8 +39,8 @@ pub(super) struct ExperimentArgs {
 }
 
 impl ExperimentArgs {
-    /// Loads the experiment, on the machines `machines` if there are any. Tells what of the scene's files has no
-    /// effect, and what makes the work useless.
+    /// Loads the experiment, on `machines` if there are any. Prints notices about contents of the scene's files that
+    /// have no effect, and warnings about useless work.
     pub(super) fn load(&self, machines: &[PathBuf], with_machines: bool) -> Result<Experiment> {
         let path = config_path(Root::Experiment, &self.config)?;
         experiment::check_once(&self.set).map_err(anyhow::Error::msg)?;
@@ -99,7 +99,7 @@ impl StreamAndMachine {
         Ok(machines)
     }
 
-    /// The machine, where there can be one only: `what` needs it.
+    /// The machine, for a purpose `what` that allows only one.
     pub(super) fn machine(&self, what: &str) -> Result<MachineSpec> {
         let mut machines = self.machines()?;
         anyhow::ensure!(machines.len() == 1, "{what} is of one machine: {} are given", machines.len());

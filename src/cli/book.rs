@@ -1,5 +1,5 @@
-//! Commands that the README and the book tell: tests say that they are commands, that what they name is there, and that
-//! a reader knows how long each takes.
+//! Tests of the commands in the README and the book: each one parses, the files that it names exist, and its section
+//! says how long it takes.
 
 use std::path::Path;
 
@@ -17,8 +17,8 @@ fn pages() -> Vec<(String, String)> {
     pages.map(|path| (path.display().to_string(), std::fs::read_to_string(path).unwrap())).collect()
 }
 
-/// The commands in the indented blocks of a page, without comments and where their output goes; lines that end with
-/// `\\` go on.
+/// The commands in the indented blocks of a page, without comments and redirections. A line that ends with `\`
+/// continues on the next line.
 fn commands(page: &str) -> Vec<String> {
     let joined = page.replace("\\\n", " ");
     let indented = joined.lines().filter_map(|line| line.strip_prefix("    "));

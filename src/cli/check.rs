@@ -1,4 +1,4 @@
-//! `check`: configs tried without a run.
+//! `check`: checks configs without a run.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -6,7 +6,7 @@ use std::time::Duration;
 use anyhow::{Context, Result, bail};
 use clap::Args;
 
-use super::config_path::any_config_path;
+use super::config_path::{any_config_path, record};
 use super::outcome::Outcome;
 use super::print::print;
 use crate::console::{note, tell, warn};
@@ -19,7 +19,7 @@ use crate::report::paragraph;
 use crate::report::run::Summary;
 use crate::ron_file;
 
-/// The longer side of the larger one of the small pictures, in pixels.
+/// The longer side of the larger small picture, in pixels.
 const SIDE: u32 = 64;
 
 /// Check config files without running them: rays, memory and time
@@ -49,7 +49,11 @@ impl Check {
 }
 
 fn check(file: &Path) -> Result<String> {
-    let Some(kind) = kind_of(&ron_file::text(file)?) else {
+    let text = ron_file::text(file)?;
+    if let Some(record) = record(file, &text) {
+        return Err(record);
+    }
+    let Some(kind) = kind_of(&text) else {
         let kinds = Root::ALL.map(Root::title).join(", ");
         bail!(
             "{}: the names at its top tell no kind of config; known are {kinds}. A first line such as \
@@ -101,7 +105,7 @@ fn check(file: &Path) -> Result<String> {
     Ok(format!("{}; {told}", kind.title()))
 }
 
-/// Processor time that the process has taken; none where the system does not tell it.
+/// Processor time of the process; `None` where the system does not report it.
 fn processor_time() -> Option<Duration> {
     #[cfg(unix)]
     {
@@ -112,7 +116,7 @@ fn processor_time() -> Option<Duration> {
     None
 }
 
-/// The stages of a run that take time with its pictures.
+/// The stages of a run whose time depends on its pictures.
 const STAGES: [&str; 3] = ["trace", "reference", "machines"];
 
 /// A small picture of an experiment's first frame.
@@ -124,7 +128,7 @@ struct Small {
 }
 
 impl Small {
-    /// Traces, checks and replays a picture whose longer side has `side` pixels at most.
+    /// Traces, checks and replays a picture whose longer side has at most `side` pixels.
     fn of(file: &Path, whole: &Experiment, side: u32) -> Result<Self> {
         let Resolution { width, height } = whole.spec.resolution;
         let longer = width.max(height);
@@ -136,8 +140,7 @@ impl Small {
             Overrides { frames: Some(frames), resolution: Some(resolution), warmup: Some(0), ..Overrides::default() };
         let begin = processor_time();
         let summary = run::run(&Experiment::load(file, overrides)?, true, &signals::stop_flag())?.summary;
-        // The shares of the stages are those of wall time. The whole is processor time, which other programs leave
-        // alone.
+        // Wall time gives the stages' shares; their sum is processor time, which does not depend on other programs.
         let wall = STAGES.map(|name| summary.wall_seconds.get(name).copied().unwrap_or_default());
         let all: f64 = wall.iter().sum();
         let spent = processor_time().zip(begin).map_or(all, |(end, begin)| (end - begin).as_secs_f64());
@@ -149,8 +152,7 @@ impl Small {
 /// The number of rays that the experiment traces without culling, and its processor time, from small pictures of its
 /// first frame.
 ///
-/// A stage takes some time whatever the picture's size, and some for each pixel of each of its frames. Two sizes tell
-/// the two apart.
+/// A stage takes a fixed time, and a time per pixel of each of its frames. Two picture sizes separate the two.
 fn estimate(file: &Path, whole: &Experiment) -> Result<String> {
     let (smaller, small) = (Small::of(file, whole, SIDE / 2)?, Small::of(file, whole, SIDE)?);
     if small.summary.sees_nothing() {

@@ -28,7 +28,8 @@ use super::sweep::Sweep;
 use super::trace::Trace;
 use super::validate::Validate;
 
-/// Declares groups of commands: an enum a group that parses its commands, and one of all groups that runs them.
+/// Declares groups of commands: one enum per group, which parses its commands, and one enum of all groups, which runs
+/// them.
 macro_rules! groups {
     ($($title:literal $group:ident { $($command:ident),+ })+) => {
         $(#[derive(Subcommand)]

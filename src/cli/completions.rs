@@ -1,4 +1,4 @@
-//! `completions`: the command line completed by shells.
+//! `completions`: scripts that complete the command line in shells.
 
 use anyhow::Result;
 use clap::Args;

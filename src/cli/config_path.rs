@@ -9,8 +9,11 @@ use crate::fields::{Root, kind_of};
 use crate::ron_file;
 use crate::shipped::{self, Kind};
 
-/// The path of the config that `argument` names: a file, or the shipped config of that name. A folder of that name is
-/// no config.
+/// The names at the top of a report's `config.ron`.
+const RECORDED: [&str; 3] = ["experiment", "scene", "machines"];
+
+/// The path of the config that `argument` names: a file, or the shipped config of that name. A folder of that name does
+/// not count.
 ///
 /// # Errors
 /// `argument` looks like a name, and there is neither a file nor a shipped config of that kind and name.
@@ -54,14 +57,26 @@ pub(super) fn any_config_path(argument: &Path) -> Result<PathBuf> {
     })
 }
 
-/// `error`, or that the config is of another kind than `expected`, if it is.
+/// `error`, unless the config is of another kind than `expected`: then an error that says so.
 pub(super) fn or_other_kind(error: impl Into<Error>, path: &Path, expected: Root) -> Error {
     other_kind(path, expected).unwrap_or_else(|| error.into())
 }
 
-/// The error of a config that is of another kind than `expected`; none if it is of that kind, or of an unknown one.
+/// The error of the file of a report that tells what was run; none of other files.
+pub(super) fn record(path: &Path, text: &str) -> Option<Error> {
+    (ron_file::top_names(text) == RECORDED).then(|| {
+        let path = path.display();
+        anyhow!("{path} is a report's record of what was run, which no command runs: run the experiment's own file")
+    })
+}
+
+/// The error of a config that is of another kind than `expected`; `None` if it is of that kind or of an unknown one.
 pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
-    let kind = kind_of(&ron_file::text(path).ok()?).filter(|kind| *kind != expected)?;
+    let text = ron_file::text(path).ok()?;
+    if let Some(record) = record(path, &text) {
+        return Some(record);
+    }
+    let kind = kind_of(&text).filter(|kind| *kind != expected)?;
     let option = match kind {
         Root::Machine => format!(": use --machine {}", path.display()),
         Root::Experiment => format!(": use umbrasim run {}", path.display()),

@@ -1,4 +1,4 @@
-//! How a command ends: what it found, in how long, and where that lies.
+//! The end of a command: prints what it found, its time, and the path of its report.
 
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -21,8 +21,8 @@ pub(super) struct Ending {
 }
 
 impl Ending {
-    /// Tells what was found: `summary` as JSON if that is wanted; otherwise tables, a verdict, the time since `begin`
-    /// and the address of `page`. Quiet, the address alone.
+    /// Prints what was found: `summary` as JSON with `--json`; otherwise tables, a verdict, the time since `begin` and
+    /// the path of `page`. With `--quiet`, only the path.
     pub(super) fn tell(
         &self,
         summary: &impl Serialize,
@@ -42,7 +42,7 @@ impl Ending {
     }
 }
 
-/// Tells tables, a verdict and the time since `begin`; quiet, nothing.
+/// Prints tables, a verdict and the time since `begin`; with `--quiet`, nothing.
 pub(super) fn tell(tables: &str, verdict: &str, begin: Instant) -> Result<()> {
     if !console::is_quiet() {
         let verdict = verdict.lines().map(paragraph).collect::<Vec<_>>().join("\n");

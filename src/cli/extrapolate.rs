@@ -83,7 +83,7 @@ impl Extrapolate {
         Ok(Outcome::Done)
     }
 
-    /// The large machines that are made of `machine`.
+    /// The large machines derived from `machine`, one for each number of cores.
     fn large(&self, machine: &MachineSpec) -> Result<Vec<MachineSpec>> {
         let own = [machine.cores.get()];
         ensure!(
@@ -93,7 +93,7 @@ impl Extrapolate {
         );
         let cores = if self.cores.is_empty() { &own[..] } else { &self.cores };
         let large = |&cores: &u64| {
-            // With one channel, whatever is wrong is not the number of channels.
+            // If the machine is valid with one channel, the number of channels is what is wrong.
             let by_channels = self.channels.is_none() && machine.with_cores(cores, Some(1)).is_ok();
             let hint = if by_channels { " (--channels says how many)" } else { "" };
             machine.with_cores(cores, self.channels).map_err(|error| anyhow!("{error}{hint}"))

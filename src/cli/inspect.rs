@@ -51,7 +51,7 @@ fn render(inspection: &Inspection) -> String {
     format!("{about}\n\n{sizes}\n\nRays by the steps of their paths:\n\n{steps}")
 }
 
-/// A row a frame: its rays, decisions and bytes.
+/// One row per frame: its rays, decisions and bytes.
 fn sizes(frames: &[FrameSummary]) -> Grid {
     let head = ["frame", "rays", "shadow", "skipped", "dynamic only", "dark", "policy steps", "bytes", "bytes/ray"];
     let row = |frame: &FrameSummary| {
@@ -72,7 +72,7 @@ fn sizes(frames: &[FrameSummary]) -> Grid {
     Grid { head: head.map(Into::into).into(), names: 1, rows: frames.iter().map(row).collect() }
 }
 
-/// A row for each frame and kind of rays: how many have paths of how many steps.
+/// One row per frame and kind of rays: the numbers of rays by the steps of their paths.
 fn steps(frames: &[FrameSummary]) -> Grid {
     let kinds = || frames.iter().flat_map(|frame| frame.kinds.iter().map(move |kind| (frame, kind)));
     let buckets = kinds().map(|(_, kind)| kind.histogram.len()).max().unwrap_or_default();

@@ -9,8 +9,8 @@ use serde::Serialize;
 use crate::json;
 use crate::output::OutputFile;
 
-/// A file for measurements, if the user wants one. Begun before the work, which would be lost if the file could not be
-/// written.
+/// The file for measurements, if the user wants one. It is created before the work, which would be lost if the file
+/// could not be written.
 pub(super) struct JsonFile(Option<(PathBuf, OutputFile)>);
 
 impl JsonFile {
@@ -22,7 +22,7 @@ impl JsonFile {
         Ok(Self(path.map(begin).transpose()?))
     }
 
-    /// Whether the measurements go to standard output, and nothing else then.
+    /// Whether the measurements go to standard output, where nothing else may go then.
     pub(super) fn is_alone(&self) -> bool {
         self.0.as_ref().is_some_and(|(path, _)| path == Path::new("-"))
     }

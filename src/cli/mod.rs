@@ -101,13 +101,13 @@ fn execute(mut cli: Cli) -> Result<Outcome> {
     cli.command.run()
 }
 
-/// Makes a write beyond a file size limit an error, as one to a full disk is. Without this a signal ends the program
-/// without a message and leaves its temporary files behind.
+/// Turns a write beyond a file size limit into an error, like a write to a full disk. Otherwise a signal ends the
+/// program without a message, and its temporary files stay behind.
 #[cfg(unix)]
 fn outlive_size_limits() {
     use nix::sys::signal::{SigSet, Signal};
     let mut blocked = SigSet::empty();
     blocked.add(Signal::SIGXFSZ);
-    // Threads started later inherit this. Without it the program still works, but for that message.
+    // Threads started later inherit the mask. If this call fails, the program still works, but lacks that message.
     let _ = blocked.thread_block();
 }

@@ -51,7 +51,7 @@ impl What {
         }
     }
 
-    /// Where shipped ones are, and which of them is copied if none is named.
+    /// The kind of the shipped configs, and the one that is copied if none is named.
     fn usual(self) -> (Root, &'static str) {
         match self {
             Self::Machine => (Root::Machine, "small"),
@@ -86,7 +86,7 @@ impl New {
         Ok(Outcome::Done)
     }
 
-    /// A copy of a config: where it comes from, and its text.
+    /// A copy of a config: a note on its origin, and its text.
     fn copy(&self) -> Result<(String, String)> {
         let (kind, usual) = self.kind.usual();
         let from = config_path(kind, self.from.as_deref().unwrap_or(Path::new(usual)))?;
@@ -100,9 +100,9 @@ impl New {
         Ok((format!("that started as `{source}`"), text))
     }
 
-    /// A scene of the file `mesh`: where it comes from, and its text.
+    /// A scene of the file `mesh`: a note on its origin, and its text.
     fn around(&self, mesh: &Path) -> Result<(String, String)> {
-        // Beside the config by its name, elsewhere by its whole path.
+        // A file beside the config is given by its name, another by its absolute path.
         let is_beside = mesh.parent() == self.file.parent();
         let named = if is_beside { mesh.file_name().map(PathBuf::from) } else { std::path::absolute(mesh).ok() };
         let named = named.with_context(|| format!("{} is no name of a file", mesh.display()))?;
@@ -118,8 +118,8 @@ fn renamed(text: &str, name: &str) -> Result<String> {
     Ok(format!("{}{}{}", &text[..begin], ron::to_string(name)?, &text[begin + length_of_string(&text[begin..])..]))
 }
 
-/// `text`, which stands in the file `from`, so that it can stand elsewhere: shipped configs are named by their names,
-/// other files by their whole paths.
+/// The `text` of the file `from`, changed so that its files are found from another folder: shipped configs by their
+/// names, other files by their absolute paths.
 fn standing(text: &str, from: &Path) -> Result<String> {
     let folder = from.parent().unwrap_or(Path::new(""));
     let (mut standing, mut rest) = (String::with_capacity(text.len()), text);
@@ -140,7 +140,7 @@ fn standing(text: &str, from: &Path) -> Result<String> {
     Ok(standing)
 }
 
-/// The bytes of the string that `text` begins with, its quotes included.
+/// Length in bytes of the string that `text` begins with, its quotes included.
 fn length_of_string(text: &str) -> usize {
     let mut is_escaped = true;
     let end = text.find(|letter| {
@@ -151,7 +151,7 @@ fn length_of_string(text: &str) -> usize {
     end.map_or(text.len(), |at| at + 1)
 }
 
-/// A string that may name the file `path`, so that it can stand elsewhere. A string that names no file stays.
+/// The string, changed so that it names the file `path` from another folder. A string that names no file stays.
 fn named_elsewhere(string: &str, path: &Path) -> Result<String> {
     let is_config = path.extension().is_some_and(|ending| ending == "ron");
     let shipped = || shipped::text(path).filter(Result::is_ok).and_then(|_| path.file_stem()?.to_str());

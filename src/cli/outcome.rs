@@ -1,4 +1,4 @@
-//! How a command ends, and the exit status that says so.
+//! How a command ends, and its exit status.
 
 use std::process::ExitCode;
 
@@ -7,11 +7,11 @@ use crate::experiment::sweep::SweepError;
 use crate::experiment::trace::TraceError;
 use crate::replay::RunError;
 
-/// How a command ended that met no error.
+/// The end of a command without an error.
 pub(super) enum Outcome {
-    /// Everything asked for was done, and what must hold holds.
+    /// Everything requested was done, and all checks hold.
     Done,
-    /// Ctrl-C stopped the command, or what must hold does not.
+    /// Ctrl-C stopped the command, or a check does not hold.
     Failed,
 }
 
@@ -30,7 +30,7 @@ impl From<Outcome> for ExitCode {
     }
 }
 
-/// 1 for what was stopped or went wrong inside a simulation, 2 for what the user can mend.
+/// The exit status of an error: 1 if the command was stopped or a simulation failed, 2 if the user can mend the cause.
 pub(super) fn exit_code(error: &anyhow::Error) -> ExitCode {
     let replay_failed = error.downcast_ref::<RunError>().is_some_and(|error| {
         matches!(

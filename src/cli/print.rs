@@ -8,8 +8,8 @@ use anyhow::{Context, Result};
 use crate::console;
 use crate::output::is_standard_output_claimed;
 
-/// Prints a line; to standard error if standard output is one of the command's files. A reader that has gone away (`|
-/// head`) wants no more, which is no error.
+/// Prints a line, to standard error if standard output is one of the command's files. A closed pipe (as with `| head`)
+/// is no error.
 pub(super) fn print(text: impl Display) -> Result<()> {
     if is_standard_output_claimed() {
         console::tell(&text);

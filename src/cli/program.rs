@@ -6,7 +6,7 @@ use clap::Command;
 
 static PROGRAM: OnceLock<Command> = OnceLock::new();
 
-/// Sets the command line, once, before any command runs; gives it back.
+/// Sets the command line, once, before any command runs, and returns it.
 pub(super) fn set(program: Command) -> Command {
     PROGRAM.get_or_init(|| program).clone()
 }

@@ -47,7 +47,7 @@ impl Run {
     }
 }
 
-/// Runs `experiment`, on its machines if `machines` is set, writes its report to `out` and tells what was found.
+/// Runs `experiment`, on its machines if `machines` is set, writes its report to `out` and prints what was found.
 pub(super) fn run_and_report(
     experiment: &Experiment,
     machines: bool,

@@ -7,7 +7,7 @@ use anyhow::{Context, Result, bail};
 
 use crate::output::OutputFile;
 
-/// Writes `text` to the file at `path`, in the place of what is there.
+/// Writes `text` to the file at `path` and replaces an existing file.
 pub(super) fn write(path: &Path, text: &str) -> Result<()> {
     let file = OutputFile::create(path).and_then(|mut file| {
         file.write_all(text.as_bytes())?;
@@ -19,7 +19,7 @@ pub(super) fn write(path: &Path, text: &str) -> Result<()> {
 /// Writes `text` to a new file at `path`.
 ///
 /// # Errors
-/// There is such a file: nothing of a user's is overwritten.
+/// The file exists: a user's file is never overwritten.
 pub(super) fn write_new(path: &Path, text: &str) -> Result<()> {
     if path.symlink_metadata().is_ok() {
         bail!(

@@ -3,7 +3,7 @@
 use super::spec::MachineSpec;
 use crate::memory::PartId;
 
-/// The number of parts of each kind. Ids follow the order of these fields after the dispatcher (id 0), which is the
+/// The number of parts of each kind. Ids follow the order of these fields after the dispatcher (id 0): this is the
 /// order of action in a cycle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Parts {

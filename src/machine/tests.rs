@@ -1,4 +1,4 @@
-//! Where entries of stores lie, as the layout of a machine places them.
+//! The addresses of store entries in the layout of a machine.
 
 use super::MachineSpec;
 use super::layout::{Layout, TRIANGLE_BYTES};
@@ -79,7 +79,7 @@ fn entries_lie_in_one_line_and_apart() {
                     all.push((plane, plane + TRIANGLE_BYTES));
                 }
                 all.sort_unstable();
-                // Words of less than a byte share one, and tagged words are counters too.
+                // Words of less than a byte share a byte, and tagged words also hold the counters.
                 all.dedup();
                 let what = || format!("{stores:?}, {copy:?}, {lights} lights, lines of {line} B");
                 for pair in all.windows(2) {
@@ -102,7 +102,7 @@ fn layouts_take_the_memory_that_they_should() {
         let at = ranges(&layout, &header, store);
         let words = header.stores.words_per_primitive as usize;
         let step = if store == Store::ModeWord { words } else { 1 };
-        // From the first primitive to the fifth, which no line of 64 bytes comes between.
+        // From the first primitive to the fifth: both lie in one line of 64 bytes.
         (at[4 * step].0 - at[0].0) as f64 / 4.0
     };
     use StoreLayout::{Beside, Dense, Packed, Tagged};
@@ -116,8 +116,8 @@ fn layouts_take_the_memory_that_they_should() {
     }
 }
 
-/// Two copies of the modes and the frame's number fit a word up to 6 lights; learned bits of their own are as many
-/// words again.
+/// Two copies of the modes and the frame's number fit into a word up to 6 lights; separate learned bits double the
+/// number of words.
 #[test]
 fn latched_copies_take_the_memory_that_they_should() {
     let word = |lights, copy| {

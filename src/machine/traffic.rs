@@ -1,7 +1,8 @@
-//! The spec of the host's own traffic with the DRAM, and the lines that it comes to.
+//! The spec of the host's own traffic with the DRAM, and the lines of this traffic.
 //!
 //! Rays, hits, pixels and texels follow one another in regions of their own; the dynamic part of the scene lies where
-//! the layout puts it. This file knows no time: when a line is read or written, and what waits for that, engines say.
+//! the layout puts it. This module has no notion of time: engines decide when a line is read or written, and what waits
+//! for it.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -77,7 +78,7 @@ impl Default for TrafficSpec {
 }
 
 impl TrafficSpec {
-    /// Whether anything of it reaches the DRAM, or takes time.
+    /// Whether any of this traffic reaches the DRAM or takes time.
     pub fn is_on(&self) -> bool {
         self.rays == RayBuffer::Dram
             || self.pixel_bytes.get() > 0
@@ -86,39 +87,39 @@ impl TrafficSpec {
             || self.build_rate.get() > 0
     }
 
-    /// The same with the scene of each frame there when it begins.
+    /// The same traffic without building: the scene of each frame exists when the frame begins.
     pub fn without_build(self) -> Self {
         let Self { build, build_rate, .. } = Self::default();
         Self { build, build_rate, ..self }
     }
 
-    /// Cycles of a clock of so many MHz in which the dynamic part of a frame is built, while its rays wait.
+    /// Cycles, at a clock of `clock_mhz`, in which the dynamic part of a frame is built while its rays wait.
     pub fn build_cycles(&self, frame: &FrameInfo, clock_mhz: u64) -> u64 {
         let triangles = u64::from(frame.dynamic_slots);
         if self.build_rate.get() == 0 { 0 } else { (triangles * clock_mhz).div_ceil(self.build_rate.get()) }
     }
 }
 
-/// Lines that follow one another and are read or written in order.
+/// Consecutive lines that are read or written in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Run {
-    /// What they are for.
+    /// The traffic class.
     pub class: TrafficClass,
-    /// Whether they are written.
+    /// Whether the lines are written.
     pub write: bool,
-    /// The first.
+    /// The first line.
     pub first: LineAddr,
-    /// How many.
+    /// Number of lines.
     pub lines: u64,
 }
 
-/// Elements that follow one another in a region of memory. A line is read or written once, with the first element that
-/// has a byte in it: those that follow find it in a register.
+/// Consecutive elements in a region of memory. A line is read or written once, with the first element that has a byte
+/// in it: later elements find the line in a register.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Region {
     class: TrafficClass,
     write: bool,
-    /// Where the region begins, and its bytes so far.
+    /// Base address of the region, and its bytes so far.
     base: u64,
     used: u64,
 }
@@ -129,7 +130,7 @@ impl Region {
         Self { class, write, base: number << 40, used: 0 }
     }
 
-    /// The lines of the next element that the elements before it had no byte in.
+    /// The lines of the next element that hold no byte of an earlier element.
     fn next(&mut self, bytes: u64, line: u64) -> Run {
         let first = self.used.div_ceil(line);
         self.used += bytes;
@@ -138,7 +139,7 @@ impl Region {
     }
 }
 
-/// What a machine's host reads and writes.
+/// The reads and writes of a machine's host.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct HostTraffic {
     spec: TrafficSpec,
@@ -150,7 +151,7 @@ pub(crate) struct HostTraffic {
 }
 
 impl HostTraffic {
-    /// That of a machine with lines of `line` bytes, before a stream begins; none if all of it is off.
+    /// The traffic of a machine with lines of `line` bytes, before a stream begins; `None` if all of it is off.
     pub(crate) fn new(spec: &TrafficSpec, line: u64) -> Option<Self> {
         spec.is_on().then(|| Self {
             spec: *spec,
@@ -162,14 +163,14 @@ impl HostTraffic {
         })
     }
 
-    /// The accelerator gets a ray.
+    /// The lines that the accelerator reads for the next ray.
     pub(crate) fn ray(&mut self) -> Option<Run> {
         let bytes = if self.spec.rays == RayBuffer::Dram { self.spec.ray_bytes.get() } else { 0 };
         some(self.rays.next(bytes, self.line))
     }
 
-    /// The host takes the results of a ray of a kind with a packed path: writes of the hit and of the pixel, then the
-    /// reads of textures.
+    /// The lines for the result of a ray of `kind` with a packed path: writes of the hit and of the pixel, then reads
+    /// of textures.
     pub(crate) fn result(&mut self, kind: RayKind, path: &[u32]) -> impl Iterator<Item = Run> + use<> {
         let Self { spec, line, hits, pixels, textures, .. } = self;
         let hit = if spec.rays == RayBuffer::Dram { spec.hit_bytes.get() } else { 0 };
@@ -180,7 +181,7 @@ impl HostTraffic {
         runs.into_iter().filter_map(some)
     }
 
-    /// A frame begins whose dynamic arrays lie in these lines.
+    /// The lines that the builder writes for a frame with these dynamic arrays.
     pub(crate) fn built(&self, arrays: [(LineAddr, u64); 3]) -> impl Iterator<Item = Run> + use<> {
         let written = self.spec.build == Build::Written;
         let run = |(first, lines)| Run { class: TrafficClass::Build, write: true, first, lines };
@@ -188,12 +189,12 @@ impl HostTraffic {
     }
 }
 
-/// A run that has lines.
+/// The run, or `None` if it has no lines.
 fn some(run: Run) -> Option<Run> {
     (run.lines > 0).then_some(run)
 }
 
-/// Whether a test of a packed path hits.
+/// Whether a triangle test of a packed path hits.
 fn hits_something(path: &[u32]) -> bool {
     path.iter().any(|&word| matches!(Step::unpack(word), Some(Step::Triangle { stop: Stop::Hit, .. })))
 }
@@ -209,7 +210,7 @@ mod tests {
             let Run { first, lines, .. } = region.next(bytes, 64);
             (first.0 - (1 << 34), lines)
         };
-        // Elements of 48 bytes: the second one ends in the second line, the third one in the third, the fourth there.
+        // Elements of 48 bytes: the second one ends in the second line, the third and the fourth end in the third line.
         assert_eq!([lines(48), lines(48), lines(48), lines(48)], [(0, 1), (1, 1), (2, 1), (3, 0)]);
         assert_eq!([lines(0), lines(200)], [(3, 0), (3, 4)]);
     }

@@ -1,4 +1,4 @@
-//! What of a policy's recorded work reaches the shadow-cache units: which updates are sent, and where decisions fall.
+//! Which of a policy's recorded updates reach the shadow-cache units, and where decisions are made.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,7 +22,7 @@ pub enum SilentUpdates {
 }
 
 impl SilentUpdates {
-    /// Whether a packed step is an update that is dropped at its ray.
+    /// Whether a packed step is an update that is not sent.
     #[inline]
     pub fn drops(self, word: u32) -> bool {
         match (self, Step::effect(word)) {
@@ -44,12 +44,12 @@ pub enum Decide {
 }
 
 impl Decide {
-    /// Whether a ray so decided takes an operation of its own in a shadow-cache unit.
+    /// Whether a ray with this decision takes an operation of its own in a shadow-cache unit.
     pub fn takes_an_operation(self, decision: Decision) -> bool {
         self == Self::Unit && decision == Decision::Skip
     }
 
-    /// Whether a ray so decided, of which `steps` are left, is answered by the host.
+    /// Whether the host answers a ray with this decision and `steps` steps left.
     pub fn answers(self, decision: Decision, steps: usize) -> bool {
         self == Self::Hit && decision == Decision::Skip && steps == 0
     }

@@ -1,4 +1,4 @@
-//! What becomes of writes in an L1.
+//! How an L1 handles writes.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -20,7 +20,7 @@ pub enum WritePolicy {
 }
 
 impl WritePolicy {
-    /// Whether a write of `class` goes down at once.
+    /// Whether a write of `class` goes to the L2 at once.
     pub fn go_through(self, class: TrafficClass) -> bool {
         match self {
             Self::Back => false,
@@ -29,7 +29,7 @@ impl WritePolicy {
         }
     }
 
-    /// What a read, or a write, of `class` does in the L1.
+    /// The access of a read, or a write, of `class` to the L1.
     pub fn access(self, class: TrafficClass, write: bool) -> Access {
         match (write, self.go_through(class)) {
             (false, _) => Access::Read,

@@ -13,8 +13,8 @@ pub(super) struct Line<'a> {
 }
 
 /// Calls `each` for every statement in `bytes`, until it returns an error. Lines end in LF, CR LF or a lone CR; a `\`
-/// as last byte joins a line with the next; empty lines and lines of comment are passed over. A byte order mark of
-/// UTF-8 is no part of the first line. Names may be in any encoding: what is not UTF-8 becomes U+FFFD.
+/// as last byte joins a line with the next; empty lines and comment lines are skipped. A byte order mark of UTF-8 is no
+/// part of the first line. Names may be in any encoding: bytes that are not UTF-8 become U+FFFD.
 ///
 /// # Errors
 /// The first error of `each`, with the number of its line.

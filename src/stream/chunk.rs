@@ -6,7 +6,7 @@ use super::extent::Extent;
 use super::step::{Effect, Step, Store};
 use crate::quantity::{LightId, PixelId, PrimitiveId};
 
-/// What a ray is for.
+/// The purpose of a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum RayKind {
     /// From the camera; its pixel group begins here.
@@ -34,12 +34,12 @@ impl RayKind {
     }
 }
 
-/// What the culling policy decided for a shadow ray; other rays are always traced.
+/// The culling policy's decision for a shadow ray; other rays are always traced.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Decision {
     /// Trace it among everything.
     Trace,
-    /// Known to be lit by what is static: trace it among dynamic objects only.
+    /// Known to be lit past all static objects: trace it among dynamic objects only.
     DynamicOnly,
     /// The answer is known: trace nothing.
     Skip,
@@ -66,11 +66,11 @@ pub enum Outcome {
 /// A ray without its steps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RayHead {
-    /// What the ray is for.
+    /// The ray's purpose.
     pub kind: RayKind,
     /// The light that a shadow ray goes to; 0 for others.
     pub light: LightId,
-    /// What the policy decided.
+    /// The policy's decision.
     pub decision: Decision,
     /// The result.
     pub outcome: Outcome,

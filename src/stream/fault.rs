@@ -85,9 +85,9 @@ pub enum Fault {
         frame: u32,
         /// What differs.
         what: &'static str,
-        /// What the index says.
+        /// The value in the index.
         index: u64,
-        /// What the file says.
+        /// The value in the file.
         found: u64,
     },
     /// The footer does not point to the index.

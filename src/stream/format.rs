@@ -239,7 +239,7 @@ pub struct FrameEntry {
     pub rays: u64,
     /// Blocks.
     pub blocks: u64,
-    /// What the tracer counted.
+    /// The tracer's counters.
     pub totals: Totals,
 }
 

@@ -35,7 +35,7 @@ pub(crate) struct FrameSummary {
     pub compression: f64,
     /// Rays of each kind, in the order of [`RayKind::ALL`], kinds without rays included.
     pub kinds: Vec<KindSummary>,
-    /// What the policy decided for the shadow rays.
+    /// The policy's decisions for the shadow rays.
     pub decisions: Decisions,
     /// Steps of the policy that are recorded for rays.
     pub policy_steps: u64,
@@ -43,7 +43,7 @@ pub(crate) struct FrameSummary {
     pub end_steps: u64,
 }
 
-/// Shadow rays by what the policy decided.
+/// Shadow rays by the policy's decision.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub(crate) struct Decisions {
     /// Traced among everything.

@@ -30,9 +30,9 @@ pub enum Item {
     Rays(Arc<Chunk>),
     /// The frame ends.
     End {
-        /// What the policy does at the frame's end (its sweep), as encoded `Step`s.
+        /// The policy's steps at the frame's end (its sweep), as packed `Step`s.
         policy: Arc<Vec<u32>>,
-        /// What the tracer counted in the frame.
+        /// The tracer's counters of the frame.
         totals: Totals,
     },
 }

@@ -57,6 +57,16 @@ fn a_new_file_has_a_name_that_it_can_be_used_by() {
     assert!(desk.contents().is_empty(), "nothing is written");
 }
 
+#[test]
+fn the_record_of_a_run_is_no_experiment() {
+    let desk = Desk::with_experiment();
+    desk.prints(&["run", "tiny.ron", "--frames", "0..1", "--out", "r"]);
+    for command in ["run", "check"] {
+        let told = desk.refuses(&[command, "r/config.ron"]);
+        assert!(told.contains("r/config.ron is a report's record of what was run"), "{told}");
+    }
+}
+
 /// A folder of a shipped config's name is no config.
 #[test]
 fn a_name_is_a_shipped_config_beside_a_folder_of_that_name() {

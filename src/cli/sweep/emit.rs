@@ -1,4 +1,4 @@
-//! Scripts of `--emit`: what runs all shards of a sweep on a cluster.
+//! Scripts of `--emit`, which run all shards of a sweep on a cluster.
 
 use std::io::{self, Write};
 use std::path::Path;
@@ -11,7 +11,7 @@ use crate::report::format::counted;
 use crate::shipped;
 use crate::shipped::Kind;
 
-/// What runs shards: its name, its script, and how many shards there are if nothing is said and at most.
+/// A program that runs shards: its name, its script, and its default and largest numbers of shards.
 struct Engine {
     name: &'static str,
     script: &'static str,
@@ -21,8 +21,7 @@ struct Engine {
     quoted: fn(&Path) -> String,
 }
 
-/// Slurm's own limit on arrays is 1001 where nobody has raised it (`MaxArraySize`), and many queues refuse more than
-/// 999.
+/// Slurm's default limit on arrays is 1001 (`MaxArraySize`), and many queues refuse more than 999.
 const ENGINES: [Engine; 3] = [
     Engine { name: "hq", script: include_str!("hq.sh"), shards: 400, most: 60_000, quoted: shell },
     Engine { name: "slurm", script: include_str!("slurm.sh"), shards: 100, most: 999, quoted: shell },
@@ -33,11 +32,11 @@ const ENGINES: [Engine; 3] = [
 pub(super) struct Script(String);
 
 impl Script {
-    /// The script of an engine for the sweep `config`, at the level that the options `level` choose, with so many
-    /// points, whose folder is `out`. A shard runs so many threads; one if nothing is said.
+    /// The script of `engine` for the sweep `config` of `points` points with the folder `out`; the options `level`
+    /// choose the fidelity level. A shard runs `threads` threads, by default one.
     ///
     /// # Errors
-    /// There is no such engine, it takes fewer shards, or a path is none.
+    /// The engine is unknown or takes fewer shards, or a path is not allowed.
     pub(super) fn new(
         engine: &Path,
         (config, level): (&Path, &str),
@@ -55,12 +54,12 @@ impl Script {
         if shards > engine.most {
             bail!("`--shards` is {shards}: `--emit {}` takes up to {}", engine.name, engine.most);
         }
-        // A name with a line's end in it would go on as a command behind the scripts' comments.
+        // A line's end in a name would end a comment of the script, and the rest would run as a command.
         if [config, out].iter().any(|path| path.to_string_lossy().contains(char::is_control)) {
             bail!("`--emit`: the name of the config or of the folder has a line's end or another control character");
         }
-        // A job runs in a folder of the engine's choice, and by this very program: shards of another build do not
-        // merge.
+        // The engine chooses the folder of a job, so paths are absolute. A job runs this very program: shards of
+        // another build do not merge.
         let absolute =
             |path: &Path| std::path::absolute(path).with_context(|| format!("cannot find {}", path.display()));
         let is_name = config.to_str().is_some_and(|name| shipped::path(Kind::Experiment, name).is_some());
@@ -92,7 +91,7 @@ impl Script {
     }
 }
 
-/// The path as a literal of Python, which reads the strings of JSON.
+/// The path as a literal of Python, which accepts the strings of JSON.
 fn python(path: &Path) -> String {
     serde_json::Value::from(path.display().to_string()).to_string()
 }

@@ -144,7 +144,7 @@ impl Sweep {
     }
 }
 
-/// Writes the report and tells what was found.
+/// Writes the report and prints what was found.
 fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
     let table = report::drawn_most(&report::sweep::grid(summary), NEEDED);
@@ -152,7 +152,7 @@ fn report(out: &ResultsFolder, summary: &SweepSummary, ending: &Ending, begin: I
     ending.tell(summary, &table, &report::sweep::finding(summary), begin, Some(&page))
 }
 
-/// Writes a space's report and tells what was found.
+/// Writes a space's report and prints what was found.
 fn report_space(out: &ResultsFolder, summary: &SpaceSummary, ending: &Ending, begin: Instant) -> Result<()> {
     let page = report::write(out, summary)?;
     let tables = [
@@ -163,7 +163,7 @@ fn report_space(out: &ResultsFolder, summary: &SpaceSummary, ending: &Ending, be
     ending.tell(summary, &tables.join("\n\n"), &summary.finding(), begin, Some(&page))
 }
 
-/// Why a space does not take an option.
+/// The message that a space does not take an option.
 fn not_of_a_space(option: &str, config: &Path, out: &Path) -> String {
     let (config, out) = (shell(config), shell(out));
     format!(
@@ -173,7 +173,7 @@ fn not_of_a_space(option: &str, config: &Path, out: &Path) -> String {
     )
 }
 
-/// The options that choose the level, as words of a shell, each behind a space.
+/// The options that choose the level, as words of a shell, each after a space.
 fn level_words(level: ChosenLevel) -> String {
     let fidelity = level.fidelity.map(|it| format!(" --fidelity {}", shell(Path::new(&it.to_string()))));
     let target = level.target_error.map(|it| format!(" --target-error {}", it.get()));

@@ -10,7 +10,7 @@ use crate::experiment::sweep::{Listed, Listing};
 use crate::json;
 use crate::output::OutputFile;
 
-/// Writes the points, one a line.
+/// Writes the points, one per line.
 pub(super) fn write(path: &Path, listing: &Listing) -> Result<()> {
     let is_json = path.extension().is_some_and(|kind| ["jsonl", "ndjson", "json"].iter().any(|known| kind == *known));
     let lines = if is_json { json_lines(listing)? } else { csv(listing)? };

@@ -57,7 +57,7 @@ pub(super) fn read(
         .map_err(|what| SceneError::Content { path: path.to_owned(), what })
 }
 
-/// As [`read`], of the file's bytes.
+/// As [`read`], from the file's bytes.
 fn parse(
     path: &Path,
     bytes: &[u8],

@@ -46,7 +46,7 @@ pub(super) fn read(
     parse(path, &bytes, plain, loader, libraries)
 }
 
-/// As [`read`], of the file's bytes.
+/// As [`read`], from the file's bytes.
 ///
 /// Vertices and libraries are read before faces: an index may point forwards, and `usemtl` may precede the library.
 fn parse(

@@ -2,7 +2,7 @@
 //!
 //! Source: Turk, "The PLY Polygon File Format", 1994. Of a vertex `x y z`, normals `nx ny nz` and texture coordinates
 //! (`u v`, `s t` or `texture_u texture_v`) are read, of a face its list `vertex_indices` (or `vertex_index`). Other
-//! properties and elements have no effect and are told; triangle strips (`tristrips`) are refused.
+//! properties and elements have no effect; notices list them. Triangle strips (`tristrips`) are refused.
 
 mod face;
 mod vertex;
@@ -32,7 +32,7 @@ pub(super) fn read(path: &Path, plain: MaterialId, loader: &mut Loader) -> Resul
     parse(path, &bytes, plain, loader)
 }
 
-/// As [`read`], of the file's bytes.
+/// As [`read`], from the file's bytes.
 fn parse(path: &Path, bytes: &[u8], plain: MaterialId, loader: &mut Loader) -> Result<Geometry, SceneError> {
     let content = |what: String| SceneError::Content { path: path.to_owned(), what };
     let failed = |error: ParseError| match error.line() {
@@ -86,8 +86,8 @@ fn one_line(error: &ParseError) -> String {
 
 fn check_header(header: &Header, size: usize) -> Result<(), String> {
     for element in header.elements.values() {
-        // Every element takes a byte or more: a count above the size is forged, and one without properties takes
-        // nothing.
+        // Every element takes at least one byte, so a count above the file's size is forged. Elements without
+        // properties would take no bytes.
         if element.count > size || (element.properties.is_empty() && element.count > 0) {
             return Err(format!("{} elements `{}` are told, more than the file can hold", element.count, element.name));
         }
@@ -145,7 +145,7 @@ fn add(
     for triangle in triangles {
         let corners = triangle.map(|index| corners[index as usize]);
         let normals = corners.map(|corner| DVec3::from(corner.normal).normalize_or_zero().as_vec3());
-        // A normal of length zero says nothing.
+        // A normal of length zero has no direction: the triangle shades flat.
         let normals = (!normals.contains(&Vec3::ZERO)).then_some(normals);
         let uv = corners.map(|corner| Vec2::new(corner.uv[0] as f32, corner.uv[1] as f32));
         let v = triangle.map(|index| points[index as usize].as_vec3());

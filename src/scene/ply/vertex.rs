@@ -58,7 +58,7 @@ fn number(property: &Property) -> Option<f64> {
     }
 }
 
-/// An element that is passed over.
+/// An element that is skipped.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ignored;
 

@@ -5,7 +5,7 @@ use std::io::Cursor;
 use crate::scene::limits::MAX_SIDE;
 use crate::scene::material::Texture;
 
-/// The most pixels of a picture: a small file can ask for gigabytes.
+/// The largest number of pixels of a picture: a small file can ask for gigabytes.
 const MAX_PIXELS: usize = 1 << 26;
 
 /// The picture in the bytes of a PNG file. The error says what is wrong and what is allowed.
@@ -30,7 +30,7 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Texture, String> {
         whole.truncate(info.buffer_size());
         append(&mut rgb, &whole, samples);
     } else {
-        // Row by row, the picture is held once.
+        // Reading by rows holds the picture in memory only once.
         while let Some(row) = reader.next_row().map_err(wrong)? {
             append(&mut rgb, row.data(), samples);
         }

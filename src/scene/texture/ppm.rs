@@ -45,7 +45,7 @@ impl<'a> Header<'a> {
         self.split_at(|byte| byte.is_ascii_whitespace() || byte == b'#')
     }
 
-    /// Takes the bytes before the first that is an `end`.
+    /// Takes the bytes before the first byte for which `end` holds.
     fn split_at(&mut self, end: impl Fn(u8) -> bool) -> &'a [u8] {
         let length = self.bytes.iter().position(|&byte| end(byte)).unwrap_or(self.bytes.len());
         let (taken, rest) = self.bytes.split_at(length);
