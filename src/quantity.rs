@@ -98,20 +98,20 @@ quantity! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Sides")]
 pub struct Resolution {
-    /// Pixels in a row.
+    /// Width in pixels.
     pub width: u32,
-    /// Rows.
+    /// Height in pixels.
     pub height: u32,
 }
 
-/// Both sides as a file has them.
+/// Both sides, as written in a file.
 #[derive(Deserialize, JsonSchema)]
 #[serde(rename = "Resolution", deny_unknown_fields)]
 struct Sides {
-    /// Pixels in a row.
+    /// Width in pixels.
     #[schemars(range(min = 1, max = 8192))]
     width: u32,
-    /// Rows.
+    /// Height in pixels.
     #[schemars(range(min = 1, max = 8192))]
     height: u32,
 }

@@ -6,15 +6,15 @@ use std::ops::{Add, AddAssign, Mul};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// The lowest, the typical and the highest value that a figure may have, each at least 0 and none below the one before.
+/// The lowest, the typical and the highest value of a constant, in ascending order and each at least 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(try_from = "Values")]
 pub struct Spread {
-    /// The lowest.
+    /// The lowest value.
     pub low: f64,
-    /// The typical one: reports show figures made of these.
+    /// The typical value. Figures in reports use it.
     pub typical: f64,
-    /// The highest.
+    /// The highest value.
     pub high: f64,
 }
 
@@ -27,7 +27,7 @@ impl Eq for Spread {}
 struct Values {
     /// The lowest value.
     low: f64,
-    /// The typical value: reports show figures made of these.
+    /// The typical value. Figures in reports use it.
     typical: f64,
     /// The highest value.
     high: f64,

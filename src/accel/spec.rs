@@ -6,24 +6,24 @@ use serde::{Deserialize, Serialize};
 use crate::ranged::Within;
 use crate::stream::Structure;
 
-/// Which structure is built, and how well.
+/// The acceleration structure, and the quality of its build.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct AccelSpec {
-    /// The kind of tree.
+    /// The kind of acceleration structure.
     pub structure: Structure,
-    /// How much work goes into the static tree.
+    /// Build quality of the static tree.
     pub statics: Quality,
-    /// How much work goes into the dynamic tree, each frame.
+    /// Build quality of the dynamic tree, which is built in each frame.
     pub dynamic: Quality,
-    /// The order of a kd-tree's nodes; the other structures have one order only.
+    /// The order of a kd-tree's nodes in memory. The other structures have a single order.
     pub kd_layout: KdLayout,
-    /// Entries of a ray's stack in a kd-tree: a full one drops its deepest entry, and the ray goes down again when it
-    /// needs that. Without a limit if it is not given.
+    /// Entries of a ray's stack in a kd-tree. A full stack drops its deepest entry; a ray that needs this entry walks
+    /// down the tree again. Unlimited if not given.
     pub kd_stack: Option<Within<1, 64>>,
-    /// The level at which no cell of a kd-tree is split any more; by the number of triangles if it is not given.
+    /// Maximum depth of a kd-tree. If not given, it follows from the number of triangles.
     pub kd_depth: Option<Within<1, 64>>,
-    /// Triangles up to which a cell of a kd-tree is not split; by cost alone if it is not given.
+    /// A cell of a kd-tree with at most this many triangles is not split. If not given, the cost model alone decides.
     pub kd_leaf: Option<Within<1, 1024>>,
 }
 
@@ -41,24 +41,24 @@ impl Default for AccelSpec {
     }
 }
 
-/// How well a tree is built. For BVHs, presets of obvhs without pre-splits, so that each triangle has one record; for
-/// kd-trees, how exactly triangles are cut at planes.
+/// Build quality. For BVHs: presets of obvhs without pre-splits, so that each triangle has one record. For kd-trees:
+/// how exactly triangles are cut at planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Quality {
-    /// For trees that live one frame.
+    /// A fast build, for trees that live one frame.
     Fast,
-    /// A good tree.
+    /// Quality and effort between `Fast` and `Best`.
     Medium,
-    /// The best that there is; of a tree over more than 400,000 triangles only the upper part is as good.
+    /// The best quality. For more than 400,000 triangles, only the upper part of the tree has this quality.
     Best,
 }
 
 /// The order of a kd-tree's nodes in memory. Both are depth-first: a child follows its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum KdLayout {
-    /// The left child follows.
+    /// The left child follows its parent.
     DepthFirst,
-    /// The child with the larger surface follows, since more rays go there; one bit of the node says which it is. The
-    /// "ordered depth-first layout" of the T&I engine (Nah et al. 2011).
+    /// The child with the larger surface follows its parent, since more rays visit it; one bit of the node names the
+    /// child. The "ordered depth-first layout" of the T&I engine (Nah et al. 2011).
     Ordered,
 }

@@ -77,17 +77,20 @@ pub(super) fn other_kind(path: &Path, expected: Root) -> Option<Error> {
         return Some(record);
     }
     let kind = kind_of(&text).filter(|kind| *kind != expected)?;
+    // A shipped config is named by its name.
+    let shown = if shipped::text(path).is_some() { Path::new(path.file_stem()?) } else { path };
+    let shown = shown.display();
     let option = match kind {
-        Root::Machine => format!(": use --machine {}", path.display()),
-        Root::Experiment => format!(": use umbrasim run {}", path.display()),
+        Root::Machine => format!(": use --machine {shown}"),
+        Root::Experiment => format!(": use umbrasim run {shown}"),
         Root::Scene => ", which an experiment names as its `scene`".into(),
-        Root::Sweep => format!(": use umbrasim sweep {}", path.display()),
-        Root::Pareto => format!(": use umbrasim pareto {}", path.display()),
-        Root::Identities => format!(": use umbrasim identities {}", path.display()),
-        Root::PaperTable => format!(": use umbrasim paper-table {}", path.display()),
+        Root::Sweep => format!(": use umbrasim sweep {shown}"),
+        Root::Pareto => format!(": use umbrasim pareto {shown}"),
+        Root::Identities => format!(": use umbrasim identities {shown}"),
+        Root::PaperTable => format!(": use umbrasim paper-table {shown}"),
         Root::Dram => ", which a machine names as its `dram.part`".into(),
     };
-    Some(anyhow!("{} is {}{option}; {} is needed here", path.display(), kind.title(), expected.title()))
+    Some(anyhow!("{shown} is {}{option}; {} is needed here", kind.title(), expected.title()))
 }
 
 #[cfg(test)]

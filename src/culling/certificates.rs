@@ -29,21 +29,21 @@ use crate::ranged::{PowerOfTwo, Within};
 use crate::scene::Light;
 use crate::stream::{Store, StoreEntries};
 
-/// When proofs are asked for, and how many are kept.
+/// When proofs are attempted, and how many are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CertificateSpec {
-    /// Rays from a cell to a light (of an area: hits), in one band of the picture and all with the same answer, before
-    /// a proof is asked for.
+    /// A proof is attempted after this many rays from a cell to a light in one band of the picture, all with the same
+    /// answer. For an area light, hits are counted.
     pub ask: Within<1, 255>,
-    /// Rays from a cell to a light (of an area: hits), in one band, before a cell without a uniform or provable answer
-    /// is divided.
+    /// A cell without a uniform or provable answer is divided after this many rays from it to a light in one band. For
+    /// an area light, hits are counted.
     pub divide: Within<1, 255>,
-    /// How often a primitive is divided at most; 0 keeps certificates for whole primitives only.
+    /// Maximum number of divisions of a primitive; 0 allows certificates for whole primitives only.
     pub deepest: Within<0, DEEPEST>,
-    /// Room for cells beside the whole primitives; when it is full, no further cell is divided.
+    /// Capacity for cells in addition to the whole primitives. When it is full, no further cell is divided.
     pub cells: Within<0, 16_777_216>,
-    /// Slots of the table that counts the rays of a cell towards a light.
+    /// Slots of the table that counts rays per cell and light.
     pub counts: PowerOfTwo<2, 1_048_576>,
 }
 

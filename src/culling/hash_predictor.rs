@@ -24,15 +24,15 @@ use crate::stream::{Store, StoreEntries};
 pub struct HashPredictorSpec {
     /// Sets of the table.
     pub sets: PowerOfTwo<1, 65_536>,
-    /// Entries a set.
+    /// Entries per set.
     pub ways: Within<1, 64>,
-    /// Bits of each coordinate of the origin, as a share of the static triangles' box.
+    /// Hash bits per coordinate of the ray's origin, relative to the bounding box of the static triangles.
     pub origin_bits: Within<1, 8>,
-    /// Bits of the direction's polar angle; its azimuth has one more.
+    /// Hash bits of the polar angle of the ray's direction; the azimuth has one bit more.
     pub sphere_bits: Within<1, 7>,
-    /// How many levels above the blocker's leaf the node is that is kept.
+    /// The table stores the ancestor node this many levels above the blocker's leaf.
     pub levels: Within<1, 64>,
-    /// What of what was learned a decision can read.
+    /// Which learned data a decision can read.
     pub knowledge: Knowledge,
 }
 

@@ -22,13 +22,13 @@ use crate::ranged::PowerOfTwo;
 use crate::scene::Light;
 use crate::stream::StoreEntries;
 
-/// Settings of certificates and hints. They hold for every scene: nothing is in units of length.
+/// Settings of certificates and hints. They suit every scene: no setting is a length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct HybridSpec {
-    /// When proofs are asked for, and how many are kept.
+    /// When proofs are attempted, and how many are stored.
     pub certificates: CertificateSpec,
-    /// Entries of the table of hints.
+    /// Entries of the table of hints, which holds the last blockers.
     pub hints: PowerOfTwo<2, 16_777_216>,
 }
 

@@ -3,15 +3,15 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What of what was learned a decision can read. No choice depends on the number of threads.
+/// Which learned data a decision can read. No choice depends on the number of threads.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Knowledge {
-    /// What was there at the frame's start.
+    /// Data learned before the frame started.
     Latched,
-    /// That, and what was learned earlier in the same band of eight rows: several cores, each at a band of its own with
-    /// a memory of its own, which are brought together at the frame's end.
+    /// As `Latched`, and data learned earlier in the same band of eight rows. This models several cores: each has its
+    /// own band and memory, and the memories are merged at the end of the frame.
     #[default]
     Band,
-    /// All that was learned earlier, in raster order: one memory for all.
+    /// All data learned earlier in raster order: one memory for all cores.
     Live,
 }

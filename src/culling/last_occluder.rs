@@ -14,7 +14,7 @@ use crate::quantity::LightId;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct LastOccluderSpec {
-    /// What of what was learned a decision can read.
+    /// Which learned data a decision can read.
     pub knowledge: Knowledge,
 }
 

@@ -17,9 +17,9 @@ use crate::ranged::Within;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct OccluderGridSpec {
-    /// Cells along a side of each of a cube's six faces.
+    /// Cells along each edge of a cube face. Each light has a cube of six faces around it.
     pub cells: Within<1, 1024>,
-    /// What of what was learned a decision can read.
+    /// Which learned data a decision can read.
     pub knowledge: Knowledge,
 }
 

@@ -13,25 +13,25 @@ use super::{
 /// A culling policy as a config names it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum PolicySpec {
-    /// No culling: what every saving is measured against.
+    /// No culling: the baseline of all savings.
     Off,
     /// The published algorithm (GI09).
     Published(#[serde(default)] published::rules::PublishedSpec),
-    /// The published algorithm with occlusion tests in both directions.
+    /// The published algorithm (GI09) with occlusion tests in both directions.
     Symmetric(#[serde(default)] symmetric::SymmetricSpec),
-    /// The last blocker of each primitive and light, tested first.
+    /// Stores the last blocker of each primitive and light, and tests it first.
     LastOccluder(#[serde(default)] last_occluder::LastOccluderSpec),
-    /// The last blocker of each light and direction, tested first.
+    /// Stores the last blocker of each light and direction, and tests it first.
     OccluderGrid(#[serde(default)] occluder_grid::OccluderGridSpec),
-    /// The part of the tree that blocked a similar ray, searched first.
+    /// Predicts by a hash of the ray which part of the tree blocks it, and searches that part first.
     HashPredictor(#[serde(default)] hash_predictor::HashPredictorSpec),
-    /// No culling, but larger boxes are visited first.
+    /// No culling: shadow rays visit larger boxes first.
     Sato,
-    /// Proofs for cells of receivers; exact.
+    /// Proves for cells of receivers that a light is blocked or visible; exact.
     Certified(#[serde(default)] certificates::CertificateSpec),
-    /// The proofs, and the last blocker tested again where there is none; exact.
+    /// `Certified`, and a test of the last blocker where a cell has no proof; exact.
     Hybrid(#[serde(default)] hybrid::HybridSpec),
-    /// The limit of culling: every static answer known at no cost.
+    /// The limit of culling: the answers for static triangles are known at no cost.
     Oracle,
 }
 

@@ -6,23 +6,23 @@ use serde::{Deserialize, Serialize};
 
 use super::published::rules::{Directions, Preset, PublishedRules, References};
 
-/// The published algorithm, tested both ways.
+/// The published algorithm with occlusion tests in both directions.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct SymmetricSpec {
-    /// Which pixels are compared.
+    /// Which neighbour pixels are compared.
     pub neighbours: Neighbours,
-    /// Everything else.
+    /// The preset for all other answers.
     pub preset: Preset,
 }
 
-/// Which neighbours of a pixel it is compared with, sooner or later.
+/// Which neighbours a pixel is compared with over the whole frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Neighbours {
-    /// Those beside, above and below.
+    /// The neighbours to the left, right, above and below.
     #[default]
     Four,
-    /// Those at the corners too.
+    /// Also the four diagonal neighbours.
     Eight,
 }
 

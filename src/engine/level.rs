@@ -51,13 +51,13 @@ impl From<Exact> for Level {
     }
 }
 
-/// What replays the windows of a sample.
+/// The fidelity level that replays the windows of a sample.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(remote = "Self")]
 pub enum Sampled {
-    /// See [`Level::Profile`].
+    /// As fidelity level `Profile`.
     Profile,
-    /// See [`Level::Event`].
+    /// As fidelity level `Event`.
     Event,
 }
 

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use schemars::JsonSchema;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-/// Frames `first`, `first + step`, ... below `end`, written `FIRST..END:STEP`; `:STEP` may be left out for 1.
+/// Frames `FIRST`, `FIRST + STEP`, ... below `END`, written `FIRST..END:STEP`. Without `:STEP` the step is 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, JsonSchema)]
 #[schemars(inline, with = "String")]
 pub struct FrameRange {
@@ -99,14 +99,14 @@ impl Replayed {
     }
 }
 
-/// A choice among the traced frames.
+/// A subset of the traced frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum FrameChoice {
-    /// All of them.
+    /// All traced frames.
     All,
-    /// The first, and each one that follows so many after the one before: `Every(5)` takes one in five.
+    /// Every n-th traced frame, starting with the first: `Every(5)` takes one frame in five.
     Every(std::num::NonZeroU32),
-    /// None.
+    /// No frame.
     Never,
 }
 

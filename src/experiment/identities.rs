@@ -24,25 +24,25 @@ use crate::stats::{CacheCounts, MachineStats, TrafficClass};
 use crate::stream::{Item, RayKind, Step, Stop};
 use crate::tracer::{Alone, Directions, Samples, Tracer, TracerSpec};
 
-/// Rays of one kind on a machine, beside published rows.
+/// Replays rays of one kind at a time on a machine, and compares the figures with published rows.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct IdentitiesSpec {
     /// The machine's file.
     pub machine: PathBuf,
-    /// Scenes, each with a frame.
+    /// The scenes, each with one frame.
     pub scenes: Vec<SceneFrame>,
     /// Size of the pictures.
     pub resolution: Resolution,
-    /// Rays from the camera through each pixel.
+    /// Camera rays per pixel.
     #[serde(default = "one")]
     pub samples: Within<1, 1024>,
-    /// Where rays of ambient occlusion and diffuse rays go.
+    /// Directions of ambient-occlusion rays and diffuse rays.
     #[serde(default)]
     pub directions: Directions,
     /// The acceleration structure.
     pub accel: AccelSpec,
-    /// Published rows, to stand beside ours.
+    /// Published rows, shown beside the simulated ones.
     pub published: Vec<Row>,
 }
 
@@ -54,7 +54,7 @@ pub struct SceneFrame {
     pub scene: PathBuf,
     /// The frame's number.
     pub frame: u32,
-    /// How far rays of ambient occlusion go, in units of the scene; without, there are none.
+    /// Length of ambient-occlusion rays, in units of the scene. Without it there are no such rays.
     #[serde(default)]
     pub reach: Option<f32>,
 }
@@ -63,7 +63,7 @@ fn one() -> Within<1, 1024> {
     const { Within::literal(1) }
 }
 
-/// A figure of each kind of units; of division units where they have one.
+/// One figure per kind of unit. The figure of division units may be left out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PerUnit {
@@ -78,25 +78,25 @@ pub struct PerUnit {
     pub division: f64,
 }
 
-/// A row of the table.
+/// A published row of the table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Scene and kind of rays.
     pub name: String,
-    /// Share of cycles in which operations occupied the units.
+    /// Utilization: share of cycles in which an operation occupies the unit.
     pub utilization: PerUnit,
     /// Hit rates of the L1s.
     pub l1: PerUnit,
-    /// Hit rates of the L2, for each kind's class of traffic.
+    /// Hit rates of the L2, for the traffic class of each kind of unit.
     pub l2: PerUnit,
-    /// Operations a ray.
+    /// Operations per ray.
     pub operations: PerUnit,
     /// DRAM traffic in GB/s.
     pub dram_gb_per_s: f64,
-    /// Millions of rays a second.
+    /// Millions of rays per second.
     pub mrays_per_s: f64,
-    /// DRAM traffic in bytes a ray.
+    /// DRAM traffic in bytes per ray.
     pub dram_bytes_per_ray: f64,
 }
 

@@ -24,23 +24,23 @@ use crate::scene::{Scene, ShadowRays};
 use crate::stream::Structure;
 use crate::tracer::{Tracer, TracerSpec};
 
-/// Readings of the paper's text beside its table: every combination of what is listed is tried.
+/// Compares readings of the paper's text with its table. Every combination of the listed values is traced.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PaperSpec {
-    /// The scenes, each with the figures that the paper has for it.
+    /// The scenes, each with the paper's figures.
     pub scenes: Vec<PaperScene>,
     /// Size of the pictures.
     pub resolution: Resolution,
-    /// Frames.
+    /// The frames to trace.
     pub frames: Vec<FrameRange>,
-    /// Acceleration structures.
+    /// Acceleration structures to try.
     pub structures: Vec<Structure>,
-    /// Depths, primary ray included.
+    /// Maximum ray depths to try; depth 1 is the primary ray.
     pub depths: Vec<Within<1, 32>>,
-    /// Which lights are asked for.
+    /// Values to try for the rule which lights get a shadow ray.
     pub shadow_rays: Vec<ShadowRays>,
-    /// Policies, all measured against no culling.
+    /// Policies, each compared with no culling.
     pub policies: Named<PolicySpec>,
 }
 
@@ -50,29 +50,29 @@ pub struct PaperSpec {
 pub struct PaperScene {
     /// The scene's file.
     pub scene: PathBuf,
-    /// What the paper says.
+    /// The paper's figures.
     pub published: Figures,
 }
 
-/// The figures of a scene: the paper's, or measured ones.
+/// The figures of a scene, published or measured.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Figures {
-    /// Node visits of shadow rays saved.
+    /// Share of the node visits of shadow rays that culling saves.
     pub traversal_saved: MeanMax,
-    /// Triangle tests of shadow rays saved.
+    /// Share of the triangle tests of shadow rays that culling saves.
     pub intersection_saved: MeanMax,
-    /// Occlusion tests a pixel.
+    /// Occlusion tests per pixel.
     pub occlusion_tests_per_pixel: f64,
 }
 
-/// A share of work saved, over frames.
+/// Mean and maximum over frames of a share of saved work.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MeanMax {
-    /// Mean of the frames.
+    /// Mean over the frames.
     pub mean: f64,
-    /// The best frame's.
+    /// The share of the best frame.
     pub max: f64,
 }
 
@@ -100,7 +100,7 @@ pub struct Reading {
     pub structure: Structure,
     /// The depth.
     pub depth: u32,
-    /// Which lights are asked for.
+    /// Values to try for the rule which lights get a shadow ray.
     pub shadow_rays: ShadowRays,
     /// The policy's name.
     pub policy: String,

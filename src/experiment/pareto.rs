@@ -23,34 +23,34 @@ use crate::replay::{Fidelity, RunError};
 use crate::report::pareto::{Figures, Found, Measured, ParetoSummary, Run, Timing};
 use crate::ron_file::{self, ConfigError, Kind};
 
-/// Fidelity levels that replay the same streams, and what they are held to.
+/// Compares fidelity levels: all replay the same streams, and a reference level gives the true figures.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ParetoSpec {
-    /// Experiments whose scenes and policies are used, relative to this file.
+    /// Experiments that give scenes and policies. Paths are relative to this file.
     experiments: Vec<Source>,
     /// The machines' files.
     machines: Vec<PathBuf>,
-    /// The levels that are compared.
+    /// The fidelity levels to compare.
     rungs: Vec<Fidelity>,
-    /// What they are held to.
+    /// The reference level: errors are differences from its figures.
     #[serde(default)]
     truth: Fidelity,
 }
 
-/// An experiment, and what differs from its file.
+/// An experiment, and overrides of its fields.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 struct Source {
     /// The experiment's file.
     file: PathBuf,
-    /// Its frames, in place of the file's.
+    /// Overrides the experiment's frames.
     #[serde(default)]
     frames: Option<FrameRange>,
-    /// The pictures' size, in place of the file's.
+    /// Overrides the experiment's resolution.
     #[serde(default)]
     resolution: Option<Resolution>,
-    /// Names of its policies that take part; all if there are none. `Off` always does.
+    /// Names of the policies to use; an empty list means all. `Off` is always used.
     #[serde(default)]
     policies: Vec<String>,
 }

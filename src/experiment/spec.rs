@@ -14,42 +14,43 @@ use crate::replay::Fidelity;
 use crate::ron_file::{self, ConfigError};
 use crate::tracer::TracerSpec;
 
-/// An experiment: a scene, traced for several policies, replayed on several machines. Paths are relative to the folder
-/// of the file that names them.
+/// An experiment: a scene, traced with several policies and replayed on several machines. Paths are relative to the
+/// folder of the file that names them.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ExperimentSpec {
-    /// The name of the report's folder: letters, digits, `-` and `_`.
+    /// The name of the report's folder. Letters, digits, `-` and `_` are allowed.
     #[serde(deserialize_with = "name")]
     pub name: String,
-    /// The scene's file.
+    /// The file of the scene.
     pub scene: PathBuf,
     /// The frames to trace.
     pub frames: FrameRange,
-    /// The picture's size.
+    /// The size of the pictures in pixels.
     pub resolution: Resolution,
-    /// How frames become rays.
+    /// How the tracer turns frames into ray streams.
     #[serde(default)]
     pub tracer: TracerSpec,
-    /// The culling policies by name; one of them is `Off`, which the others are measured against.
+    /// The culling policies by name. One of them must be `Off`, the baseline.
     #[serde(deserialize_with = "with_off")]
     pub policies: Named<PolicySpec>,
-    /// The machines' files.
+    /// The files of the machines.
     #[serde(default)]
     pub machines: Vec<PathBuf>,
-    /// How the machines are replayed.
+    /// The fidelity level of the replays.
     #[serde(default)]
     pub fidelity: Fidelity,
-    /// Whether each machine also replays with words that cost nothing, and without culling and its unit, to tell what
-    /// was saved from what was paid. Rungs that do not know such machines leave it out.
+    /// Whether each machine is also replayed with free words, and without culling and shadow-cache units. These extra
+    /// replays separate what culling saves from what mode words cost. Fidelity levels that cannot replay such machines
+    /// skip them.
     #[serde(default = "yes")]
     pub split: bool,
     /// Which of the traced frames the machines measure.
     #[serde(default = "all")]
     pub replay: FrameChoice,
-    /// Frames that warm caches and words up: the machines replay so many before each measured frame, and leave the
-    /// first so many of the experiment out. By default 1 where a policy learns and another frame is left to measure, 0
-    /// otherwise.
+    /// Number of warm-up frames for caches and mode words. Machines replay this many frames before each measured frame,
+    /// and do not measure the first ones of the experiment. Default: 1 if a policy learns and a frame remains to
+    /// measure, else 0.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warmup: Option<u32>,
     /// Which of the traced frames are compared with the reference renderer.

@@ -35,29 +35,29 @@ pub struct EnergySpec {
     pub shadow_cache: Spread,
     /// A ray that the dispatcher hands over, in pJ.
     pub dispatcher: Spread,
-    /// A byte that goes through the FIFOs from and to the host, in pJ.
+    /// A byte that goes through a FIFO from or to the host, in pJ.
     pub fifo_byte: Spread,
-    /// A read or write of a line in a cache.
+    /// Energy of caches: reads and writes of lines, and leakage.
     pub cache: CacheEnergy,
     /// Leakage of a unit of any kind, in mW.
     #[schemars(extend("unit" = "mW"))]
     pub unit_leakage: Spread,
 }
 
-/// The law of a cache's energy: an access costs `byte_pj x bytes of a line x (size / 64 KB) ^ exponent` and a tag for
-/// each way.
+/// The model of a cache's energy. An access costs `byte_pj x bytes of a line x (size / 64 KB) ^ exponent`, plus one tag
+/// per way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheEnergy {
     /// A byte of a line in a cache of 64 KB, in pJ.
     #[schemars(extend("unit" = "pJ"))]
     pub byte_pj: Spread,
-    /// How the energy of a byte grows with the cache's size.
+    /// Exponent of the growth of the energy per byte with the cache's size.
     pub exponent: Spread,
-    /// A tag of a way in a cache of 64 KB, in pJ; it grows as a byte does.
+    /// A tag of one way in a cache of 64 KB, in pJ. It grows with the size as a byte does.
     #[schemars(extend("unit" = "pJ"))]
     pub tag_pj: Spread,
-    /// Leakage of a KB, in mW.
+    /// Leakage per KB, in mW.
     #[schemars(extend("unit" = "mW"))]
     pub leakage: Spread,
 }

@@ -8,22 +8,22 @@ use crate::ranged::{Size, Within};
 
 /// Intersection units.
 ///
-/// Source: the T&I engine (Nah et al. 2011, table 4: 18 stages, 16 KB of 4 ways each), two of its units; the queue and
-/// the number of tests are assumed.
+/// Source: two units of the T&I engine (Nah et al. 2011, table 4: each has 18 stages and 16 KB of 4 ways). The queue
+/// and the number of tests are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct IntersectionSpec {
-    /// Units a core.
+    /// Units per core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
     #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
-    /// Cycles from an operation to the next.
+    /// Cycles from the start of an operation to the start of the next one.
     #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
-    /// Tests that a unit works on at once, those at a division unit included.
+    /// Tests in a unit at once, including tests that are at a division unit.
     pub tests: Within<1, 4096>,
-    /// Places of a unit's input queue.
+    /// Places of each unit's input queue.
     pub queue: Within<1, 1024>,
     /// The L1 of each unit.
     pub cache: CacheSpec,

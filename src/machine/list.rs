@@ -8,22 +8,22 @@ use crate::ranged::{Size, Within};
 
 /// List units.
 ///
-/// Source: the T&I engine (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each), one of its six units; latency,
-/// contexts and queue are assumed.
+/// Source: one of the six units of the T&I engine (Nah et al. 2011, table 4 and section 5: 4 KB of 2 ways each).
+/// Latency, contexts and queue are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ListSpec {
-    /// Units a core.
+    /// Units per core.
     pub count: Within<1, 1024>,
     /// Stages of the pipeline.
     #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
-    /// Cycles from an operation to the next.
+    /// Cycles from the start of an operation to the start of the next one.
     #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
-    /// Rays that a unit works on at once, those at an intersection unit included.
+    /// Rays in a unit at once, including rays that are at an intersection unit.
     pub lists: Within<1, 4096>,
-    /// Places of a unit's input queue.
+    /// Places of each unit's input queue.
     pub queue: Within<1, 1024>,
     /// The L1 of each unit.
     pub cache: CacheSpec,

@@ -10,29 +10,29 @@ use crate::memory::cache::CacheSpec;
 use crate::ranged::{Size, Within};
 use crate::stream::{Ray, Step};
 
-/// Which way accesses to a policy's stores go.
+/// The path of accesses to a policy's stores: mode words, counters and occluder ids.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Place {
-    /// Through an L1 of the unit.
+    /// Through the unit's own L1.
     #[default]
     Own,
-    /// Through the L1s of the intersection units, where they compete with triangles.
+    /// Through the L1s of the intersection units, where they compete with triangle records.
     Triangle,
-    /// Straight to the L2.
+    /// Bypass: to the L2, without an L1.
     L2,
-    /// Nowhere: they cost nothing. The limit that costs are measured against.
+    /// Free words: accesses cost no time, access or memory. Costs are measured against this limit.
     Free,
 }
 
-/// What happens to words and counters at a frame's end, of a policy that keeps counters.
+/// The end-of-frame update of mode words and counters, for policies that keep counters.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum FrameEnd {
-    /// Those that the frame touched are set: the recorded steps.
+    /// Updates the entries that the frame touched: the recorded steps.
     #[default]
     List,
-    /// All are set.
+    /// Updates all entries.
     Sweep,
-    /// None: the first touch in a frame sets them.
+    /// No end-of-frame update: the first touch of an entry in a later frame updates it.
     Epoch,
 }
 
@@ -42,38 +42,38 @@ pub enum FrameEnd {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct ShadowCacheSpec {
-    /// Units a core.
+    /// Units per core.
     pub count: Within<1, 64>,
     /// Stages of the pipeline.
     #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
-    /// Cycles from an operation to the next.
+    /// Cycles from the start of an operation to the start of the next one.
     #[schemars(extend("unit" = "cycles"))]
     pub interval: Within<1, 1000>,
-    /// Rays that a unit works on at once.
+    /// Contexts of a unit: the rays it works on at once.
     pub contexts: Within<1, 4096>,
-    /// Rays that a unit takes a cycle, and operations that begin in it. Several units a core (`count`) share the words
-    /// among them by lines; a wider one has them all.
+    /// Rays that a unit takes per cycle, and operations that begin per cycle. With several units (`count`), each owns
+    /// the mode words of some lines; a single wide unit owns all of them.
     pub width: Within<1, 64>,
-    /// Which updates of mode words are sent.
+    /// Which updates of mode words are sent to the unit. All others are dropped at the ray.
     pub silent: SilentUpdates,
-    /// Where decisions fall.
+    /// Where decisions on shadow rays are made.
     pub decide: Decide,
-    /// Hits of a core whose updates of mode words are gathered and sent once; 0 for none. A hit with several lights
-    /// sets bits of one word several times; a table beside the dispatcher holds them until the hit's last traced
-    /// shadow ray is done.
+    /// Entries per core of a table that gathers a hit's updates of mode words and sends them once; 0 for no table. A
+    /// hit with several lights updates the same word several times. The table, beside the dispatcher, holds the updates
+    /// until the hit's last traced shadow ray is done.
     pub gather: Within<0, 65_536>,
-    /// How latched words and learned bits are kept apart.
+    /// How latched words and newly learned bits are stored separately.
     pub latched: LatchedCopy,
     /// Which way accesses to stores go.
     pub place: Place,
-    /// How stores lie in memory.
+    /// The layout of stores in memory.
     pub layout: StoreLayout,
-    /// What becomes of writes.
+    /// The write policy for stores.
     pub writes: WritePolicy,
     /// Entries of the coalescing register in front of a unit; 0 for none.
     pub register: Within<0, 64>,
-    /// What happens at a frame's end.
+    /// The end-of-frame update of mode words and counters.
     pub frame_end: FrameEnd,
     /// The L1 of each unit.
     pub cache: CacheSpec,

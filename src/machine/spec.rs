@@ -22,18 +22,18 @@ use crate::ranged::{PowerOfTwoSize, Within};
 use crate::stats::TrafficClass;
 use crate::stream::{Header, Step};
 
-/// A machine.
+/// A machine: the accelerator and its memory.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct MachineSpec {
     /// The machine's name in reports.
     pub name: String,
-    /// The clock of all units and caches.
+    /// The clock of all units and caches, in MHz.
     #[schemars(extend("unit" = "MHz"))]
     pub clock_mhz: Within<1, 10_000>,
-    /// Bytes of a line, in all caches.
+    /// Line size of all caches, in bytes.
     pub line_bytes: PowerOfTwoSize<32, 128>,
-    /// Cores: each has all units of the other fields and an L2; dispatcher and DRAM serve all.
+    /// Number of cores. Each core has its own units and L2; the dispatcher and the DRAM serve all cores.
     pub cores: Within<1, 64>,
     /// The dispatcher.
     pub dispatcher: DispatcherSpec,
@@ -51,9 +51,9 @@ pub struct MachineSpec {
     pub l2: L2Spec,
     /// The DRAM.
     pub dram: DramSpec,
-    /// The host's own traffic with the DRAM.
+    /// DRAM traffic of the host and of a builder.
     pub traffic: TrafficSpec,
-    /// What operations, accesses and time cost in energy.
+    /// Energy constants of operations, accesses and leakage.
     pub energy: EnergySpec,
 }
 

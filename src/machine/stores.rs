@@ -20,21 +20,21 @@ const LOG_COUNTER_BITS: u64 = 2 * 6;
 /// A triangle record is a multiple of the plane's 16 bytes.
 const RECORD_STEP: u64 = 16;
 
-/// How mode words and counters of primitives lie in memory. A primitive has as many 32-bit mode words as the stream
-/// says: one up to 15 lights, another for each further 16.
+/// The layout of mode words and counters in memory. A primitive has one 32-bit mode word for up to 15 lights, and one
+/// more for every further 16.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum StoreLayout {
-    /// An array of 32-bit words, and one of counters, 8 bytes a primitive.
+    /// An array of 32-bit mode words, and an array of counters with 8 bytes per primitive.
     #[default]
     Dense,
-    /// Of each word only the bits that the lights need, rounded up to 4, 8, 16 or 32; counters as in `Dense`.
+    /// Mode words have only the bits that the lights need, rounded up to 4, 8, 16 or 32. Counters as in `Dense`.
     Packed,
-    /// Words and counters of a primitive side by side, as many primitives to a line as fit whole.
+    /// Mode words and counters of a primitive side by side. A line holds only whole primitives.
     Beside,
-    /// Behind the triangle, in its record: counters, then words; the record grows from 48 bytes to the next multiple of
-    /// 16.
+    /// Counters, then mode words, behind the triangle in its record. The record grows from 48 bytes to the next
+    /// multiple of 16.
     Record,
-    /// One word a primitive for modes, counters on a logarithmic scale and the frame's tag; more than 8 lights take
+    /// One word per primitive holds modes, counters on a logarithmic scale and the frame's tag. More than 8 lights need
     /// another word.
     Tagged,
 }

@@ -12,53 +12,53 @@ use crate::ranged::{Size, Within};
 use crate::stats::TrafficClass;
 use crate::stream::{FrameInfo, RayKind, Step, Stop};
 
-/// Where rays from the host, and hits back to it, lie in between.
+/// Where rays from the host, and hits back to it, are buffered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum RayBuffer {
-    /// In the FIFOs alone: they cost nothing more.
+    /// In the FIFOs only, at no extra cost.
     #[default]
     Free,
-    /// In a buffer on the chip, whose bytes are counted.
+    /// In an on-chip buffer; its bytes are counted.
     OnChip,
-    /// In the DRAM.
+    /// In the DRAM, through the host's port.
     Dram,
 }
 
-/// Whether the dynamic part of the scene is written anew in each frame.
+/// Whether the dynamic part of the scene is written to the DRAM in each frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Build {
-    /// It is there.
+    /// It is already in the DRAM, at no cost.
     #[default]
     Free,
     /// Its nodes, lists and triangle records are written to the DRAM when the frame begins.
     Written,
 }
 
-/// Traffic of the host and of a builder with the DRAM, which goes past all caches. All of it is off by default.
+/// DRAM traffic of the host and of a builder, through the host's port past all caches. All of it is off by default.
 ///
-/// Source: a ray of 32 bytes is an origin, a direction and the ends of an interval, a hit of 16 bytes a distance, two
-/// barycentric coordinates and a triangle, all of 4 bytes (assumed: DXR and Vulkan have these fields). PowerVR GR6500
-/// (2014) builds 100 million dynamic triangles a second. The queue is assumed.
+/// Source: a ray of 32 bytes holds an origin, a direction and the ends of an interval; a hit of 16 bytes holds a
+/// distance, two barycentric coordinates and a triangle. All numbers have 4 bytes (assumed: DXR and Vulkan have these
+/// fields). PowerVR GR6500 (2014) builds 100 million dynamic triangles per second. The queue is assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrafficSpec {
-    /// Where rays from the host, and hits back to it, lie in between.
+    /// Where rays from the host, and hits back to it, are buffered.
     pub rays: RayBuffer,
-    /// Bytes that the accelerator reads for a ray.
+    /// Bytes that the accelerator reads per ray.
     pub ray_bytes: Size<1, 4096>,
-    /// Bytes that it writes for a ray that is done.
+    /// Bytes that the accelerator writes per finished ray.
     pub hit_bytes: Size<1, 4096>,
-    /// Bytes of the frame buffer that the host writes for a primary ray that is done; 0 for none.
+    /// Bytes of the frame buffer that the host writes per finished primary ray; 0 for none.
     pub pixel_bytes: Size<0, 4096>,
-    /// Bytes of textures that the host reads for a hit of a ray that is no shadow ray; 0 for none.
+    /// Bytes of textures that the host reads per hit of a primary or secondary ray; 0 for none.
     pub texture_bytes: Size<0, 4096>,
-    /// Whether the dynamic part of the scene is written anew in each frame.
+    /// Whether the dynamic part of the scene is written to the DRAM in each frame.
     pub build: Build,
-    /// Dynamic triangles that a builder builds in a second, before the frame's first ray; 0 for a builder that works
-    /// while the frame before is traced.
+    /// Dynamic triangles that a builder builds per second, in millions. Rays of a frame wait for the build; with 0 the
+    /// builder takes no time, since it works while the previous frame is traced.
     #[schemars(extend("unit" = "million triangles a second"))]
     pub build_rate: Within<0, 1_000_000>,
-    /// Lines that wait for the DRAM, from which on no ray is handed over.
+    /// Number of waiting lines in the host's port from which on no ray is handed over.
     pub queue: Within<1, 65_536>,
 }
 

@@ -5,19 +5,19 @@ use serde::{Deserialize, Serialize};
 
 use crate::stream::{Decision, Effect, Step};
 
-/// Which updates of mode words are sent to a shadow-cache unit. Nearly all of them change no bit: a word is learned
-/// once and then confirmed by every ray. (Silent stores of processors are the same case: Lepak and Lipasti, "On the
-/// value locality of store instructions", ISCA 2000.)
+/// Which updates of mode words are sent to a shadow-cache unit. Nearly all updates are silent: a word is learned once
+/// and then confirmed by every ray. (Compare silent stores of processors: Lepak and Lipasti, "On the value locality of
+/// store instructions", ISCA 2000.)
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum SilentUpdates {
-    /// All.
+    /// All updates.
     #[default]
     Sent,
-    /// Those that change a bit of the word as latched at the frame's start. Hardware knows: the ray's hit has read that
-    /// word, and its bits go with the ray.
+    /// Updates that change a bit of the latched word. Hardware can check this: the ray's hit has read the word, and its
+    /// bits travel with the ray.
     Latched,
-    /// Those that change a bit after all earlier updates of the frame, in the order of the stream. A limit: hits would
-    /// have to read live words, and to see the updates of rays in flight.
+    /// Updates that change a bit after all earlier updates of the frame, in stream order. A limit: hits would have to
+    /// read live words and see updates of rays in flight.
     Live,
 }
 
@@ -33,13 +33,13 @@ impl SilentUpdates {
     }
 }
 
-/// Where the decision on a shadow ray falls.
+/// Where the decision on a shadow ray is made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Decide {
     /// In a shadow-cache unit, to which a culled ray is sent.
     #[default]
     Unit,
-    /// With the hit that the ray starts on: the word came back with the hit's results, and a culled ray is never sent.
+    /// At the hit where the ray starts: the mode word returns with the hit's results, and a culled ray is never sent.
     Hit,
 }
 
@@ -55,18 +55,18 @@ impl Decide {
     }
 }
 
-/// How the word as latched at the frame's start, which decisions read, and the bits that the frame learns are kept
-/// apart. It matters for policies that keep counters: the others change no word before the frame's end.
+/// How the latched word, which decisions read, and the bits that the frame learns are stored separately. It matters
+/// only for policies that keep counters: other policies change no word before the end of the frame.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum LatchedCopy {
-    /// One word stands for both values and costs no more than one. A limit.
+    /// Both values at the cost of one word. A limit.
     #[default]
     Free,
-    /// The word has the modes twice and two bits of the frame's number. A read whose number is old takes both
-    /// halves together, an update whose number is old folds them; neither costs an access. The word takes 8 bytes
-    /// where 4 are too few: up to 6 lights fit (2 x (2 + 2 x 6) + 2 = 30 bits).
+    /// The word holds the modes twice, and two bits of the frame's number. A read with an old number combines both
+    /// halves, and an update with an old number merges them; neither costs an access. Up to 6 lights fit into 4 bytes
+    /// (2 x (2 + 2 x 6) + 2 = 30 bits); otherwise the word takes 8 bytes.
     Wide,
-    /// Learned bits have an array of words of their own, which updates of rays go to. At the frame's end each word
-    /// that was updated is read there, and the latched one is updated.
+    /// Learned bits have their own array of words, which receives the updates of rays. The end-of-frame update reads
+    /// each updated word there and updates the latched word.
     Buffers,
 }

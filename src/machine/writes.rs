@@ -7,15 +7,15 @@ use crate::memory::allocation::Classes;
 use crate::memory::cache::Access;
 use crate::stats::TrafficClass;
 
-/// What becomes of writes.
+/// The write policy.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum WritePolicy {
-    /// A write makes its line dirty; dirty lines go down when they are displaced.
+    /// Write-back: a write makes its line dirty, and a dirty line is written to the level below when it is evicted.
     #[default]
     Back,
-    /// A write goes down at once.
+    /// Write-through: a write goes to the level below at once.
     Through,
-    /// Writes of these classes go down at once, others do not.
+    /// Write-through for these classes, write-back for all others.
     ThroughFor(Classes),
 }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::stats::TrafficClass;
 
-/// A set of classes of traffic; in files, a list of their names.
+/// A set of traffic classes, written as a list of names.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(from = "Vec<TrafficClass>", into = "Vec<TrafficClass>")]
 pub struct Classes(u16);
@@ -29,13 +29,13 @@ impl From<Classes> for Vec<TrafficClass> {
     }
 }
 
-/// Accesses that do not allocate: the line is fetched, if the access needs its data, but not kept.
+/// Accesses that do not allocate a line: the line is fetched if the access needs its data, but it is not kept.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct NoAllocate {
-    /// Classes whose reads don't.
+    /// Classes whose reads do not allocate.
     pub reads: Classes,
-    /// Classes whose writes don't.
+    /// Classes whose writes do not allocate.
     pub writes: Classes,
 }
 

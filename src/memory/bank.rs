@@ -16,33 +16,33 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::stats::TrafficClass;
 
-/// A cache of the L2.
+/// A banked L2 cache.
 ///
-/// Source: the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20 cycles); registers
-/// and queues are assumed.
+/// Source: the T&I engine's traversal L2 (Nah et al. 2011, section 5: 128 KB, 2 ways, 8 banks, 20 cycles); MSHRs and
+/// queues are assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct BankedSpec {
-    /// What it holds.
+    /// What the cache holds.
     pub contents: Contents,
     /// Size in bytes, all banks together.
     pub bytes: Size<32, 0x1_0000_0000>,
-    /// Lines a set.
+    /// Lines per set.
     pub ways: Within<1, 64>,
-    /// Banks.
+    /// Number of banks.
     pub banks: PowerOfTwo<1, 256>,
-    /// Which line of a full set goes.
+    /// Which line of a full set is evicted.
     pub replacement: Policy,
-    /// Which accesses don't give their line a place: they go past, to and from the DRAM.
+    /// Accesses that do not allocate a line: they bypass the L2, to and from the DRAM.
     pub no_allocate: NoAllocate,
-    /// Cycles from an access that hits, or a fill, to the answer.
+    /// Cycles from a hit or a fill to the answer.
     #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
-    /// Miss registers a bank.
+    /// MSHRs per bank.
     pub mshrs: Within<1, 1024>,
-    /// Accesses that can wait in a miss register.
+    /// Accesses that can wait in one MSHR.
     pub targets: Within<1, 1024>,
-    /// Places of the request queue of a bank, and of its out queue to the DRAM.
+    /// Places of each bank's request queue, and of its out queue to the DRAM.
     pub queue: Within<1, 1024>,
 }
 

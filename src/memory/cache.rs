@@ -11,13 +11,14 @@ use crate::quantity::{Bytes, LineAddr};
 use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::stats::{CacheCounts, L1Counts, TrafficClass};
 
-/// How accesses that wait in a miss register get their line when it has come.
+/// How accesses that wait in an MSHR receive their line when it arrives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Release {
-    /// All at once, and the register is free.
+    /// All at once; the MSHR is free immediately.
     #[default]
     Together,
-    /// One a cycle, while no other access is made: the rows of a ray accumulation unit (Nah et al. 2011, section 4).
+    /// One per cycle, in cycles without another access, like the rows of a ray accumulation unit (Nah et al. 2011,
+    /// section 4).
     OneByOne,
 }
 
@@ -28,28 +29,28 @@ pub enum Release {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct CacheSpec {
-    /// What it holds.
+    /// What the cache holds.
     pub contents: Contents,
     /// Size in bytes.
     pub bytes: Size<32, 0x1000_0000>,
-    /// Lines a set.
+    /// Lines per set.
     pub ways: Within<1, 64>,
-    /// Which line of a full set goes.
+    /// Which line of a full set is evicted.
     pub replacement: Policy,
-    /// Which accesses don't give their line a place.
+    /// Accesses that do not allocate a line.
     pub no_allocate: NoAllocate,
-    /// Cycles from an access that hits to its data.
+    /// Cycles from a hit to its data.
     #[schemars(extend("unit" = "cycles"))]
     pub latency: Within<1, 1000>,
-    /// Accesses a cycle.
+    /// Accesses per cycle.
     pub ports: Within<1, 16>,
-    /// Banks, in each of which one access a cycle can be made; without, every port reaches every line.
+    /// Number of banks; each bank takes one access per cycle. Without banks, every port reaches every line.
     pub banks: Option<PowerOfTwo<1, 64>>,
-    /// Miss registers.
+    /// Number of MSHRs (miss status holding registers).
     pub mshrs: Within<1, 1024>,
-    /// Accesses that can wait in a miss register.
+    /// Accesses that can wait in one MSHR.
     pub targets: Within<1, 1024>,
-    /// How those that wait get their line.
+    /// How accesses that wait in an MSHR receive their line.
     pub release: Release,
     /// Places of the out queue to the level below.
     pub queue: Within<1, 1024>,

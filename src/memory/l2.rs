@@ -12,9 +12,9 @@ use crate::stats::TrafficClass;
 /// The L2.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum L2Spec {
-    /// One cache for all classes.
+    /// One cache for all classes of traffic.
     Unified(BankedSpec),
-    /// Several by name; each class of traffic has its home in one.
+    /// Several named caches; each class of traffic goes to one of them.
     Split(Named<HomeSpec>),
 }
 
@@ -22,7 +22,7 @@ pub enum L2Spec {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct HomeSpec {
-    /// The classes of traffic that go there.
+    /// The classes of traffic that use this cache.
     pub classes: Vec<TrafficClass>,
     /// The cache.
     pub cache: BankedSpec,

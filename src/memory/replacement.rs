@@ -5,19 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::random::mix;
 
-/// A replacement policy.
+/// The replacement policy: which line of a full set is evicted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Policy {
-    /// The line that was used longest ago.
+    /// The least recently used line.
     #[default]
     Lru,
-    /// The line that was filled longest ago.
+    /// The line that was filled first.
     Fifo,
-    /// A binary tree of bits a set that points away from what was used last; the ways are a power of two.
+    /// Tree pseudo-LRU: a binary tree of bits per set points away from recently used lines. The number of ways must be
+    /// a power of two.
     TreePlru,
-    /// A line by a hash of the seed and the number of fills so far.
+    /// A pseudo-random line: a hash of the seed and the number of fills so far.
     Random {
-        /// The seed.
+        /// The seed of the hash.
         seed: u64,
     },
 }

@@ -42,11 +42,11 @@ pub struct Victim {
 /// What a cache holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Contents {
-    /// The lines that its tags name.
+    /// The lines in its tags: a normal cache.
     #[default]
     Tags,
-    /// Every line, always: each access hits, and nothing goes to the level below or comes from it. For bounds; size,
-    /// ways, replacement and miss registers then say nothing.
+    /// Every line: all accesses hit, and there is no traffic with the level below. For bounds; size, ways, replacement
+    /// and MSHRs have no effect.
     Ideal,
 }
 

@@ -12,37 +12,39 @@ use crate::engine::{Exact, Level, Sampled};
 use crate::machine::SpecError;
 use crate::ranged::Share;
 
-/// How a machine is replayed, from the cheapest to the plainest.
+/// The fidelity level of a replay: how exactly the machine is simulated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub enum Fidelity {
-    /// Closed forms that no machine can beat.
+    /// Closed-form bounds that no machine can beat.
     Bound,
-    /// Exact contents of caches in an order that stands for the machine's, and time by what is free when.
+    /// Exact cache contents for an access order that approximates the machine's, and times from when resources are
+    /// free.
     Profile,
-    /// A part acts only in cycles in which it has something to do: the rules of MODEL.md, fast.
+    /// Exact by the rules of MODEL.md, and fast: a part acts only in cycles in which it has something to do.
     #[default]
     Event,
-    /// Every part acts in every cycle: plain, slow, and what `Event` is held to. Both give the same numbers.
+    /// Exact and slow: every part acts in every cycle. The reference for `Event`; both give the same numbers.
     Cycle,
-    /// A sample of windows of pixels, each replayed by itself, with intervals.
+    /// Replays a sample of windows of pixels, each on its own. Figures have confidence intervals.
     Sampled {
-        /// What replays it.
+        /// The fidelity level that replays the windows.
         engine: Sampled,
-        /// The share of the rays that is measured.
+        /// The share of the rays to measure.
         rate: Share,
-        /// Which rays.
+        /// The seed of the random choice of windows.
         #[serde(default)]
         seed: u64,
-        /// If it is set, sampling goes on until all intervals are within this share, those of changes among them where
-        /// replays are compared, and the rate is where it begins.
+        /// Target for the half-widths of all confidence intervals, as a share. Sampling begins at `rate` and continues
+        /// until the target is met. Where replays are compared, the target also holds for their changes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         target_error: Option<Share>,
     },
-    /// As much of `Event` as an error takes: tags alone over everything, and `Event` on as many windows as intervals
-    /// need; on everything where a sample would not pay.
+    /// Replays as much by `Event` as the allowed error needs: cache tags for the whole stream, and `Event` for a sample
+    /// of windows. Where a sample would not pay, `Event` replays everything.
     Auto {
-        /// The error that cycles and bytes may have, at 95 %; where replays are compared, changes of these too.
+        /// The allowed error of cycles and bytes, at 95 % confidence. Where replays are compared, it also holds for
+        /// their changes.
         error: Share,
     },
 }

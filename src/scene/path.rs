@@ -61,24 +61,24 @@ fn check_frames(frames: impl Iterator<Item = u32> + Clone) -> Result<(), String>
     }
 }
 
-/// How wide a camera sees.
+/// The field of view of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum FieldOfView {
-    /// From the bottom to the top of the picture, in degrees.
+    /// The angle from the bottom to the top of the picture, in degrees.
     Vertical(
         #[serde(deserialize_with = "fields::angle_of_view")]
         #[schemars(extend("unit" = "degrees", "exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
         f64,
     ),
-    /// From the left to the right of a picture of the given shape. A picture of another shape keeps the height of what
-    /// is seen, as pixels are square.
+    /// The angle from the left to the right of a picture with the given aspect ratio. A picture with another aspect
+    /// ratio keeps the vertical angle, since pixels are square.
     Horizontal {
         /// The angle in degrees.
         #[schemars(extend("unit" = "degrees", "exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
         #[serde(deserialize_with = "fields::angle_of_view")]
         degrees: f64,
-        /// The picture's width over its height.
+        /// Aspect ratio: the picture's width divided by its height.
         #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
         #[serde(deserialize_with = "fields::positive")]
         aspect: f64,
@@ -95,7 +95,7 @@ impl FieldOfView {
     }
 }
 
-/// Where a camera looks.
+/// Where the camera looks.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub enum Look {
@@ -105,7 +105,7 @@ pub enum Look {
         #[serde(deserialize_with = "fields::coordinate")] f64,
         #[serde(deserialize_with = "fields::coordinate")] f64,
     ),
-    /// In a direction; its length does not matter.
+    /// Along a direction; the length of the vector has no effect.
     Along(
         #[serde(deserialize_with = "fields::coordinate")] f64,
         #[serde(deserialize_with = "fields::coordinate")] f64,
@@ -123,17 +123,17 @@ impl Look {
     }
 }
 
-/// A camera's key frame.
+/// A key frame of a camera.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraKey {
-    /// The frame.
+    /// The number of the frame.
     pub frame: u32,
-    /// Where the camera stands.
+    /// Position of the camera.
     #[serde(deserialize_with = "fields::point")]
     #[schemars(with = "[f64; 3]")]
     pub eye: DVec3,
-    /// Where it looks.
+    /// Where the camera looks.
     pub look: Look,
 }
 
@@ -143,14 +143,14 @@ pub struct CameraKey {
 pub enum CameraPath {
     /// The same in every frame.
     Still {
-        /// Where the camera stands.
+        /// Position of the camera.
         #[serde(deserialize_with = "fields::point")]
         #[schemars(with = "[f64; 3]")]
         eye: DVec3,
-        /// Where it looks.
+        /// Where the camera looks.
         look: Look,
     },
-    /// Through key frames, at least one, in the order of their frames.
+    /// Motion through key frames: at least one, in ascending order of frames.
     Keys(#[serde(deserialize_with = "camera_keys")] Vec<CameraKey>),
 }
 
@@ -160,17 +160,17 @@ fn camera_keys<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<CameraKey>, D::
     Ok(keys)
 }
 
-/// A camera as RON gives it.
+/// A camera of a config file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct CameraSpec {
-    /// How wide it sees.
+    /// The field of view.
     pub fov: FieldOfView,
-    /// What is upwards in the picture.
+    /// The direction that is upwards in the picture.
     #[serde(default = "y_axis", deserialize_with = "fields::nonzero")]
     #[schemars(with = "[f64; 3]")]
     pub up: DVec3,
-    /// Where it is.
+    /// Position and direction of the camera, fixed or by key frames.
     pub path: CameraPath,
 }
 
@@ -219,21 +219,21 @@ impl CameraTrack {
     }
 }
 
-/// A moving object's key frame.
+/// A key frame of a moving object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PoseKey {
-    /// The frame.
+    /// The number of the frame.
     pub frame: u32,
-    /// Where the object's origin is.
+    /// Position of the object's origin.
     #[serde(deserialize_with = "fields::point")]
     #[schemars(with = "[f64; 3]")]
     pub position: DVec3,
-    /// How far it is turned about the vertical (+Y), in degrees; from key to key the number runs, so 0 to 360 is a
-    /// turn.
+    /// Rotation about the vertical axis (+Y), in degrees. The number itself is interpolated, so keys of 0 and 360 give
+    /// a full turn.
     #[serde(default, deserialize_with = "fields::coordinate")]
     pub rotation: f64,
-    /// How much larger it is than its shape. The curve between two keys can overshoot them.
+    /// Scale factor of the shape. The curve between two keys can overshoot their values.
     #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "unscaled", deserialize_with = "fields::positive")]
     pub scale: f64,

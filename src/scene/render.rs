@@ -9,20 +9,20 @@ use super::frame::{Frame, Scene};
 use super::limits::MAX_REACH;
 use crate::quantity::{PrimitiveId, Resolution};
 
-/// How pictures are traced.
+/// How pictures are rendered.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct RenderSpec {
-    /// Rays in a row from the camera on, the primary ray included: 1 traces no secondary rays. GI09 uses 10.
+    /// Maximum ray depth, counted from the primary ray: 1 traces no secondary rays. GI09 uses 10.
     #[serde(deserialize_with = "depth")]
     #[schemars(range(min = 1, max = 32))]
     pub depth: u32,
-    /// For which lights a hit asks for a shadow ray.
+    /// Which lights get a shadow ray from a hit.
     pub shadow_rays: ShadowRays,
-    /// How far from its surface a shadow or secondary ray starts, along the geometric normal.
+    /// Distance between the surface and the origin of a shadow or secondary ray, along the geometric normal.
     pub offset: Offset,
-    /// Secondary rays whose weight in the picture is below this are not traced (Hall and Greenberg 1983). What the
-    /// default leaves out at depth 10: docs/validation/paper.md.
+    /// Secondary rays with a smaller weight in the picture are not traced (Hall and Greenberg 1983). Effect of the
+    /// default at depth 10: docs/validation/paper.md.
     #[serde(deserialize_with = "weight")]
     #[schemars(range(min = 0.0, max = 1.0))]
     pub min_weight: f32,
@@ -52,21 +52,21 @@ fn weight<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f32, D::Error> {
     }
 }
 
-/// For which lights a hit asks for a shadow ray.
+/// Which lights get a shadow ray from a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum ShadowRays {
-    /// Lights on the viewer's side of the surface: the others cannot light what is seen.
+    /// Lights on the viewer's side of the surface: other lights cannot light the visible side.
     ViewerSide,
     /// All lights.
     Always,
 }
 
-/// How far from its surface a ray starts. A positive number.
+/// Distance between a surface and the origin of a ray that starts on it. A positive number.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub enum Offset {
     /// In world units.
     Absolute(#[serde(deserialize_with = "length")] f64),
-    /// As a share of the diagonal of the static triangles' box (of all triangles' box if none is static).
+    /// As a share of the diagonal of the bounding box of the static triangles (of all triangles if none is static).
     Relative(#[serde(deserialize_with = "length")] f64),
 }
 

@@ -9,13 +9,13 @@ use crate::counters::counters;
 counters! {
     /// Accesses to a cache, of one class of traffic.
     pub struct CacheCounts {
-        accesses: "accesses", "lines asked of a kind of cache: hits + half_misses + misses + passed_writes";
-        hits: "accesses", "the line was there";
-        half_misses: "accesses", "MSHR hits (secondary misses): the line was on its way already";
+        accesses: "accesses", "accesses to a kind of cache: hits + half_misses + misses + passed_writes";
+        hits: "accesses", "the line was in the cache";
+        half_misses: "accesses", "MSHR hits (secondary misses): the line was already on its way";
         misses: "accesses", "the line was fetched from the level below";
         passed_writes: "accesses",
-            "the line was not there, and a write that allocates none (`no_allocate`) went down to the level below";
-        write_backs: "lines", "dirty lines of the class that were displaced and written down";
+            "write misses that do not allocate a line (`no_allocate`): the write went to the level below";
+        write_backs: "lines", "dirty lines of the class that were evicted and written to the level below";
     }
 }
 
@@ -30,7 +30,7 @@ counters! {
     /// What an L1 alone counts, of one class of traffic.
     pub struct L1Counts {
         bank_conflicts: "cycles",
-            "an access to an L1 with `banks` waited, since its bank had made another in the cycle";
+            "an access to an L1 with `banks` waited, since its bank had another access in the cycle";
     }
 }
 
@@ -73,36 +73,36 @@ impl Deref for CacheStats {
 }
 
 counters! {
-    /// A DRAM's column commands and what they met.
+    /// Column commands of a DRAM by the state of their bank, and refreshes and activates.
     pub struct DramCounts {
         reads: "commands", "lines read";
         writes: "commands", "lines written";
         row_hits: "commands", "column commands that found their row open";
-        row_misses: "commands", "column commands whose bank was closed: an activate went before";
-        row_conflicts: "commands", "column commands for which another row had to be closed";
-        refreshes: "commands", "refreshes given, all channels together";
-        activates: "commands", "rows opened; a row that a refresh closed before its column command is opened again";
+        row_misses: "commands", "column commands whose bank was closed: the row was activated first";
+        row_conflicts: "commands", "column commands whose bank had another row open, which was closed first";
+        refreshes: "commands", "refresh commands, all channels together";
+        activates: "commands", "activate commands; a row that a refresh closes before its column command is reopened";
     }
 }
 
 counters! {
-    /// What went through queues between parts of a kind.
+    /// Entries of the queues in front of parts of a kind, and their waits.
     pub struct QueueCounts {
-        entries: "entries", "put into the queues in front of all parts of a kind";
+        entries: "entries", "entries put into the queues in front of all parts of a kind";
         waited: "cycles",
-            "that entries stood in these queues: over entries the mean wait, over the run's cycles the mean number \
-             that stood there (Little 1961)";
+            "waiting times of all entries in these queues; divided by entries: the mean wait; divided by the run's \
+             cycles: the mean queue length (Little 1961)";
     }
 }
 
 counters! {
-    /// How long traced rays of a kind took, policy steps included, from being handed over to being done.
+    /// Latency of traced rays of a kind, from hand-over to completion, policy steps included.
     pub struct LatencyCounts {
         rays: "rays", "traced rays of a kind whose latency is known";
         cycles: "cycles",
-            "from being handed over to being done, policy steps included; summed over the rays of the kind";
+            "from hand-over to completion, policy steps included; summed over the rays of the kind";
         unloaded: "cycles",
-            "what these rays take at least, alone and with every line at hand, without policy steps";
+            "lower bound of these rays' latency: no contention, missed lines arrive after one cycle, no policy steps";
     }
     peaks {
         most: "cycles", "the longest latency of a ray of the kind";

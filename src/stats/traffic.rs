@@ -3,7 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What memory traffic is for.
+/// The purpose of memory traffic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum TrafficClass {
@@ -25,7 +25,7 @@ pub enum TrafficClass {
     FrameBuffer,
     /// Textures.
     Texture,
-    /// Dynamic nodes, lists and triangle records as a builder writes them.
+    /// Dynamic nodes, lists and triangle records, written by the builder.
     Build,
 }
 

@@ -81,14 +81,14 @@ impl StoreEntries {
     }
 }
 
-/// Acceleration structures that a stream can be of.
+/// The kind of acceleration structure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize, JsonSchema)]
 pub enum Structure {
-    /// Binary BVH; a node is the boxes of both its children and two references.
+    /// Binary BVH. A node holds the boxes of its two children and two references.
     Bvh2,
     /// Compressed 8-wide BVH (Ylitie et al. 2017).
     CwBvh,
-    /// kd-tree; a node is a plane and a reference, or a run of list entries.
+    /// kd-tree. A node holds a plane and a reference, or a range of list entries.
     KdTree,
 }
 

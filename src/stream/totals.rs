@@ -8,9 +8,9 @@ counters! {
     /// Counters that the tracer keeps while it traces a frame. [`Totals::count`] derives the same numbers from the
     /// records: both must be equal. A file holds the counters in this order.
     pub struct Totals {
-        primary_rays: "rays", "rays from the camera: one a pixel";
+        primary_rays: "rays", "rays from the camera: one per pixel";
         secondary_rays: "rays", "reflected and refracted rays";
-        shadow_rays: "rays", "shadow rays that there are without culling: one a hit and light that asks for it";
+        shadow_rays: "rays", "shadow rays without culling: one for each hit and each light that needs one there";
         shadow_rays_skipped: "rays", "shadow rays whose answer was known: nothing was traced";
         shadow_rays_dynamic_only: "rays", "shadow rays traced among dynamic triangles only";
         node_visits: "visits", "nodes fetched by primary and secondary rays";
@@ -21,11 +21,11 @@ counters! {
         policy_triangle_tests: "tests", "triangles tested by the policy itself, occlusion tests included";
         policy_node_visits: "visits", "nodes fetched by the policy itself (shaft queries, searches below a node)";
         policy_reads: "accesses", "reads of the policy's stores: mode words, counters, occluder ids";
-        policy_writes: "accesses", "writes of the policy's stores, reads with a write after them included";
+        policy_writes: "accesses", "writes to the policy's stores, including read-modify-writes";
         repeated_updates: "accesses",
-            "updates among policy_writes, on rays' account, of which an earlier one of the frame has set all bits";
+            "updates of rays, among policy_writes, with all bits already set by earlier updates of the frame";
         silent_updates: "accesses",
-            "updates among policy_writes, on rays' account, that change no bit of the latched word";
+            "updates of rays, among policy_writes, that change no bit of the latched word";
     }
 }
 

@@ -45,13 +45,14 @@ pub struct Samples {
     pub directions: Directions,
 }
 
-/// Where [`Alone::Occlusion`] and [`Alone::Diffuse`] rays go.
+/// Directions of ambient-occlusion rays and diffuse rays.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Directions {
-    /// Each sample of each pixel has a direction of its own, by a hash.
+    /// Each sample of each pixel has its own direction, from a hash.
     #[default]
     Hashed,
-    /// A sample has the same direction in all pixels, beside its surface's normal: rays of neighbours are parallel.
+    /// A sample has the same direction, relative to the surface normal, in all pixels: rays of neighbour pixels are
+    /// parallel.
     Shared,
 }
 

@@ -6,25 +6,25 @@ use serde::{Deserialize, Serialize};
 use crate::accel::AccelSpec;
 use crate::scene::RenderSpec;
 
-/// How frames become rays.
+/// How the tracer turns frames into ray streams.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TracerSpec {
-    /// How pictures are traced.
+    /// How pictures are rendered.
     pub render: RenderSpec,
-    /// What rays are traced in.
+    /// The acceleration structure.
     pub accel: AccelSpec,
-    /// The order of pixels in the stream. No decision depends on it; what caches hit does.
+    /// The order of pixels in the stream. It changes cache hits, but no decision of a policy.
     pub order: PixelOrder,
 }
 
 /// The order of pixels in a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum PixelOrder {
-    /// Row by row from the top, as the published algorithm goes.
+    /// Row by row from the top, as in the published algorithm.
     #[default]
     Scanline,
-    /// Square tiles of eight pixels a side, row by row, and row by row inside.
+    /// Tiles of 8 x 8 pixels, row by row. The pixels of a tile also come row by row.
     Tiles,
 }
 

@@ -12,11 +12,11 @@ macro_rules! answers {
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub struct PublishedRules { $($(#[$doc])* pub $field: $kind),* }
 
-        /// A preset, and the answers that depart from it. It is written with all answers, the preset's included.
+        /// A preset, and answers that override it. Output lists all answers, including those of the preset.
         #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, JsonSchema)]
         #[serde(default, deny_unknown_fields)]
         pub struct PublishedSpec {
-            /// Gives all answers that are not given below.
+            /// Gives every answer that is not set below.
             pub preset: Preset,
             $($(#[$doc])* pub $field: Option<$kind>),*
         }
@@ -43,44 +43,44 @@ macro_rules! answers {
 }
 
 answers! {
-    /// H1: what becomes of PARTIALLY_OCCLUDED.
+    /// H1: whether a primitive stays PARTIALLY_OCCLUDED.
     partial: Partial,
-    /// H2: what becomes of shadow modes when zooming in takes FULLY_RENDERED away.
+    /// H2: what happens to shadow modes when zooming in resets FULLY_RENDERED.
     reset_modes: ResetModes,
-    /// H3: when the highest number of rendered pixels is set.
+    /// H3: when a primitive's highest number of rendered pixels is updated.
     highest: Highest,
-    /// H4: which blockers count as shadow.
+    /// H4: which blockers are evidence of shadow.
     evidence: EvidenceRule,
-    /// H5: what secondary hits may do.
+    /// H5: whether shadow rays of secondary hits are culled.
     secondary: Secondary,
-    /// H6: what happens when a light moves.
+    /// H6: what happens to modes when a light moves.
     light_moves: LightMoves,
-    /// H8: what becomes of a FULLY_RENDERED primitive that is seen occluded.
+    /// H8: what happens to a FULLY_RENDERED primitive that an occlusion test finds occluded.
     occluded_full: OccludedFull,
-    /// Which pixels the current one is compared with.
+    /// Which neighbour pixels the current pixel is compared with.
     references: References,
-    /// Which rays are tested in a comparison.
+    /// Which rays an occlusion test of two pixels uses.
     directions: Directions,
-    /// Whether dynamic primitives are tested, whose mode no test changes.
+    /// Whether dynamic primitives are tested, although no test changes their mode.
     dynamic_tests: DynamicTests,
-    /// Whether the picture's edge occludes.
+    /// Whether the edge of the picture counts as an occluder.
     border: Border,
-    /// How many times the highest number of rendered pixels takes FULLY_RENDERED away.
+    /// FULLY_RENDERED is reset when the number of rendered pixels exceeds the highest number times this ratio.
     reset_ratio: ResetRatio,
-    /// When the number of rendered pixels is compared with the highest.
+    /// When the number of rendered pixels is compared with the highest number.
     reset_check: ResetCheck,
-    /// Which words decisions read.
+    /// Which values of mode words decisions read.
     words: Words,
 }
 
-/// A set of answers.
+/// A complete set of answers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Preset {
-    /// What the text must have meant. In the failure cases C7, C7b and C13 it is wrong more often than `Literal`, whose
-    /// live words no parallel machine can have (docs/model/algorithm.md).
+    /// The most plausible meaning of the paper's text. In the failure cases C7, C7b and C13 it is wrong more often than
+    /// `Literal`, whose live mode words are impossible on a parallel machine (docs/model/algorithm.md).
     #[default]
     Sensible,
-    /// The text read to the letter.
+    /// The paper's text, taken literally.
     Literal,
 }
 
@@ -140,100 +140,101 @@ macro_rules! choices {
 }
 
 choices! {
-    /// What becomes of PARTIALLY_OCCLUDED (H1).
+    /// Whether a primitive stays PARTIALLY_OCCLUDED (H1).
     Partial {
-        /// It is INIT again when the frame is over.
+        /// The primitive returns to INIT at the end of the frame.
         Returns,
-        /// It stays for ever.
+        /// The primitive stays PARTIALLY_OCCLUDED for ever.
         Sticky,
     }
-    /// What becomes of shadow modes at a reset (H2).
+    /// What happens to shadow modes at a reset (H2).
     ResetModes {
-        /// They are kept.
+        /// Shadow modes are kept.
         Keep,
-        /// They are cleared.
+        /// Shadow modes are cleared.
         Clear,
     }
-    /// When the highest number of rendered pixels is set (H3).
+    /// When the highest number of rendered pixels is updated (H3).
     Highest {
         /// When a primitive becomes FULLY_RENDERED, and at a reset.
         AtFull,
-        /// At a reset only: it starts at 0.
+        /// At a reset only; the number starts at 0.
         AtReset,
-        /// In every frame, to the larger number.
+        /// In every frame: the maximum so far.
         RunningMaximum,
     }
-    /// Which blockers count as shadow (H4).
+    /// Which blockers are evidence of shadow (H4).
     EvidenceRule {
-        /// Static ones; a dynamic blocker says that no static one blocks.
+        /// Static blockers only: a ray that a dynamic triangle blocks counts as lit.
         StaticBlockers,
-        /// All.
+        /// All blockers, static and dynamic.
         AnyBlocker,
     }
-    /// What secondary hits may do (H5).
+    /// Whether shadow rays of secondary hits are culled (H5).
     Secondary {
-        /// Their shadow rays are culled and teach.
+        /// Their shadow rays are culled, and the policy learns from them.
         Cull,
-        /// That, and they count as rendered pixels.
+        /// As `Cull`, and secondary hits count as rendered pixels.
         CullAndCount,
-        /// Nothing: their shadow rays are traced and teach nothing.
+        /// Their shadow rays are traced, and the policy learns nothing from them.
         Ignore,
     }
-    /// What happens when a light moves (H6).
+    /// What happens to modes when a light moves (H6).
     LightMoves {
-        /// Nothing.
+        /// Modes are kept.
         Ignore,
-        /// All modes of that light are cleared.
+        /// All shadow modes of this light are cleared.
         Flush,
     }
-    /// What becomes of a FULLY_RENDERED primitive that is seen occluded (H8).
+    /// What happens to a FULLY_RENDERED primitive that an occlusion test finds occluded (H8).
     OccludedFull {
         /// It stays FULLY_RENDERED.
         StaysFull,
         /// It becomes PARTIALLY_OCCLUDED.
         BecomesPartial,
     }
-    /// Which pixels the current one is compared with.
+    /// Which neighbour pixels the current pixel is compared with.
     References {
-        /// The left and the upper one.
+        /// The left and the upper neighbour.
         LeftAndUpper,
-        /// These, the upper left and the upper right one: with both directions, all eight neighbours.
+        /// Also the upper left and the upper right neighbour. With `directions: BothWays`, all eight neighbours are
+        /// compared.
         WithDiagonals,
     }
-    /// Which rays are tested.
+    /// Which rays an occlusion test uses.
     Directions {
-        /// The current pixel's ray against the reference's primitive.
+        /// The current pixel's ray, against the neighbour's primitive.
         OneWay,
-        /// And the reference's ray against the current pixel's primitive.
+        /// Also the neighbour's ray, against the current pixel's primitive.
         BothWays,
     }
     /// Whether dynamic primitives are tested.
     DynamicTests {
-        /// Whenever primitives differ, as the text says.
+        /// Dynamic primitives are tested whenever the two primitives differ, as the paper says.
         Made,
         /// A primitive whose mode is DYNAMIC is not tested.
         Spared,
     }
-    /// Whether the picture's edge occludes.
+    /// Whether the edge of the picture counts as an occluder.
     Border {
         /// A primitive at the edge is PARTIALLY_OCCLUDED.
         Occludes,
-        /// The edge is like any other place.
+        /// The edge has no effect.
         Ignored,
     }
-    /// When the number of rendered pixels is compared with the highest.
+    /// When the number of rendered pixels is compared with the highest number.
     ResetCheck {
-        /// At the frame's end.
+        /// At the end of the frame.
         FrameEnd,
-        /// Before the first shadow ray of the frame: it takes a pass of primary rays alone, whose hits are then the
-        /// ones that are counted, in this frame and in the highest number.
+        /// Before the first shadow ray of the frame. This needs a separate pass of primary rays; only the hits of that
+        /// pass count as rendered pixels.
         BeforeShadows,
     }
-    /// Which words decisions read.
+    /// Which values of mode words decisions read.
     Words {
-        /// As they were at the frame's start.
+        /// The values at the start of the frame.
         Latched,
-        /// As they are, in raster order.
+        /// The current values, in raster order.
         Live,
     }
 }

@@ -28,26 +28,26 @@ use crate::ron_file::{self, ConfigError, Kind};
 /// The most machines of a sweep: some years of replays.
 const MAX_MACHINES: u128 = 100_000;
 
-/// A sweep: one experiment on many machines, which differ in the fields that `vary` names.
+/// A sweep: replays one experiment on many machines that differ in the fields of `vary`.
 #[derive(Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct SweepSpec {
-    /// The experiment whose streams and machines are used, relative to this file.
+    /// The experiment that gives streams and machines. The path is relative to this file.
     experiment: PathBuf,
-    /// Other frames than the experiment's.
+    /// Overrides the experiment's frames.
     #[serde(default)]
     frames: Option<FrameRange>,
-    /// Another size of the pictures.
+    /// Overrides the experiment's resolution.
     #[serde(default)]
     resolution: Option<Resolution>,
-    /// Another fidelity level than the experiment's.
+    /// Overrides the experiment's fidelity level.
     #[serde(default)]
     fidelity: Option<Fidelity>,
-    /// Paths of fields in a machine's file, each with the values to try: a list, or in a space `Log(256, 65536)` (each
-    /// value twice the one before) or `Integers(1, 8)`.
+    /// Paths of fields in the machine file, each with the values to try. Values are a list; in a space also `Log(256,
+    /// 65536)` (each value is twice the previous one) or `Integers(1, 8)`.
     #[schemars(with = "Named<Values>")]
     vary: Named<Box<RawValue>>,
-    /// Which combinations.
+    /// Which combinations of values are tried.
     #[serde(default)]
     points: Points,
 }
@@ -74,23 +74,24 @@ pub(crate) struct ChosenLevel {
 /// Which combinations of values are tried.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 enum Points {
-    /// The machine as it is, and each value alone.
+    /// The baseline machine, and each value alone.
     #[default]
     Single,
     /// All combinations.
     All,
-    /// Many combinations, a few of which are replayed; the others are estimated.
+    /// A space: many combinations, of which a few are replayed and the others are predicted.
     Space(SpaceSpec),
 }
 
-/// A space of machines: what few replays tell of many.
+/// A space of machines: a few replays predict the figures of many machines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub(in super::super) struct SpaceSpec {
-    /// Machines of the space: combinations spread evenly, or all if there are no more.
+    /// Number of machines in the space. They are spread evenly over all combinations; if there are fewer combinations,
+    /// all are taken.
     #[serde(default = "machines_of_a_space")]
     pub(in super::super) machines: Within<2, 10_000>,
-    /// Replays of all machines and policies together.
+    /// Maximum number of replays, all machines and policies together.
     pub(in super::super) budget: Within<1, 10_000>,
 }
 

@@ -13,24 +13,24 @@ use crate::size;
 /// The most values of a range.
 const MOST: usize = 4096;
 
-/// Values that a field is tried with: a list of them, or a range in a space of machines.
+/// Values to try for a field: a list or, in a space of machines, a range.
 #[derive(JsonSchema)]
 #[serde(untagged)]
 pub(super) enum Values {
-    /// These.
+    /// The listed values.
     #[expect(dead_code, reason = "only the schema is made from it: values stay as the file has them")]
     List(Vec<Value>),
-    /// Those between two ends.
+    /// All values of a range.
     #[expect(dead_code, reason = "see above")]
     Range(Range),
 }
 
-/// Values between two ends.
+/// A range of values, ends included.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub(super) enum Range {
-    /// The lower end, twice that, and so on up to the upper end.
+    /// Powers of two times the lower end, up to the upper end.
     Log(End, End),
-    /// All whole numbers.
+    /// All whole numbers from the lower to the upper end.
     Integers(End, End),
 }
 
@@ -38,7 +38,7 @@ pub(super) enum Range {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged, expecting = "an end of a range is a whole number, or a size in quotes such as \"64 KiB\"")]
 pub(super) enum End {
-    /// A number.
+    /// A whole number.
     Number(u64),
     /// A size, such as `"64 KiB"`.
     Size(String),

@@ -5,20 +5,20 @@ use serde::{Deserialize, Serialize};
 
 use crate::spread::Spread;
 
-/// How the energy of a part is known.
+/// How the energy of a DRAM part is given.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum DramEnergy {
-    /// By currents: energy a command and background power.
+    /// As currents: they give the energy per command and the background power.
     Currents(Currents),
-    /// By a figure for all that a bit costs between the cells and the pins of the other side, background included.
+    /// As one figure per bit: all energy between the cells and the pins of the other side, background included.
     PerBit {
-        /// Picojoules a bit.
+        /// Energy in picojoules per bit.
         #[schemars(extend("unit" = "pJ a bit"))]
         pj: Spread,
     },
 }
 
-/// The currents of one device, in mA, and what else makes energy of them. Idle power-down is not modelled.
+/// The currents of one device, in mA, and the constants that turn them into energy. Idle power-down is not modelled.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 #[schemars(extend("unit" = "mA"))]
@@ -26,25 +26,25 @@ pub struct Currents {
     /// Supply voltage in V.
     #[schemars(extend("unit" = "V"))]
     pub volt: f64,
-    /// Devices that make up a channel.
+    /// Devices per channel.
     #[schemars(extend("unit" = "devices"))]
     pub devices: u32,
-    /// Activate and precharge of one bank, again and again.
+    /// Current of repeated activates and precharges of one bank.
     pub idd0: f64,
-    /// All banks precharged.
+    /// Current with all banks precharged.
     pub idd2n: f64,
-    /// A bank open.
+    /// Current with an open bank.
     pub idd3n: f64,
-    /// Reads one after another.
+    /// Current of back-to-back reads.
     pub idd4r: f64,
-    /// Writes one after another.
+    /// Current of back-to-back writes.
     pub idd4w: f64,
-    /// Refreshes one after another.
+    /// Current of back-to-back refreshes.
     pub idd5: f64,
-    /// Factors on all currents: data sheets give maxima, and those of vendors differ.
+    /// Factor on all currents: data sheets give maxima, and vendors differ.
     #[schemars(extend("unit" = "factor"))]
     pub factor: Spread,
-    /// Picojoules a bit for drivers and termination, which these currents leave out.
+    /// Energy of drivers and termination in picojoules per bit, which these currents do not include.
     #[schemars(extend("unit" = "pJ a bit"))]
     pub io_pj_per_bit: Spread,
 }

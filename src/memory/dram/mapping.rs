@@ -11,19 +11,19 @@ use crate::quantity::LineAddr;
 /// A field of the address mapping.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Field {
-    /// So many bits of the channel.
+    /// This many bits of the channel.
     Channel(u32),
-    /// So many bits of the bank group.
+    /// This many bits of the bank group.
     BankGroup(u32),
-    /// So many bits of the bank in its group.
+    /// This many bits of the bank in its group.
     Bank(u32),
-    /// So many bits of the line's place in its row.
+    /// This many bits of the line's column in its row.
     Column(u32),
-    /// All bits above: the row. It is the last field.
+    /// All remaining upper bits: the row. It must be the last field.
     Row,
 }
 
-/// The fields of a line's number, from its least significant bit on.
+/// The fields of a line number, from the least significant bit upwards.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Mapping(pub Vec<Field>);

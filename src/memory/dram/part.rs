@@ -8,31 +8,30 @@ use super::currents::{Currents, DramEnergy};
 use crate::ranged::{PowerOfTwo, PowerOfTwoSize, Within};
 use crate::spread::Spread;
 
-/// One channel of a DRAM part. A part's file gives all values: what is left out is refused, since another part's value
-/// would be wrong, and so are values that contradict each other, while the file is read, so that the error can point at
-/// the line.
+/// One channel of a DRAM part. A part's file must give all values, since defaults of another part would be wrong.
+/// Values that contradict each other are refused while the file is read, so that the error names the line.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, remote = "Self")]
 pub struct DramPart {
     /// The part's name in reports.
     pub name: String,
-    /// The clock that commands are given in and timing is counted in.
+    /// The clock of commands and of all timing parameters.
     #[schemars(extend("unit" = "MHz"))]
     pub clock_mhz: Within<1, 20_000>,
-    /// Bank groups; 1 for a part without.
+    /// Number of bank groups; 1 for a part without bank groups.
     pub bank_groups: PowerOfTwo<1, 16>,
-    /// Banks, all groups together.
+    /// Number of banks, all groups together.
     pub banks: PowerOfTwo<1, 64>,
-    /// Bytes of a row of a bank.
+    /// Size of a bank's row in bytes.
     pub row_bytes: PowerOfTwoSize<32, 65_536>,
     /// Bytes of a burst: bus width times burst length.
     pub burst_bytes: PowerOfTwoSize<8, 256>,
-    /// Clocks that a burst occupies the data bus.
+    /// Clocks for which a burst occupies the data bus.
     #[schemars(extend("unit" = "clocks of the DRAM"))]
     pub burst_clocks: Within<1, 1000>,
-    /// Timing.
+    /// Timing parameters.
     pub timing: Timing,
-    /// What its commands and its time cost in energy; without it, nothing is told of the energy of a machine.
+    /// Energy of commands and background. Without it, reports give no energy of the machine.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub energy: Option<DramEnergy>,
 }
@@ -51,7 +50,7 @@ impl Serialize for DramPart {
     }
 }
 
-/// Timing parameters in clocks of the DRAM, by their usual names. `_s` is between banks of different groups, `_l`
+/// Timing parameters in clocks of the DRAM, under their usual names. `_s` holds between banks of different groups, `_l`
 /// between banks of one group.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
@@ -67,27 +66,27 @@ pub struct Timing {
     pub rp: Within<1, 1000>,
     /// Activate to precharge.
     pub ras: Within<1, 1000>,
-    /// Activate to activate, same bank.
+    /// Activate to activate of the same bank.
     pub rc: Within<1, 2000>,
-    /// Column command to column command.
+    /// Column command to column command, different bank groups.
     pub ccd_s: Within<1, 1000>,
-    /// The same in one group.
+    /// Column command to column command, same bank group.
     pub ccd_l: Within<1, 1000>,
-    /// Activate to activate.
+    /// Activate to activate, different bank groups.
     pub rrd_s: Within<1, 1000>,
-    /// The same in one group.
+    /// Activate to activate, same bank group.
     pub rrd_l: Within<1, 1000>,
-    /// In any so many clocks there are at most four activates.
+    /// Four-activate window: any window of this length has at most four activates.
     pub faw: Within<1, 1000>,
     /// Read to precharge.
     pub rtp: Within<1, 1000>,
     /// End of write data to precharge.
     pub wr: Within<1, 1000>,
-    /// End of write data to read.
+    /// End of write data to read, different bank groups.
     pub wtr_s: Within<1, 1000>,
-    /// The same in one group.
+    /// End of write data to read, same bank group.
     pub wtr_l: Within<1, 1000>,
-    /// End of read data to begin of write data: the time to turn the bus.
+    /// End of read data to start of write data: the bus turnaround.
     pub turn: Within<0, 1000>,
     /// Refresh to refresh.
     pub refi: Within<100, 1_000_000>,

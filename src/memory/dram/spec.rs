@@ -11,29 +11,29 @@ use crate::quantity::LineAddr;
 use crate::ranged::{PowerOfTwo, Size, Within};
 use crate::ron_file;
 
-/// What becomes of a row after a request.
+/// Whether a row stays open after a request.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Page {
-    /// It stays open until another row or a refresh needs its bank.
+    /// The row stays open until its bank is needed for another row or a refresh.
     #[default]
     Open,
-    /// The request's last column command closes it (auto-precharge).
+    /// The request's last column command closes the row (auto-precharge).
     Closed,
 }
 
 /// How a DRAM is modelled.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Model {
-    /// Banks with open rows and refresh, in the timing of the part.
+    /// Banks with open rows and refresh, with the timing of the part.
     #[default]
     Banks,
-    /// A fixed latency and a data bus: for bounds. Part, pages and mapping then say nothing; line `l` lies in channel
-    /// `l` modulo the channels.
+    /// A fixed latency and a data bus, for bounds. Part, page policy and mapping have no effect; line `l` is in channel
+    /// `l` modulo the number of channels.
     Flat {
-        /// Cycles of the machine from the end of a line's transfer to the line being there.
+        /// Cycles of the machine from the end of a line's transfer to its arrival.
         #[schemars(extend("unit" = "cycles"))]
         latency: Within<1, 100_000>,
-        /// Bytes that a channel's data bus moves in a cycle of the machine; without it, transfers take no time.
+        /// Bytes that a channel's data bus moves per cycle of the machine. Without it, transfers take no time.
         #[serde(default)]
         bytes_per_cycle: Option<Size<1, 65_536>>,
     },
@@ -43,19 +43,20 @@ pub enum Model {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct DramSpec {
-    /// How it is modelled.
+    /// The model of the DRAM.
     pub model: Model,
-    /// The part: the name of its file, relative to the file that names it, the name of a shipped part, or its values.
+    /// The DRAM part: the path of its file (relative to the file that names it), the name of a shipped part, or its
+    /// values.
     #[serde(deserialize_with = "part")]
     #[schemars(extend("or_file" = true))]
     pub part: DramPart,
-    /// Independent channels.
+    /// Number of independent channels.
     pub channels: PowerOfTwo<1, 64>,
-    /// Requests that a channel holds.
+    /// Places of each channel's request queue.
     pub queue: Within<1, 1024>,
-    /// What becomes of a row after a request.
+    /// Whether a row stays open after a request.
     pub page: Page,
-    /// Where an address lies.
+    /// The address mapping: which bits of a line number select channel, bank, column and row.
     pub mapping: Mapping,
 }
 

@@ -10,7 +10,7 @@ const FULL: f64 = 0.75;
 const INTAKE: f64 = 0.2;
 /// A kind of unit does not limit the run if its share of cycles without rays exceeds another kind's by more than
 /// this.
-const IDLER: f64 = 0.1;
+const IDLER: f64 = 0.02;
 
 /// The limit of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]

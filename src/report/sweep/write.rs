@@ -65,13 +65,13 @@ impl Report for SweepSummary {
     }
 }
 
-/// The number of frames, in words: `3 frames, 1 of which warms up`.
+/// The number of frames, in words: `3 frames (1 warms up)`.
 pub(crate) fn frames(summary: &SweepSummary) -> String {
     let frames = counted(summary.frames.len(), "frame");
     match summary.warmup.len() {
         0 => frames,
-        1 => format!("{frames}, 1 of which warms up"),
-        warmup => format!("{frames}, {warmup} of which warm up"),
+        1 => format!("{frames} (1 warms up)"),
+        warmup => format!("{frames} ({warmup} warm up)"),
     }
 }
 

@@ -128,7 +128,7 @@ fn a_sample_knows_what_its_windows_do_not_move() {
 fn windows_are_as_long_as_a_machine_asks_for() {
     let cuts = ["small", "desktop", "tni_engine"].map(|name| Cut::new(&shipped(name)));
     let cut = |pixels, before, own| Cut { pixels, before, own, behind: 1 };
-    assert_eq!(cuts, [cut(128, 6, 4), cut(1024, 2, 4), cut(1920, 3, 4)]);
+    assert_eq!(cuts, [cut(128, 6, 4), cut(1024, 5, 4), cut(1920, 5, 4)]);
 }
 
 /// The width determines how many points are added, at most to double; none if the final number would be too large.

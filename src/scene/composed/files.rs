@@ -18,25 +18,25 @@ use crate::scene::model::Model;
 use crate::scene::obj::{self, Libraries};
 use crate::scene::{gltf, ply};
 
-/// A file and where its contents are: scaled first, then turned, then moved.
+/// A file and the placement of its contents: they are scaled first, then rotated, then translated.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FileSpec {
     /// The file: OBJ (`.obj`), PLY (`.ply`) or glTF 2.0 (`.gltf`, `.glb`).
     pub path: PathBuf,
-    /// How much larger it becomes.
+    /// Scale factor.
     #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "unscaled", deserialize_with = "fields::positive")]
     pub scale: f64,
-    /// How far it is turned about x, then y, then z, in degrees.
+    /// Rotation about x, then y, then z, in degrees.
     #[serde(default, deserialize_with = "fields::vector")]
     #[schemars(with = "[f64; 3]")]
     pub rotate: DVec3,
-    /// How far it is moved.
+    /// Translation, in units of the scene.
     #[serde(default, deserialize_with = "fields::vector")]
     #[schemars(with = "[f64; 3]")]
     pub translate: DVec3,
-    /// Which of a glTF file's animations moves its nodes. May be left out if there is one at most.
+    /// Name of the glTF animation that moves the file's nodes. May be left out if the file has at most one.
     #[serde(default)]
     pub animation: Option<String>,
 }

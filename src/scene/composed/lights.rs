@@ -14,33 +14,33 @@ use crate::scene::limits::LENGTH;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct LightSpec {
-    /// Where it is, or its middle.
+    /// Position of a point light, or centre of a rectangle.
     #[serde(deserialize_with = "fields::point")]
     #[schemars(with = "[f64; 3]")]
     pub position: DVec3,
-    /// Its colour and strength; white if left out.
+    /// Colour and intensity; white if left out.
     #[serde(default = "white", deserialize_with = "fields::color")]
     #[schemars(with = "[f32; 3]")]
     pub color: Vec3,
-    /// What makes it a rectangle.
+    /// Edges and points of a rectangular light; a point light if left out.
     #[serde(default)]
     pub area: Option<AreaSpec>,
 }
 
-/// A rectangular light (or any parallelogram), which casts soft shadows: every hit sends a shadow ray to each of its
+/// A rectangular light (or any parallelogram), which casts soft shadows. Every hit sends a shadow ray to each of its
 /// points.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct AreaSpec {
-    /// Half of one edge.
+    /// Vector of half of one edge.
     #[serde(deserialize_with = "fields::nonzero")]
     #[schemars(with = "[f64; 3]")]
     pub u: DVec3,
-    /// Half of the other.
+    /// Vector of half of the other edge.
     #[serde(deserialize_with = "fields::nonzero")]
     #[schemars(with = "[f64; 3]")]
     pub v: DVec3,
-    /// Points along each edge.
+    /// Number of points along each edge.
     pub points: Within<1, 8>,
 }
 

@@ -32,32 +32,32 @@ use super::obj::Libraries;
 use super::parts::{Part, Parts};
 use crate::ranged::Within;
 
-/// A scene of files. Paths are relative to the folder of the config.
+/// A scene made of files. Paths are relative to the folder of the config.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ComposedSpec {
-    /// The files of what stays, and of what glTF animations move. The first one names the scene.
+    /// The files of static objects, and of objects that glTF animations move. The first file gives the scene its name.
     #[serde(alias = "path", deserialize_with = "files::read")]
     #[schemars(extend("or_file" = true))]
     pub files: Vec<FileSpec>,
-    /// Whether the pictures that colour surfaces are used.
+    /// Whether textures (pictures that colour surfaces) are used.
     #[serde(default)]
     pub textures: Wanted,
-    /// Whether the files' own lights shine, besides those of the config.
+    /// Whether the files' own lights are used, in addition to `lights`.
     #[serde(default)]
     pub file_lights: Wanted,
-    /// Lamps: points and rectangles, at most 64 points in all.
+    /// Point lights and rectangular lights, with at most 64 points in all.
     #[serde(default, deserialize_with = "lights::read")]
     pub lights: Vec<LightSpec>,
     /// The camera, or the name of a glTF file's camera.
     pub camera: CameraChoice,
-    /// What moves besides.
+    /// Further objects that move.
     #[serde(default)]
     pub moving: Vec<MovingSpec>,
-    /// How many frames there are.
+    /// Number of frames.
     #[serde(default = "one_frame")]
     pub frame_count: Within<1, 1_000_000>,
-    /// Frames a second of the files' animations.
+    /// Frames per second of the files' animations.
     #[schemars(range(min = limits::LENGTH.low, max = limits::LENGTH.high))]
     #[serde(default = "frame_rate", deserialize_with = "fields::positive")]
     pub frame_rate: f64,
@@ -71,13 +71,13 @@ pub struct ComposedSpec {
     pub ambient: Vec3,
 }
 
-/// Whether a part of the files is taken.
+/// Whether a part of the files' contents is used.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Wanted {
-    /// It is taken; what is missing is an error.
+    /// It is used; if it is missing, that is an error.
     #[default]
     Use,
-    /// It is left out.
+    /// It is ignored.
     Ignore,
 }
 

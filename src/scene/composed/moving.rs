@@ -19,17 +19,17 @@ use crate::scene::obj::Libraries;
 use crate::scene::parts::Part;
 use crate::scene::path::{PoseKey, PoseTrack, pose_keys};
 
-/// An object that moves.
+/// A moving object.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct MovingSpec {
-    /// What it is.
+    /// The shape of the object.
     pub shape: ShapeSpec,
-    /// Its colour. If left out, the colours of its file, or grey.
+    /// The colour of the object. If left out: the colours of its file, or grey.
     #[serde(default, deserialize_with = "fields::optional_surface")]
     #[schemars(with = "Option<[f32; 3]>")]
     pub color: Option<Vec3>,
-    /// Where it is, at least at one frame.
+    /// Key frames of the object's path, at least one.
     #[serde(deserialize_with = "pose_keys")]
     pub path: Vec<PoseKey>,
 }
@@ -43,17 +43,17 @@ pub enum ShapeSpec {
     File(PathBuf),
     /// A sphere around the origin.
     Sphere {
-        /// Its radius.
+        /// Radius of the sphere.
         #[schemars(range(min = LENGTH.low, max = LENGTH.high))]
         #[serde(deserialize_with = "fields::positive")]
         radius: f64,
-        /// Its parts around the equator; half as many lie from pole to pole.
+        /// Number of segments around the equator; half this number from pole to pole.
         #[serde(default = "round")]
         segments: Within<3, 1024>,
     },
     /// A box around the origin.
     Box {
-        /// Its three sizes.
+        /// Edge lengths along x, y and z.
         #[serde(deserialize_with = "fields::size")]
         #[schemars(with = "[f64; 3]")]
         size: DVec3,

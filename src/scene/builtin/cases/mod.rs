@@ -17,7 +17,7 @@ use crate::scene::render::{Offset, RenderSpec, ShadowRays};
 macro_rules! cases {
     (failures { $($failure:ident $data:ident $failure_title:literal,)* }
      stress { $($stress:ident $stress_title:literal $recipe:expr,)* }) => {
-        /// A small scene to test culling with.
+        /// A small scene for tests of culling.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, JsonSchema)]
         pub enum Case {
             $(#[doc = $failure_title] $failure,)*
