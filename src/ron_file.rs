@@ -161,7 +161,7 @@ pub(crate) fn values_or_file<'de, D: Deserializer<'de>, T: DeserializeOwned>(
             let file = FOLDER.with_borrow(|folder| shipped::named(self.0, folder, Path::new(file)));
             read(&file).map_err(|error| match error {
                 ConfigError::Read { source, .. } => {
-                    E::custom(format!("cannot read {}: {source}{}", file.display(), shipped::proposal(&file)))
+                    E::custom(format!("cannot read {}: {source}{}", file.display(), proposal(&file)))
                 }
                 error => E::custom(error),
             })
@@ -219,6 +219,17 @@ fn told(error: &ron::Error) -> String {
     }
 }
 
+/// An addition to the error of a missing file that a config names. If it is a name, not a path: that no shipped config
+/// has this name, and a similar name.
+fn proposal(file: &Path) -> String {
+    let Some(name) = file.file_name().and_then(|name| name.to_str()).filter(|name| shipped::is_name(name)) else {
+        return String::new();
+    };
+    let names: Vec<&str> = Kind::ALL.into_iter().flat_map(shipped::names).collect();
+    let closest = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?"));
+    format!(", and no shipped config has this name{}", closest.unwrap_or_default())
+}
+
 /// Changes the error of a file that cannot be read: it then shows where the config at `config` names that file. Other
 /// errors stay as they are.
 pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
@@ -242,7 +253,7 @@ pub fn named_in(config: &Path, error: ConfigError) -> ConfigError {
             line: at + 1,
             column: line[..start].chars().count() + 1,
             source_line: line.replace('\t', " "),
-            what: format!("cannot read {}: {source}{}{hint}", path.display(), shipped::proposal(&path)),
+            what: format!("cannot read {}: {source}{}{hint}", path.display(), proposal(&path)),
         })),
         None => ConfigError::Read { path, source },
     }

@@ -5,8 +5,6 @@ use std::path::{Component, Path, PathBuf};
 
 use include_dir::{Dir, include_dir};
 
-use crate::alike;
-
 static CONFIGS: Dir<'_> = include_dir!("$CARGO_MANIFEST_DIR/configs");
 
 /// The prefix of shipped configs' paths.
@@ -54,17 +52,6 @@ pub(crate) fn named(kind: Kind, folder: &Path, name: &Path) -> PathBuf {
     let there = folder.join(name);
     let plain = name.to_str().filter(|name| is_name(name) && !there.is_file());
     plain.and_then(|name| path(kind, name)).unwrap_or(there)
-}
-
-/// An addition to the error of a missing file that a config names. If it is a name, not a path: that no shipped config
-/// has this name, and a similar name.
-pub(crate) fn proposal(file: &Path) -> String {
-    let Some(name) = file.file_name().and_then(|name| name.to_str()).filter(|name| is_name(name)) else {
-        return String::new();
-    };
-    let names: Vec<&str> = Kind::ALL.into_iter().flat_map(names).collect();
-    let closest = alike::closest(name, &names).map(|other| format!("; did you mean `{other}`?"));
-    format!(", and no shipped config has this name{}", closest.unwrap_or_default())
 }
 
 /// Whether a text can be the name of a shipped config, and is not a path.

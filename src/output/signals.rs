@@ -1,11 +1,10 @@
 //! Handles Ctrl-C, and the signals by which batch systems and closed terminals end a program.
 
-use std::io;
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 
 use super::registry;
-use crate::console;
 
 /// Set by the first signal, if a command asked for the flag.
 static STOP: OnceLock<Arc<AtomicBool>> = OnceLock::new();
@@ -28,7 +27,8 @@ pub(crate) fn watch() -> io::Result<()> {
         for signal in signals.forever() {
             match STOP.get() {
                 Some(stop) if !stop.swap(true, Ordering::Relaxed) => {
-                    console::tell("stopping after this frame; once more to stop at once");
+                    // A standard error that is full or closed loses it.
+                    _ = writeln!(io::stderr(), "stopping after this frame; once more to stop at once");
                 }
                 _ => registry::remove_all_and_exit(128 + signal),
             }

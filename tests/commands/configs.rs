@@ -48,12 +48,17 @@ fn a_field_that_is_not_there_is_told_with_one_that_is() {
     ");
 }
 
-/// A name without `.ron` would stand for a shipped config of that name, and one that is no experiment's is refused later.
+/// A file without `.ron` would stand for a shipped config of its name. An experiment's name has rules of its own.
 #[test]
 fn a_new_file_has_a_name_that_it_can_be_used_by() {
     let desk = Desk::new();
-    insta::assert_snapshot!(desk.refuses(&["new", "machine", "small", "--from", "desktop"]), @"");
-    insta::assert_snapshot!(desk.refuses(&["new", "experiment", "my run.ron"]), @"");
+    let told = desk.refuses(&["new", "machine", "small", "--from", "desktop"]);
+    assert_eq!(
+        told,
+        "error: small: the file's name needs the ending .ron; a file without one would stand for a shipped config"
+    );
+    let told = desk.refuses(&["new", "experiment", "my run.ron"]);
+    assert_eq!(told, "error: my run.ron: the name `my run`: 1 to 64 letters, digits, `-` and `_` are allowed");
     assert!(desk.contents().is_empty(), "nothing is written");
 }
 
@@ -129,7 +134,7 @@ fn what_is_wrong_in_a_file_is_told_whatever_its_kind() {
        |                     ^
     ");
     desk.put("nothing.ron", "(a: 1)");
-    insta::assert_snapshot!(desk.refuses(&["check", "nothing.ron"]), @"error: nothing.ron: the names at its top tell no kind of config; known are an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part, a comparison of fidelity levels, a table of rays of one kind, a table of readings of the paper");
+    insta::assert_snapshot!(desk.refuses(&["check", "nothing.ron"]), @r#"error: nothing.ron: the names at its top tell no kind of config; known are an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part, a comparison of fidelity levels, a table of rays of one kind, a table of readings of the paper. A first line such as `#![type = "umbrasim::Machine"]` tells it"#);
 }
 
 #[test]

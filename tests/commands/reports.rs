@@ -46,5 +46,46 @@ fn an_inspection_fits_a_terminal() {
     let desk = Desk::new();
     let told = desk.prints(&["inspect", concat!(env!("CARGO_MANIFEST_DIR"), "/traces/quickstart.rays")]);
     assert!(fits(&told, 80), "{told}");
-    insta::assert_snapshot!(told, @"");
+    insta::assert_snapshot!(told, @"
+    scene       room
+    policy      Published
+    structure   Bvh2
+    resolution  48x48
+    lights      4
+    triangles   28,308 static, 1,468 dynamic
+    input hash  fd921f6e90f550c6
+    file        version 3, 894 kB, 4 frames
+
+    frame    rays  shadow  skipped  dynamic   dark  policy    bytes  bytes/ray
+                                       only          steps
+    ──────────────────────────────────────────────────────────────────────────
+    0      10,880   8,576        0        0  5,001  20,314  267,038      24.54
+    1      10,878   8,574    4,051    2,972  4,990  13,295  171,820      15.80
+    2      10,880   8,576    4,093    2,996  4,995  13,218  169,998      15.62
+    3      10,875   8,571    4,094    2,995  4,993  13,215  171,082      15.73
+
+    Rays by the steps of their paths:
+
+    frame  kind      rays  steps/ray      0      1  2-3  4-7   8-15  16-31  32-63
+    ─────────────────────────────────────────────────────────────────────────────
+    0      primary  2,304      27.58      0      0    0    0      0  1,802    482
+    0      shadow   8,576      23.58      0      0    0   11  1,309  6,007  1,209
+    1      primary  2,304      27.56      0      0    0    0      0  1,797    486
+    1      shadow   8,574       4.97  4,051  2,796  114   21    226  1,069    286
+    2      primary  2,304      27.54      0      0    0    0      0  1,794    491
+    2      shadow   8,576       4.75  4,093  2,820  115   28    226  1,000    284
+    3      primary  2,304      27.57      0      0    0    0      0  1,802    483
+    3      shadow   8,571       4.77  4,094  2,824  105   24    229  1,001    282
+
+    frame  kind     64-127  128-255
+    ───────────────────────────────
+    0      primary      20        0
+    0      shadow       40        0
+    1      primary      21        0
+    1      shadow       11        0
+    2      primary      19        0
+    2      shadow       10        0
+    3      primary      18        1
+    3      shadow       12        0
+    ");
 }
