@@ -52,7 +52,7 @@ fn every_number_is_declared_and_can_be_explained() {
     assert_eq!(
         umbrasim::report::explain::undeclared(&summary(&desk)),
         Vec::<String>::new(),
-        "declare them in STATISTICS"
+        "declare them in OTHERS"
     );
     let told = desk.succeed(&["explain", "row_hits", "--report", "report"]);
     let folded = told.split_whitespace().collect::<Vec<_>>().join(" ");

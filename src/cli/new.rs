@@ -183,7 +183,8 @@ mod tests {
     fn files_that_a_copy_names_are_found_from_elsewhere() {
         let folder = tempfile::tempdir().unwrap();
         std::fs::write(folder.path().join("hall \"1\".obj"), "").unwrap();
-        let text = "Files( // it's \"hall\n    files: \"hall \\\"1\\\".obj\", sky: \"blue\", wall: \"none.obj\", /* \" */ a: 1 / 2)";
+        let text = r#"Files( // it's "hall
+            files: "hall \"1\".obj", sky: "blue", wall: "none.obj", /* " */ a: 1 / 2)"#;
         let moved = standing(text, &folder.path().join("mine.ron")).unwrap();
         let whole = ron::to_string(&folder.path().join("hall \"1\".obj")).unwrap();
         assert_eq!(moved, text.replace("\"hall \\\"1\\\".obj\"", &whole));

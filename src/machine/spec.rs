@@ -174,7 +174,8 @@ impl MachineSpec {
         apart.map_or(Ok(()), |pair| {
             let [one, other] = [pair[0], pair[1]].map(TrafficClass::name);
             Err(format!(
-                "`l2` has different homes for `{one}` and `{other}`, which share lines with `shadow_cache.layout` {layout:?}: one home is allowed"
+                "`l2` has different homes for `{one}` and `{other}`, which share lines with `shadow_cache.layout` \
+                 {layout:?}: one home is allowed"
             ))
         })
     }

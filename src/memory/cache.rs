@@ -122,7 +122,8 @@ pub(super) fn check_geometry(
     let unit = line * ways * banks;
     if !bytes.is_multiple_of(unit) || !(bytes / unit).is_power_of_two() {
         return Err(format!(
-            "`{field}.bytes` is {bytes}: with lines of {line} B, {ways} ways and {banks} bank(s), {unit} times a power of two is allowed"
+            "`{field}.bytes` is {bytes}: with lines of {line} B, {ways} ways and {banks} bank(s), {unit} times a power \
+             of two is allowed"
         ));
     }
     if policy == Policy::TreePlru && !ways.is_power_of_two() {

@@ -38,7 +38,11 @@ enum Identity {
 
 /// Two outputs are the same file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("`{first} {}` and `{second} {}` are the same file: each output needs its own", first_path.display(), second_path.display())]
+#[error(
+    "`{first} {}` and `{second} {}` are the same file: each output needs its own",
+    first_path.display(),
+    second_path.display()
+)]
 pub(crate) struct ClaimError {
     first: &'static str,
     first_path: PathBuf,

@@ -7,7 +7,9 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 pub enum FolderError {
     /// Something other than a folder of results is at the path.
-    #[error("{} is not an umbrasim report (it has no list of a report's files) and will not be overwritten", path.display())]
+    #[error(
+        "{} is not an umbrasim report (it has no list of a report's files) and will not be overwritten", path.display()
+    )]
     Foreign {
         /// The path.
         path: PathBuf,
@@ -27,7 +29,9 @@ pub enum FolderError {
         path: PathBuf,
     },
     /// The command runs in the folder, or in a folder inside it.
-    #[error("{} cannot be replaced while the command runs in it: name another folder, or run from outside", path.display())]
+    #[error(
+        "{} cannot be replaced while the command runs in it: name another folder, or run from outside", path.display()
+    )]
     Current {
         /// The folder.
         path: PathBuf,

@@ -28,7 +28,9 @@ pub enum StreamError {
         found: String,
     },
     /// The file is of another version of the format.
-    #[error("{} is a ray stream of version {found}; this program reads versions 2 and 3: record it again", path.display())]
+    #[error(
+        "{} is a ray stream of version {found}; this program reads versions 2 and 3: record it again", path.display()
+    )]
     Version {
         /// The file.
         path: PathBuf,

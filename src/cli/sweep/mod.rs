@@ -52,7 +52,8 @@ pub(super) struct Sweep {
     #[command(flatten)]
     part: Part,
     /// Shards of --emit [default: as many as points, up to 100, or 400 for hq]
-    #[arg(long, value_name = "N", requires = "emit", conflicts_with_all = ["plan", "record", "shard", "collect"], value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", requires = "emit", conflicts_with_all = ["plan", "record", "shard", "collect"])]
+    #[arg(value_parser = clap::value_parser!(u16).range(1..))]
     shards: Option<u16>,
     /// Threads of a shard of --emit: those of the program, which every command has.
     #[arg(skip)]
