@@ -49,11 +49,7 @@ fn report(desk: &Desk) -> BTreeMap<PathBuf, Vec<u8>> {
 #[test]
 fn every_number_is_declared_and_can_be_explained() {
     let desk = quickstart("2");
-    assert_eq!(
-        umbrasim::report::explain::undeclared(&summary(&desk)),
-        Vec::<String>::new(),
-        "declare them in OTHERS"
-    );
+    assert_eq!(umbrasim::report::explain::undeclared(&summary(&desk)), Vec::<String>::new(), "declare them in OTHERS");
     let told = desk.succeed(&["explain", "row_hits", "--report", "report"]);
     let folded = told.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(folded.contains("column commands that found their row open"), "{told}");

@@ -53,12 +53,9 @@ fn a_field_that_is_not_there_is_told_with_one_that_is() {
 fn a_new_file_has_a_name_that_it_can_be_used_by() {
     let desk = Desk::new();
     let told = desk.refuses(&["new", "machine", "small", "--from", "desktop"]);
-    assert_eq!(
-        told,
-        "error: small: the file's name needs the ending .ron; a file without one would stand for a shipped config"
-    );
+    assert!(told.contains("small: the file's name needs the ending .ron; a file without one would"), "{told}");
     let told = desk.refuses(&["new", "experiment", "my run.ron"]);
-    assert_eq!(told, "error: my run.ron: the name `my run`: 1 to 64 letters, digits, `-` and `_` are allowed");
+    assert!(told.contains("my run.ron: the name `my run`: 1 to 64 letters, digits, `-` and `_` are allowed"), "{told}");
     assert!(desk.contents().is_empty(), "nothing is written");
 }
 
