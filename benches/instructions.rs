@@ -75,7 +75,7 @@ fn counts() -> Result<Vec<Count>, Box<dyn Error>> {
         counts.push(Count { run: run.into(), machine: machine.into(), instructions: instructions(arguments)? });
         Ok(())
     };
-    add("inspect", "", &["inspect", "traces/quickstart.rays"])?;
+    add("inspect", "", &["inspect", "--json", "traces/quickstart.rays"])?;
     for (level, machine) in REPLAYS {
         let file = format!("configs/machines/{machine}.ron");
         add(level, machine, &["replay", "traces/quickstart.rays", "--machine", &file, "--fidelity", level])?;
