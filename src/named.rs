@@ -2,8 +2,10 @@
 
 use std::borrow::Cow;
 use std::fmt;
+use std::hash::Hash;
 use std::marker::PhantomData;
 
+use rustc_hash::FxHashSet;
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -11,6 +13,12 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 /// Values by name, in order. Written and read as a map; a duplicate name is refused.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Named<T>(Vec<(String, T)>);
+
+/// The first of `items` that is equal to an earlier one.
+pub(crate) fn twice<T: Copy + Eq + Hash>(items: impl IntoIterator<Item = T>) -> Option<T> {
+    let mut seen = FxHashSet::default();
+    items.into_iter().find(|&item| !seen.insert(item))
+}
 
 impl<T> Named<T> {
     /// The value with this name.

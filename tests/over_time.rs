@@ -31,6 +31,14 @@ fn counters_go_to_standard_output_and_the_table_beside_them() {
     assert!(told.contains("DRAM traffic"), "the table goes to standard error: {told}");
 }
 
+/// An interval that is longer than any run is one row a frame, up to the largest number of cycles there is.
+#[test]
+fn an_interval_may_be_longer_than_a_run() {
+    let output = replay(&["--interval", &u64::MAX.to_string()]).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(csv::Reader::from_reader(output.stdout.as_slice()).records().count(), 4);
+}
+
 #[test]
 fn a_timeline_comes_whole_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();

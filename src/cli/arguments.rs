@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Context, Error, Result, bail};
 use clap::Args;
-use rustc_hash::FxHashSet;
 
 use super::config_path::{config_path, or_other_kind};
 use crate::console::{note, warn};
@@ -12,6 +11,7 @@ use crate::experiment::frames::FrameRange;
 use crate::experiment::{self, Experiment, Overrides, Setting, warnings};
 use crate::fields::Root;
 use crate::machine::MachineSpec;
+use crate::named::twice;
 use crate::quantity::Resolution;
 
 /// The experiment that a command runs, and what the command line changes in it.
@@ -91,9 +91,7 @@ impl StreamAndMachine {
             Ok::<_, Error>(machine)
         };
         let machines: Vec<MachineSpec> = machine_paths(&self.machines)?.iter().map(read).collect::<Result<_>>()?;
-        let mut names = FxHashSet::default();
-        let twice = machines.iter().find(|machine| !names.insert(&machine.name));
-        if let Some(MachineSpec { name, .. }) = twice {
+        if let Some(name) = twice(machines.iter().map(|machine| &machine.name)) {
             bail!("`--machine` names two machines called `{name}`: results are told by name");
         }
         Ok(machines)

@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use rustc_hash::FxHashSet;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -17,6 +16,7 @@ use super::spec::ExperimentSpec;
 use super::sweep::{Streams, SweepError, replay};
 use crate::culling::PolicySpec;
 use crate::machine::MachineSpec;
+use crate::named::twice;
 use crate::output::TemporaryFolder;
 use crate::quantity::Resolution;
 use crate::replay::{Fidelity, RunError};
@@ -80,13 +80,12 @@ impl Comparison {
         let experiments = spec.experiments.iter().map(|source| source.load(path)).collect::<Result<Vec<_>, _>>()?;
         let machines = spec.machines.iter().map(|file| read_machine(&named(Kind::Machine, path, file)));
         let machines = machines.collect::<Result<Vec<_>, _>>().map_err(|error| ron_file::named_in(path, error))?;
-        let mut names = FxHashSet::default();
-        if let Some(twice) = machines.iter().find(|machine| !names.insert(&machine.name)) {
-            return Err(wrong(format!("`machines` names two machines called `{}`", twice.name)).into());
+        if let Some(name) = twice(machines.iter().map(|machine| &machine.name)) {
+            return Err(wrong(format!("`machines` names two machines called `{name}`")).into());
         }
-        let mut streams = FxHashSet::default();
-        if let Some(twice) = experiments.iter().map(streams_of).find(|name| !streams.insert(name.clone())) {
-            return Err(wrong(format!("`experiments` names {twice} twice")).into());
+        let streams: Vec<String> = experiments.iter().map(streams_of).collect();
+        if let Some(name) = twice(&streams) {
+            return Err(wrong(format!("`experiments` names {name} twice")).into());
         }
         for (count, what) in
             [(experiments.len(), "experiments"), (machines.len(), "machines"), (spec.rungs.len(), "rungs")]

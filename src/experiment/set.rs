@@ -2,13 +2,13 @@
 
 use std::str::FromStr;
 
-use rustc_hash::FxHashSet;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::alike;
 use crate::json;
+use crate::named::twice;
 
 /// A field's path and the value that it gets, written `PATH=VALUE`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -39,11 +39,8 @@ impl std::fmt::Display for Setting {
 
 /// Checks that no field is set twice; the error names it.
 pub(crate) fn check_once(settings: &[Setting]) -> Result<(), String> {
-    let mut paths = FxHashSet::default();
-    match settings.iter().find(|setting| !paths.insert(&setting.path)) {
-        Some(Setting { path, .. }) => Err(format!("`--set` sets `{path}` twice")),
-        None => Ok(()),
-    }
+    let path = twice(settings.iter().map(|setting| &setting.path));
+    path.map_or(Ok(()), |path| Err(format!("`--set` sets `{path}` twice")))
 }
 
 /// The names of a spec's fields.

@@ -12,6 +12,7 @@ use crate::culling::published::rules::{
 };
 use crate::culling::symmetric::{Neighbours, SymmetricSpec};
 use crate::culling::{Policy, PolicySpec, SceneFacts};
+use crate::named::twice;
 use crate::quantity::Resolution;
 use crate::report::stress::{CaseSummary, Effect, FrameWrong, Shift, StressModel, StressPolicy, StressSummary};
 use crate::ron_file;
@@ -92,8 +93,10 @@ pub(crate) fn cases(names: &[String]) -> Result<Vec<Case>, String> {
         })
     };
     let cases: Vec<Case> = names.iter().map(case).collect::<Result<_, _>>()?;
-    let twice = cases.iter().enumerate().find(|(at, case)| cases[..*at].contains(case));
-    twice.map_or(Ok(cases.clone()), |(_, case)| Err(format!("the case `{}` is named twice", case.name())))
+    match twice(&cases) {
+        Some(case) => Err(format!("the case `{}` is named twice", case.name())),
+        None => Ok(cases),
+    }
 }
 
 /// Runs the given cases; if `all` is set, also measures the effects of other answers to open questions.

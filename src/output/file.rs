@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use super::identity::FileId;
-use super::links::{folder_of, follow};
+use super::links::{folder_of, follow, unlink};
 use super::temporary::TemporaryFile;
 
 /// The path that stands for standard output.
@@ -80,11 +80,13 @@ fn is_of_system(path: &Path) -> bool {
     ["/dev/fd", "/dev/stdin", "/dev/stdout", "/dev/stderr", "/proc"].iter().any(|name| path.starts_with(name))
 }
 
-/// Writes a file whole.
+/// Writes a file of this program's own whole. A symbolic link of its name is replaced, not followed: what the link
+/// leads to is not this program's.
 ///
 /// # Errors
 /// As [`OutputFile::create`] and [`OutputFile::finish`].
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    unlink(path)?;
     let mut file = OutputFile::create(path)?;
     file.write_all(bytes)?;
     file.finish()
@@ -143,8 +145,13 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         symlink("real", at("link")).unwrap();
-        write_whole(&at("link"), b"one").unwrap();
+        let mut file = OutputFile::create(&at("link")).unwrap();
+        file.write_all(b"one").unwrap();
+        file.finish().unwrap();
         assert!(at("link").is_symlink() && fs::read(at("real")).unwrap() == b"one");
+        write_whole(&at("link"), b"own").unwrap();
+        assert!(!at("link").is_symlink() && fs::read(at("link")).unwrap() == b"own");
+        assert_eq!(fs::read(at("real")).unwrap(), b"one");
         rustix::fs::mknodat(
             rustix::fs::CWD,
             at("pipe"),

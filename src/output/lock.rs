@@ -58,6 +58,11 @@ impl Lock {
         let path = folder_of(target).join(name);
         loop {
             let mut live = live();
+            // The holder's name replaces what the file holds.
+            if path.is_symlink() {
+                let what = format!("{} is a symbolic link: remove it", path.display());
+                return Err(LockError::File(io::Error::new(io::ErrorKind::InvalidInput, what)));
+            }
             let open = File::options().read(true).write(true).create(true).truncate(false).open(&path);
             let mut file = open.map_err(LockError::File)?;
             let locked = match holders {
@@ -145,6 +150,20 @@ mod tests {
         drop(first);
         assert!(!folder.path().join(".umbrasim-rep.lock").exists());
         Lock::acquire(&target).unwrap();
+    }
+
+    /// The holder's name would be written over what the link leads to.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_is_no_lock() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("mine"), "mine").unwrap();
+        std::os::unix::fs::symlink("mine", folder.path().join(".umbrasim-rep.lock")).unwrap();
+        let Err(LockError::File(error)) = Lock::acquire(&folder.path().join("rep")) else {
+            panic!("a link was locked")
+        };
+        assert!(error.to_string().contains("is a symbolic link"), "{error}");
+        assert_eq!(std::fs::read(folder.path().join("mine")).unwrap(), b"mine");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::fidelity::{Fidelity, OnePass};
 use super::together::Together;
 use crate::engine::whole::whole;
-use crate::engine::{self, Estimate, Exact, Level, Observer, ReuseOf, RunError, Sampled, Source};
+use crate::engine::{self, Estimate, Exact, Level, Observer, ReuseOf, RunError, Source};
 use crate::machine::{MachineSpec, SpecError};
 use crate::memory::dram::spec::Model;
 use crate::sampling::{self, Cut};
@@ -112,8 +112,7 @@ impl Replay<'_, OnePass> {
         match fidelity {
             OnePass::Whole(level) => whole(level, machine, header, &mut items, None),
             OnePass::Sampled { engine, rate, seed } => {
-                let stats = sampling::sample(engine, cut, (rate, seed), machine, header, &mut items)?;
-                Ok(if engine == Sampled::Event { stats } else { stats.without_claims() })
+                sampling::sample(engine, cut, (rate, seed), machine, header, &mut items)
             }
         }
     }

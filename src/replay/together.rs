@@ -4,7 +4,6 @@ use super::fidelity::Fidelity;
 use crate::engine::Source;
 use crate::machine::MachineSpec;
 use crate::sampling::{self, Against, Cut, Each, Verdict};
-use crate::stats::MachineStats;
 use crate::stream::Header;
 
 /// A stream, its cut, and the fidelity of the replays. The machines were checked before.
@@ -40,14 +39,12 @@ impl Together<'_> {
             Fidelity::Auto { error } => sampling::auto(machines, baseline, cut, error, header, source),
             Fidelity::Sampled { engine, rate, seed, target_error: Some(target) } => {
                 let all = (machines, baseline);
-                let verdicts = sampling::sample_until_within(target, engine, cut, (rate, seed), all, header, source)?;
-                Ok(verdicts.into_iter().map(|verdict| verdict.map(|verdict| verdict.claiming(engine))).collect())
+                sampling::sample_until_within(target, engine, cut, (rate, seed), all, header, source)
             }
             Fidelity::Sampled { engine, rate, seed, target_error: None } => {
                 let items = &mut source.open(0)?;
                 let sampled = sampling::sample_together(engine, cut, (rate, seed), machines, header, items)?;
-                let verdict = |stats: MachineStats| Verdict::Sampled(Box::new(stats)).claiming(engine);
-                Ok(sampled.into_iter().map(|stats| stats.map(verdict)).collect())
+                Ok(sampled.into_iter().map(|stats| stats.map(|stats| Verdict::Sampled(Box::new(stats)))).collect())
             }
             Fidelity::Bound | Fidelity::Profile | Fidelity::Event | Fidelity::Cycle => {
                 unreachable!("`samples` says that nothing is shared")

@@ -18,6 +18,15 @@ use crate::stream::Header;
 /// from all others. With a target error, it is not sampled if [`TELLING`] windows are more than half of it.
 const MOST: f64 = 0.5;
 
+/// A sample's figures with the errors that it can claim. Windows of a level that is not exact tell how far the figures
+/// are from that level on the whole stream, and not how far from the machine.
+fn claimed(engine: Sampled, stats: MachineStats) -> MachineStats {
+    match engine {
+        Sampled::Event => stats,
+        Sampled::Profile => stats.without_claims(),
+    }
+}
+
 /// Samples `rate` of the windows in one pass; `seed` draws them.
 ///
 /// # Errors
@@ -32,7 +41,8 @@ pub(crate) fn sample(
 ) -> Result<MachineStats, RunError> {
     if rate.get() == 1.0 {
         let all = Accuracy::Estimated { cycles: 0.0, l2_bytes: 0.0, dram_bytes: 0.0, rate: 1.0 };
-        return Ok(MachineStats { accuracy: all, ..whole(engine.into(), machine, header, items, None)? });
+        let whole = whole(engine.into(), machine, header, items, None)?;
+        return Ok(claimed(engine, MachineStats { accuracy: all, ..whole }));
     }
     let mut sampled = sample_together(engine, cut, (rate, seed), &[machine], header, items)?;
     sampled.pop().expect("one machine, one sample")
@@ -73,7 +83,7 @@ pub(crate) fn sample_together(
         if findings.points(plan.draws.end) < LEAST / 2 && windows > 0 {
             return Err(refused(windows));
         }
-        Ok(findings.estimate(machine, plan.draws.end))
+        Ok(claimed(engine, findings.estimate(machine, plan.draws.end)))
     };
     Ok(machines.iter().zip(sampler.pass(&members, 0, items)?).map(estimate).collect())
 }
@@ -100,6 +110,9 @@ pub(crate) fn sample_until_within(
     }
     let goal = Goal { target, most: MOST };
     let sampled = sample_until((engine, header), machines, baseline, &Plan::new(first, cut, seed), goal, source)?;
-    let verdict = |(stats, is_enough)| if is_enough { Verdict::Sampled(Box::new(stats)) } else { whole.clone() };
+    let verdict = |(stats, is_enough)| match is_enough {
+        true => Verdict::Sampled(Box::new(claimed(engine, stats))),
+        false => whole.clone(),
+    };
     Ok(sampled.into_iter().map(|sampled| sampled.map(verdict)).collect())
 }

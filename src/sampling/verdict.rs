@@ -1,7 +1,7 @@
 //! The outcome of sampling.
 
 use crate::engine::whole::whole;
-use crate::engine::{Level, RunError, Sampled, Source};
+use crate::engine::{Level, RunError, Source};
 use crate::machine::MachineSpec;
 use crate::stats::{Choice, MachineStats};
 use crate::stream::Header;
@@ -21,14 +21,6 @@ pub(crate) enum Verdict {
 }
 
 impl Verdict {
-    /// The verdict of samples by `engine`: without intervals if that is not exact.
-    pub(crate) fn claiming(self, engine: Sampled) -> Self {
-        match self {
-            Self::Sampled(stats) if engine != Sampled::Event => Self::Sampled(Box::new(stats.without_claims())),
-            verdict => verdict,
-        }
-    }
-
     /// The statistics of the sample, or of a replay of the whole stream.
     ///
     /// # Errors

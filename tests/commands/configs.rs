@@ -131,7 +131,12 @@ fn what_is_wrong_in_a_file_is_told_whatever_its_kind() {
        |                     ^
     ");
     desk.put("nothing.ron", "(a: 1)");
-    insta::assert_snapshot!(desk.refuses(&["check", "nothing.ron"]), @r#"error: nothing.ron: the names at its top tell no kind of config; known are an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part, a comparison of fidelity levels, a table of rays of one kind, a table of readings of the paper. A first line such as `#![type = "umbrasim::Machine"]` tells it"#);
+    let told = desk.refuses(&["check", "nothing.ron"]);
+    let kinds = "an experiment file, a machine file, a scene file, a sweep file, a file of a DRAM part, a comparison \
+                 of fidelity levels, a table of rays of one kind, a table of readings of the paper";
+    let type_line = "A first line such as `#![type = \"umbrasim::Machine\"]` tells it";
+    let expected = format!("the names at its top tell no kind of config; known are {kinds}. {type_line}");
+    assert_eq!(told.trim_end(), format!("error: nothing.ron: {expected}"));
 }
 
 #[test]

@@ -92,7 +92,6 @@ pub(super) fn estimates(
         let of_pass = machines.iter().zip(&of_machine).filter(|(_, of)| **of == place);
         let of_pass: Vec<MachineSpec> = of_pass.map(|(machine, _)| machine.clone()).collect();
         let found = passes(reference, &of_pass, stream, kept)?;
-        assert_eq!(found.len(), of_pass.len(), "a pass estimates each of its machines");
         bar.inc(found.len() as u64);
         Ok(found.into_iter())
     });

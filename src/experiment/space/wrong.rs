@@ -20,7 +20,8 @@ pub(super) fn wrong_pixels(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<Vec<PolicyPixels>, SweepError> {
-    kept(folder, "pixels", identity, || count(experiment, stop))
+    let is_whole = |found: &Vec<PolicyPixels>| found.len() == experiment.spec.policies.len();
+    kept(folder, "pixels", identity, is_whole, || count(experiment, stop))
 }
 
 fn count(experiment: &Experiment, stop: &AtomicBool) -> Result<Vec<PolicyPixels>, SweepError> {

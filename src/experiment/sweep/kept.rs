@@ -13,7 +13,7 @@ use super::streams::BUILD;
 use crate::console;
 use crate::input;
 use crate::json;
-use crate::output::{unlink, write_whole};
+use crate::output::write_whole;
 
 /// The largest size of such a file, in bytes.
 const MAX_BYTES: u64 = 1 << 24;
@@ -29,7 +29,8 @@ struct Kept<T> {
     found: T,
 }
 
-/// Reads the result that `folder` keeps for `inputs`, or computes and keeps it. `what` names the kind of result.
+/// Reads the result that `folder` keeps for `inputs`, or computes and keeps it. `what` names the kind of result,
+/// `is_whole` says whether one has all parts.
 ///
 /// # Errors
 /// The result cannot be computed or kept.
@@ -37,6 +38,7 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     folder: &Path,
     what: &str,
     inputs: &str,
+    is_whole: impl Fn(&T) -> bool,
     find: impl FnOnce() -> Result<T, SweepError>,
 ) -> Result<T, SweepError> {
     let of = format!("{:032x} {BUILD}", xxh3_128(inputs.as_bytes()));
@@ -46,8 +48,11 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     };
     match input::read_text(&path, MAX_BYTES) {
         Ok(text) => match json::read::<Kept<T>>(text.as_bytes()) {
-            Ok(kept) if kept.of == of && kept.checksum == checksum(&kept.found) => return Ok(kept.found),
-            Ok(_) => damaged(&"its checksum does not fit its numbers"),
+            Ok(kept) if kept.of != of || kept.checksum != checksum(&kept.found) => {
+                damaged(&"its checksum does not fit its numbers")
+            }
+            Ok(kept) if is_whole(&kept.found) => return Ok(kept.found),
+            Ok(_) => damaged(&"parts are missing"),
             Err(error) => damaged(&error),
         },
         Err(error) if error.kind() == io::ErrorKind::NotFound => {}
@@ -56,8 +61,7 @@ pub(in super::super) fn kept<T: Serialize + DeserializeOwned>(
     let found = find()?;
     let kept = Kept { of, checksum: checksum(&found), found };
     let text = json::pretty(&kept).expect("plain data, which JSON can hold");
-    let written = unlink(&path).and_then(|()| write_whole(&path, text.as_bytes()));
-    written.map_err(|source| SweepError::File { path, source })?;
+    write_whole(&path, text.as_bytes()).map_err(|source| SweepError::File { path, source })?;
     Ok(kept.found)
 }
 
@@ -73,12 +77,18 @@ mod tests {
     #[test]
     fn what_is_kept_is_not_found_again_unless_it_is_damaged() {
         let folder = tempfile::tempdir().unwrap();
-        let found = |inputs: &str, value: u32| kept(folder.path(), "numbers", inputs, || Ok(vec![value])).unwrap();
+        let found = |inputs: &str, value: u32| {
+            let is_whole = |found: &Vec<u32>| found.len() == 1;
+            kept(folder.path(), "numbers", inputs, is_whole, || Ok(vec![value])).unwrap()
+        };
         assert_eq!([found("a", 1), found("a", 2), found("b", 3)], [[1], [1], [3]]);
         let file = std::fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().path());
         let file = file.filter(|file| std::fs::read_to_string(file).unwrap().contains("    1\n")).last().unwrap();
         let text = std::fs::read_to_string(&file).unwrap();
         std::fs::write(&file, text.replace("    1\n", "    7\n")).unwrap();
         assert_eq!([found("a", 4), found("a", 5)], [[4], [4]]);
+        // Its checksum is right.
+        kept(folder.path(), "numbers", "c", |_| true, || Ok(vec![6, 6])).unwrap();
+        assert_eq!([found("c", 7), found("c", 8)], [[7], [7]]);
     }
 }

@@ -12,7 +12,7 @@ use super::streams::{BUILD, Identity};
 use crate::input;
 use crate::json;
 use crate::machine::MachineSpec;
-use crate::output::{unlink, write_whole};
+use crate::output::write_whole;
 use crate::replay::{Cut, Fidelity};
 use crate::stats::MachineStats;
 use crate::stream::Totals;
@@ -131,9 +131,7 @@ pub(super) fn read(folder: &Path, key: Key) -> Result<Option<Measured>, Refused>
 pub(super) fn write(folder: &Path, key: Key, measured: Measured) -> io::Result<()> {
     let point = Point { key, build: BUILD.into(), checksum: checksum(&measured), measured };
     let text = json::pretty(&point).expect("plain data, which JSON can hold") + "\n";
-    let file = key.file(folder);
-    unlink(&file)?;
-    write_whole(&file, text.as_bytes())
+    write_whole(&key.file(folder), text.as_bytes())
 }
 
 #[cfg(test)]

@@ -52,7 +52,8 @@ pub(in super::super) fn estimates(
     let specs = json::line(&(reference, machines)).expect("plain data, which JSON can hold");
     // The name of a stream's file is a hash of its inputs.
     let inputs = format!("{} {specs}", stream.path.file_name().unwrap_or_default().display());
-    kept(folder, "estimates", &inputs, || {
+    let is_whole = |found: &Vec<Estimate>| found.len() == machines.len();
+    kept(folder, "estimates", &inputs, is_whole, || {
         let replay = replay_of(reference, stream);
         let found = replay.and_then(|replay| replay.estimates(&source(stream, stop), machines));
         told(found, reference, stream, stop)

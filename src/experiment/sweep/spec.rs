@@ -17,7 +17,7 @@ use super::error::SweepError;
 use super::values::{Tried, Values};
 use crate::json;
 use crate::machine::MachineSpec;
-use crate::named::Named;
+use crate::named::{Named, twice};
 use crate::quantity::Resolution;
 use crate::ranged::Within;
 use crate::replay::{Cut, Fidelity, Lengths, Share};
@@ -174,8 +174,7 @@ impl Sweep {
             if field == "name" {
                 return Err(wrong("`vary` has `name`: machines of other names are the same machine".into()).into());
             }
-            let twice = tried.values.iter().enumerate().find(|(at, value)| tried.values[..*at].contains(value));
-            if let Some((_, value)) = twice {
+            if let Some(value) = twice(&tried.values) {
                 return Err(wrong(format!("`vary` has `{value}` twice for `{field}`")).into());
             }
             fields.push(Field { path: field.into(), values: tried.values });

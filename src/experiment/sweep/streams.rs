@@ -13,8 +13,7 @@ use super::error::SweepError;
 use crate::console;
 use crate::culling::Policy;
 use crate::json;
-use crate::output::Turn;
-use crate::output::unlink;
+use crate::output::{Turn, unlink};
 use crate::stream::{Header, StreamReader, StreamWriter, Totals};
 use crate::tracer::Tracer;
 

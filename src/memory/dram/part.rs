@@ -196,8 +196,8 @@ impl DramPart {
         let least = 2 * self.timing.around_refresh(self.burst_clocks.get());
         if refi.get() <= least {
             return Err(format!(
-                "`timing.refi` is {refi}: more than {least} is allowed, twice what a refresh and the first access after \
-                 it can take"
+                "`timing.refi` is {refi}: more than {least} is allowed, twice what a refresh and the first access \
+                 after it can take"
             ));
         }
         Ok(())

@@ -232,7 +232,10 @@ mod tests {
     /// A frame's index in the list differs from its number.
     #[test]
     fn values_of_frames_have_their_frames() {
-        let frame = |frame: u32, warmup: bool| serde_json::json!({ "frame": frame, "warmup": warmup, "dram": { "row_hits": frame + 1 } });
+        let frame = |number: u32, warmup: bool| {
+            let dram = serde_json::json!({ "row_hits": number + 1 });
+            serde_json::json!({ "frame": number, "warmup": warmup, "dram": dram })
+        };
         let report = serde_json::json!({ "machines": { "small": { "policies": { "Off": {
             "dram": { "row_hits": 7 }, "frames": [frame(0, true), frame(4, false)],
         } } } } });

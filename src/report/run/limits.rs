@@ -9,7 +9,7 @@ const FULL: f64 = 0.75;
 /// A full intake is the limit if it costs at least this share of a kind of unit's cycles.
 const INTAKE: f64 = 0.2;
 /// A kind of unit does not limit the run if its share of cycles without rays exceeds another kind's by more than
-/// this.
+/// this. Assumed, as the two above.
 const IDLER: f64 = 0.02;
 
 /// The limit of a run.

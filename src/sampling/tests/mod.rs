@@ -16,7 +16,7 @@ use crate::engine::tests::agreement::check_many;
 use crate::engine::tests::frames::numbered;
 use crate::engine::tests::random::{machines, streams};
 use crate::engine::tests::recorded::{on, quickstart, shipped};
-use crate::engine::tests::synthetic::{bvh_like, frame, header};
+use crate::engine::tests::synthetic::{Numbers, SyntheticRay, bvh_like, frame, header, nodes};
 use crate::engine::tests::{items, num};
 use crate::engine::{Level, Sampled};
 use crate::machine::MachineSpec;
@@ -24,7 +24,7 @@ use crate::quantity::Resolution;
 use crate::ranged::Size;
 use crate::replay::{Fidelity, Replay};
 use crate::stats::{Accuracy, MachineStats};
-use crate::stream::{FrameInfo, Header, Item};
+use crate::stream::{Decision, FrameInfo, Header, Item};
 
 /// A pass for one machine.
 fn pass(sampler: &Sampler<'_>, machine: &MachineSpec, plan: &Plan, keep: usize, stream: &[Item]) -> Pass {
@@ -195,6 +195,58 @@ fn windows_by_themselves_add_up() {
             assert!(all.iter().all(|off| off.abs() < 0.02), "{name}, {engine:?}: {all:?}");
         }
     }
+}
+
+/// Pixels of a row, and nodes of a tree, in [`wide_picture`].
+const WIDTH: u32 = 1024;
+const TREE: u32 = 1 << 17;
+
+/// A wide picture whose rays walk quadtrees of nodes, down to cells of 8 pixels or more. Neighbouring pixels share
+/// nodes, in their row and in the rows around it. Paths differ in length, so that no unit keeps to its columns of the
+/// picture.
+fn wide_picture(rows: u32) -> (Header, Vec<Item>) {
+    let mut numbers = Numbers(7);
+    let walk = |tree: u32, (x, y): (u32, u32), finest: u32| {
+        let row = |level: u32| tree * TREE + (1 << 16 >> level) + (y >> level) * (WIDTH >> level);
+        nodes((finest..=8).rev().map(|level| row(level) + (x >> level)))
+    };
+    let mut rays = Vec::new();
+    for (x, y) in (0..rows).flat_map(|y| (0..WIDTH).map(move |x| (x, y))) {
+        let mut path = walk(0, (x, y), 3);
+        for _ in 0..numbers.below(4) {
+            let finest = 3 + numbers.below(6);
+            path.extend(walk(0, ((x + numbers.below(32)) % WIDTH, (y + numbers.below(8)) % rows), finest));
+        }
+        rays.push(SyntheticRay::primary(path));
+        for distance in 1..1 + numbers.below(3) {
+            let there = ((x + numbers.below(16)) % WIDTH, (y + numbers.below(4)) % rows);
+            let path = walk(1, there, 3 + numbers.below(3));
+            rays.push(SyntheticRay::shadow(distance, Decision::Trace, path));
+        }
+    }
+    let header = Header { static_nodes: 2 * TREE, resolution: Resolution { width: WIDTH, height: rows }, ..header() };
+    (header, frame(FrameInfo::default(), &rays, &[], 4096))
+}
+
+/// A lead-in replaces what the tags left in the L1s. Wide pictures need the longest: their neighbours share most lines.
+/// Two pieces, which fill pool and FIFOs, are too few.
+#[test]
+fn windows_of_wide_pictures_add_up() {
+    let (header, stream) = wide_picture(128);
+    let machine = shipped("desktop");
+    let whole = on(&machine, &header, "Event", &stream);
+    let l2_off_by = |before: usize| {
+        let cut = Cut { before, ..Cut::new(&machine) };
+        let plan = Plan { draws: 0..200, ..Plan::new(1.0, cut, 0) };
+        let sampler = Sampler::new(Sampled::Event, &header);
+        let found = Findings::of(&sampler, &machine, &plan.cut, pass(&sampler, &machine, &plan, 0, &stream));
+        let sampled = found.estimate(&machine, 200);
+        sampled.moved_l2().0 as f64 / whole.moved_l2().0 as f64 - 1.0
+    };
+    let [own, two] = [Cut::new(&machine).before, 2].map(l2_off_by);
+    println!("L2 bytes: {own:.4}, and {two:.4} behind two pieces");
+    assert!(own.abs() < 0.015, "{own}");
+    assert!(two < -0.03, "two pieces do as well: {two}");
 }
 
 #[test]
