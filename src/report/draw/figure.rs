@@ -120,14 +120,17 @@ pub(crate) fn draw_all<D, S: Clone>(data: &D, plots: &[Plot<D, S>]) -> Result<Ve
 
 /// The figure as a file: title, explanation and key above the data.
 fn file(figure: &Figure<'_>) -> Result<String, DrawError> {
-    let margin = 12;
-    let about = wrapped(&figure.about, Text::NOTE, WIDE - 2 * LEFT);
+    let (margin, title_line) = (12, 26);
+    let [title, about] = [(&figure.title, Text::TITLE), (&figure.about, Text::NOTE)]
+        .map(|(text, look)| wrapped(text, look, WIDE - 2 * LEFT));
     let key = key_places(&figure.key);
     let key_rows = key.last().map_or(0, |(_, y)| y / LINE + 1);
-    let above = margin + 26 + (about.len() as i32 + key_rows) * LINE + 8;
+    let first = margin + title_line * title.len() as i32;
+    let above = first + (about.len() as i32 + key_rows) * LINE + 8;
     let head = sheet(WIDE, above, |canvas| {
-        canvas.text(&figure.title, (LEFT, margin + 10), Text::TITLE)?;
-        let first = margin + 26;
+        for (line, y) in title.iter().zip((margin + 10..).step_by(title_line as usize)) {
+            canvas.text(line, (LEFT, y), Text::TITLE)?;
+        }
         for (line, y) in about.iter().zip((first + 10..).step_by(LINE as usize)) {
             canvas.text(line, (LEFT, y), Text::NOTE)?;
         }
@@ -196,18 +199,31 @@ mod tests {
         assert!(places.last().unwrap().1 > 0);
     }
 
-    #[test]
-    fn a_figure_is_a_file_and_two_pictures_of_a_page() {
-        let figure = Figure {
-            title: "a < b".into(),
+    /// A dot halfway along the sheet.
+    fn dot(title: String) -> Figure<'static> {
+        Figure {
+            title,
             about: "how to read".into(),
             key: vec![("thing".into(), BLUE)],
             data: Grid { head: vec!["x".into()], names: 0, rows: vec![vec!["1".into()]] },
             narrow: true,
             height: Box::new(|width| width / 4),
             paint: Box::new(|canvas| canvas.dot((canvas.width() / 2, 9), 3, BLUE)),
-        };
-        let drawing = Drawing::new("it".into(), (), figure).unwrap();
+        }
+    }
+
+    #[test]
+    fn the_title_of_a_file_has_as_many_lines_as_it_needs() {
+        let [short, long] = ["word", &["word"; 40].join(" ")].map(|title| file(&dot(title.into())).unwrap());
+        let lines = |file: &str| file.matches("font-size=\"17\"").count();
+        assert_eq!((lines(&short), lines(&long)), (1, 3));
+        let height = |file: &str| -> i32 { file.split('"').nth(5).unwrap().parse().unwrap() };
+        assert_eq!(height(&long), height(&short) + 2 * 26);
+    }
+
+    #[test]
+    fn a_figure_is_a_file_and_two_pictures_of_a_page() {
+        let drawing = Drawing::new("it".into(), (), dot("a < b".into())).unwrap();
         assert!(drawing.file.contains("<title>a &lt; b</title>") && drawing.file.contains("<desc>how to read</desc>"));
         assert!(drawing.wide.contains("viewBox=\"0 0 960 240\" role=\"img\" aria-labelledby=\"it-title\""));
         assert!(drawing.narrow.contains("viewBox=\"0 0 360 90\"") && drawing.narrow.contains("cx=\"180\""));
