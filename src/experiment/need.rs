@@ -40,7 +40,7 @@ impl Need {
         // The reference renderer adds one frame; pictures of two frames are kept.
         let shown = 2 * (1 + policies * (3 + lights as u128));
         let pixel = TRACED_PIXEL * (policies + 2) + SHOWN_PIXEL * shown;
-        // Each machine replays each stream twice, as it is and for the split, and one stream for miss curves.
+        // Each machine replays each stream at most twice, as it is and for the split, and one stream for miss curves.
         let replays = (2 * policies + 1) * machines.iter().sum::<u128>();
         let bytes = resolution.pixels() as u128 * pixel + replays + TRIANGLE * triangles as u128;
         Self { what, bytes }

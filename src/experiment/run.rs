@@ -17,7 +17,7 @@ use crate::culling::Policy;
 use crate::machine::MachineSpec;
 use crate::named::Named;
 use crate::reference::Reference;
-use crate::replay::RunError;
+use crate::replay::{RunError, are_units_idle, with_other_units};
 use crate::report::ReportError;
 use crate::report::run::pictures::{Image, PictureInfo};
 use crate::report::run::{
@@ -94,7 +94,7 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
         let fidelity = experiment.spec.fidelity.compared();
         for (_, machine) in machines.iter() {
             for (policy, header) in headers.iter().enumerate() {
-                for role in roles(experiment, policy) {
+                for role in roles(experiment, machine, policy) {
                     replays.start(scope, (machine, role), fidelity, policy, header.clone());
                 }
             }
@@ -150,11 +150,15 @@ pub(crate) fn run(experiment: &Experiment, machines: bool, stop: &AtomicBool) ->
     gathered.report(experiment, &headers, (finished, reuse), clock, begin)
 }
 
-/// The roles in which machines replay the stream of policy `policy`.
-fn roles(experiment: &Experiment, policy: usize) -> impl Iterator<Item = Role> {
+/// The roles in which `machine` replays the stream of policy `policy`. Where the units are idle without culling, the
+/// split's baseline needs no replay of its own.
+fn roles(experiment: &Experiment, machine: &MachineSpec, policy: usize) -> impl Iterator<Item = Role> {
     let split = experiment.spec.split && experiment.spec.fidelity.knows_all_placements();
-    let other = if policy == experiment.off() { Role::WithoutUnit } else { Role::FreeWords };
-    std::iter::once(Role::AsItIs).chain(split.then_some(other))
+    let other = match policy == experiment.off() {
+        true => (!are_units_idle(machine)).then_some(Role::WithoutUnit),
+        false => Some(Role::FreeWords),
+    };
+    std::iter::once(Role::AsItIs).chain(other.filter(|_| split))
 }
 
 fn headers(experiment: &Experiment, tracer: &Tracer<'_>, policies: &[Box<dyn Policy>]) -> Vec<Header> {
@@ -299,17 +303,27 @@ impl Gathered {
         }
     }
 
-    /// What each culling policy saved and cost on a machine.
-    fn split(&self, experiment: &Experiment, names: &[&str], measured: &[(usize, Role, MachineStats)]) -> Named<Split> {
+    /// What each culling policy saved and cost on `machine`.
+    fn split(
+        &self,
+        experiment: &Experiment,
+        (machine, headers): (&MachineSpec, &[Header]),
+        measured: &[(usize, Role, MachineStats)],
+    ) -> Named<Split> {
         let off = experiment.off();
         let of = |policy: usize, role: Role| {
             measured.iter().find(|it| (it.0, it.1) == (policy, role)).map(|(.., stats)| stats)
         };
-        let split = |(policy, &name): (usize, &&str)| {
-            let all = [of(off, Role::WithoutUnit)?, of(policy, Role::FreeWords)?, of(policy, Role::AsItIs)?];
-            Some((name.to_owned(), Split::new(all, &self.totals[policy])))
+        let removed = |plain| with_other_units(&Role::WithoutUnit.machine(machine), &headers[off], plain);
+        let without = match are_units_idle(machine) {
+            true => of(off, Role::AsItIs).map(removed),
+            false => of(off, Role::WithoutUnit).cloned(),
         };
-        names.iter().enumerate().filter(|&(policy, _)| policy != off).filter_map(split).collect()
+        let split = |policy: usize| {
+            let all = [without.as_ref()?, of(policy, Role::FreeWords)?, of(policy, Role::AsItIs)?];
+            Some((headers[policy].policy.clone(), Split::new(all, &self.totals[policy])))
+        };
+        (0..headers.len()).filter(|&policy| policy != off).filter_map(split).collect()
     }
 
     fn report(
@@ -345,7 +359,7 @@ impl Gathered {
                 source: Box::new(source),
             })?;
             stage(
-                format!("{machine}, {}{}", names[policy], role.suffix()),
+                format!("{machine}, {}, {}", names[policy], role.name()),
                 replayed.wall,
                 Some(replayed_rays(&replayed.stats)),
             );
@@ -376,7 +390,9 @@ impl Gathered {
         let machines: Named<MachineSummary> = machines
             .iter()
             .map(|(name, machine)| {
-                let split = self.split(experiment, &names, measured.get(name).map_or(&[], Vec::as_slice));
+                let stats = measured.get(name).map_or(&[][..], Vec::as_slice);
+                let spec = experiment.machines.get(name).expect("results are of the experiment's machines");
+                let split = self.split(experiment, (spec, headers), stats);
                 (name, MachineSummary { split, reuse: reuse.get(name).cloned(), ..machine.clone() })
             })
             .collect();

@@ -61,12 +61,12 @@ impl Role {
         self != Self::WithoutUnit || !path.starts_with("shadow_cache.")
     }
 
-    /// The suffix to a policy's name, for stages of a run.
-    pub(crate) fn suffix(self) -> &'static str {
+    /// The role's name in lists and reports.
+    pub(super) fn name(self) -> &'static str {
         match self {
-            Self::AsItIs => "",
-            Self::FreeWords => ", words free",
-            Self::WithoutUnit => ", no unit",
+            Self::AsItIs => "as it is",
+            Self::FreeWords => "free words",
+            Self::WithoutUnit => "no unit",
         }
     }
 }

@@ -7,6 +7,7 @@
 mod face;
 mod fidelity;
 mod grown;
+mod idle_units;
 mod stream_file;
 mod thinned;
 mod together;
@@ -14,6 +15,7 @@ mod together;
 pub use self::face::{Observed, Replay};
 pub use self::fidelity::{Fidelity, OnePass};
 pub(crate) use self::grown::energy_by_model;
+pub(crate) use self::idle_units::{are_units_idle, with_other_units};
 pub use self::stream_file::StreamFile;
 pub(crate) use self::thinned::Thinned;
 pub(crate) use self::together::Together;

@@ -52,7 +52,7 @@ impl Port {
         at: u64,
         memory: &mut Memory<W>,
     ) {
-        let at = at.max(self.empty_at);
+        let at = at.max(self.lets_end_at());
         self.built_at = at + self.spec.build_cycles(frame, self.clock_mhz);
         let runs = self.traffic.built(layout.dynamic_arrays());
         runs.for_each(|run| self.ask(run, at, memory));

@@ -88,6 +88,19 @@ fn rays_and_the_frames_end_wait_for_the_builder() {
     assert_eq!(lines(&tally(&machine, &stream), [TrafficClass::Build]), [4 + 75]);
 }
 
+/// H7: the scene of a frame without rays is built before the next frame begins, by all levels.
+#[test]
+fn a_frame_without_rays_takes_as_long_as_its_building() {
+    let mut machine = MachineSpec::default();
+    machine.traffic.build_rate = num(1);
+    let info = FrameInfo { dynamic_slots: 100, ..FrameInfo::default() };
+    let (header, stream) = frames::numbered(&[frame(info, &[], &[], 1), frame(info, &[], &[], 1)].concat(), 0);
+    let cycles = |fidelity| recorded::on(&machine, &header, fidelity, &stream).cycles.0;
+    let [least, event, profile] = ["Bound", "Event", "Profile"].map(cycles);
+    assert_eq!(least, 100_000);
+    assert!(event.abs_diff(least) < 10 && profile.abs_diff(least) < 10, "{event} {profile}");
+}
+
 /// Traffic of an on-chip buffer is counted; nothing else changes.
 #[test]
 fn a_buffer_on_the_chip_counts_and_costs_nothing() {

@@ -48,7 +48,7 @@ impl Listing {
                 index: index + 1,
                 machine: machine.name,
                 policy: policies[point.policy].into(),
-                role: name(point.role),
+                role: point.role.name(),
                 fields: values(&spec, point.role, &fields),
                 identity: point.key.to_string(),
                 cost: point.cost,
@@ -56,14 +56,6 @@ impl Listing {
         };
         let points = plan.points.iter().enumerate().map(listed).collect::<Result<_, SweepError>>()?;
         Ok(Self { fields, points })
-    }
-}
-
-fn name(role: Role) -> &'static str {
-    match role {
-        Role::AsItIs => "as it is",
-        Role::FreeWords => "free words",
-        Role::WithoutUnit => "no unit",
     }
 }
 
