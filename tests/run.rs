@@ -25,10 +25,15 @@ fn configs(folder: &str) -> Vec<PathBuf> {
 
 /// A run of the quick start, small, in a folder of its own.
 fn quickstart(threads: &str) -> Desk {
+    quickstart_with(&["--threads", threads])
+}
+
+/// The same with options.
+fn quickstart_with(options: &[&str]) -> Desk {
     let desk = Desk::new();
     let config = config("experiments/quickstart.ron");
-    let size = ["--resolution", "64x64", "--frames", "0..4", "--threads", threads, "--out", "report"];
-    desk.succeed(&[&["run", config.to_str().unwrap()], &size[..]].concat());
+    let size = ["--resolution", "64x64", "--frames", "0..4", "--out", "report"];
+    desk.succeed(&[&["run", config.to_str().unwrap()], &size[..], options].concat());
     desk
 }
 
@@ -64,6 +69,21 @@ fn the_page_tells_the_sizes_that_machines_have() {
     let traffic = umbrasim::machine::MachineSpec::default().traffic;
     let told = format!("rays and hits: {} and {} B a ray", traffic.ray_bytes.get(), traffic.hit_bytes.get());
     assert!(page.contains(&told), "the page does not say: {told}");
+}
+
+/// Without a register, shadow-cache units are idle without culling, and the split's baseline is the replay as it is. A
+/// register is written out at every end of frame: the baseline has a replay of its own, without the unit.
+#[test]
+fn a_split_begins_with_the_machine_without_its_unit() {
+    let [idle, register] =
+        [&[][..], &["--set", "shadow_cache.register=8"]].map(|options| summary(&quickstart_with(options)));
+    let stage = |summary: &Value| summary["wall_seconds"].get("small, Off, no unit").is_some();
+    assert_eq!([stage(&idle), stage(&register)], [false, true]);
+    for machine in ["small", "desktop"] {
+        let baseline = |summary: &Value| summary["machines"][machine]["split"]["Published"]["cycles"][0].clone();
+        assert_eq!(baseline(&idle), idle["machines"][machine]["policies"]["Off"]["cycles"]);
+        assert_eq!(baseline(&register), baseline(&idle));
+    }
 }
 
 #[test]
