@@ -69,7 +69,7 @@ fn replay(requests: &[Asked], queue: u64) -> (Vec<Option<u64>>, DramCounts) {
         while let Some(&(_, address, write)) = requests.get(next).filter(|request| request.0 <= now) {
             let line = LineAddr(address / 64);
             let from = PartId(next as u32);
-            let request = Request { line, class: TrafficClass::Node, write, bytes: Bytes(64), from, marked: false };
+            let request = Request { line, class: TrafficClass::Node, write, bytes: Bytes(64), from, attributed: false };
             if !dram.put(request, now, &mut Awake) {
                 break;
             }

@@ -91,8 +91,8 @@ pub(crate) fn run(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
     for (name, classes) in &tally.stats(machine).caches {
         for (class, counts) in classes {
             let what =
-                || format!("{name}, {}: hits + half misses + misses + passed writes against accesses", class.name());
-            let found = counts.hits + counts.half_misses + counts.misses + counts.passed_writes;
+                || format!("{name}, {}: hits + MSHR hits + misses + passed writes against accesses", class.name());
+            let found = counts.hits + counts.mshr_hits + counts.misses + counts.passed_writes;
             equal(what, found, counts.accesses)?;
         }
     }
@@ -145,16 +145,16 @@ fn traffic(tally: &Tally, machine: &MachineSpec) -> Result<(), String> {
             all.fold((0, 0), |(count, bytes), past| (count + past.count, bytes + past.bytes.0))
         };
         let (through, through_bytes) = past(|unit| &unit.written_through);
-        let (straight, straight_bytes) = past(|unit| &unit.read_straight);
+        let (bypassed, bypassed_bytes) = past(|unit| &unit.bypassed);
         let reads: u64 = tally.banks.iter().map(|bank| bank.served.reads[index]).sum();
         let (l1, l2) = (&l1[index], &l2[index]);
-        equal(|| format!("{name}: misses of the L1s against reads of the L2"), l1.misses + straight, reads)?;
+        equal(|| format!("{name}: misses of the L1s against reads of the L2"), l1.misses + bypassed, reads)?;
         equal(
             || format!("{name}: writes of the L1s against writes of the L2"),
             l1.write_backs + through,
             l2.accesses - reads,
         )?;
-        let down = (l1.misses + l1.write_backs) * line + through_bytes + straight_bytes;
+        let down = (l1.misses + l1.write_backs) * line + through_bytes + bypassed_bytes;
         equal(|| format!("{name}: bytes between L1s and L2"), down, moved[index].0)?;
         let lines = l2.misses + l2.write_backs + l2.passed_writes + tally.port.reads[index] + tally.port.writes[index];
         equal(|| format!("{name}: bytes of L2 and host against DRAM"), lines * line, dram[index].0)?;

@@ -44,9 +44,9 @@ pub(crate) struct UnitTally {
     /// Writes that went through the L1 to the L2.
     pub written_through: PerClass<Past>,
     /// Reads that bypassed the L1.
-    pub read_straight: PerClass<Past>,
-    /// Misses of marked rays, in engines that replay samples.
-    pub marked: PerClass<u64>,
+    pub bypassed: PerClass<Past>,
+    /// Misses of attributed rays, in engines that replay samples.
+    pub attributed: PerClass<u64>,
 }
 
 /// Counts of a bank of the L2.

@@ -284,7 +284,7 @@ fn measured(name: String, work: &Work, stats: &MachineStats, machine: &MachineSp
         let l1 = counts(stats, l1, class);
         let l2 = counts_in_l2(stats, class);
         (l1_rates[index], l2_rates[index]) = (l1.hit_rate().unwrap_or(0.0), l2.hit_rate().unwrap_or(0.0));
-        with_merged[index] = (l1.hits + l1.half_misses) as f64 / l1.accesses.max(1) as f64;
+        with_merged[index] = (l1.hits + l1.mshr_hits) as f64 / l1.accesses.max(1) as f64;
         by_identity += l1.accesses as f64 * (1.0 - l1_rates[index]) * (1.0 - l2_rates[index]) * line;
         fetched += l2.misses as f64 * line;
     }

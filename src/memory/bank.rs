@@ -114,17 +114,17 @@ pub struct Served {
     /// Reads that missed.
     pub missed: [u64; TrafficClass::ALL.len()],
     /// Attributed misses among `missed`; only engines that replay samples use them.
-    pub marked: [u64; TrafficClass::ALL.len()],
+    pub attributed: [u64; TrafficClass::ALL.len()],
 }
 
 impl Served {
-    /// Counts a read of `bytes` bytes; `marked` says whether its miss is attributed.
-    pub fn read(&mut self, class: TrafficClass, bytes: Bytes, missed: bool, marked: bool) {
+    /// Counts a read of `bytes` bytes; `attributed` says whether its miss is attributed.
+    pub fn read(&mut self, class: TrafficClass, bytes: Bytes, missed: bool, attributed: bool) {
         let class = class as usize;
         self.moved[class] += bytes;
         self.reads[class] += 1;
         self.missed[class] += u64::from(missed);
-        self.marked[class] += u64::from(missed && marked);
+        self.attributed[class] += u64::from(missed && attributed);
     }
 
     /// Counts a write of `bytes` bytes.
@@ -222,7 +222,7 @@ impl Bank {
 
     fn access<W: Wake>(&mut self, now: u64, wake: &mut W, answer: &mut impl FnMut(PartId, LineAddr, &mut W)) -> bool {
         let Some(request) = self.requests.first(now) else { return false };
-        let Request { line, class, write, bytes, from, marked } = request;
+        let Request { line, class, write, bytes, from, attributed } = request;
         let (access, reader) = if write { (Access::Write, None) } else { (Access::Read, Some(from.0)) };
         let lookup = self.cache.access(line, class, access, reader, self.out.len() < self.out_places);
         match lookup {
@@ -236,13 +236,13 @@ impl Bank {
         if write {
             self.served.write(class, bytes);
         } else {
-            self.served.read(class, bytes, lookup == Lookup::Miss, marked);
+            self.served.read(class, bytes, lookup == Lookup::Miss, attributed);
         }
         true
     }
 
     fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool) {
-        self.out.push_back(Request { line, class, write, bytes: self.line, from: self.part, marked: false });
+        self.out.push_back(Request { line, class, write, bytes: self.line, from: self.part, attributed: false });
     }
 
     fn send(&mut self, now: u64, dram: &mut Dram, wake: &mut impl Wake) -> bool {

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::allocation::NoAllocate;
-use super::mshr::{Fate, MshrFile};
+use super::mshr::{FillPolicy, MshrFile};
 use super::replacement::Policy;
 use super::tags::{Contents, TagArray, Victim};
 use crate::quantity::{Bytes, LineAddr};
@@ -236,20 +236,21 @@ impl Cache {
         waiting: Option<u32>,
         room: bool,
     ) -> Lookup {
-        let fate = Fate { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) };
+        let fill =
+            FillPolicy { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) };
         let counts = &mut self.counts[class as usize];
         if let Some(register) = self.mshrs.find(line) {
-            if !self.mshrs.merge(register, fate, waiting) {
+            if !self.mshrs.merge(register, fill, waiting) {
                 return Lookup::Stalled;
             }
             counts.accesses += 1;
-            counts.half_misses += 1;
+            counts.mshr_hits += 1;
             return Lookup::Merged;
         }
         if !room {
             return Lookup::Stalled;
         }
-        if waiting.is_none() && !fate.keep {
+        if waiting.is_none() && !fill.keep {
             counts.accesses += 1;
             counts.passed_writes += 1;
             return Lookup::Passed;
@@ -257,7 +258,7 @@ impl Cache {
         if self.mshrs.is_full() {
             return Lookup::Stalled;
         }
-        self.mshrs.allocate(line, class, fate, waiting);
+        self.mshrs.allocate(line, class, fill, waiting);
         counts.accesses += 1;
         counts.misses += 1;
         Lookup::Miss
@@ -267,11 +268,11 @@ impl Cache {
     /// whether the output queue has a place for a dirty victim. A dirty line that does not allocate is its own victim.
     pub fn fill(&mut self, line: LineAddr, room: bool, waiting: &mut Vec<u32>) -> Fill {
         let register = self.mshrs.find(line).expect("only a missed line comes");
-        let (class, fate) = self.mshrs.missed(register);
-        let place = fate.keep.then(|| self.tags.place_for(line));
+        let (class, fill) = self.mshrs.missed(register);
+        let place = fill.keep.then(|| self.tags.place_for(line));
         let displaced = match place {
             Some(place) => self.tags.at(place),
-            None => Some(Victim { line, class, dirty: fate.dirty }),
+            None => Some(Victim { line, class, dirty: fill.dirty }),
         };
         let victim = displaced.filter(|victim| victim.dirty);
         if victim.is_some() && !room {
@@ -279,7 +280,7 @@ impl Cache {
         }
         self.mshrs.release(register, waiting);
         if let Some(place) = place {
-            self.tags.put(place, line, class, fate.dirty);
+            self.tags.put(place, line, class, fill.dirty);
         }
         if let Some(victim) = victim {
             self.counts[victim.class as usize].write_backs += 1;

@@ -34,8 +34,8 @@ pub struct Request {
     pub bytes: Bytes,
     /// The part that gets the answer.
     pub from: PartId,
-    /// Whether a read miss counts among the attributed misses (`Served::marked`).
-    pub marked: bool,
+    /// Whether a read miss counts among the attributed misses (`Served::attributed`).
+    pub attributed: bool,
 }
 
 /// Wakes parts in later cycles; the engine's scheduler implements this.

@@ -5,7 +5,7 @@ use crate::stats::TrafficClass;
 
 /// Fill policy of a line on its way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Fate {
+pub(crate) struct FillPolicy {
     /// Whether a waiting access makes the line dirty.
     pub dirty: bool,
     /// Whether a waiting access allocates the line.
@@ -17,7 +17,7 @@ pub(crate) struct Fate {
 struct Register {
     line: LineAddr,
     class: TrafficClass,
-    fate: Fate,
+    fill: FillPolicy,
     /// Waiting accesses, including writes without an answer.
     merged: usize,
     waiting: Vec<u32>,
@@ -41,7 +41,7 @@ impl MshrFile {
         let free = Register {
             line: LineAddr(u64::MAX),
             class: TrafficClass::Node,
-            fate: Fate { dirty: false, keep: false },
+            fill: FillPolicy { dirty: false, keep: false },
             merged: 0,
             waiting: Vec::with_capacity(targets.min(64)),
         };
@@ -71,23 +71,23 @@ impl MshrFile {
 
     /// Adds an access to a line on its way; returns false if the MSHR has no target left.
     #[inline]
-    pub(crate) fn merge(&mut self, id: RegisterId, fate: Fate, waiting: Option<u32>) -> bool {
+    pub(crate) fn merge(&mut self, id: RegisterId, fill: FillPolicy, waiting: Option<u32>) -> bool {
         let register = &mut self.registers[id.0];
         if register.merged == self.targets {
             return false;
         }
         register.merged += 1;
-        register.fate.dirty |= fate.dirty;
-        register.fate.keep |= fate.keep;
+        register.fill.dirty |= fill.dirty;
+        register.fill.keep |= fill.keep;
         register.waiting.extend(waiting);
         true
     }
 
     /// Takes a free MSHR for `line`. The caller has checked [`MshrFile::is_full`].
     #[inline]
-    pub(crate) fn allocate(&mut self, line: LineAddr, class: TrafficClass, fate: Fate, waiting: Option<u32>) {
+    pub(crate) fn allocate(&mut self, line: LineAddr, class: TrafficClass, fill: FillPolicy, waiting: Option<u32>) {
         let register = &mut self.registers[self.used];
-        (register.line, register.class, register.fate, register.merged) = (line, class, fate, 1);
+        (register.line, register.class, register.fill, register.merged) = (line, class, fill, 1);
         register.waiting.clear();
         register.waiting.extend(waiting);
         self.used += 1;
@@ -95,9 +95,9 @@ impl MshrFile {
 
     /// Class and fill policy of the line in an MSHR.
     #[inline]
-    pub(crate) fn missed(&self, id: RegisterId) -> (TrafficClass, Fate) {
+    pub(crate) fn missed(&self, id: RegisterId) -> (TrafficClass, FillPolicy) {
         let register = &self.registers[id.0];
-        (register.class, register.fate)
+        (register.class, register.fill)
     }
 
     /// Frees an MSHR and appends its waiting accesses to `waiting`, oldest first.

@@ -3,7 +3,7 @@
 use super::baseline::known;
 use super::findings::{Findings, Known};
 use super::job::Found;
-use super::kept::{Kept, KeptJob};
+use super::job_cache::{CachedJob, JobCache};
 use super::pass::{Each, Member, Pass, Sampler};
 use super::plan::{Plan, TELLING};
 use crate::engine::{RunError, Sampled, Source};
@@ -61,7 +61,7 @@ pub(crate) fn sample_until(
                 beside = Some(Known { machine, findings, stats, figures: &figures });
             }
             let go_on = |sample: &mut Sample<'_>| sample.go_on(beside.as_ref(), goal.target, keep);
-            let mut more: Vec<Option<Vec<KeptJob>>> = own.iter_mut().map(go_on).collect();
+            let mut more: Vec<Option<Vec<CachedJob>>> = own.iter_mut().map(go_on).collect();
             let farthest = own.iter().map(|sample| sample.member.plan.draws.end).max().unwrap_or_default();
             more.extend(base.map(|base| base.reach(farthest)));
             if more.iter().all(Option::is_none) {
@@ -82,7 +82,7 @@ pub(crate) fn sample_until(
 struct Sample<'a> {
     member: Member<'a>,
     findings: Option<Findings>,
-    kept: Kept,
+    cached: JobCache,
     stage: Stage,
 }
 
@@ -98,7 +98,7 @@ enum Stage {
 
 impl<'a> Sample<'a> {
     fn new(member: Member<'a>) -> Self {
-        Self { member, findings: None, kept: Kept::default(), stage: Stage::Due }
+        Self { member, findings: None, cached: JobCache::default(), stage: Stage::Due }
     }
 
     fn is_due(&self) -> bool {
@@ -110,7 +110,7 @@ impl<'a> Sample<'a> {
         self.stage = Stage::Measured;
         match pass {
             Ok(mut pass) => {
-                self.kept = std::mem::take(&mut pass.kept);
+                self.cached = std::mem::take(&mut pass.cached);
                 match &mut self.findings {
                     Some(findings) => findings.add(pass.found),
                     None => {
@@ -133,7 +133,7 @@ impl<'a> Sample<'a> {
     }
 
     /// Evaluates the measurements. Returns the next jobs, if more points are needed and their jobs were kept.
-    fn go_on(&mut self, baseline: Option<&Known<'_>>, target: Share, keep: usize) -> Option<Vec<KeptJob>> {
+    fn go_on(&mut self, baseline: Option<&Known<'_>>, target: Share, keep: usize) -> Option<Vec<CachedJob>> {
         let (Stage::Measured, Some(findings)) = (&self.stage, &self.findings) else { return None };
         let Member { machine, plan } = &self.member;
         let (draws, points) = (plan.draws.end, findings.points(plan.draws.end));
@@ -158,13 +158,13 @@ impl<'a> Sample<'a> {
     }
 
     /// Extends the draws to `end`; returns their jobs if they were kept.
-    fn reach(&mut self, end: usize) -> Option<Vec<KeptJob>> {
+    fn reach(&mut self, end: usize) -> Option<Vec<CachedJob>> {
         let draws = &mut self.member.plan.draws;
         if end <= draws.end {
             return None;
         }
         *draws = draws.end..end;
-        let jobs = self.kept.take(draws);
+        let jobs = self.cached.take(draws);
         self.stage = if jobs.is_none() { Stage::Due } else { Stage::Measured };
         jobs
     }

@@ -72,7 +72,7 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
                 known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
                 figures: difference(&closed.figures, &opened.figures),
             };
-            let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::marked(&tally));
+            let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::attributed(&tally));
             let asked =
                 Part { known: own, figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine) };
             let spans = [inside, asked, Part { known: group, figures: all }];
@@ -167,8 +167,8 @@ impl Missed {
         Self::of(tally, |unit, class| unit.cache[class].misses, |bank, class| bank.served.missed[class])
     }
 
-    fn marked(tally: &Tally) -> Self {
-        Self::of(tally, |unit, class| unit.marked[class], |bank, class| bank.served.marked[class])
+    fn attributed(tally: &Tally) -> Self {
+        Self::of(tally, |unit, class| unit.attributed[class], |bank, class| bank.served.attributed[class])
     }
 
     fn since(&self, before: &Self) -> Self {
@@ -239,8 +239,8 @@ impl Feed for JobFeed<'_> {
     }
 
     fn marks(&self) -> bool {
-        let marked = self.marks.last().map_or(0, |mark| mark.over);
-        let passes = |bound: usize| (marked + 1..=self.over).contains(&bound);
+        let before = self.marks.last().map_or(0, |mark| mark.over);
+        let passes = |bound: usize| (before + 1..=self.over).contains(&bound);
         !self.loaded || self.bounds.into_iter().any(passes) || self.frame_over
     }
 

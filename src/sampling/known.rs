@@ -28,8 +28,8 @@ const DRAM_OF_CLASS: usize = MOVED_OF_CLASS + CACHED;
 /// First column of misses of the L1s of each kind of units.
 const MISSED: usize = DRAM_OF_CLASS + CLASSES;
 /// The columns of the busiest owner unit and of the busiest bank of an L2.
-const HOME: usize = MISSED + KINDS;
-const BANK: usize = HOME + 1;
+const OWNER: usize = MISSED + KINDS;
+const BANK: usize = OWNER + 1;
 
 /// Covariates of a part of a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -44,7 +44,7 @@ pub(crate) struct Known {
     pub missed: [u64; KINDS],
     /// Cycles of the busiest owner unit for operations on entries of the stores: the maximum of each piece, summed over
     /// pieces.
-    pub home: u64,
+    pub owner: u64,
     /// Requests to the busiest bank of an L2: the maximum of each piece, summed over pieces.
     pub bank: u64,
 }
@@ -56,7 +56,7 @@ impl AddAssign for Known {
         add(&mut self.moved, &other.moved);
         add(&mut self.dram, &other.dram);
         add(&mut self.missed, &other.missed);
-        self.home += other.home;
+        self.owner += other.owner;
         self.bank += other.bank;
     }
 }
@@ -115,21 +115,21 @@ impl Capacity {
             let kind = *kind as usize;
             known.operations[kind] as f64 * stay + known.missed[kind] as f64 * fetch
         });
-        let busiest = self.busiest(known.operations, known.home as f64, 0.0);
+        let busiest = self.busiest(known.operations, known.owner as f64, 0.0);
         (busiest > 0.0).then(|| waits.sum::<f64>() / busiest)
     }
 
-    fn busiest(&self, operations: [u64; KINDS], home: f64, dram: f64) -> f64 {
+    fn busiest(&self, operations: [u64; KINDS], owner: f64, dram: f64) -> f64 {
         let units =
             operations.into_iter().zip(self.operations).map(|(operations, at_once)| operations as f64 / at_once);
-        units.chain(self.lines.map(|lines| dram / lines)).fold(home, f64::max)
+        units.chain(self.lines.map(|lines| dram / lines)).fold(owner, f64::max)
     }
 
     /// The columns with other operations.
     pub(crate) fn with_operations(&self, mut columns: Columns, operations: [u64; KINDS]) -> Columns {
         columns[OPERATIONS] = operations.iter().sum::<u64>() as f64;
         columns[OPERATIONS + 1..KINDS].iter_mut().zip(&operations[1..]).for_each(|(column, &it)| *column = it as f64);
-        columns[BUSIEST] = self.busiest(operations, columns[HOME], columns[DRAM]);
+        columns[BUSIEST] = self.busiest(operations, columns[OWNER], columns[DRAM]);
         columns
     }
 }
@@ -144,7 +144,7 @@ impl Known {
             .iter_mut()
             .zip(self.moved.iter().chain(&self.dram).chain(&self.missed))
             .for_each(|(column, &lines)| *column = lines as f64);
-        (columns[HOME], columns[BANK]) = (self.home as f64, self.bank as f64);
+        (columns[OWNER], columns[BANK]) = (self.owner as f64, self.bank as f64);
         capacity.with_operations(columns, self.operations)
     }
 }
@@ -192,11 +192,11 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
     match figure {
         Figure::L2Bytes => {
             let (tests, words) = (operations_of(Kind::Intersection), moved(TrafficClass::ModeWord));
-            by(&[MOVED, moved(TrafficClass::Triangle), BANK, tests, HOME, words, DRAM], Some(MOVED), Span::Own)
+            by(&[MOVED, moved(TrafficClass::Triangle), BANK, tests, OWNER, words, DRAM], Some(MOVED), Span::Own)
         }
         Figure::DramBytes => {
             let triangle = TrafficClass::Triangle;
-            by(&[DRAM, dram(triangle), HOME, moved(triangle), BANK], Some(DRAM), Span::Own)
+            by(&[DRAM, dram(triangle), OWNER, moved(triangle), BANK], Some(DRAM), Span::Own)
         }
         Figure::Bytes(MemoryLevel::L2(_), class) => by(&[moved(*class)], Some(moved(*class)), Span::Own),
         Figure::Bytes(MemoryLevel::Dram, class) => by(&[dram(*class)], Some(dram(*class)), Span::Own),
@@ -220,7 +220,7 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
             let (words, tests) = (Kind::ShadowCache, Kind::Intersection);
             let few = [BUSIEST, missed(words), operations_of(tests), OPERATIONS, BANK, operations_of(words)];
             let columns =
-                few.into_iter().chain([HOME, MOVED, missed(Kind::Traversal), DRAM, operations_of(Kind::List)]);
+                few.into_iter().chain([OWNER, MOVED, missed(Kind::Traversal), DRAM, operations_of(Kind::List)]);
             Explanation { columns: columns.collect(), lines: None, span: Span::Inside }
         }
     }
@@ -230,12 +230,12 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
 mod tests {
     use super::*;
 
-    fn known(operations: [u64; KINDS], home: u64) -> Known {
-        Known { operations, home, ..Known::default() }
+    fn known(operations: [u64; KINDS], owner: u64) -> Known {
+        Known { operations, owner, ..Known::default() }
     }
 
     #[test]
-    fn the_busiest_is_a_kind_a_home_or_the_bus() {
+    fn the_busiest_is_a_kind_an_owner_or_the_bus() {
         let capacity =
             Capacity { operations: [4.0, 1.0, 2.0, 4.0], lines: Some(0.5), ..Capacity::new(&MachineSpec::default()) };
         let busiest = |known: Known| known.columns(&capacity)[BUSIEST];

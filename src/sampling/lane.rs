@@ -5,7 +5,7 @@ use std::mem::take;
 use std::sync::Arc;
 
 use super::cutter::{CutPiece, Lead, Portion};
-use super::kept::Kept;
+use super::job_cache::JobCache;
 use super::l2_tags::L2Tags;
 use super::path_tags::PathTags;
 use super::windows::{Job, Windows};
@@ -22,7 +22,7 @@ pub(super) struct OnLane {
     /// Its windows.
     pub windows: Windows,
     /// Jobs of later draws.
-    pub kept: Kept,
+    pub cached: JobCache,
 }
 
 impl OnLane {
@@ -32,7 +32,7 @@ impl OnLane {
             if self.windows.is_due(&job) {
                 now.push((self.index, job));
             } else {
-                self.kept.add(job);
+                self.cached.add(job);
             }
         }
     }
@@ -221,7 +221,7 @@ pub(super) fn machines_of_lanes(header: &Header, machines: &[MachineSpec]) -> Ve
     use super::plan::{Cut, Plan};
     let on_lane = |(index, machine)| {
         let windows = Windows::new(machine, header, Plan::new(1.0, Cut::new(machine), 0), 0);
-        (machine, OnLane { index, windows, kept: Kept::default() })
+        (machine, OnLane { index, windows, cached: JobCache::default() })
     };
     let lanes = lanes(header, machines.iter().enumerate().map(on_lane), 1);
     let places = |lane: &L2Lane| lane.machines.iter().map(|machine| machine.index).collect();

@@ -10,7 +10,7 @@ mod figures;
 mod findings;
 mod grow;
 mod job;
-mod kept;
+mod job_cache;
 mod known;
 mod l2_tags;
 mod lane;

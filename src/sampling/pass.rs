@@ -9,7 +9,7 @@ use std::thread::{self, ScopedJoinHandle};
 use super::cutter::{Cutter, Portion};
 use super::estimate::Population;
 use super::job::{self, Found};
-use super::kept::{Kept, KeptJob};
+use super::job_cache::{CachedJob, JobCache};
 use super::lane::{self, Lane, OnLane};
 use super::plan::Plan;
 use super::windows::{Job, JobWork, Windows};
@@ -61,7 +61,7 @@ pub(crate) struct Pass {
     /// Results of the measured jobs, in the stream's order.
     pub found: Vec<Found>,
     /// Jobs of later draws, not replayed yet.
-    pub kept: Kept,
+    pub cached: JobCache,
 }
 
 /// A job's result, with the machine's index and the job's number.
@@ -91,7 +91,7 @@ impl<'a> Sampler<'a> {
             let most = (KEPT * plan.draws.end).max((KEPT_SHARE * plan.strata.length) as usize);
             let later = plan.draws.end..keep.min(most).max(plan.draws.end);
             let windows = Windows::new(machine, self.header, plan.clone(), later.end);
-            (*machine, OnLane { index, windows, kept: Kept::new(later, MOST_BYTES, members.len()) })
+            (*machine, OnLane { index, windows, cached: JobCache::new(later, MOST_BYTES, members.len()) })
         });
         let mut dealt: Vec<Vec<Lane>> = Vec::new();
         for (at, lane) in lane::lanes(self.header, on_lanes, self.threads).into_iter().enumerate() {
@@ -144,8 +144,8 @@ impl<'a> Sampler<'a> {
         on_lanes.sort_by_key(|machine| machine.index);
         let passes = on_lanes.into_iter().zip(in_order(found, members.len()));
         Ok(passes
-            .map(|(OnLane { windows: Windows { population, rays, .. }, kept, .. }, found)| {
-                Ok(Pass { population, rays, found: found?, kept })
+            .map(|(OnLane { windows: Windows { population, rays, .. }, cached, .. }, found)| {
+                Ok(Pass { population, rays, found: found?, cached })
             })
             .collect())
     }
@@ -180,12 +180,12 @@ impl<'a> Sampler<'a> {
     pub(crate) fn replay(
         &self,
         members: &[Member<'_>],
-        jobs: Vec<(usize, KeptJob)>,
+        jobs: Vec<(usize, CachedJob)>,
     ) -> Vec<Result<Vec<Found>, RunError>> {
         let jobs = Mutex::new(jobs.into_iter());
         let work = || {
             let next = || jobs.lock().unwrap_or_else(PoisonError::into_inner).next();
-            let replay = |(index, job): (usize, KeptJob)| self.replay_one(members, &(index, job.unpack()));
+            let replay = |(index, job): (usize, CachedJob)| self.replay_one(members, &(index, job.unpack()));
             std::iter::from_fn(next).map(replay).collect::<Vec<_>>()
         };
         let found = thread::scope(|scope| {

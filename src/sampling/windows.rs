@@ -259,7 +259,7 @@ impl Windows {
         let pieces = [before, own, behind];
         let chunks = rays.chunks(|| {
             let [before, mut own, behind] = pieces.each_ref().map(|pieces| rays_of(pieces));
-            own.mark();
+            own.attribute();
             [before, own, behind]
         });
         let [before_rays, own_rays, behind_rays] = chunks;

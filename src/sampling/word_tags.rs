@@ -45,7 +45,7 @@ struct Units {
     interval: u64,
     cores: usize,
     /// Cycles of operations on entries, by owner unit.
-    at_home: Vec<u64>,
+    of_owners: Vec<u64>,
 }
 
 impl WordTags {
@@ -60,7 +60,7 @@ impl WordTags {
             writes: unit.writes,
             interval: unit.interval,
             cores: machine.cores.size(),
-            at_home: vec![0; unit.count as usize],
+            of_owners: vec![0; unit.count as usize],
         };
         Self {
             layout: Layout::new(header, machine),
@@ -104,7 +104,7 @@ impl WordTags {
         }
         here(&trodden.requests.list[from..], shift, &mut to);
         self.whole_rays(chunk, rays, &mut to.known);
-        self.settle_home(&mut to.known);
+        self.settle_owner(&mut to.known);
         to
     }
 
@@ -115,7 +115,7 @@ impl WordTags {
         for step in self.performed.at_end(steps, &self.layout) {
             self.units.perform(step, &self.layout, &PathEnd::default(), &mut to);
         }
-        self.settle_home(&mut to.known);
+        self.settle_owner(&mut to.known);
         to
     }
 
@@ -140,10 +140,10 @@ impl WordTags {
     }
 
     /// Sets the covariate of the busiest owner unit of a piece, in cycles.
-    fn settle_home(&mut self, known: &mut Known) {
-        let at_home = &mut self.units.at_home;
-        known.home = at_home.iter().copied().max().unwrap_or_default().div_ceil(self.width);
-        at_home.fill(0);
+    fn settle_owner(&mut self, known: &mut Known) {
+        let of_owners = &mut self.units.of_owners;
+        known.owner = of_owners.iter().copied().max().unwrap_or_default().div_ceil(self.width);
+        of_owners.fill(0);
     }
 }
 
@@ -167,16 +167,16 @@ impl Units {
             let unit = usize::from(end.core) * of_core + end.entry as usize % of_core;
             return self.access(unit, &element, lines, to);
         }
-        let home = if units == 1 { 0 } else { (lines.0.0 % units as u64) as usize };
+        let owner = if units == 1 { 0 } else { (lines.0.0 % units as u64) as usize };
         match self.place {
             Place::Own => {
-                self.at_home[home] += self.interval;
-                self.access(home, &element, lines, to);
+                self.of_owners[owner] += self.interval;
+                self.access(owner, &element, lines, to);
             }
             Place::L2 => {
-                self.at_home[home] += self.interval;
+                self.of_owners[owner] += self.interval;
                 to.known.missed[Kind::ShadowCache as usize] += 1;
-                to.add(Request { line: lines.0, core: self.core(home), class: element.class, write: element.write });
+                to.add(Request { line: lines.0, core: self.core(owner), class: element.class, write: element.write });
             }
             // `Triangle` entries are accessed by the path's units; `Free` ones cost nothing.
             Place::Triangle | Place::Free => {}
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn the_home_with_the_most_to_do_is_known_piece_by_piece() {
+    fn the_owner_with_the_most_to_do_is_known_piece_by_piece() {
         let mut machine = MachineSpec::default();
         machine.shadow_cache.count = num(4);
         let words_a_line = (machine.line_bytes.get() / 4) as u32;
@@ -237,8 +237,8 @@ mod tests {
         let one: Vec<_> = (0..8).map(read).collect();
         let spread: Vec<_> = (0..8).map(|line| read(line * words_a_line)).collect();
         let both = [one.clone(), spread.clone()].concat();
-        let homes = [one, spread, both].map(|policies| passed(&mut path, &mut words, policies).home);
-        assert_eq!(homes, [8, 2, 10]);
+        let owners = [one, spread, both].map(|policies| passed(&mut path, &mut words, policies).owner);
+        assert_eq!(owners, [8, 2, 10]);
     }
 
     /// Where one shadow-cache unit has nearly all the work, few rays are in traversal units.
@@ -248,7 +248,7 @@ mod tests {
         machine.traversal.rays = num(64);
         let (mut path, mut words) = tags(&machine);
         let known = passed(&mut path, &mut words, vec![read(0); 4000]);
-        assert_eq!(known.home, 4000);
+        assert_eq!(known.owner, 4000);
         let stay = machine.traversal.latency.get() + machine.traversal.cache.latency.get();
         let in_flight = path.limited(words.in_flight(&known).unwrap());
         assert_eq!(in_flight as u64, stay, "each visits one node, and one a cycle is let through");
@@ -256,7 +256,7 @@ mod tests {
         machine.shadow_cache.width = num(2);
         let (mut path, mut words) = tags(&machine);
         let known = passed(&mut path, &mut words, vec![read(0); 4000]);
-        assert_eq!((known.home, path.limited(words.in_flight(&known).unwrap()) as u64), (2000, 2 * stay));
+        assert_eq!((known.owner, path.limited(words.in_flight(&known).unwrap()) as u64), (2000, 2 * stay));
     }
 
     /// Tags do not access what a machine does not perform.

@@ -9,9 +9,9 @@ use crate::counters::counters;
 counters! {
     /// Accesses to a cache, of one class of traffic.
     pub struct CacheCounts {
-        accesses: "accesses", "accesses to a kind of cache: hits + half_misses + misses + passed_writes";
+        accesses: "accesses", "accesses to a kind of cache: hits + mshr_hits + misses + passed_writes";
         hits: "accesses", "the line was in the cache";
-        half_misses: "accesses", "MSHR hits (secondary misses): the line was already on its way";
+        mshr_hits: "accesses", "MSHR hits (secondary misses): the line was already on its way";
         misses: "accesses", "the line was fetched from the level below";
         passed_writes: "accesses",
             "write misses that do not allocate a line (`no_allocate`): the write went to the level below";

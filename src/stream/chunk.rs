@@ -94,7 +94,7 @@ struct Entry {
 pub struct Chunk {
     entries: Vec<Entry>,
     steps: Vec<u32>,
-    marked: bool,
+    attributed: bool,
 }
 
 /// A ray of a chunk.
@@ -103,7 +103,7 @@ pub struct Ray<'a> {
     /// The ray without its steps.
     pub head: RayHead,
     /// Whether the ray's accesses are attributed: counted separately.
-    pub marked: bool,
+    pub attributed: bool,
     path: &'a [u32],
     policy: &'a [u32],
 }
@@ -184,7 +184,7 @@ impl Chunk {
         if end as usize != steps.len() {
             return Ok(None);
         }
-        Ok(Some(Self { entries, steps, marked: false }))
+        Ok(Some(Self { entries, steps, attributed: false }))
     }
 
     /// The largest ids of all steps, found by a pass over them. A chunk whose extent fits a machine needs no check of
@@ -194,14 +194,14 @@ impl Chunk {
         Extent::of(&self.steps, policies.filter(|words| !words.is_empty()))
     }
 
-    /// Marks the chunk: its rays' accesses are counted separately from now on. Files do not store the mark.
-    pub fn mark(&mut self) {
-        self.marked = true;
+    /// Attributes the accesses of the chunk's rays: they are counted separately. Files do not store this.
+    pub fn attribute(&mut self) {
+        self.attributed = true;
     }
 
-    /// Whether the chunk is marked.
-    pub fn is_marked(&self) -> bool {
-        self.marked
+    /// Whether the accesses of the chunk's rays are counted separately.
+    pub fn is_attributed(&self) -> bool {
+        self.attributed
     }
 
     /// The number of rays.
@@ -256,7 +256,12 @@ impl Chunk {
         let start = self.begin(index);
         let Entry { head, path_end, end } = self.entries[index];
         let (path_end, end) = (path_end as usize, end as usize);
-        Ray { head, marked: self.marked, path: &self.steps[start..path_end], policy: &self.steps[path_end..end] }
+        Ray {
+            head,
+            attributed: self.attributed,
+            path: &self.steps[start..path_end],
+            policy: &self.steps[path_end..end],
+        }
     }
 
     /// All rays in order.

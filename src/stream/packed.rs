@@ -10,7 +10,7 @@ use super::version::Version;
 #[derive(Clone, Debug)]
 pub struct PackedChunk {
     payload: Vec<u8>,
-    marked: bool,
+    attributed: bool,
 }
 
 impl PackedChunk {
@@ -18,15 +18,15 @@ impl PackedChunk {
     pub fn new(chunk: &Chunk) -> Self {
         let mut payload = Vec::with_capacity(chunk_len(chunk));
         put_chunk(chunk, &mut payload);
-        Self { payload: compress_prepend_size(&payload), marked: chunk.is_marked() }
+        Self { payload: compress_prepend_size(&payload), attributed: chunk.is_attributed() }
     }
 
     /// The chunk.
     pub fn unpack(&self) -> Chunk {
         let payload = decompress_size_prepended(&self.payload).expect("it was packed here");
         let mut chunk = columns::chunk(&payload, Version::CURRENT).expect("the payload is of a chunk");
-        if self.marked {
-            chunk.mark();
+        if self.attributed {
+            chunk.attribute();
         }
         chunk
     }
@@ -62,9 +62,9 @@ mod tests {
         }
         let unmarked = PackedChunk::new(&chunk);
         assert_eq!(unmarked.unpack(), chunk);
-        chunk.mark();
+        chunk.attribute();
         let packed = PackedChunk::new(&chunk);
-        assert!(packed.unpack().is_marked() && packed.unpack() == chunk && !unmarked.unpack().is_marked());
+        assert!(packed.unpack().is_attributed() && packed.unpack() == chunk && !unmarked.unpack().is_attributed());
         assert!(packed.bytes() < chunk.bytes() / 4, "{} of {} bytes", packed.bytes(), chunk.bytes());
     }
 }

@@ -79,7 +79,7 @@ impl<W> Cache<W> {
             register.targets.push(who);
             register.written |= dirties;
             register.kept |= allocates;
-            counts.half_misses += 1;
+            counts.mshr_hits += 1;
             Met::HalfMiss
         } else if !allocates && !needs_data {
             if !room {

@@ -217,8 +217,8 @@ impl Unit {
                 let (class, bytes) = (element.class, Bytes(element.bytes));
                 self.out.push_back(Request { line, class, write: false, bytes, from: self.l1 });
                 self.asked.push((line, id));
-                self.tally.read_straight[class as usize].count += 1;
-                self.tally.read_straight[class as usize].bytes += bytes;
+                self.tally.bypassed[class as usize].count += 1;
+                self.tally.bypassed[class as usize].bytes += bytes;
                 to_access.clear();
                 *to_come = 1;
                 self.fetch_queue.pop_front();

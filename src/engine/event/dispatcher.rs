@@ -216,7 +216,7 @@ impl Dispatcher {
         ray.steps.begin(source.packed_path(), source.packed_policy());
         (ray.handed_over, ray.unloaded) = (now, self.least_dispatch + least);
         (ray.kind, ray.decision) = (source.head.kind, source.head.decision);
-        (ray.place, ray.marked) = (which, source.marked);
+        (ray.place, ray.attributed) = (which, source.attributed);
         ray.undecided = links.shadow_cache.decide.takes_an_operation(source.head.decision);
         (ray.evaluating, ray.operand, ray.fetched, ray.list) = (0, false, false, None);
         if links.gathering.is_there() {

@@ -288,8 +288,8 @@ impl Engine for Event {
             l1: *unit.l1_counts(),
             requested: *unit.requested(),
             written_through: *unit.written_through(),
-            read_straight: *unit.read_straight(),
-            marked: *unit.marked(),
+            bypassed: *unit.bypassed(),
+            attributed: *unit.attributed(),
         };
         let Links { l2, dram, .. } = &self.links;
         let channel = |index| ChannelTally {

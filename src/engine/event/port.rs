@@ -97,7 +97,7 @@ impl Port {
         for _ in 0..self.width {
             let Some((_, run)) = self.runs.get_mut(0).filter(|(at, _)| *at <= now) else { break };
             let Run { class, write, first: line, .. } = *run;
-            let request = Request { line, class, write, bytes: self.line, from: self.part, marked: false };
+            let request = Request { line, class, write, bytes: self.line, from: self.part, attributed: false };
             finds_room = dram.put(request, now, clock);
             if !finds_room {
                 break;

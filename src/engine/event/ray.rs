@@ -37,7 +37,7 @@ pub(crate) struct Fetch {
     /// Whether the element is written.
     pub write: bool,
     /// Whether the fetch bypasses the L1.
-    pub straight: bool,
+    pub bypass: bool,
     /// The traffic class.
     pub class: TrafficClass,
     /// Size in bytes.
@@ -55,7 +55,7 @@ pub(crate) struct Ray {
     /// The policy's decision.
     pub decision: Decision,
     /// Whether its requests are also counted separately.
-    pub marked: bool,
+    pub attributed: bool,
     /// Its chunk, and its index there.
     pub place: Place,
     /// The index of the hit that it starts on, and the number of traced shadow rays there; 0 without a gather table.
@@ -93,7 +93,7 @@ impl Default for Ray {
             steps: Steps::default(),
             kind: RayKind::Primary,
             decision: Decision::Trace,
-            marked: false,
+            attributed: false,
             place: Place::default(),
             hit: 0,
             siblings: 0,
@@ -112,7 +112,7 @@ impl Default for Ray {
                 left: 0,
                 missing: 0,
                 write: false,
-                straight: false,
+                bypass: false,
                 class: TrafficClass::Node,
                 bytes: 0,
             },
@@ -156,7 +156,7 @@ impl Fetch {
             left: lines as u8,
             missing: 0,
             write: element.write,
-            straight: false,
+            bypass: false,
             class: element.class,
             bytes: element.bytes as u32,
         }
@@ -166,7 +166,7 @@ impl Fetch {
     #[inline]
     pub(crate) fn of_node(line: LineAddr, bytes: u64) -> Self {
         let (class, bytes) = (TrafficClass::Node, bytes as u32);
-        Self { line, left: 1, missing: 0, write: false, straight: false, class, bytes }
+        Self { line, left: 1, missing: 0, write: false, bypass: false, class, bytes }
     }
 
     /// The line of an element that lies in one line, before or after the access.

@@ -209,7 +209,7 @@ impl Dispatch {
         let counts = (&mut self.entries.work, &mut self.replayed);
         self.entries.steps.leave_out(&mut flight.steps, flight.path_end, layout, counts);
         (flight.evaluating, flight.operand) = (0, false);
-        (flight.kind, flight.decision, flight.marked) = (source.head.kind, source.head.decision, source.marked);
+        (flight.kind, flight.decision, flight.attributed) = (source.head.kind, source.head.decision, source.attributed);
         let at = at.max(self.lets_in_at);
         if self.last_at < at {
             (self.last_at, self.given_then) = (at, 0);

@@ -1,9 +1,9 @@
 //! The simplified machine.
 
 use super::agenda::Agenda;
-use super::crossing::{Crossing, Taken};
 use super::dispatch::{Dispatch, Given};
 use super::entries::EntryAccess;
+use super::issue_queues::{IssueQueues, Taken};
 use super::memory::Memory;
 use super::port::Port;
 use super::unit::Unit;
@@ -31,9 +31,9 @@ pub(crate) struct Profile<W = ()> {
     layout: Layout,
     pub dispatch: Dispatch,
     rays: Vec<Whereabouts>,
-    /// Units, as the crossing numbers them.
+    /// Units, as the issue_queues numbers them.
     units: Vec<Unit>,
-    crossing: Crossing,
+    issue_queues: IssueQueues,
     /// For each division unit: when it can begin the next operation, and its number of operations.
     divisions: Vec<(u64, u64)>,
     memory: Memory<W>,
@@ -56,12 +56,15 @@ impl<W: Watch> Profile<W> {
     /// The machine; `watch` receives all accesses.
     pub(crate) fn watched(machine: &MachineSpec, header: &Header, watch: W) -> Self {
         let line = machine.line_bytes.get();
-        let crossing = Crossing::new(machine);
+        let issue_queues = IssueQueues::new(machine);
         let of_kind = |kind: Kind| {
             let spec = kind.spec(machine);
             let writes = if kind == Kind::Intersection { machine.triangle_writes() } else { spec.writes };
             let spec = KindSpec { writes, ..spec };
-            crossing.of_kind(kind).map(|unit| Unit::new(&spec, unit, crossing.core(unit), line)).collect::<Vec<_>>()
+            issue_queues
+                .of_kind(kind)
+                .map(|unit| Unit::new(&spec, unit, issue_queues.core(unit), line))
+                .collect::<Vec<_>>()
         };
         let dispatch = Dispatch::new(machine, header);
         let rays = dispatch.flights.len();
@@ -74,7 +77,7 @@ impl<W: Watch> Profile<W> {
             dispatch,
             rays: vec![Whereabouts::IDLE; rays],
             units: Kind::ALL.into_iter().flat_map(of_kind).collect(),
-            crossing,
+            issue_queues,
             memory: Memory::new(machine, watch),
             port: Port::new(machine),
             agenda: Agenda::new(rays + 1),
@@ -85,7 +88,7 @@ impl<W: Watch> Profile<W> {
 
     /// The shadow-cache unit of a ray's next step: the owner of its entry, or by the ray's number.
     fn shadow_cache(&self, id: u32) -> usize {
-        let units = self.crossing.of_kind(Kind::ShadowCache);
+        let units = self.issue_queues.of_kind(Kind::ShadowCache);
         if units.len() == 1 {
             return units.start;
         }
@@ -102,10 +105,10 @@ impl<W: Watch> Profile<W> {
             Stage::First => self.first(id, now),
             Stage::Second => self.second(id, now),
             Stage::Back => {
-                self.crossing.leave(self.rays[id as usize].away as usize, now);
+                self.issue_queues.leave(self.rays[id as usize].away as usize, now);
                 self.step(id, now);
             }
-            Stage::Policy => self.crossing.arrive(id, self.shadow_cache(id), now),
+            Stage::Policy => self.issue_queues.arrive(id, self.shadow_cache(id), now),
             Stage::Entry => self.access(id, now),
         }
         self.take_on_all();
@@ -142,7 +145,7 @@ impl<W: Watch> Profile<W> {
         let work = Work::of(step, ray.holder, flight.kind, &self.layout);
         if work.kind != ray.holder.kind() {
             let home = (id as usize).checked_sub(self.dispatch.pool()).unwrap_or(id as usize);
-            return self.crossing.send(id, holder, self.crossing.performer(work.kind, holder, home), now);
+            return self.issue_queues.send(id, holder, self.issue_queues.performer(work.kind, holder, home), now);
         }
         if let Some(end) = self.perform(id, holder, &work.first, Way::Cached, now) {
             self.dispatch.performed(id);
@@ -153,10 +156,10 @@ impl<W: Watch> Profile<W> {
     /// The ray's next step accesses an entry, and shadow-cache unit `holder` has the ray.
     fn entry(&mut self, id: u32, holder: usize, now: u64) {
         if self.shadow_cache(id) != holder {
-            self.crossing.leave(holder, now + 1);
-            return self.crossing.arrive(id, self.shadow_cache(id), now + 1);
+            self.issue_queues.leave(holder, now + 1);
+            return self.issue_queues.arrive(id, self.shadow_cache(id), now + 1);
         }
-        let unit = holder - self.crossing.of_kind(Kind::ShadowCache).start;
+        let unit = holder - self.issue_queues.of_kind(Kind::ShadowCache).start;
         match self.dispatch.access(id, unit, &self.layout) {
             EntryAccess::Taken => self.step(id, now),
             EntryAccess::Performed { sets_modes } => {
@@ -173,10 +176,10 @@ impl<W: Watch> Profile<W> {
         let (unit, sets_modes) = (ray.policy_unit as usize, ray.sets_modes);
         let way = match self.place {
             Place::Triangle => {
-                let units = self.crossing.of_kind(Kind::Intersection);
+                let units = self.issue_queues.of_kind(Kind::Intersection);
                 let (line, _) = self.layout.lines(&element);
                 let to = units.start + (line.0 % units.len() as u64) as usize;
-                return self.crossing.send(id, unit, to, now);
+                return self.issue_queues.send(id, unit, to, now);
             }
             Place::L2 if element.write && !sets_modes => Way::Operand,
             Place::L2 => Way::Past,
@@ -203,10 +206,10 @@ impl<W: Watch> Profile<W> {
         }
         let ends = (id as usize).checked_sub(dispatch.pool());
         memory.watch.entry(ends.unwrap_or(id as usize), ends.is_some());
-        let marked = dispatch.flights[id as usize].marked;
+        let attributed = dispatch.flights[id as usize].attributed;
         let performed = match way {
-            Way::Cached => performer.perform(element, marked, at, layout, memory),
-            Way::Past => performer.perform_past(element, marked, at, layout, memory),
+            Way::Cached => performer.perform(element, attributed, at, layout, memory),
+            Way::Past => performer.perform_past(element, attributed, at, layout, memory),
             Way::Operand => Ok(performer.write_past(element, at, layout, memory)),
         };
         match performed {
@@ -229,7 +232,7 @@ impl<W: Watch> Profile<W> {
 
     /// Units work on the rays that they have taken on.
     fn take_on_all(&mut self) {
-        while let Some(Taken { ray, unit, at }) = self.crossing.taken() {
+        while let Some(Taken { ray, unit, at }) = self.issue_queues.taken() {
             self.take_on(ray, unit, at);
         }
     }
@@ -237,7 +240,7 @@ impl<W: Watch> Profile<W> {
     fn take_on(&mut self, id: u32, unit: usize, at: u64) {
         let ray = &mut self.rays[id as usize];
         ray.away = unit as u32;
-        if self.crossing.kind(unit) != Kind::ShadowCache {
+        if self.issue_queues.kind(unit) != Kind::ShadowCache {
             return self.first(id, at);
         }
         (ray.holder, ray.policy_unit, ray.stage) = (Holder::ShadowCache, unit as u32, Stage::Step);
@@ -301,7 +304,7 @@ impl<W: Watch> Profile<W> {
         match ray.holder {
             Holder::ShadowCache => {
                 let unit = ray.policy_unit as usize;
-                self.crossing.leave(unit, now + 1);
+                self.issue_queues.leave(unit, now + 1);
             }
             Holder::Traversal => {
                 self.dispatch.left_slot(id);
@@ -429,7 +432,7 @@ impl<W: Watch> Engine for Profile<W> {
     }
 
     fn tally(&self, cycles: u64) -> Tally {
-        let units = |kind| self.units[self.crossing.of_kind(kind)].iter().map(Unit::tally).collect();
+        let units = |kind| self.units[self.issue_queues.of_kind(kind)].iter().map(Unit::tally).collect();
         Tally {
             cycles,
             rays: self.dispatch.rays_done,

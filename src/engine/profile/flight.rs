@@ -19,7 +19,7 @@ pub(crate) struct Flight {
     /// The policy's decision.
     pub decision: Decision,
     /// Whether its misses are attributed.
-    pub marked: bool,
+    pub attributed: bool,
     /// The traversal unit that holds it.
     pub unit: u32,
     /// Number of its next steps that set modes at a first touch.
@@ -40,7 +40,7 @@ impl Flight {
         next: 0,
         kind: RayKind::Primary,
         decision: Decision::Trace,
-        marked: false,
+        attributed: false,
         unit: 0,
         evaluating: 0,
         operand: false,

@@ -3,7 +3,7 @@
 use crate::engine::tally::PerClass;
 use crate::memory::allocation::NoAllocate;
 use crate::memory::cache::Access;
-use crate::memory::mshr::Fate;
+use crate::memory::mshr::FillPolicy;
 use crate::memory::tags::{TagArray, Victim};
 use crate::quantity::LineAddr;
 use crate::stats::{CacheCounts, TrafficClass};
@@ -14,7 +14,7 @@ struct Coming {
     line: LineAddr,
     at: u64,
     class: TrafficClass,
-    fate: Fate,
+    fill: FillPolicy,
     /// Accesses that wait for the line.
     targets: usize,
 }
@@ -107,19 +107,19 @@ impl Level {
         mut at: u64,
         gone: &mut impl FnMut(Victim, u64),
     ) -> (u64, Found) {
-        let (counts, fate) = (class as usize, self.fate(class, access));
+        let (counts, fill) = (class as usize, self.fill(class, access));
         loop {
             if let Some(coming) = self.coming.iter_mut().find(|coming| coming.line == line) {
                 if coming.targets < self.targets {
                     let comes = coming.at + self.apart * coming.targets as u64;
                     coming.targets += 1;
-                    coming.fate.dirty |= fate.dirty;
-                    coming.fate.keep |= fate.keep;
-                    self.counts[counts].half_misses += 1;
+                    coming.fill.dirty |= fill.dirty;
+                    coming.fill.keep |= fill.keep;
+                    self.counts[counts].mshr_hits += 1;
                     return (at, Found::Coming(comes));
                 }
                 at = coming.at;
-            } else if !waits && !fate.keep {
+            } else if !waits && !fill.keep {
                 self.counts[counts].passed_writes += 1;
                 return (at, Found::Passed);
             } else if self.coming.len() < self.registers {
@@ -129,7 +129,7 @@ impl Level {
                 at = self.next_at;
             }
             self.arrive(at, gone);
-            if self.tags.access(line, fate.dirty) {
+            if self.tags.access(line, fill.dirty) {
                 self.counts[counts].hits += 1;
                 return (at, Found::Hit);
             }
@@ -147,13 +147,13 @@ impl Level {
 
     /// The line just missed comes in cycle `at`.
     pub(super) fn expect(&mut self, line: LineAddr, class: TrafficClass, access: Access, at: u64) {
-        let fate = self.fate(class, access);
-        self.coming.push(Coming { line, at, class, fate, targets: 1 });
+        let fill = self.fill(class, access);
+        self.coming.push(Coming { line, at, class, fill, targets: 1 });
         self.next_at = self.next_at.min(at);
     }
 
-    fn fate(&self, class: TrafficClass, access: Access) -> Fate {
-        Fate { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) }
+    fn fill(&self, class: TrafficClass, access: Access) -> FillPolicy {
+        FillPolicy { dirty: access == Access::Write, keep: self.no_allocate.keeps(class, access != Access::Read) }
     }
 
     /// Whether a line that comes up to cycle `at` is not filled yet.
@@ -174,12 +174,12 @@ impl Level {
     fn put_in(&mut self, at: u64, gone: &mut impl FnMut(Victim, u64)) {
         while self.next_at <= at && self.next_at < u64::MAX {
             let first = self.coming.iter().position(|coming| coming.at == self.next_at).expect("one comes first");
-            let Coming { line, at: came, class, fate, .. } = self.coming.remove(first);
+            let Coming { line, at: came, class, fill, .. } = self.coming.remove(first);
             self.next_at = self.coming.iter().map(|coming| coming.at).min().unwrap_or(u64::MAX);
-            let victim = if fate.keep {
-                self.tags.fill(line, class, fate.dirty)
+            let victim = if fill.keep {
+                self.tags.fill(line, class, fill.dirty)
             } else {
-                Some(Victim { line, class, dirty: fate.dirty })
+                Some(Victim { line, class, dirty: fill.dirty })
             };
             if let Some(victim) = victim.filter(|victim| victim.dirty) {
                 self.counts[victim.class as usize].write_backs += 1;

@@ -67,19 +67,19 @@ impl<W: Watch> Memory<W> {
         }
     }
 
-    /// A unit of core `core` reads `bytes` bytes of a line in cycle `at`; `marked` says whether its miss is attributed.
-    /// Returns the cycle in which they come.
+    /// A unit of core `core` reads `bytes` bytes of a line in cycle `at`; `attributed` says whether its miss counts
+    /// among the attributed ones. Returns the cycle in which they come.
     pub(super) fn read(
         &mut self,
         core: usize,
         (line, bytes): (LineAddr, Bytes),
         class: TrafficClass,
-        marked: bool,
+        attributed: bool,
         at: u64,
     ) -> u64 {
         let Accessed { bank, ready, missed } = self.access(core, line, class, false, at);
         let bank = &mut self.banks[bank];
-        bank.served.read(class, bytes, missed, marked);
+        bank.served.read(class, bytes, missed, attributed);
         ready + bank.latency + 1
     }
 

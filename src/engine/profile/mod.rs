@@ -8,13 +8,13 @@
 //! when it requests its data, not when the data comes. The DRAM serves requests to a bank nearly in arrival order.
 
 mod agenda;
-mod crossing;
 mod curves;
 mod dispatch;
 mod dram;
 mod engine;
 mod entries;
 mod flight;
+mod issue_queues;
 mod level;
 mod memory;
 mod port;

@@ -43,7 +43,7 @@ pub(super) struct Unit {
     past: Vec<u64>,
     most_past: usize,
     read_past: PerClass<Past>,
-    marked: PerClass<u64>,
+    attributed: PerClass<u64>,
 }
 
 impl Unit {
@@ -73,16 +73,16 @@ impl Unit {
             past: Vec::new(),
             most_past: mshrs.size(),
             read_past: PerClass::default(),
-            marked: PerClass::default(),
+            attributed: PerClass::default(),
         }
     }
 
-    /// Performs an operation on `element`, requested in cycle `at`; `marked` says whether its misses are attributed.
-    /// Returns the cycle of its end, or as an error the cycle to try again, when an MSHR is free.
+    /// Performs an operation on `element`, requested in cycle `at`; `attributed` says whether its misses count among
+    /// the attributed ones. Returns the cycle of its end, or as an error the cycle to try again, when an MSHR is free.
     pub(super) fn perform<W: Watch>(
         &mut self,
         element: &Element,
-        marked: bool,
+        attributed: bool,
         at: u64,
         layout: &Layout,
         memory: &mut Memory<W>,
@@ -114,8 +114,8 @@ impl Unit {
                 Found::Coming(at) => at,
                 Found::Passed => unreachable!("a ray waits for the data"),
                 Found::Missing => {
-                    self.marked[class as usize] += u64::from(marked);
-                    let comes = memory.read(core, (line, size), class, marked, when);
+                    self.attributed[class as usize] += u64::from(attributed);
+                    let comes = memory.read(core, (line, size), class, attributed, when);
                     self.level.expect(line, class, access, comes);
                     comes
                 }
@@ -156,7 +156,7 @@ impl Unit {
     pub(super) fn perform_past<W: Watch>(
         &mut self,
         element: &Element,
-        marked: bool,
+        attributed: bool,
         at: u64,
         layout: &Layout,
         memory: &mut Memory<W>,
@@ -168,7 +168,7 @@ impl Unit {
             return Err(until);
         }
         let ((line, _), class, bytes) = (layout.lines(element), element.class, Bytes(element.bytes));
-        let comes = memory.read(self.core, (line, bytes), class, marked, at);
+        let comes = memory.read(self.core, (line, bytes), class, attributed, at);
         self.past.push(comes);
         self.read_past[class as usize].add(bytes);
         self.began(at, self.interval);
@@ -248,8 +248,8 @@ impl Unit {
             l1: Default::default(),
             requested: self.requested,
             written_through: self.written_through,
-            read_straight: self.read_past,
-            marked: self.marked,
+            bypassed: self.read_past,
+            attributed: self.attributed,
         }
     }
 }

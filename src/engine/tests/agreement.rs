@@ -134,9 +134,7 @@ fn engines_agree_on_any_machine_and_stream() {
     reached("row hits", |tally| tally.commands().row_hits);
     reached("row conflicts", |tally| tally.commands().row_conflicts);
     reached("writes", |tally| tally.commands().writes);
-    reached("half misses of the L2", |tally| {
-        tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.half_misses).sum()
-    });
+    reached("MSHR hits of the L2", |tally| tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.mshr_hits).sum());
     reached("writes past the L2", |tally| {
         tally.banks.iter().flat_map(|bank| bank.cache).map(|it| it.passed_writes).sum()
     });
@@ -157,7 +155,7 @@ fn engines_agree_on_any_machine_and_stream() {
         assert!(all.iter().filter(moves).count() > 20, "{class:?}");
     }
     reached("reads past the L1", |tally| {
-        tally.units[Kind::ShadowCache as usize].iter().flat_map(|unit| unit.read_straight).map(|past| past.count).sum()
+        tally.units[Kind::ShadowCache as usize].iter().flat_map(|unit| unit.bypassed).map(|past| past.count).sum()
     });
     reached("words by way of intersection units", |tally| {
         tally.units[Kind::Intersection as usize]

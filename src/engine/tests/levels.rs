@@ -47,11 +47,11 @@ fn profile_does_the_same_work_as_event_on_any_machine() {
     );
 }
 
-/// On any machine, marks on rays change nothing, and each miss is attributed to one ray: the misses of marked rays and
-/// of the other rays sum to all misses.
+/// On any machine, attribution changes nothing, and each miss is attributed to one ray: the misses of attributed rays
+/// and of the other rays sum to all misses.
 #[test]
 fn misses_are_those_of_the_rays_that_ask() {
-    /// Cycles; then misses of the L1s and read misses of the L2: all misses and those of marked rays.
+    /// Cycles; then misses of the L1s and read misses of the L2: all misses and those of attributed rays.
     fn missed(engine: &mut dyn Engine, machine: &MachineSpec, items: &[Item]) -> (u64, [[PerClass<u64>; 2]; 2]) {
         let tally = replay(engine, machine, &mut items.iter().cloned().map(Ok), None).unwrap();
         let units = || tally.units.iter().flatten();
@@ -59,10 +59,10 @@ fn misses_are_those_of_the_rays_that_ask() {
         let banks = |of: fn(&BankTally, usize) -> u64| {
             std::array::from_fn(|class| tally.banks.iter().map(|it| of(it, class)).sum())
         };
-        let l1s = [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.marked[class])];
+        let l1s = [sum(|unit, class| unit.cache[class].misses), sum(|unit, class| unit.attributed[class])];
         (
             tally.cycles,
-            [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.marked[class])]],
+            [l1s, [banks(|bank, class| bank.served.missed[class]), banks(|bank, class| bank.served.attributed[class])]],
         )
     }
     check_many(
@@ -72,14 +72,14 @@ fn misses_are_those_of_the_rays_that_ask() {
             // End-of-frame steps belong to no ray: the streams have none.
             (machine.shadow_cache.frame_end, machine.shadow_cache.latched) = (FrameEnd::List, LatchedCopy::Free);
             // Marks every other chunk, then the other chunks.
-            let marked = |odd: usize| -> Vec<Item> {
+            let attributed = |odd: usize| -> Vec<Item> {
                 let mut totals = Totals::default();
                 let mark = |(at, item): (usize, &Item)| match item {
                     Item::Rays(chunk) => {
                         chunk.rays().for_each(|ray| totals.count(&ray));
                         let mut chunk = Chunk::clone(chunk);
                         if at % 2 == odd {
-                            chunk.mark();
+                            chunk.attribute();
                         }
                         Item::Rays(Arc::new(chunk))
                     }
@@ -88,7 +88,7 @@ fn misses_are_those_of_the_rays_that_ask() {
                 };
                 stream.iter().enumerate().map(mark).collect()
             };
-            let streams = [marked(0), marked(1)];
+            let streams = [attributed(0), attributed(1)];
             let header = header();
             let event = |items: &Vec<Item>| missed(&mut Event::new(&machine, &header), &machine, items);
             let mut by = vec![("Event", streams.each_ref().map(event))];

@@ -249,7 +249,7 @@ fn misses_to_one_line_are_merged() {
     let rays: Vec<_> = (0..4).map(|_| SyntheticRay::primary(nodes([7]))).collect();
     let stats = replayed(&machine, one_frame(&rays));
     let counts = stats.caches["l1_traversal"][&TrafficClass::Node];
-    assert_eq!((counts.misses, counts.half_misses, counts.hits), (1, 3, 0));
+    assert_eq!((counts.misses, counts.mshr_hits, counts.hits), (1, 3, 0));
     assert_eq!(stats.dram.reads, 1);
 }
 

@@ -144,7 +144,7 @@ fn violated_identities_are_found() {
     let broken: [(&str, Breakage); 8] = [
         ("in the queue of l2 0 against cycles waited", |t| t.queues[QueueKind::L2 as usize][0].waited += 1),
         ("less than their least latency", |t| t.latencies.too_fast += 1),
-        ("hits + half misses + misses + passed writes", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
+        ("hits + MSHR hits + misses + passed writes", |t| t.banks[0].cache[TrafficClass::Node as usize].hits += 1),
         ("cycles of all causes", |t| t.units[Kind::Traversal as usize][1].causes[Cause::Busy as usize] += 1),
         ("row hits", |t| t.channels[0].counts.row_hits += 1),
         ("bytes of L2 and host against DRAM", |t| t.channels[0].moved[TrafficClass::Node as usize].0 += 1),

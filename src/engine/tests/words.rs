@@ -62,16 +62,16 @@ fn a_displaced_update_is_performed_by_the_ray_that_displaces_it() {
 }
 
 #[test]
-fn straight_to_the_l2_only_the_entry_moves_and_updates_need_no_data() {
+fn past_the_l1_only_the_entry_moves_and_updates_need_no_data() {
     let mut machine = in_order();
     machine.shadow_cache.place = Place::L2;
     let tally = tally(&machine, &pixels([vec![read(0), or(0), count(0)]]), &[or(0)]);
     let [words, counters] = [TrafficClass::ModeWord, TrafficClass::PixelCounter].map(|class| class as usize);
     let unit = &tally.units[Kind::ShadowCache as usize][0];
     // The ray's read, and the read of the end-of-frame update, which sets modes.
-    assert_eq!((unit.read_straight[words].count, unit.read_straight[words].bytes.0), (2, 8));
+    assert_eq!((unit.bypassed[words].count, unit.bypassed[words].bytes.0), (2, 8));
     assert_eq!((unit.written_through[words].count, unit.written_through[words].bytes.0), (2, 8));
-    assert_eq!((unit.read_straight[counters].count, unit.written_through[counters].bytes.0), (0, 8));
+    assert_eq!((unit.bypassed[counters].count, unit.written_through[counters].bytes.0), (0, 8));
     assert_eq!(accesses(&tally, Kind::ShadowCache, TrafficClass::ModeWord), 0);
 }
 

@@ -78,10 +78,10 @@ fn a_sample_does_not_depend_on_the_number_of_threads() {
         let mut plan = Plan::new(0.25, cut, 5);
         let sampler = Sampler { threads, ..Sampler::new(Sampled::Event, &header) };
         let mut pass = pass(&sampler, &machine, &plan, 4, &stream);
-        let mut kept = std::mem::take(&mut pass.kept);
+        let mut cached = std::mem::take(&mut pass.cached);
         let mut findings = Findings::of(&sampler, &machine, &cut, pass);
         plan.draws = 2..3;
-        let jobs = kept.take(&plan.draws).unwrap().into_iter().map(|job| (0, job));
+        let jobs = cached.take(&plan.draws).unwrap().into_iter().map(|job| (0, job));
         let member = [Member { machine: &machine, plan: plan.clone() }];
         findings.add(sampler.replay(&member, jobs.collect()).remove(0).unwrap());
         // Kept jobs give the same results as another pass.

@@ -2,7 +2,7 @@
 
 use super::super::cutter::Cutter;
 use super::super::grow::{Goal, sample_until};
-use super::super::kept::Kept;
+use super::super::job_cache::JobCache;
 use super::super::lane::{Lane, OnLane, lanes, machines_of_lanes};
 use super::super::windows::Windows;
 use super::*;
@@ -104,7 +104,7 @@ fn who_asks_for_fewer_rays_in_flight_parts() {
     let parted = |of: [usize; 2]| {
         let on_lane = |at: usize| {
             let windows = Windows::new(&machines[at], &header, plan.clone(), 0);
-            (&machines[at], OnLane { index: at, windows, kept: Kept::default() })
+            (&machines[at], OnLane { index: at, windows, cached: JobCache::default() })
         };
         let mut lanes = lanes(&header, of.into_iter().map(on_lane), 1);
         let mut cutter = Cutter::new(&header, &machines[0], &plan, 0);

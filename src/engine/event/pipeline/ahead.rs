@@ -14,7 +14,7 @@ impl Pipeline {
     pub(crate) fn can_work_ahead(&self) -> bool {
         // A ray that is stuck for lack of a place in the out queue goes on as soon as the L2 has a place.
         let waits_for_place = self.stuck && self.out.len() == self.out_places;
-        self.foresees && self.ready.is_empty() && self.straight.is_empty() && !waits_for_place
+        self.foresees && self.ready.is_empty() && self.bypassing.is_empty() && !waits_for_place
     }
 
     /// The end cycle of the first operation, and its ray; [`u64::MAX`] if there is none.
@@ -85,9 +85,9 @@ impl Pipeline {
     fn fetch_slowly_ahead(&mut self, ray: RayId, mut fetch: Fetch, at: u64, line: u64, links: &mut Links) -> bool {
         let mut done = true;
         if self.fetching.is_empty() && !self.stuck {
-            let marked = links.rays[ray as usize].marked;
+            let attributed = links.rays[ray as usize].attributed;
             while done && fetch.left > 0 && self.access_at.max(at) < line {
-                done = self.access_ahead(ray, marked, &mut fetch, at, line);
+                done = self.access_ahead(ray, attributed, &mut fetch, at, line);
             }
         }
         if fetch.left > 0 {
@@ -105,10 +105,10 @@ impl Pipeline {
 
     /// Makes the next access of a ray's fetch, in cycle `from` or later. Returns whether this was possible.
     #[inline]
-    fn access_ahead(&mut self, ray: RayId, marked: bool, fetch: &mut Fetch, from: u64, line: u64) -> bool {
+    fn access_ahead(&mut self, ray: RayId, attributed: bool, fetch: &mut Fetch, from: u64, line: u64) -> bool {
         let at = self.access_at.max(from);
         let hit = self.cache.hit(fetch.line, fetch.class, Access::Read);
-        if !hit && !self.miss(ray, marked, fetch, Access::Read, at) {
+        if !hit && !self.miss(ray, attributed, fetch, Access::Read, at) {
             self.stuck = self.out.len() < self.out_places;
             return false;
         }
@@ -147,7 +147,7 @@ impl Pipeline {
             && self.access_at.max(from) < line
         {
             let state = &mut links.rays[ray as usize];
-            done = self.access_ahead(ray, state.marked, &mut state.fetch, from, line);
+            done = self.access_ahead(ray, state.attributed, &mut state.fetch, from, line);
             if done && state.fetch.left == 0 {
                 self.fetching.drop_front();
             }

@@ -37,11 +37,11 @@ impl Pipeline {
     pub(super) fn fill(&mut self, now: u64, links: &mut Links) -> bool {
         let lines = &mut links.lines[self.part.0 as usize];
         let Some(&Answer { line, .. }) = lines.front() else { return false };
-        let past = self.straight.iter().position(|(asked, _)| *asked == line);
+        let past = self.bypassing.iter().position(|(asked, _)| *asked == line);
         if let Some(at) = past {
             lines.drop_front();
             self.fill_at = now + 1;
-            if let Some((_, ray)) = self.straight.remove(at) {
+            if let Some((_, ray)) = self.bypassing.remove(at) {
                 self.line_came(ray, &mut links.rays);
             }
             return true;
@@ -100,9 +100,9 @@ impl Pipeline {
         for _ in 0..self.ports {
             let Some(&id) = self.fetching.front() else { return false };
             let ray = &mut links.rays[id as usize];
-            let Fetch { line, class, write, straight, .. } = ray.fetch;
-            if straight {
-                if !self.ask_straight(id, ray, now) {
+            let Fetch { line, class, write, bypass, .. } = ray.fetch;
+            if bypass {
+                if !self.ask_past(id, ray, now) {
                     self.stuck = true;
                     return true;
                 }
@@ -113,7 +113,7 @@ impl Pipeline {
             }
             let access = if write { self.writes.access(class, true) } else { Access::Read };
             let hit = self.cache.hit(line, class, access);
-            if !hit && !self.miss(id, ray.marked, &ray.fetch, access, now) {
+            if !hit && !self.miss(id, ray.attributed, &ray.fetch, access, now) {
                 self.stuck = true;
                 return true;
             }
@@ -163,9 +163,9 @@ impl Pipeline {
             && line.is_none_or(|line| line.at > now + 1)
     }
 
-    /// Handles an access of ray `id` to an absent line in cycle `at`; `marked` says whether the ray is marked. Returns
-    /// false if the access has to wait.
-    pub(super) fn miss(&mut self, id: RayId, marked: bool, fetch: &Fetch, access: Access, at: u64) -> bool {
+    /// Handles an access of ray `id` to an absent line in cycle `at`; `attributed` says whether the miss counts among
+    /// the attributed ones. Returns false if the access has to wait.
+    pub(super) fn miss(&mut self, id: RayId, attributed: bool, fetch: &Fetch, access: Access, at: u64) -> bool {
         let Fetch { line, class, .. } = *fetch;
         let room = self.out.len() < self.out_places;
         match self.cache.miss(line, class, access, Some(id), room) {
@@ -173,32 +173,32 @@ impl Pipeline {
             Lookup::Hit | Lookup::Passed => unreachable!("the line is not there, and a ray waits for the data"),
             Lookup::Merged => {}
             Lookup::Miss => {
-                self.marked[class as usize] += u64::from(marked);
+                self.attributed[class as usize] += u64::from(attributed);
                 let bytes = self.line;
-                self.out.push_back((at, Request { line, class, write: false, bytes, from: self.part, marked }));
+                self.out.push_back((at, Request { line, class, write: false, bytes, from: self.part, attributed }));
             }
         }
         true
     }
 
     /// The first ray of the fetch queue, `id`, requests its line from the L2. Returns false if it has to wait.
-    pub(super) fn ask_straight(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
-        if self.out.len() == self.out_places || self.straight.len() == self.most_straight {
+    pub(super) fn ask_past(&mut self, id: RayId, ray: &mut Ray, now: u64) -> bool {
+        if self.out.len() == self.out_places || self.bypassing.len() == self.most_bypassing {
             return false;
         }
-        let (marked, fetch) = (ray.marked, &mut ray.fetch);
+        let (attributed, fetch) = (ray.attributed, &mut ray.fetch);
         let (line, class, bytes) = (fetch.line, fetch.class, Bytes(fetch.bytes.into()));
         (fetch.line.0, fetch.left, fetch.missing) = (line.0 + 1, 0, 1);
-        self.out.push_back((now, Request { line, class, write: false, bytes, from: self.part, marked }));
-        self.straight.push_back((line, id));
-        self.read_straight[class as usize].add(bytes);
+        self.out.push_back((now, Request { line, class, write: false, bytes, from: self.part, attributed }));
+        self.bypassing.push_back((line, id));
+        self.bypassed[class as usize].add(bytes);
         self.waiting += 1;
         self.fetching.drop_front();
         true
     }
 
     pub(super) fn push_out(&mut self, line: LineAddr, class: TrafficClass, write: bool, bytes: Bytes, now: u64) {
-        self.out.push_back((now, Request { line, class, write, bytes, from: self.part, marked: false }));
+        self.out.push_back((now, Request { line, class, write, bytes, from: self.part, attributed: false }));
     }
 
     /// Step 7. Returns whether the first request of the out queue found a place.
@@ -226,8 +226,8 @@ impl Pipeline {
     }
 
     /// A ray begins to fetch `element` from the L2, past the L1.
-    pub(crate) fn fetch_straight(&mut self, ray: RayId, element: &Element, links: &mut Links) {
-        links.rays[ray as usize].fetch = Fetch { straight: true, ..Fetch::of(element, &links.layout) };
+    pub(crate) fn fetch_past(&mut self, ray: RayId, element: &Element, links: &mut Links) {
+        links.rays[ray as usize].fetch = Fetch { bypass: true, ..Fetch::of(element, &links.layout) };
         self.fetching.push_back(ray);
     }
 }

@@ -74,11 +74,11 @@ pub(crate) struct Pipeline {
     pub(super) released: Ring<RayId>,
     pub(super) release_at: u64,
     /// Requests under way that bypass the L1, the oldest first, and their greatest number.
-    pub(super) straight: Ring<(LineAddr, RayId)>,
-    pub(super) most_straight: usize,
-    pub(super) read_straight: [Past; TrafficClass::ALL.len()],
-    /// Misses of marked rays.
-    pub(super) marked: [u64; TrafficClass::ALL.len()],
+    pub(super) bypassing: Ring<(LineAddr, RayId)>,
+    pub(super) most_bypassing: usize,
+    pub(super) bypassed: [Past; TrafficClass::ALL.len()],
+    /// Misses of attributed rays.
+    pub(super) attributed: [u64; TrafficClass::ALL.len()],
 }
 
 impl Pipeline {
@@ -128,10 +128,10 @@ impl Pipeline {
             release: cache.release,
             released: Ring::new(),
             release_at: 0,
-            straight: Ring::new(),
-            most_straight: cache.mshrs.size(),
-            read_straight: [Past::default(); TrafficClass::ALL.len()],
-            marked: [0; TrafficClass::ALL.len()],
+            bypassing: Ring::new(),
+            most_bypassing: cache.mshrs.size(),
+            bypassed: [Past::default(); TrafficClass::ALL.len()],
+            attributed: [0; TrafficClass::ALL.len()],
         }
     }
 
@@ -160,7 +160,7 @@ impl Pipeline {
 
     /// Whether no request to the L2 waits or is under way.
     pub(crate) fn is_idle(&self) -> bool {
-        self.out.is_empty() && self.cache.misses_under_way() == 0 && self.straight.is_empty()
+        self.out.is_empty() && self.cache.misses_under_way() == 0 && self.bypassing.is_empty()
     }
 
     /// The L1.
@@ -179,8 +179,8 @@ impl Pipeline {
     }
 
     /// Reads that bypassed the L1, by class.
-    pub(crate) fn read_straight(&self) -> &[Past; TrafficClass::ALL.len()] {
-        &self.read_straight
+    pub(crate) fn bypassed(&self) -> &[Past; TrafficClass::ALL.len()] {
+        &self.bypassed
     }
 
     /// Counts that only an L1 has, by class.
@@ -188,9 +188,9 @@ impl Pipeline {
         self.banks.counts()
     }
 
-    /// Misses of marked rays, by class.
-    pub(crate) fn marked(&self) -> &[u64; TrafficClass::ALL.len()] {
-        &self.marked
+    /// Misses of attributed rays, by class.
+    pub(crate) fn attributed(&self) -> &[u64; TrafficClass::ALL.len()] {
+        &self.attributed
     }
 
     /// The unit's cycles.

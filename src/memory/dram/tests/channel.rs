@@ -52,7 +52,14 @@ fn timing(spec: &DramSpec) -> Closed {
 }
 
 fn request(line: u64, write: bool) -> Request {
-    Request { line: LineAddr(line), class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(9), marked: false }
+    Request {
+        line: LineAddr(line),
+        class: TrafficClass::Node,
+        write,
+        bytes: Bytes(64),
+        from: PartId(9),
+        attributed: false,
+    }
 }
 
 /// Puts each request in its cycle; returns the cycle of each answer.

@@ -155,7 +155,7 @@ fn log(spec: &DramSpec, clocks: u64) -> Vec<LoggedCommand> {
         // Three rows, eight banks, 32 columns.
         let line = LineAddr((number >> 33) % 768);
         let write = number >> 60 < 6;
-        Request { line, class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(1), marked: false }
+        Request { line, class: TrafficClass::Node, write, bytes: Bytes(64), from: PartId(1), attributed: false }
     };
     let mut request = next();
     for now in 0..clocks {

@@ -36,7 +36,7 @@ fn streamed(spec: &DramSpec, clocks: u64) -> f64 {
         write: false,
         bytes: Bytes(LINE),
         from: PartId(1),
-        marked: false,
+        attributed: false,
     };
     for now in 0..clocks {
         while dram.put(read(line), now, &mut Awake) {

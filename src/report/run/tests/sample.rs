@@ -88,7 +88,7 @@ fn machine(share: f64, words: u64) -> MachineRun {
     let l2 = |hits: u64| {
         let misses = 980_000 - hits;
         let counts =
-            CacheCounts { accesses: 1_000_000, hits, half_misses: 20_000, misses, passed_writes: 0, write_backs: 0 };
+            CacheCounts { accesses: 1_000_000, hits, mshr_hits: 20_000, misses, passed_writes: 0, write_backs: 0 };
         CacheStats { counts, l1: None }
     };
     let l1 = |hits: u64| CacheStats { l1: Some(L1Counts::default()), ..l2(hits) };

@@ -44,14 +44,14 @@ struct Gate {
 
 /// All units.
 #[derive(Clone, Debug)]
-pub(super) struct Crossing {
+pub(super) struct IssueQueues {
     gates: Vec<Gate>,
     first_of_kind: [usize; Kind::ALL.len() + 1],
     cores: usize,
     taken: VecDeque<Taken>,
 }
 
-impl Crossing {
+impl IssueQueues {
     /// The units of `machine`, ordered by kind, then by core.
     pub(super) fn new(machine: &MachineSpec) -> Self {
         let specs = Kind::ALL.map(|kind| kind.spec(machine));
@@ -182,20 +182,20 @@ mod tests {
         machine.intersection.count = const { Within::literal(2) };
         machine.intersection.tests = const { Within::literal(1) };
         machine.intersection.queue = const { Within::literal(1) };
-        let mut crossing = Crossing::new(&machine);
-        let first = crossing.of_kind(Kind::Intersection).start;
+        let mut issue_queues = IssueQueues::new(&machine);
+        let first = issue_queues.of_kind(Kind::Intersection).start;
         // Rays 0 and 1 fill the first unit. Rays 2 and 3 wait for it, one in each traversal unit. Ray 4 is for the
         // second unit but waits behind ray 2.
         for (ray, from, to) in [(0, 0, 0), (1, 0, 0), (2, 0, 0), (3, 1, 0), (4, 0, 1)] {
-            crossing.send(ray, from, first + to, 10);
+            issue_queues.send(ray, from, first + to, 10);
         }
-        let taken = |crossing: &mut Crossing| std::iter::from_fn(|| crossing.taken()).collect::<Vec<_>>();
+        let taken = |issue_queues: &mut IssueQueues| std::iter::from_fn(|| issue_queues.taken()).collect::<Vec<_>>();
         let of = |ray, unit, at| Taken { ray, unit: first + unit, at };
-        assert_eq!(taken(&mut crossing), [of(0, 0, 11)]);
+        assert_eq!(taken(&mut issue_queues), [of(0, 0, 11)]);
         // The place is free in cycle 21, in which the second traversal unit acts first.
-        crossing.leave(first, 20);
-        assert_eq!(taken(&mut crossing), [of(1, 0, 20)]);
-        crossing.leave(first, 30);
-        assert_eq!(taken(&mut crossing), [of(3, 0, 30), of(4, 1, 33)]);
+        issue_queues.leave(first, 20);
+        assert_eq!(taken(&mut issue_queues), [of(1, 0, 20)]);
+        issue_queues.leave(first, 30);
+        assert_eq!(taken(&mut issue_queues), [of(3, 0, 30), of(4, 1, 33)]);
     }
 }

@@ -11,12 +11,12 @@ use crate::stream::Chunk;
 
 /// A job; the rays of a window are packed.
 #[derive(Clone, Debug)]
-pub(crate) struct KeptJob {
+pub(crate) struct CachedJob {
     job: Job,
     rays: Option<Arc<PackedRays>>,
 }
 
-impl KeptJob {
+impl CachedJob {
     fn new(mut job: Job) -> Self {
         let rays = match &mut job.work {
             JobWork::Window(window) => {
@@ -46,9 +46,9 @@ impl KeptJob {
 
 /// The jobs of a range of draws of all strata.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Kept {
+pub(crate) struct JobCache {
     draws: Range<usize>,
-    jobs: Vec<KeptJob>,
+    jobs: Vec<CachedJob>,
     bytes: usize,
     /// Maximum bytes.
     most: usize,
@@ -56,7 +56,7 @@ pub(crate) struct Kept {
     machines: usize,
 }
 
-impl Kept {
+impl JobCache {
     /// An empty store for these draws. The `machines` of the pass together may take `most` bytes.
     pub(crate) fn new(draws: Range<usize>, most: usize, machines: usize) -> Self {
         Self { draws, most: most / machines, machines, ..Self::default() }
@@ -65,7 +65,7 @@ impl Kept {
     /// Keeps `job`. Where memory is short, the jobs of the last draws are dropped.
     pub(crate) fn add(&mut self, job: Job) {
         if self.draws.contains(&job.draw) {
-            let job = KeptJob::new(job);
+            let job = CachedJob::new(job);
             self.bytes += job.bytes(self.machines);
             self.jobs.push(job);
         }
@@ -76,7 +76,7 @@ impl Kept {
     }
 
     /// The jobs of `draws`; `None` unless all of them were kept.
-    pub(crate) fn take(&mut self, draws: &Range<usize>) -> Option<Vec<KeptJob>> {
+    pub(crate) fn take(&mut self, draws: &Range<usize>) -> Option<Vec<CachedJob>> {
         if draws.start != self.draws.start || draws.end > self.draws.end {
             return None;
         }
@@ -86,13 +86,13 @@ impl Kept {
         Some(std::mem::replace(&mut self.jobs, later))
     }
 
-    fn bytes_of(&self, jobs: &[KeptJob]) -> usize {
+    fn bytes_of(&self, jobs: &[CachedJob]) -> usize {
         jobs.iter().map(|job| job.bytes(self.machines)).sum()
     }
 
     /// Removes the jobs with draws from `first` on.
-    fn take_from(&mut self, first: usize) -> Vec<KeptJob> {
-        let (taken, left) = take(&mut self.jobs).into_iter().partition(|kept| kept.job.draw >= first);
+    fn take_from(&mut self, first: usize) -> Vec<CachedJob> {
+        let (taken, left) = take(&mut self.jobs).into_iter().partition(|cached| cached.job.draw >= first);
         self.jobs = left;
         self.bytes = self.bytes_of(&self.jobs);
         taken
