@@ -2,7 +2,7 @@
 
 use super::data::{SweepPoint, SweepSummary};
 use super::fields::fields;
-use crate::report::draw::canvas::{LEFT, LINE, Text};
+use crate::report::draw::canvas::{Canvas, DrawError, LEFT, LINE, Text};
 use crate::report::draw::marks::{Names, mark, whisker};
 use crate::report::draw::palette::{FAINT, GRID, INK, series_color};
 use crate::report::draw::ticks::Ticks;
@@ -14,6 +14,8 @@ use crate::report::split::{Shift, change_within};
 const PANEL: i32 = 300;
 const AXIS: i32 = 62;
 const BELOW: i32 = 54;
+/// The lower end of the upright axis.
+const BOTTOM: i32 = LINE + PANEL;
 /// The most points in a plot; of the points beyond, only unbeaten ones are drawn.
 const MOST: usize = 2_000;
 
@@ -51,116 +53,173 @@ fn unbeaten(points: &[(usize, &SweepPoint)]) -> Vec<bool> {
     best
 }
 
+/// The points of a sweep by machine and policy.
+struct Front<'s> {
+    /// The series: machine and policy.
+    names: Vec<String>,
+    /// Each point with its series.
+    points: Vec<(usize, &'s SweepPoint)>,
+    /// For each point, whether it is unbeaten.
+    best: Vec<bool>,
+    is_sampled: bool,
+}
+
 fn figure(summary: &SweepSummary) -> Option<Figure<'_>> {
     if fields(summary).len() < 2 || summary.points.len() < 4 {
         return None;
     }
-    let mut names: Vec<String> = Vec::new();
-    let mut points: Vec<(usize, &SweepPoint)> = Vec::new();
-    for point in &summary.points {
-        let name = format!("{}, {}", point.machine, point.policy);
-        let series = names.iter().position(|other| *other == name).unwrap_or_else(|| {
-            names.push(name);
-            names.len() - 1
-        });
-        points.push((series, point));
-    }
-    let best = unbeaten(&points);
-    let is_sampled = points.iter().any(|(_, point)| point.split.half_widths.is_some());
-    let row = |((series, point), best): (&(usize, &SweepPoint), &bool)| {
-        let place = place(point);
-        let shares = place.map(|it| number(it.share));
-        let halves = place.map(|it| it.half_width.map_or_else(String::new, number));
-        let names = [names[*series].clone(), point.label()].into_iter().chain(shares);
-        let best = if *best { "yes" } else { "no" }.to_owned();
-        names.chain([best]).chain(halves.into_iter().filter(|_| is_sampled)).collect()
-    };
-    let halves = ["half width of cycles", "half width of DRAM bytes"].into_iter().filter(|_| is_sampled);
-    let head = ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"];
-    let data = Grid {
-        head: head.into_iter().chain(halves).map(Into::into).collect(),
-        names: 2,
-        rows: points.iter().zip(&best).map(row).collect(),
-    };
-    let cycles = |point: &SweepPoint| place(point)[0];
-    let fastest = points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share))?.1;
-    let labels = names.len() as i32 * LINE;
+    let front = Front::new(&summary.points);
+    let labels = front.names.len() as i32 * LINE;
     Some(Figure {
-        title: format!(
+        title: front.title()?,
+        about: front.about(),
+        key: Vec::new(),
+        data: front.data(),
+        narrow: true,
+        height: Box::new(move |_| PANEL + BELOW + LINE + labels),
+        paint: Box::new(move |canvas| front.paint(canvas)),
+    })
+}
+
+impl<'s> Front<'s> {
+    fn new(all: &'s [SweepPoint]) -> Self {
+        let mut names: Vec<String> = Vec::new();
+        let mut points: Vec<(usize, &SweepPoint)> = Vec::new();
+        for point in all {
+            let name = format!("{}, {}", point.machine, point.policy);
+            let series = names.iter().position(|other| *other == name).unwrap_or_else(|| {
+                names.push(name);
+                names.len() - 1
+            });
+            points.push((series, point));
+        }
+        let is_sampled = all.iter().any(|point| point.split.half_widths.is_some());
+        Self { names, best: unbeaten(&points), points, is_sampled }
+    }
+
+    /// `None` without points.
+    fn title(&self) -> Option<String> {
+        let cycles = |point: &SweepPoint| place(point)[0];
+        let (_, fastest) =
+            self.points.iter().min_by(|a, b| cycles(a.1).share.total_cmp(&cycles(b.1).share)).copied()?;
+        Some(format!(
             "{} of {} are unbeaten; the fastest is {} on {} ({})",
-            best.iter().filter(|best| **best).count(),
-            counted(points.len(), "point"),
+            self.best.iter().filter(|best| **best).count(),
+            counted(self.points.len(), "point"),
             fastest.label(),
             fastest.machine,
             change_within(1.0, 1.0 + cycles(fastest).share, cycles(fastest).half_width)
-        ),
-        about: format!(
+        ))
+    }
+
+    fn about(&self) -> String {
+        let intervals =
+            " Lines through marks: 95 % intervals, within which either of two points may be the better one.";
+        format!(
             "Change of cycles and of DRAM bytes by culling, against the same machine without. Ringed and named: no \
              point of the machine and policy is better in both.{}",
-            match is_sampled {
-                true =>
-                    " Lines through marks: 95 % intervals, within which either of two points may be the better one.",
-                false => "",
+            if self.is_sampled { intervals } else { "" }
+        )
+    }
+
+    fn data(&self) -> Grid {
+        let row = |((series, point), best): (&(usize, &SweepPoint), &bool)| {
+            let place = place(point);
+            let shares = place.map(|it| number(it.share));
+            let halves = place.map(|it| it.half_width.map_or_else(String::new, number));
+            let names = [self.names[*series].clone(), point.label()].into_iter().chain(shares);
+            let best = if *best { "yes" } else { "no" }.to_owned();
+            names.chain([best]).chain(halves.into_iter().filter(|_| self.is_sampled)).collect()
+        };
+        let halves = ["half width of cycles", "half width of DRAM bytes"].into_iter().filter(|_| self.is_sampled);
+        let head = ["machine, policy", "point", "change of cycles", "change of DRAM bytes", "unbeaten"];
+        Grid {
+            head: head.into_iter().chain(halves).map(Into::into).collect(),
+            names: 2,
+            rows: self.points.iter().zip(&self.best).map(row).collect(),
+        }
+    }
+
+    fn paint(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        let axes = Axes::new(canvas.width(), &self.points);
+        axes.draw(canvas)?;
+        let mut names_of = Names::default();
+        // The texts of the axis.
+        names_of.keep(((AXIS, BOTTOM), (axes.end, BOTTOM + LINE)));
+        for (series, point) in self.points.iter().filter(|_| self.is_sampled && self.points.len() <= MOST) {
+            for ends in axes.intervals(point).map(Into::into) {
+                whisker(canvas, ends, series_color(*series))?;
+                names_of.keep(ends);
             }
-        ),
-        key: Vec::new(),
-        data,
-        narrow: true,
-        height: Box::new(move |_| PANEL + BELOW + LINE + labels),
-        paint: Box::new(move |canvas| {
-            let (end, top) = (canvas.width() - 16, LINE);
-            let [xs, ys] =
-                [0, 1].map(|axis| Ticks::around(points.iter().flat_map(|(_, point)| place(point)[axis].ends())));
-            let x = |share: f64| AXIS + (xs.place(share) * f64::from(end - AXIS)).round() as i32;
-            let y = |share: f64| top + PANEL - (ys.place(share) * f64::from(PANEL)).round() as i32;
-            canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
-            canvas.text("cycles", (end, top + PANEL + 34), Text::NOTE.right())?;
-            for share in xs.shares() {
-                let color = if share.abs() < 1e-9 { FAINT } else { GRID };
-                canvas.line(vec![(x(share), top), (x(share), top + PANEL)], color, 1)?;
-                canvas.text(&percent_tick(share), (x(share), top + PANEL + 14), Text::NOTE.centered())?;
+        }
+        self.points.iter().take(MOST).for_each(|(_, point)| names_of.point(axes.at(point)));
+        let drawn = self.points.iter().zip(&self.best).enumerate();
+        for (_, ((series, point), best)) in drawn.filter(|(index, (_, best))| **best || *index < MOST) {
+            mark(canvas, *series, axes.at(point), series_color(*series), *best)?;
+            if *best {
+                canvas.ring(axes.at(point), 9, INK, 1)?;
+                names_of.write(canvas, &point.label(), axes.at(point))?;
             }
-            for share in ys.shares() {
-                canvas.line(
-                    vec![(AXIS, y(share)), (end, y(share))],
-                    if share.abs() < 1e-9 { FAINT } else { GRID },
-                    1,
-                )?;
-                canvas.text(&percent_tick(share), (AXIS - 8, y(share)), Text::NOTE.right())?;
-            }
-            let at = |point: &SweepPoint| {
-                let [cycles, bytes] = place(point);
-                (x(cycles.share), y(bytes.share))
-            };
-            let mut names_of = Names::default();
-            // The texts of the axis.
-            names_of.keep(((AXIS, top + PANEL), (end, top + PANEL + LINE)));
-            for (series, point) in points.iter().filter(|_| is_sampled && points.len() <= MOST) {
-                let ((left, top), [cycles, bytes]) = (at(point), place(point).map(Shift::ends));
-                let across = cycles.map(|share| (x(share), top)).into();
-                let upright = bytes.map(|share| (left, y(share))).into();
-                for ends in [across, upright] {
-                    whisker(canvas, ends, series_color(*series))?;
-                    names_of.keep(ends);
-                }
-            }
-            points.iter().take(MOST).for_each(|(_, point)| names_of.point(at(point)));
-            let drawn = points.iter().zip(&best).enumerate();
-            for (_, ((series, point), best)) in drawn.filter(|(index, (_, best))| **best || *index < MOST) {
-                mark(canvas, *series, at(point), series_color(*series), *best)?;
-                if *best {
-                    canvas.ring(at(point), 9, INK, 1)?;
-                    names_of.write(canvas, &point.label(), at(point))?;
-                }
-            }
-            for (index, name) in names.iter().enumerate() {
-                let y = LINE + PANEL + BELOW + index as i32 * LINE;
-                mark(canvas, index, (LEFT + 7, y), series_color(index), true)?;
-                canvas.text(name, (LEFT + 20, y), Text::LABEL)?;
-            }
-            Ok(())
-        }),
-    })
+        }
+        for (index, name) in self.names.iter().enumerate() {
+            let y = BOTTOM + BELOW + index as i32 * LINE;
+            mark(canvas, index, (LEFT + 7, y), series_color(index), true)?;
+            canvas.text(name, (LEFT + 20, y), Text::LABEL)?;
+        }
+        Ok(())
+    }
+}
+
+/// The axes: change of cycles across, of DRAM bytes upright.
+struct Axes {
+    xs: Ticks,
+    ys: Ticks,
+    /// The right end.
+    end: i32,
+}
+
+impl Axes {
+    fn new(width: i32, points: &[(usize, &SweepPoint)]) -> Self {
+        let [xs, ys] = [0, 1].map(|axis| Ticks::around(points.iter().flat_map(|(_, point)| place(point)[axis].ends())));
+        Self { xs, ys, end: width - 16 }
+    }
+
+    fn x(&self, share: f64) -> i32 {
+        AXIS + (self.xs.place(share) * f64::from(self.end - AXIS)).round() as i32
+    }
+
+    fn y(&self, share: f64) -> i32 {
+        BOTTOM - (self.ys.place(share) * f64::from(PANEL)).round() as i32
+    }
+
+    /// The place of a point.
+    fn at(&self, point: &SweepPoint) -> (i32, i32) {
+        let [cycles, bytes] = place(point);
+        (self.x(cycles.share), self.y(bytes.share))
+    }
+
+    /// The ends of a point's intervals, across and upright.
+    fn intervals(&self, point: &SweepPoint) -> [[(i32, i32); 2]; 2] {
+        let ((left, top), [cycles, bytes]) = (self.at(point), place(point).map(Shift::ends));
+        [cycles.map(|share| (self.x(share), top)), bytes.map(|share| (left, self.y(share)))]
+    }
+
+    fn draw(&self, canvas: &Canvas<'_>) -> Result<(), DrawError> {
+        canvas.text("DRAM bytes", (LEFT, 8), Text::NOTE)?;
+        canvas.text("cycles", (self.end, BOTTOM + 34), Text::NOTE.right())?;
+        let color = |share: f64| if share.abs() < 1e-9 { FAINT } else { GRID };
+        for share in self.xs.shares() {
+            let x = self.x(share);
+            canvas.line(vec![(x, LINE), (x, BOTTOM)], color(share), 1)?;
+            canvas.text(&percent_tick(share), (x, BOTTOM + 14), Text::NOTE.centered())?;
+        }
+        for share in self.ys.shares() {
+            let y = self.y(share);
+            canvas.line(vec![(AXIS, y), (self.end, y)], color(share), 1)?;
+            canvas.text(&percent_tick(share), (AXIS - 8, y), Text::NOTE.right())?;
+        }
+        Ok(())
+    }
 }
 
 #[cfg(test)]
