@@ -117,24 +117,68 @@ fn missing(parent: &str, name: &str, known: &[String]) -> String {
     format!("there is no field `{name}`{place}{alike} Allowed: {names}").replace("` Allowed", "`; allowed")
 }
 
-/// Converts a value as in a file or on a command line to data. A bare name is a variant or a text.
+/// Converts a value as in a file or on a command line to data. A bare name is a variant or a text, also within fields
+/// and lists, where RON without types would read nothing.
 fn plain(text: &str) -> Value {
+    let text = text.trim();
     let is_word = |text: &str| text.chars().all(|letter| letter.is_ascii_alphanumeric() || letter == '_');
+    let is_variant = |name: &str| is_word(name) && name.starts_with(|letter: char| letter.is_ascii_uppercase());
     // A variant with a payload in brackets.
     if let Some((name, rest)) = text.split_once('(')
         && let Some(inner) = rest.strip_suffix(')')
-        && is_word(name)
-        && name.starts_with(|letter: char| letter.is_ascii_uppercase())
+        && is_variant(name)
     {
-        let payload = if inner.contains(':') || inner.is_empty() { plain(&format!("({inner})")) } else { plain(inner) };
-        return Value::Object([(name.to_owned(), payload)].into_iter().collect());
+        let payload = || if inner.is_empty() { fields(inner) } else { fields(inner).or_else(|| Some(plain(inner))) };
+        return match payload() {
+            Some(payload) if name == "Some" => payload,
+            Some(payload) => Value::Object([(name.to_owned(), payload)].into_iter().collect()),
+            None => Value::String(text.into()),
+        };
     }
-    match text {
+    let within = |open: char, close: char| text.strip_prefix(open).and_then(|rest| rest.strip_suffix(close));
+    let list = || Some(Value::Array(parts(within('[', ']')?)?.into_iter().map(plain).collect()));
+    let found = within('(', ')').or_else(|| within('{', '}')).and_then(fields).or_else(list);
+    found.unwrap_or_else(|| match text {
         "true" | "false" | "None" => ron::from_str(text).unwrap_or(Value::Null),
-        "()" => Value::Object(serde_json::Map::new()),
         _ if is_word(text) && text.starts_with(|letter: char| letter.is_alphabetic()) => Value::String(text.into()),
         _ => ron::from_str(text).unwrap_or_else(|_| Value::String(text.into())),
+    })
+}
+
+/// The object of `NAME: VALUE, ...`; a name may be quoted. `None` if the text is something else.
+fn fields(text: &str) -> Option<Value> {
+    let field = |part: &str| {
+        let (name, value) = match part.strip_prefix('"') {
+            Some(quoted) => {
+                quoted.split_once('"').and_then(|(name, rest)| Some((name, rest.trim().strip_prefix(':')?)))?
+            }
+            None => part.split_once(':').filter(|(name, _)| !name.contains(['(', '[', '{', '"']))?,
+        };
+        (!value.trim().is_empty()).then(|| (name.trim().to_owned(), plain(value)))
+    };
+    parts(text)?.into_iter().map(field).collect::<Option<_>>().map(Value::Object)
+}
+
+/// The parts of `text` between commas outside of brackets and quotes; the last may be empty and is left out then.
+/// `None` if a bracket or a quote is not closed.
+fn parts(text: &str) -> Option<Vec<&str>> {
+    let (mut all, mut from, mut depth, mut quoted) = (Vec::new(), 0, 0u32, false);
+    for (at, letter) in text.char_indices() {
+        match letter {
+            '"' => quoted = !quoted,
+            _ if quoted => {}
+            '(' | '[' | '{' => depth += 1,
+            ')' | ']' | '}' => depth = depth.checked_sub(1)?,
+            ',' if depth == 0 => {
+                all.push(text[from..at].trim());
+                from = at + 1;
+            }
+            _ => {}
+        }
     }
+    let last = text[from..].trim();
+    all.extend((!last.is_empty()).then_some(last));
+    (depth == 0 && !quoted && all.iter().all(|part| !part.is_empty())).then_some(all)
 }
 
 #[cfg(test)]
@@ -142,6 +186,32 @@ mod tests {
     use super::*;
     use crate::machine::MachineSpec;
     use crate::machine::shadow_cache::Place;
+
+    /// Bare variants stand within fields and lists too.
+    #[test]
+    fn values_are_read_as_in_files() {
+        let json = |text: &str| plain(text).to_string();
+        let read = [
+            ("Sampled(engine: Event, rate: 0.5)", r#"{"Sampled":{"engine":"Event","rate":0.5}}"#),
+            ("Auto(error: 0.02)", r#"{"Auto":{"error":0.02}}"#),
+            ("(a: Some(3), b: [X, Y(2)], c: None,)", r#"{"a":3,"b":["X",{"Y":2}],"c":null}"#),
+            (r#"{"a, (b": Z}"#, r#"{"a, (b":"Z"}"#),
+            (r#"{"a, b": "x, y: z"}"#, r#"{"a, b":"x, y: z"}"#),
+            ("Published()", r#"{"Published":{}}"#),
+            ("Unified((bytes: \"64 KiB\"))", r#"{"Unified":{"bytes":"64 KiB"}}"#),
+            ("[Column(1), Row]", r#"[{"Column":1},"Row"]"#),
+            ("()", "{}"),
+            ("[]", "[]"),
+            ("Random(seed: 7)", r#"{"Random":{"seed":7}}"#),
+            ("64KiB", r#""64KiB""#),
+            ("-3", "-3"),
+            ("true", "true"),
+            ("(a: [)", r#""(a: [)""#),
+        ];
+        for (text, expected) in read {
+            assert_eq!(json(text), expected, "{text}");
+        }
+    }
 
     #[test]
     fn any_field_can_be_set_and_errors_say_what_is_allowed() {

@@ -15,7 +15,8 @@ pub(crate) fn are_units_idle(machine: &MachineSpec) -> bool {
 
 /// The statistics of `machine` on a stream without policy steps, from those of a machine with idle shadow-cache units
 /// that differs in these alone. Without stores the scene lies at the same addresses, so only the energy differs.
-/// Bounds, the energy of frames and the units' own counts stay those of the replayed machine.
+/// Bounds, the energy of frames and the units' own counts stay those of the replayed machine. A sample stays the one
+/// of that machine too: the units' options choose covariates, so another sample would differ within its interval.
 ///
 /// # Panics
 /// If the units have something to do.
