@@ -4,9 +4,9 @@ use glam::Vec3;
 use smallvec::SmallVec;
 
 use super::lane::Lane;
-use super::shade::Shader;
+use super::shade::{Shader, ShadowRay};
 use crate::accel::{Hit, Order, Path, Ray, Scope, Trail, World};
-use crate::culling::{Evidence, Primary, Probe, SurfaceHit};
+use crate::culling::{Evidence, Primary, Probe, SurfaceHit, Verdict};
 use crate::quantity::{LightId, PixelId};
 use crate::stream::{Decision, Outcome, RayHead, RayKind};
 
@@ -22,6 +22,17 @@ pub(super) struct Traced<'a> {
     pub depth: u32,
     /// Weight in the picture.
     pub weight: Vec3,
+}
+
+/// A hit that is lit by shadow rays.
+struct Lit {
+    at: SurfaceHit,
+    pixel: PixelId,
+    /// Index of its ray in the chunk.
+    place: usize,
+    /// Weight in the picture.
+    weight: Vec3,
+    is_primary: bool,
 }
 
 /// Traces pixel groups of a band.
@@ -80,36 +91,9 @@ impl Whitted<'_> {
             *color += ray.weight * self.shader.ambient(&surface);
         }
 
+        let lit = Lit { at, pixel, place, weight: ray.weight, is_primary: primary.is_some() };
         for (asked, shadow) in shadow_rays.iter().enumerate() {
-            self.full.clear();
-            let blocker = self.world.occluded(&shadow.ray, Scope::All, &mut self.full);
-            for (number, (lane, color)) in self.lanes.iter_mut().zip(colors.iter_mut()).enumerate() {
-                let verdict = verdicts[number * shadow_rays.len() + asked];
-                self.own.clear();
-                let (found, path) = match verdict.scope() {
-                    Some(Scope::All) if lane.order == Order::NearestFirst => (blocker, self.full.path()),
-                    Some(scope) => {
-                        let found = self.world.occluded_in_order(&shadow.ray, scope, lane.order, &mut self.own);
-                        (found, self.own.path())
-                    }
-                    None => (None, self.own.path()),
-                };
-                let dark = found.is_some() || verdict.scope().is_none();
-                let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
-                lane.worker.learn(at, shadow.light, Evidence { ray: shadow.ray, verdict, blocker: found }, &mut probe);
-                let head = RayHead {
-                    kind: RayKind::Shadow,
-                    light: shadow.light,
-                    decision: verdict.decision(),
-                    outcome: if dark { Outcome::Dark } else { Outcome::Lit },
-                    pixel,
-                    parent: (lane.chunk.len() - place) as u32,
-                };
-                lane.push_shadow(head, path, blocker.is_some(), primary.is_some());
-                if !dark {
-                    *color += ray.weight * shadow.color;
-                }
-            }
+            self.shadow(&lit, shadow, verdicts.iter().skip(asked).step_by(shadow_rays.len()), colors);
         }
 
         if ray.depth < self.shader.spec.depth {
@@ -123,6 +107,45 @@ impl Whitted<'_> {
                 let next =
                     Traced { kind, ray: &leaving.ray, hit, path: path.path(), parent, depth, weight: leaving.weight };
                 self.follow(pixel, &next, None, colors);
+            }
+        }
+    }
+
+    /// Traces one of a hit's shadow rays and records it in every lane, by the lanes' `verdicts`.
+    fn shadow<'v>(
+        &mut self,
+        hit: &Lit,
+        shadow: &ShadowRay,
+        verdicts: impl Iterator<Item = &'v Verdict>,
+        colors: &mut [Vec3],
+    ) {
+        self.full.clear();
+        let blocker = self.world.occluded(&shadow.ray, Scope::All, &mut self.full);
+        for ((lane, color), &verdict) in self.lanes.iter_mut().zip(colors).zip(verdicts) {
+            self.own.clear();
+            let (found, path) = match verdict.scope() {
+                Some(Scope::All) if lane.order == Order::NearestFirst => (blocker, self.full.path()),
+                Some(scope) => {
+                    let found = self.world.occluded_in_order(&shadow.ray, scope, lane.order, &mut self.own);
+                    (found, self.own.path())
+                }
+                None => (None, self.own.path()),
+            };
+            let dark = found.is_some() || verdict.scope().is_none();
+            let mut probe = Probe::new(self.world, &mut lane.policy, self.shader.offset);
+            let evidence = Evidence { ray: shadow.ray, verdict, blocker: found };
+            lane.worker.learn(hit.at, shadow.light, evidence, &mut probe);
+            let head = RayHead {
+                kind: RayKind::Shadow,
+                light: shadow.light,
+                decision: verdict.decision(),
+                outcome: if dark { Outcome::Dark } else { Outcome::Lit },
+                pixel: hit.pixel,
+                parent: (lane.chunk.len() - hit.place) as u32,
+            };
+            lane.push_shadow(head, path, blocker.is_some(), hit.is_primary);
+            if !dark {
+                *color += hit.weight * shadow.color;
             }
         }
     }

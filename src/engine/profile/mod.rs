@@ -7,9 +7,11 @@
 //! for room, one fill per cycle, and most of the order within a cycle. An operation takes its place in the pipeline
 //! when it requests its data, not when the data comes. The DRAM serves requests to a bank nearly in arrival order.
 
+mod advance;
 mod agenda;
 mod curves;
 mod dispatch;
+mod division;
 mod dram;
 mod engine;
 mod entries;

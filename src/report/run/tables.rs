@@ -105,7 +105,7 @@ pub(super) fn split(machine: &MachineSummary) -> Grid {
 
 /// Measurements of machines on one stream in a timing model, for the terminal, without a final line break.
 pub(crate) fn replayed(model: &str, policy: &str, machines: &Named<MachineStats>) -> String {
-    let head = ["machine", "policy", "rays", "cycles", "rays/s", "DRAM traffic", "DRAM use", "row hits"];
+    let head = ["machine", "policy", "traced", "cycles", "traced/s", "DRAM traffic", "DRAM use", "row hits"];
     let row = |(machine, stats): (&str, &MachineStats)| {
         let run = MachineRun::from(stats.clone());
         vec![
