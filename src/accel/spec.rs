@@ -59,6 +59,7 @@ pub enum KdLayout {
     /// The left child follows its parent.
     DepthFirst,
     /// The child with the larger surface follows its parent, since more rays visit it; one bit of the node names the
-    /// child. The "ordered depth-first layout" of the T&I engine (Nah et al. 2011).
+    /// child. The "ordered depth-first layout" (Nah et al. 2010), which the T&I engine
+    /// uses (Nah et al. 2011).
     Ordered,
 }

@@ -13,8 +13,8 @@ use crate::report::{definitions, paragraph};
 
 /// Say what a field of a config means: unit, range, default, source
 ///
-/// A path names the kind of file first: experiment, machine, scene, sweep or dram. Names of one's own and places in
-/// lists are left out of it.
+/// A path names the kind of file first: experiment, machine, scene, sweep, dram, pareto, identities or paper_table.
+/// Leave out names that you chose, and places in lists.
 #[derive(Args)]
 pub(super) struct Describe {
     /// A field, or one that has fields [default: the kinds of files] [example: machine.traversal.cache.bytes]

@@ -13,8 +13,8 @@ use crate::fields;
 /// Write schema files for editors, for completion and checks
 ///
 /// The files are those of ron2's language server. A config names its type in its first line, as in
-/// `#![type = "umbrasim::Machine"]`; the types are Experiment, Machine, Scene, Sweep and DramPart. The server looks in
-/// the folder that RON_SCHEMA_DIR names, or in ~/.local/share/ron-schemas.
+/// `#![type = "umbrasim::Machine"]`; the types are Experiment, Machine, Scene, Sweep, DramPart, Pareto, Identities and
+/// PaperTable. The server looks in the folder that RON_SCHEMA_DIR names, or in ~/.local/share/ron-schemas.
 #[derive(Args)]
 pub(super) struct Schema {
     /// The folder that they go to

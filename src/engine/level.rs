@@ -21,9 +21,9 @@ pub enum Level {
     /// Exact cache contents for an access order that approximates the machine's, and times from when resources are
     /// free.
     Profile,
-    /// The rules of MODEL.md, fast: a part acts only in cycles in which it has something to do.
+    /// The rules of docs/model, fast: a part acts only in cycles in which it has something to do.
     Event,
-    /// The rules of MODEL.md, plain and slow: every part acts in every cycle.
+    /// The rules of docs/model, plain and slow: every part acts in every cycle.
     Cycle,
 }
 
@@ -33,7 +33,7 @@ impl fmt::Display for Level {
     }
 }
 
-/// A level that follows the rules of MODEL.md cycle by cycle.
+/// A level that follows the rules of docs/model cycle by cycle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exact {
     /// See [`Level::Event`].

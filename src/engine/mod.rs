@@ -1,7 +1,7 @@
 //! Replays a ray stream on a machine, at the fidelity levels that replay a stream whole.
 //!
 //! Every level but `bound` implements [`contract::Engine`] and takes the stream from a [`feed::Feed`]. `event` and
-//! `cycle` follow the rules of MODEL.md and give the same numbers. `profile` times units without stepping through
+//! `cycle` follow the rules of docs/model and give the same numbers. `profile` times units without stepping through
 //! cycles. `bound` computes closed forms. [`whole`] runs a level and checks the identities that every run must keep.
 
 mod bound;

@@ -37,8 +37,8 @@ pub enum Build {
 /// DRAM traffic of the host and of a builder, through the host's port past all caches. All of it is off by default.
 ///
 /// Source: a ray of 32 bytes holds an origin, a direction and the ends of an interval; a hit of 16 bytes holds a
-/// distance, two barycentric coordinates and a triangle. All numbers have 4 bytes (assumed: DXR and Vulkan have these
-/// fields). PowerVR GR6500 (2014) builds 100 million dynamic triangles per second. The queue is assumed.
+/// distance, two barycentric coordinates and a triangle. All numbers have 4 bytes (RayDesc of Direct3D 12, Hit of
+/// Arches). PowerVR GR6500 (2014) builds 100 million dynamic triangles per second. The queue is assumed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(default, deny_unknown_fields)]
 pub struct TrafficSpec {

@@ -21,7 +21,7 @@ pub enum Fidelity {
     /// Exact cache contents for an access order that approximates the machine's, and times from when resources are
     /// free.
     Profile,
-    /// Exact by the rules of MODEL.md, and fast: a part acts only in cycles in which it has something to do.
+    /// Exact by the rules of docs/model, and fast: a part acts only in cycles in which it has something to do.
     #[default]
     Event,
     /// Exact and slow: every part acts in every cycle. The reference for `Event`; both give the same numbers.

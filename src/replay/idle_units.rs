@@ -7,7 +7,8 @@ use crate::stats::MachineStats;
 use crate::stream::{Header, StoreEntries};
 
 /// Whether a stream without policy steps gives the shadow-cache units of `machine` nothing to do. A coalescing register
-/// is written out at every end of frame, even where it is empty.
+/// is written out at every end of frame, even where it is empty. That takes a cycle, after which the next frame meets
+/// the DRAM's refreshes at other times.
 pub(crate) fn are_units_idle(machine: &MachineSpec) -> bool {
     let unit = &machine.shadow_cache;
     unit.register.get() == 0 || unit.place == Place::Free

@@ -30,7 +30,7 @@ pub(crate) struct Split {
     pub saved: i64,
     /// DRAM bytes of the words' own classes.
     pub words: u64,
-    /// DRAM bytes of other classes that the words drove out of caches.
+    /// Extra DRAM bytes of other classes, whose lines the words evicted.
     pub interference: i64,
     /// Misses of other classes in all caches that free words do not cause; `None` for samples, which have no interval
     /// of them.

@@ -14,7 +14,8 @@ pub struct TracerSpec {
     pub render: RenderSpec,
     /// The acceleration structure.
     pub accel: AccelSpec,
-    /// The order of pixels in the stream. It changes cache hits, but no decision of a policy.
+    /// The order of pixels in the stream. It changes cache hits. Policies that learn within a band of rows also skip
+    /// slightly different rays.
     pub order: PixelOrder,
 }
 

@@ -1,5 +1,5 @@
-//! Everything that the text of GI09 leaves open, as options. MODEL.md lists the gaps by the numbers H1 to H10 used
-//! here.
+//! Everything that the text of GI09 leaves open, as options. `docs/model/algorithm.md` lists
+//! the questions by the numbers O1 to O11 used here.
 
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;
@@ -43,19 +43,19 @@ macro_rules! answers {
 }
 
 answers! {
-    /// H1: whether a primitive stays PARTIALLY_OCCLUDED.
+    /// O1: whether a primitive stays PARTIALLY_OCCLUDED.
     partial: Partial,
-    /// H2: what happens to shadow modes when zooming in resets FULLY_RENDERED.
+    /// O2: what happens to shadow modes when zooming in resets FULLY_RENDERED.
     reset_modes: ResetModes,
-    /// H3: when a primitive's highest number of rendered pixels is updated.
+    /// O3: when a primitive's highest number of rendered pixels is updated.
     highest: Highest,
-    /// H4: which blockers are evidence of shadow.
+    /// O4: which blockers are evidence of shadow.
     evidence: EvidenceRule,
-    /// H5: whether shadow rays of secondary hits are culled.
+    /// O5: whether shadow rays of secondary hits are culled.
     secondary: Secondary,
-    /// H6: what happens to modes when a light moves.
+    /// O6: what happens to modes when a light moves.
     light_moves: LightMoves,
-    /// H8: what happens to a FULLY_RENDERED primitive that an occlusion test finds occluded.
+    /// O8: what happens to a FULLY_RENDERED primitive that an occlusion test finds occluded.
     occluded_full: OccludedFull,
     /// Which neighbour pixels the current pixel is compared with.
     references: References,
@@ -140,21 +140,21 @@ macro_rules! choices {
 }
 
 choices! {
-    /// Whether a primitive stays PARTIALLY_OCCLUDED (H1).
+    /// Whether a primitive stays PARTIALLY_OCCLUDED (O1).
     Partial {
         /// The primitive returns to INIT at the end of the frame.
         Returns,
         /// The primitive stays PARTIALLY_OCCLUDED for ever.
         Sticky,
     }
-    /// What happens to shadow modes at a reset (H2).
+    /// What happens to shadow modes at a reset (O2).
     ResetModes {
         /// Shadow modes are kept.
         Keep,
         /// Shadow modes are cleared.
         Clear,
     }
-    /// When the highest number of rendered pixels is updated (H3).
+    /// When the highest number of rendered pixels is updated (O3).
     Highest {
         /// When a primitive becomes FULLY_RENDERED, and at a reset.
         AtFull,
@@ -163,14 +163,14 @@ choices! {
         /// In every frame: the maximum so far.
         RunningMaximum,
     }
-    /// Which blockers are evidence of shadow (H4).
+    /// Which blockers are evidence of shadow (O4).
     EvidenceRule {
         /// Static blockers only: a ray that a dynamic triangle blocks counts as lit.
         StaticBlockers,
         /// All blockers, static and dynamic.
         AnyBlocker,
     }
-    /// Whether shadow rays of secondary hits are culled (H5).
+    /// Whether shadow rays of secondary hits are culled (O5).
     Secondary {
         /// Their shadow rays are culled, and the policy learns from them.
         Cull,
@@ -179,14 +179,14 @@ choices! {
         /// Their shadow rays are traced, and the policy learns nothing from them.
         Ignore,
     }
-    /// What happens to modes when a light moves (H6).
+    /// What happens to modes when a light moves (O6).
     LightMoves {
         /// Modes are kept.
         Ignore,
         /// All shadow modes of this light are cleared.
         Flush,
     }
-    /// What happens to a FULLY_RENDERED primitive that an occlusion test finds occluded (H8).
+    /// What happens to a FULLY_RENDERED primitive that an occlusion test finds occluded (O8).
     OccludedFull {
         /// It stays FULLY_RENDERED.
         StaysFull,

@@ -67,8 +67,8 @@ pub(crate) fn figure(levels: &[ReuseLevel], title: String, asked: String) -> Fig
     Figure {
         title,
         about: format!(
-            "Share of a class's accesses that miss in LRU caches without sets, over the size of one cache. Upright, \
-             with a ring a class: the size that the machine has. {asked}"
+            "Share of a class's accesses that miss in LRU caches without sets, over the size of one cache. The \
+             vertical line marks the machine's own size, with a ring for each class. {asked}"
         ),
         key: classes.iter().map(|class| (words(class.name()), class_color(*class))).collect(),
         data: data(levels),

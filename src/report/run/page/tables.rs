@@ -31,7 +31,7 @@ pub(super) const MEANINGS: &[(&str, &str)] = &[
     ("word hits", "hits over accesses of words in the first cache that they meet"),
     ("culled", "share of shadow rays skipped or traced among dynamic objects only"),
     ("break-even", "share of shadow rays that must be culled to save what the words cost"),
-    ("interference", "DRAM bytes of other classes that words drove out of caches"),
+    ("interference", "extra DRAM bytes of other classes, whose lines the words evicted"),
     ("energy", "change of the measured frames' energy against the run without culling"),
     ("energy saved", "energy that culling saves if words cost nothing"),
     ("energy paid", "energy that words cost: with them, less with words that cost nothing"),

@@ -31,11 +31,7 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let rows = diagram.units.len() as i32 + 1;
     let [widest, dram] = [diagram.widest(), diagram.dram + diagram.host].map(shown);
     Some(Figure {
-        title: format!(
-            "{} with {policy}: a frame moves {widest} on its widest way, {dram} on {} to DRAM",
-            machine.name,
-            if diagram.host > 0.0 { "those" } else { "that" },
-        ),
+        title: format!("{} with {policy}: the busiest link carries {widest} a frame, the DRAM {dram}", machine.name,),
         about: "Boxes are filled by cause of cycles. Edges are as wide as the bytes that they carry a measured frame. \
                 Caches say how many of their accesses hit."
             .into(),

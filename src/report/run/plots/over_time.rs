@@ -88,9 +88,8 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let used = (runs.iter().any(|run| run.peak.is_some())).then(|| ("used of the DRAM's peak".to_owned(), USED));
     Some(Figure {
         title: title(machine, &runs),
-        about: "A strip a kind of units: the share of its cycles that each cause takes, over the time of the measured \
-                frames, one after the other. All policies have the same scale of time. The frame that is chosen above \
-                is framed."
+        about: "One strip for each kind of units: the share of each cause over the time of the measured frames. All \
+                policies have the same scale of time. A box marks the frame that is chosen above."
             .into(),
         key: causes.map(|cause| (cause_look(cause).0.to_owned(), look(cause))).chain(used).collect(),
         data,

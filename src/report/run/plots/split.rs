@@ -50,7 +50,7 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
         title: format!("{}: {policy} {verdict} in DRAM bytes", machine.name),
         about:
             "DRAM bytes a measured frame. Three replays tell apart what culling saves if words cost nothing, the bytes \
-                of words, counters and occluder ids, and those of other classes that words drove out of caches."
+                of words, counters and occluder ids, and extra bytes of other classes, whose lines the words evicted."
                 .into(),
         key: [("saved", SAVED), ("paid for words", PAID), ("paid by interference", ORANGE)]
             .map(|(name, color)| (name.into(), color))

@@ -44,9 +44,8 @@ fn figure<'a>(machine: &'a Machine<'a>) -> Option<Figure<'a>> {
     let busiest: Vec<String> = busiest.take(2).collect();
     let chart = BarChart {
         title: format!("{}: {}", machine.name, busiest.join(", ")),
-        about:
-            "Where the units' cycles went: every cycle of every unit has one cause. Shares of each run's own cycles."
-                .into(),
+        about: "Cycle breakdown: every cycle of every unit has exactly one cause. Bars are shares of the run's cycles."
+            .into(),
         key: Cause::ALL.into_iter().map(|cause| (cause_look(cause).0.into(), cause_look(cause).1)).collect(),
         axis: "share of cycles",
         unit: "share",
