@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::estimate::{Estimates, Left, Total};
+use super::estimate::{Estimate, Estimates, Total};
 use super::figures::{Figure, Figures, Levels};
 use crate::machine::MachineSpec;
 use crate::stats::{Change, MachineStats, Residual};
@@ -45,7 +45,7 @@ pub(super) fn known(machine: &MachineSpec, stats: &MachineStats) -> BTreeMap<Fig
 
 /// The result of a sample beside a baseline.
 #[derive(Debug)]
-pub(super) struct Told {
+pub(super) struct Corrected {
     /// Corrected totals.
     pub totals: BTreeMap<Figure, Total>,
     /// The residuals of the baseline's larger sample times the slope: the error shared with the baseline.
@@ -63,16 +63,16 @@ struct Slope {
 }
 
 impl Baseline<'_> {
-    /// The result of a sample of the same windows; `told` are the figures whose errors are reported for each point.
-    pub(super) fn told(&self, own: &Estimates, ends: &Figures, told: &[Figure; 3]) -> Told {
+    /// The result of a sample of the same windows; `reported` are the figures whose errors are reported for each point.
+    pub(super) fn corrected(&self, own: &Estimates, ends: &Figures, reported: &[Figure; 3]) -> Corrected {
         let mut slopes: BTreeMap<&Figure, Slope> = BTreeMap::new();
         let mut totals = BTreeMap::new();
-        for (figure, left) in &own.left {
+        for (figure, estimate) in &own.figures {
             let end = |ends: &Figures| ends.get(figure).copied().unwrap_or_default();
-            let total = left.total + end(ends);
-            let slope = self.slope(own, figure, left, total);
+            let total = estimate.total + end(ends);
+            let slope = self.slope(own, figure, estimate, total);
             let (value, share) = self.known.get(figure).copied().unwrap_or_default();
-            let base = self.windows.left.get(figure).map_or(0.0, |left| left.total + end(self.ends));
+            let base = self.windows.figures.get(figure).map_or(0.0, |estimate| estimate.total + end(self.ends));
             let off = if base > 0.0 { value / base - 1.0 } else { 0.0 };
             let total = total * (1.0 + slope.slope * off);
             let half = self.half(own, &slope).hypot(slope.slope * share);
@@ -80,10 +80,10 @@ impl Baseline<'_> {
             slopes.insert(figure, slope);
         }
         // Figures that only ends of frames have.
-        for (figure, &end) in ends.iter().filter(|(figure, _)| !own.left.contains_key(figure)) {
+        for (figure, &end) in ends.iter().filter(|(figure, _)| !own.figures.contains_key(figure)) {
             totals.insert(figure.clone(), Total { total: end, half_width: 0.0 });
         }
-        let of = |at: usize| slopes.get(&told[at]);
+        let of = |at: usize| slopes.get(&reported[at]);
         let errors =
             |value: &dyn Fn(usize, &Slope) -> f64| [0, 1, 2].map(|at| of(at).map_or(0.0, |slope| value(at, slope)));
         let shared =
@@ -99,7 +99,7 @@ impl Baseline<'_> {
             freedom: [0, 1, 2].map(|at| of(at).map_or(1.0, |slope| slope.freedom)),
             half_widths: errors(&|_, slope| self.half(own, slope)),
         };
-        Told { totals, points: self.points.iter().map(shared).collect(), change }
+        Corrected { totals, points: self.points.iter().map(shared).collect(), change }
     }
 
     /// Relative half width of the error that is not shared.
@@ -108,14 +108,14 @@ impl Baseline<'_> {
         student(variance.freedom(slope.freedom)) * variance.value.sqrt()
     }
 
-    fn slope(&self, own: &Estimates, figure: &Figure, left: &Left, total: f64) -> Slope {
+    fn slope(&self, own: &Estimates, figure: &Figure, estimate: &Estimate, total: f64) -> Slope {
         let share = |errors: &[f64], total: f64| -> Vec<f64> {
             errors.iter().map(|error| if total > 0.0 { error / total } else { 0.0 }).collect()
         };
-        let errors = share(&left.errors, total);
-        let alone = |errors| Slope { slope: 0.0, errors, freedom: left.freedom };
+        let errors = share(&estimate.errors, total);
+        let alone = |errors| Slope { slope: 0.0, errors, freedom: estimate.freedom };
         // A figure that is not known of the baseline is not corrected.
-        let base = self.windows.left.get(figure).filter(|_| self.known.contains_key(figure));
+        let base = self.windows.figures.get(figure).filter(|_| self.known.contains_key(figure));
         let Some(base) = base else { return alone(errors) };
         let base_total = base.total + self.ends.get(figure).copied().unwrap_or_default();
         let all = share(&base.errors, base_total);
@@ -128,6 +128,6 @@ impl Baseline<'_> {
         let slope = if varies > 0.0 { (alike / varies).clamp(0.0, STEEPEST) } else { 0.0 };
         let errors = errors.iter().zip(&others).map(|(own, other)| own - slope * other).collect();
         // The slope takes a degree of freedom.
-        Slope { slope, errors, freedom: (left.freedom - 1.0).max(1.0) }
+        Slope { slope, errors, freedom: (estimate.freedom - 1.0).max(1.0) }
     }
 }

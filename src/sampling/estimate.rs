@@ -3,8 +3,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::covariates::{Columns, OPERATIONS, Span, explanation};
 use super::figures::{Figure, Figures};
-use super::known::{Columns, OPERATIONS, Span, explanation};
 use super::regression::{Regression, dot};
 use super::strata::{Point, Strata};
 use crate::stats::Residual;
@@ -14,7 +14,7 @@ use crate::student::{Variance, student};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Part {
     /// Covariates.
-    pub known: Columns,
+    pub covariates: Columns,
     /// Measured figures.
     pub figures: Figures,
 }
@@ -38,7 +38,7 @@ pub(crate) struct Population {
     /// Number of windows.
     pub windows: usize,
     /// Sums of the covariates.
-    pub known: Columns,
+    pub covariates: Columns,
 }
 
 impl Window {
@@ -50,8 +50,8 @@ impl Window {
 
 impl Population {
     /// Adds covariates.
-    pub(crate) fn add(&mut self, known: &Columns) {
-        self.known.iter_mut().zip(known).for_each(|(sum, known)| *sum += known);
+    pub(crate) fn add(&mut self, covariates: &Columns) {
+        self.covariates.iter_mut().zip(covariates).for_each(|(sum, covariates)| *sum += covariates);
     }
 }
 
@@ -73,7 +73,7 @@ impl Total {
 
 /// The estimate of a figure and its residuals.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Left {
+pub(crate) struct Estimate {
     /// The estimate.
     pub total: f64,
     /// The residual of each point.
@@ -99,7 +99,7 @@ pub(crate) struct Estimates {
     /// The points.
     pub points: Vec<Drawn>,
     /// The estimate and residuals of each figure.
-    pub left: BTreeMap<Figure, Left>,
+    pub figures: BTreeMap<Figure, Estimate>,
 }
 
 impl Estimates {
@@ -111,15 +111,15 @@ impl Estimates {
 
     /// The total of a figure, with a 95 % interval.
     pub(crate) fn total(&self, figure: &Figure) -> Total {
-        let Some(Left { total, errors, freedom }) = self.left.get(figure) else { return Total::default() };
+        let Some(Estimate { total, errors, freedom }) = self.figures.get(figure) else { return Total::default() };
         let variance = self.variance(errors.iter().copied());
         Total { total: *total, half_width: student(variance.freedom(*freedom)) * variance.value.sqrt() }
     }
 
     /// The points' residuals of three figures, as shares of the estimates, and the figures' degrees of freedom.
     pub(crate) fn residuals(&self, figures: &[Figure; 3]) -> (Vec<Residual>, [f64; 3]) {
-        let left = figures.each_ref().map(|figure| self.left.get(figure));
-        let share = |at: usize, left: Option<&Left>| {
+        let left = figures.each_ref().map(|figure| self.figures.get(figure));
+        let share = |at: usize, left: Option<&Estimate>| {
             left.filter(|left| left.total > 0.0).map_or(0.0, |left| left.errors[at] / left.total)
         };
         let points = self.points.iter().enumerate().map(|(at, &Drawn { place, stratum, weight })| {
@@ -141,10 +141,10 @@ pub(crate) fn estimates(
 ) -> Estimates {
     let mut sample = Sample::new(population, windows, draws, line as f64);
     let figures = sample.figures().into_iter().filter(wanted);
-    let left = figures.map(|figure| (figure.clone(), sample.left(&figure))).collect();
+    let figures = figures.map(|figure| (figure.clone(), sample.estimate(&figure))).collect();
     let points = sample.places.iter().zip(sample.strata_of.iter().zip(&sample.weights));
     let points = points.map(|(&place, (&stratum, &weight))| Drawn { place, stratum, weight });
-    Estimates { points: points.collect(), left }
+    Estimates { points: points.collect(), figures }
 }
 
 /// Points of a sample, and the windows that they lie in.
@@ -178,7 +178,7 @@ impl<'a> Sample<'a> {
         // A stratum's windows are divided equally among its points.
         let weights: Vec<f64> = strata_of.iter().map(|&stratum| strata[stratum] / sampled[stratum]).collect();
         let size = |of: fn(&Window) -> f64| points.iter().zip(&weights).map(|(window, w)| w * of(window)).sum::<f64>();
-        let grown = size(|window| window.span(Span::Group).known[OPERATIONS]);
+        let grown = size(|window| window.span(Span::Group).covariates[OPERATIONS]);
         let scale = if grown > 0.0 { size(|window| window.operations) / grown } else { 1.0 };
         let (strata, solvers) = (strata.len(), BTreeMap::new());
         Self { population, line, points, places, strata_of, strata, weights, scale, solvers }
@@ -189,35 +189,37 @@ impl<'a> Sample<'a> {
         parts.flat_map(|part| part.figures.keys().cloned()).collect()
     }
 
-    fn left(&mut self, figure: &Figure) -> Left {
+    fn estimate(&mut self, figure: &Figure) -> Estimate {
         let how = explanation(figure);
         let scale = if how.span == Span::Group { self.scale } else { 1.0 };
         let parts = || self.points.iter().map(|window| window.span(how.span));
-        let known: Vec<Columns> = parts().map(|part| part.known.map(|known| known * scale)).collect();
-        let expected = |known: &Columns| how.lines.map_or(0.0, |lines| known[lines] * self.line);
-        let value = |(part, known): (&Part, &Columns)| {
-            scale * part.figures.get(figure).copied().unwrap_or(0.0) - expected(known)
+        let covariates: Vec<Columns> =
+            parts().map(|part| part.covariates.map(|covariates| covariates * scale)).collect();
+        let expected = |covariates: &Columns| how.lines.map_or(0.0, |lines| covariates[lines] * self.line);
+        let value = |(part, covariates): (&Part, &Columns)| {
+            scale * part.figures.get(figure).copied().unwrap_or(0.0) - expected(covariates)
         };
-        let values: Vec<f64> = parts().zip(&known).map(value).collect();
+        let values: Vec<f64> = parts().zip(&covariates).map(value).collect();
         let weights = &self.weights;
         let (solver, leverage) = self.solvers.entry((how.span, how.columns)).or_insert_with_key(|(_, columns)| {
-            let solver = Regression::new(&known, weights, columns);
-            let leverage = solver.leverage(&known, weights);
+            let solver = Regression::new(&covariates, weights, columns);
+            let leverage = solver.leverage(&covariates, weights);
             (solver, leverage)
         });
         let freedom = self.points.len() as f64 - self.strata as f64 - solver.rank() as f64 + 1.0;
-        let slopes = solver.slopes(&known, weights, &values);
-        let left: Vec<f64> = known.iter().zip(&values).map(|(known, y)| y - dot(&slopes, known)).collect();
-        let all = &self.population.known;
+        let slopes = solver.slopes(&covariates, weights, &values);
+        let left: Vec<f64> =
+            covariates.iter().zip(&values).map(|(covariates, y)| y - dot(&slopes, covariates)).collect();
+        let all = &self.population.covariates;
         // HC2 restores what the regression fitted away of a window's own residual (MacKinnon and White 1985). A
         // residual counts as much as its window does in the estimate calibrated to all covariates (Saerndal et al.
         // 1992, 6.6).
-        let counts = solver.calibration(&known, weights, all);
+        let counts = solver.calibration(&covariates, weights, all);
         let full = left.iter().zip(leverage.iter().zip(&counts));
         let errors = full.map(|(left, (leverage, count))| count * left / (1.0 - leverage).sqrt()).collect();
         let total = expected(all) + dot(&slopes, all) + left.iter().zip(weights).map(|(left, w)| left * w).sum::<f64>();
         // A sample with no degree of freedom left is not refused here: the sampler plans at least eight points.
-        Left { total, errors, freedom: freedom.max(1.0) }
+        Estimate { total, errors, freedom: freedom.max(1.0) }
     }
 }
 
@@ -240,15 +242,15 @@ fn joined(ends: &[f64], points: &[usize]) -> (Vec<f64>, Vec<usize>) {
 
 #[cfg(test)]
 mod tests {
-    use super::super::known::{Capacity, Known};
+    use super::super::covariates::{Capacity, Covariates};
     use super::*;
     use crate::machine::MachineSpec;
 
-    fn window(place: f64, known: Columns, y: f64) -> Window {
-        let inside = Part { known, figures: [(Figure::Cycles, y)].into() };
-        let other = || Part { known, ..Part::default() };
+    fn window(place: f64, covariates: Columns, y: f64) -> Window {
+        let inside = Part { covariates, figures: [(Figure::Cycles, y)].into() };
+        let other = || Part { covariates, ..Part::default() };
         let hits = vec![Point { place, draw: 0 }];
-        Window { hits, operations: known[OPERATIONS], spans: [inside, other(), other()] }
+        Window { hits, operations: covariates[OPERATIONS], spans: [inside, other(), other()] }
     }
 
     fn strata(length: f64) -> Strata {
@@ -256,13 +258,13 @@ mod tests {
     }
 
     /// Covariates with these operations and DRAM lines.
-    fn known(operations: f64, lines: f64) -> Columns {
-        let known = Known {
+    fn covariates(operations: f64, lines: f64) -> Columns {
+        let covariates = Covariates {
             operations: [operations as u64, 0, 0, 0],
             dram: [lines as u64, 0, 0, 0, 0, 0, 0, 0, 0, 0],
-            ..Known::default()
+            ..Covariates::default()
         };
-        known.columns(&Capacity::new(&MachineSpec::default()))
+        covariates.columns(&Capacity::new(&MachineSpec::default()))
     }
 
     #[test]
@@ -270,11 +272,11 @@ mod tests {
         // y = 3 steps + 7 new lines: no sampling error is left, though windows differ.
         let windows: Vec<_> = (0..16u32)
             .map(|i| {
-                let known = known(f64::from(100 + i * i), f64::from(i % 5));
-                window(10.0 * f64::from(i), known, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
+                let covariates = covariates(f64::from(100 + i * i), f64::from(i % 5));
+                window(10.0 * f64::from(i), covariates, 3.0 * f64::from(100 + i * i) + 7.0 * f64::from(i % 5))
             })
             .collect();
-        let population = Population { strata: strata(40.0), windows: 160, known: known(20_000.0, 300.0) };
+        let population = Population { strata: strata(40.0), windows: 160, covariates: covariates(20_000.0, 300.0) };
         let Total { total, half_width } = estimates(&population, &windows, 1, 64, |_| true).total(&Figure::Cycles);
         assert!((total - 62_100.0).abs() < 1e-6, "{total}");
         assert!(half_width < 1e-6);
@@ -285,10 +287,10 @@ mod tests {
     #[test]
     fn intervals_are_as_wide_as_windows_count() {
         let cost = |i: u32| f64::from(300 + i * i % 5);
-        let windows: Vec<_> = (0..16).map(|i| window(10.0 * f64::from(i), known(100.0, 0.0), cost(i))).collect();
+        let windows: Vec<_> = (0..16).map(|i| window(10.0 * f64::from(i), covariates(100.0, 0.0), cost(i))).collect();
         let found = [16_000.0, 32_000.0].map(|operations| {
-            let known = known(operations, 0.0);
-            let population = Population { strata: strata(40.0), windows: 160, known };
+            let covariates = covariates(operations, 0.0);
+            let population = Population { strata: strata(40.0), windows: 160, covariates };
             estimates(&population, &windows, 1, 64, |_| true).total(&Figure::Cycles)
         });
         let [once, twice] = found.map(|found| found.half_width);
@@ -297,9 +299,9 @@ mod tests {
 
     #[test]
     fn a_point_that_was_not_drawn_yet_does_not_count() {
-        let mut windows = [window(0.0, known(1.0, 0.0), 5.0), window(1.0, known(1.0, 0.0), 5.0)];
+        let mut windows = [window(0.0, covariates(1.0, 0.0), 5.0), window(1.0, covariates(1.0, 0.0), 5.0)];
         windows[1].hits.push(Point { place: 1.5, draw: 4 });
-        let population = Population { strata: strata(8.0), windows: 8, known: known(8.0, 0.0) };
+        let population = Population { strata: strata(8.0), windows: 8, covariates: covariates(8.0, 0.0) };
         let at = |draws| Sample::new(&population, &windows, draws, 64.0).points.len();
         assert_eq!([1, 4, 5].map(at), [2, 2, 3]);
     }
@@ -319,10 +321,10 @@ mod tests {
                 let end = (at + 1) as f64;
                 let hits: Vec<Point> = points.extract_if(.., |point| point.place < end).collect();
                 if !hits.is_empty() {
-                    windows.push(Window { hits, ..window(0.0, known(0.0, 0.0), cost(at)) });
+                    windows.push(Window { hits, ..window(0.0, covariates(0.0, 0.0), cost(at)) });
                 }
             }
-            let population = Population { strata, windows: 300, known: known(0.0, 0.0) };
+            let population = Population { strata, windows: 300, covariates: covariates(0.0, 0.0) };
             let Total { total, half_width } =
                 estimates(&population, &windows, draws, 64, |_| true).total(&Figure::Cycles);
             let error = half_width / student(1e9) / truth;

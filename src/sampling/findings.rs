@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::baseline::{Baseline, Told};
+use super::baseline::{Baseline, Corrected};
 use super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::figures::{Figure, Figures, Levels};
 use super::job::{Found, Latencies};
@@ -12,7 +12,7 @@ use crate::machine::MachineSpec;
 use crate::stats::{Accuracy, Change, LatencyCounts, MachineStats, Residual, Residuals};
 
 /// The figures with reported intervals and residuals.
-const TOLD: [Figure; 3] = [Figure::Cycles, Figure::L2Bytes, Figure::DramBytes];
+const REPORTED: [Figure; 3] = [Figure::Cycles, Figure::L2Bytes, Figure::DramBytes];
 
 /// Measurements of a sample.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -72,23 +72,29 @@ impl Findings {
     pub(crate) fn estimate(&self, machine: &MachineSpec, draws: usize) -> MachineStats {
         let own = self.estimates(machine, draws);
         let mut totals: BTreeMap<Figure, Total> =
-            own.left.keys().map(|figure| (figure.clone(), own.total(figure))).collect();
+            own.figures.keys().map(|figure| (figure.clone(), own.total(figure))).collect();
         for (figure, end) in &self.ends {
             totals.entry(figure.clone()).or_default().total += end;
         }
-        let (points, freedom) = own.residuals(&TOLD);
+        let (points, freedom) = own.residuals(&REPORTED);
         self.stats(machine, &totals, self.residuals(points, freedom, None))
     }
 
     /// The same beside a baseline measured in the same windows. `residuals.change` has the error that is not shared
     /// with it.
-    pub(crate) fn estimate_beside(&self, machine: &MachineSpec, draws: usize, baseline: &Known<'_>) -> MachineStats {
-        let Known { machine: base, findings, stats, figures } = baseline;
+    pub(crate) fn estimate_beside(
+        &self,
+        machine: &MachineSpec,
+        draws: usize,
+        baseline: &KnownBaseline<'_>,
+    ) -> MachineStats {
+        let KnownBaseline { machine: base, findings, stats, figures } = baseline;
         let residuals = stats.residuals.as_ref();
         let points = residuals.map_or(&[][..], |residuals| &residuals.points);
         let windows = findings.estimates(base, draws);
         let baseline = Baseline { windows, ends: &findings.ends, known: figures, points };
-        let Told { totals, points, change } = baseline.told(&self.estimates(machine, draws), &self.ends, &TOLD);
+        let Corrected { totals, points, change } =
+            baseline.corrected(&self.estimates(machine, draws), &self.ends, &REPORTED);
         let freedom = residuals.map_or([1.0; 3], |residuals| residuals.freedom);
         self.stats(machine, &totals, self.residuals(points, freedom, Some(change)))
     }
@@ -110,7 +116,7 @@ impl Findings {
         let mut stats = levels.with(&self.nothing, found().map(|(figure, total)| (figure, total.total)));
         stats.rays = self.rays;
         let share = |figure: Figure| totals.get(&figure).map_or(0.0, Total::share);
-        let [cycles, l2_bytes, dram_bytes] = TOLD.map(share);
+        let [cycles, l2_bytes, dram_bytes] = REPORTED.map(share);
         let rate = self.measured.len() as f64 / self.population.windows as f64;
         stats.accuracy = Accuracy::Estimated { cycles, l2_bytes, dram_bytes, rate };
         let half_width = |(figure, total): (&Figure, &Total)| Some((levels.path(figure)?, total.half_width));
@@ -122,7 +128,7 @@ impl Findings {
 
 /// A baseline: its measurements in the sample's windows, and its known statistics.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Known<'a> {
+pub(crate) struct KnownBaseline<'a> {
     /// The machine.
     pub machine: &'a MachineSpec,
     /// Its measurements, in at least the windows of the others.

@@ -1,7 +1,7 @@
 //! Samples that grow until their intervals are narrow enough, of several machines on the same passes.
 
 use super::baseline::known;
-use super::findings::{Findings, Known};
+use super::findings::{Findings, KnownBaseline};
 use super::job::Found;
 use super::job_cache::{CachedJob, JobCache};
 use super::pass::{Each, Member, Pass, Sampler};
@@ -58,7 +58,7 @@ pub(crate) fn sample_until(
             if let (Some(base), Some((machine, stats))) = (base.as_deref_mut(), baseline) {
                 // A sample beside a baseline waits until the baseline is measured in its windows.
                 let Some(findings) = base.measured()? else { break };
-                beside = Some(Known { machine, findings, stats, figures: &figures });
+                beside = Some(KnownBaseline { machine, findings, stats, figures: &figures });
             }
             let go_on = |sample: &mut Sample<'_>| sample.go_on(beside.as_ref(), goal.target, keep);
             let mut more: Vec<Option<Vec<CachedJob>>> = own.iter_mut().map(go_on).collect();
@@ -133,7 +133,7 @@ impl<'a> Sample<'a> {
     }
 
     /// Evaluates the measurements. Returns the next jobs, if more points are needed and their jobs were kept.
-    fn go_on(&mut self, baseline: Option<&Known<'_>>, target: Share, keep: usize) -> Option<Vec<CachedJob>> {
+    fn go_on(&mut self, baseline: Option<&KnownBaseline<'_>>, target: Share, keep: usize) -> Option<Vec<CachedJob>> {
         let (Stage::Measured, Some(findings)) = (&self.stage, &self.findings) else { return None };
         let Member { machine, plan } = &self.member;
         let (draws, points) = (plan.draws.end, findings.points(plan.draws.end));

@@ -3,9 +3,9 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
+use super::covariates::{Capacity, Covariates, OPERATIONS};
 use super::estimate::{Part, Window};
 use super::figures::{Figure, Figures, Levels, MemoryLevel, difference};
-use super::known::{Capacity, Known, OPERATIONS};
 use super::windows::{Job, JobWork, WindowWork};
 use crate::engine::RunError;
 use crate::engine::check;
@@ -51,15 +51,15 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             let mut totals = Totals::default();
             let capacity = Capacity::new(machine);
             feed.bounds = [before.rays.len(), before.rays.len() + own.rays.len()];
-            let mut sum = Known::default();
+            let mut sum = Covariates::default();
             for part in [before, own, behind] {
-                sum += part.known;
+                sum += part.covariates;
                 part.rays.rays().for_each(|ray| totals.count(&ray));
                 if !part.rays.is_empty() {
                     feed.items.push_back(Item::Rays(Arc::clone(&part.rays)));
                 }
             }
-            let (lines, own, group) = (own.known.dram, own.known.columns(&capacity), sum.columns(&capacity));
+            let (lines, own, group) = (own.covariates.dram, own.covariates.columns(&capacity), sum.columns(&capacity));
             feed.items.push_back(Item::End { policy: Arc::default(), totals });
             let tally = finished(engine, machine, &mut feed)?;
             let (all, latency) = (figures_of(&tally, machine), tally.stats(machine).latency);
@@ -69,13 +69,15 @@ pub(super) fn replay(engine: &mut dyn Engine, machine: &MachineSpec, job: &Job) 
             // before, some end later.
             let done = std::array::from_fn(|kind| closed.operations[kind] - opened.operations[kind]);
             let inside = Part {
-                known: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
+                covariates: if stores_as_recorded(machine) { capacity.with_operations(own, done) } else { own },
                 figures: difference(&closed.figures, &opened.figures),
             };
             let (all_missed, own_missed) = (closed.missed.since(&opened.missed), Missed::attributed(&tally));
-            let asked =
-                Part { known: own, figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine) };
-            let spans = [inside, asked, Part { known: group, figures: all }];
+            let asked = Part {
+                covariates: own,
+                figures: asked_for(&inside.figures, (all_missed, own_missed), &lines, machine),
+            };
+            let spans = [inside, asked, Part { covariates: group, figures: all }];
             let window = Window { hits: hits.clone(), operations: own[OPERATIONS], spans };
             Ok(Found::Window(Box::new(window), latency))
         }

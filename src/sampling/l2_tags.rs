@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::known::Known;
+use super::covariates::Covariates;
 use super::requests::Request;
 use crate::engine::tally::PerClass;
 use crate::machine::MachineSpec;
@@ -36,10 +36,10 @@ pub(super) struct Moved {
 
 impl Moved {
     /// Adds these counts to the covariates of the same requests.
-    pub(super) fn added_to(self, mut known: Known) -> Known {
-        known.dram.iter_mut().zip(self.dram).for_each(|(known, lines)| *known += lines);
-        known.bank = self.bank;
-        known
+    pub(super) fn added_to(self, mut covariates: Covariates) -> Covariates {
+        covariates.dram.iter_mut().zip(self.dram).for_each(|(covariates, lines)| *covariates += lines);
+        covariates.bank = self.bank;
+        covariates
     }
 }
 

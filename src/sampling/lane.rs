@@ -119,10 +119,10 @@ impl Lane {
             Portion::Piece(piece) => self.piece(piece, &mut jobs),
             Portion::End(steps) => {
                 let warm = self.warm(|windows| windows.wants_end(steps));
-                let trodden = self.path.frame_end(steps);
+                let outcome = self.path.frame_end(steps);
                 let mut warm = warm.into_iter();
                 for WordLane { tags, l2s, .. } in &mut self.words {
-                    let requests = tags.frame_end(steps, &trodden, shift(&self.path, tags));
+                    let requests = tags.frame_end(steps, &outcome, shift(&self.path, tags));
                     for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
                         l2.pass(&requests.list);
                         for machine in machines {
@@ -139,18 +139,18 @@ impl Lane {
     fn piece(&mut self, piece: &CutPiece, jobs: &mut Vec<(usize, Job)>) {
         let begins = |windows: &Windows| piece.begin.iter().any(|lead: &Lead| windows.wants(lead));
         let mut warm = self.warm(begins).into_iter();
-        let trodden = self.path.piece(&piece.chunk, piece.rays.clone());
+        let outcome = self.path.piece(&piece.chunk, piece.rays.clone());
         for WordLane { tags, in_flight, l2s } in &mut self.words {
             let shift = shift(&self.path, tags);
-            let requests = tags.piece(&piece.chunk, piece.rays.clone(), &trodden, shift);
-            if let Some(rays) = tags.in_flight(&requests.known) {
+            let requests = tags.piece(&piece.chunk, piece.rays.clone(), &outcome, shift);
+            if let Some(rays) = tags.in_flight(&requests.covariates) {
                 *in_flight = self.path.limited(rays);
             }
             for (L2Lane { l2, machines }, warm) in l2s.iter_mut().zip(&mut warm) {
-                // Requests do not include the host's own lines: their DRAM lines are in `known` already.
-                let known = l2.pass(&requests.list).added_to(requests.known);
+                // Requests do not include the host's own lines: their DRAM lines are in the covariates already.
+                let covariates = l2.pass(&requests.list).added_to(requests.covariates);
                 for machine in machines {
-                    let complete = machine.windows.piece(piece, known, warm.as_ref());
+                    let complete = machine.windows.piece(piece, covariates, warm.as_ref());
                     machine.sort(complete, jobs);
                 }
             }
@@ -185,18 +185,18 @@ impl Lane {
 
     /// Continues with the number of rays in flight that the first word lane needs. Word lanes that need another number,
     /// or whose layout the path cannot be shifted to, get lanes of their own, with a copy of the tags.
-    pub(super) fn parted(&mut self) -> Vec<Self> {
+    pub(super) fn split_off(&mut self) -> Vec<Self> {
         let mut lanes: Vec<Self> = Vec::new();
         let Some(in_flight) = self.words.first().map(|first| first.in_flight) else { return lanes };
         for words in take(&mut self.words) {
-            let is_his = |path: &PathTags, in_flight| {
+            let fits = |path: &PathTags, in_flight| {
                 words.in_flight == in_flight && path.shift_to(words.tags.layout()).is_some()
             };
-            if is_his(&self.path, in_flight) {
+            if fits(&self.path, in_flight) {
                 self.words.push(words);
                 continue;
             }
-            match lanes.iter_mut().find(|lane| is_his(&lane.path, lane.path.in_flight())) {
+            match lanes.iter_mut().find(|lane| fits(&lane.path, lane.path.in_flight())) {
                 Some(lane) => lane.words.push(words),
                 None => {
                     let path = self.path.with(words.in_flight, words.tags.layout());

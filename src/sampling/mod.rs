@@ -4,6 +4,7 @@
 mod auto;
 mod axis;
 mod baseline;
+mod covariates;
 mod cutter;
 mod estimate;
 mod figures;
@@ -11,7 +12,6 @@ mod findings;
 mod grow;
 mod job;
 mod job_cache;
-mod known;
 mod l2_tags;
 mod lane;
 mod others;

@@ -1,6 +1,6 @@
 //! The L1s on a ray's path other than the traversal unit's: those of its list unit and its intersection unit.
 
-use super::requests::{Asker, Requests};
+use super::requests::{Requester, Requests};
 use crate::machine::kinds::Kind;
 use crate::machine::layout::Layout;
 use crate::memory::cache::Access;
@@ -37,8 +37,8 @@ impl Others<'_> {
             Step::List(entry) => {
                 self.operations[Kind::List as usize] += 1;
                 let l1 = &mut self.lists[usize::from(self.units[Kind::List as usize])];
-                let asker = reader(Kind::List, self.core, TrafficClass::List);
-                self.requests.access_all(l1, asker, self.layout.lines(&self.layout.list_entry(entry)));
+                let requester = reader(Kind::List, self.core, TrafficClass::List);
+                self.requests.access_all(l1, requester, self.layout.lines(&self.layout.list_entry(entry)));
             }
             Step::Node(_) | Step::Read { .. } | Step::Write { .. } | Step::Update { .. } => {
                 unreachable!("who cuts the stream has checked its chunks")
@@ -53,20 +53,20 @@ impl Others<'_> {
         let kind = Kind::Intersection;
         self.operations[kind as usize] += if stop == Stop::Plane { 1 } else { 2 };
         let l1 = &mut self.intersection[usize::from(self.units[kind as usize])];
-        let asker = reader(kind, self.core, TrafficClass::Triangle);
+        let requester = reader(kind, self.core, TrafficClass::Triangle);
         if self.keeps_triangles {
             // `test_lines` has each line once: reading a line again changes nothing.
-            requests.access_all(l1, asker, layout.test_lines(slot, stop));
+            requests.access_all(l1, requester, layout.test_lines(slot, stop));
             return;
         }
-        requests.access_all(l1, asker, layout.lines(&layout.plane(slot)));
+        requests.access_all(l1, requester, layout.lines(&layout.plane(slot)));
         if stop != Stop::Plane {
-            requests.access_all(l1, asker, layout.lines(&layout.edges(slot)));
+            requests.access_all(l1, requester, layout.lines(&layout.edges(slot)));
         }
     }
 }
 
 /// A unit of a core that reads.
-pub(super) fn reader(kind: Kind, core: u16, class: TrafficClass) -> Asker {
-    Asker { kind, core, class, access: Access::Read }
+pub(super) fn reader(kind: Kind, core: u16, class: TrafficClass) -> Requester {
+    Requester { kind, core, class, access: Access::Read }
 }

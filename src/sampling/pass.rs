@@ -93,11 +93,11 @@ impl<'a> Sampler<'a> {
             let windows = Windows::new(machine, self.header, plan.clone(), later.end);
             (*machine, OnLane { index, windows, cached: JobCache::new(later, MOST_BYTES, members.len()) })
         });
-        let mut dealt: Vec<Vec<Lane>> = Vec::new();
+        let mut by_thread: Vec<Vec<Lane>> = Vec::new();
         for (at, lane) in lane::lanes(self.header, on_lanes, self.threads).into_iter().enumerate() {
-            match dealt.get_mut(at % self.threads) {
+            match by_thread.get_mut(at % self.threads) {
                 Some(lanes) => lanes.push(lane),
-                None => dealt.push(vec![lane]),
+                None => by_thread.push(vec![lane]),
             }
         }
         let mut read = Ok(());
@@ -105,18 +105,18 @@ impl<'a> Sampler<'a> {
             let (jobs, received) = sync_channel(JOBS);
             // Owned by the threads alone: if all of them panic, sending fails instead of blocking.
             let received = Arc::new(Mutex::new(received));
-            let workers = self.threads.saturating_sub(dealt.len());
+            let workers = self.threads.saturating_sub(by_thread.len());
             let workers: Vec<_> = (0..workers)
                 .map(|_| Arc::clone(&received))
                 .map(|received| scope.spawn(move || self.work(members, &received)))
                 .collect();
             let mut pieces: Vec<SyncSender<Arc<Vec<Portion>>>> = Vec::new();
             let mut passing = Vec::new();
-            for lanes in dealt {
+            for lanes in by_thread {
                 let (cut, portions) = sync_channel(CUT);
                 pieces.push(cut);
                 let (jobs, received) = (jobs.clone(), Arc::clone(&received));
-                passing.push(scope.spawn(move || self.go_along(members, lanes, &portions, (jobs, &received))));
+                passing.push(scope.spawn(move || self.pass_lanes(members, lanes, &portions, (jobs, &received))));
             }
             drop((jobs, received));
             for item in items {
@@ -152,7 +152,7 @@ impl<'a> Sampler<'a> {
 
     /// Passes the cut stream through the tags of `lanes`, then replays jobs that are left. Where the job queue is full,
     /// this thread replays the job itself.
-    fn go_along(
+    fn pass_lanes(
         &self,
         members: &[Member<'_>],
         mut lanes: Vec<Lane>,
@@ -162,7 +162,7 @@ impl<'a> Sampler<'a> {
         let mut found = Vec::new();
         for portions in portions {
             for portion in portions.iter() {
-                let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::parted).collect();
+                let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::split_off).collect();
                 lanes.extend(new);
                 for job in lanes.iter_mut().flat_map(|lane| lane.add(portion)) {
                     if let Err(TrySendError::Full(job) | TrySendError::Disconnected(job)) = jobs.try_send(job) {

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 use super::others::{KINDS, Others, Units, reader};
 use super::performed::Performed;
-use super::requests::{Asker, Requests};
+use super::requests::{Requester, Requests};
 use super::seats::{Seat, Seats};
 use super::waiting::Waiting;
 use crate::engine::warm::L1s;
@@ -39,9 +39,9 @@ pub(super) struct PathTags {
     entries: Option<Entries>,
     /// Whether the L1s of intersection units allocate on triangle reads.
     keeps_triangles: bool,
-    /// Operations of each kind of units since the last [`Trodden`].
+    /// Operations of each kind of units since the last [`PathOutcome`].
     operations: [u64; KINDS],
-    trodden: Trodden,
+    outcome: PathOutcome,
 }
 
 /// Policy entries in triangle records, which intersection units access (`place: Triangle`).
@@ -55,7 +55,7 @@ struct Entries {
 
 /// What rays did up to the ends of their paths.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Trodden {
+pub(super) struct PathOutcome {
     /// Requests of the L1s to the L2, in order.
     pub requests: Requests,
     /// Path ends of the rays that have policy steps, in order.
@@ -121,7 +121,7 @@ impl PathTags {
             entries: (machine.shadow_cache.place == Place::Triangle).then(entries),
             keeps_triangles: machine.intersection.cache.no_allocate.keeps(TrafficClass::Triangle, false),
             operations: [0; KINDS],
-            trodden: Trodden::default(),
+            outcome: PathOutcome::default(),
         }
     }
 
@@ -179,7 +179,7 @@ impl PathTags {
 
     /// The accesses of a piece's rays. The number of rays in flight, which take turns, follows from the piece before.
     /// All are done when the next piece begins, so each first access belongs to one piece.
-    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> Trodden {
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>) -> PathOutcome {
         // Rays take turns, so their steps are read out of order: one read in order brings them into the host's cache.
         let words = chunk.packed_steps_of(rays.clone()).iter().step_by(WORDS_A_LINE);
         std::hint::black_box(words.fold(0, |all, word| all ^ word));
@@ -207,7 +207,7 @@ impl PathTags {
             // A ray may have several children.
             self.fill(&mut flights, &mut waiting, chunk);
         }
-        self.trodden()
+        self.outcome()
     }
 
     /// Starts waiting rays until the number in flight is reached.
@@ -220,24 +220,24 @@ impl PathTags {
     }
 
     /// The part of an end of frame that uses the paths' L1s: triangle tests, and entries in triangle records.
-    pub(super) fn frame_end(&mut self, steps: &[u32]) -> Trodden {
+    pub(super) fn frame_end(&mut self, steps: &[u32]) -> PathOutcome {
         self.tests(steps, 0, [0; KINDS]);
         if let Some(Entries { performed, .. }) = &mut self.entries {
             let performed = performed.at_end(steps, &self.layout);
             performed.into_iter().for_each(|step| self.entry(step));
         }
-        self.trodden()
+        self.outcome()
     }
 
-    fn trodden(&mut self) -> Trodden {
-        self.trodden.requests.known.operations =
+    fn outcome(&mut self) -> PathOutcome {
+        self.outcome.requests.covariates.operations =
             std::array::from_fn(|kind| self.operations[kind] * self.intervals[kind]);
         self.operations = [0; KINDS];
         // The next piece needs about the same capacity.
-        let mut room = Trodden::default();
-        room.requests.list.reserve(self.trodden.requests.list.len());
-        room.ends.reserve(self.trodden.ends.len());
-        replace(&mut self.trodden, room)
+        let mut room = PathOutcome::default();
+        room.requests.list.reserve(self.outcome.requests.list.len());
+        room.ends.reserve(self.outcome.ends.len());
+        replace(&mut self.outcome, room)
     }
 
     /// The next ray that enters a traversal unit. Skipped rays before it begin and end here.
@@ -264,7 +264,7 @@ impl PathTags {
         if policy.is_empty() {
             return;
         }
-        self.trodden.ends.push(PathEnd { requests: self.trodden.requests.list.len(), ray, core, entry });
+        self.outcome.ends.push(PathEnd { requests: self.outcome.requests.list.len(), ray, core, entry });
         self.tests(policy, core, units);
         if let Some(entries) = &mut self.entries {
             let mut steps = take(&mut entries.steps);
@@ -322,9 +322,9 @@ impl PathTags {
     /// The L1 of the ray's traversal unit, and the other units.
     #[inline]
     fn of_ray(&mut self, core: u16, units: Units) -> (&mut TimelessCache, Others<'_>) {
-        let Self { layout, l1s, operations, keeps_triangles, trodden, .. } = self;
+        let Self { layout, l1s, operations, keeps_triangles, outcome, .. } = self;
         let [traversal, lists, intersection, _] = l1s;
-        let (keeps_triangles, requests) = (*keeps_triangles, &mut trodden.requests);
+        let (keeps_triangles, requests) = (*keeps_triangles, &mut outcome.requests);
         let others = Others { layout, lists, intersection, units, operations, keeps_triangles, core, requests };
         (&mut traversal[usize::from(units[Kind::Traversal as usize])], others)
     }
@@ -339,9 +339,9 @@ impl PathTags {
         let count = self.l1s[kind].len();
         let unit = (line.0 % count as u64) as usize;
         let core = (unit * self.cores / count) as u16;
-        let asker = Asker { kind: Kind::Intersection, core, class: element.class, access };
-        let Self { layout, l1s, operations, trodden: Trodden { requests, .. }, .. } = self;
+        let requester = Requester { kind: Kind::Intersection, core, class: element.class, access };
+        let Self { layout, l1s, operations, outcome: PathOutcome { requests, .. }, .. } = self;
         operations[kind] += 1;
-        requests.access_all(&mut l1s[kind][unit], asker, layout.lines(&element));
+        requests.access_all(&mut l1s[kind][unit], requester, layout.lines(&element));
     }
 }

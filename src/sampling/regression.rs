@@ -1,6 +1,6 @@
 //! Weighted least squares for the estimates of a sample.
 
-use super::known::{COLUMNS, Columns};
+use super::covariates::{COLUMNS, Columns};
 
 /// The scalar product.
 pub(super) fn dot(a: &Columns, b: &Columns) -> f64 {
@@ -22,9 +22,9 @@ impl Regression {
     /// The regression on weighted rows; `order` has the columns, most wanted first.
     pub(super) fn new(rows: &[Columns], weights: &[f64], order: &[usize]) -> Self {
         let mut normal = [[0.0; COLUMNS]; COLUMNS];
-        for (known, weight) in rows.iter().zip(weights) {
-            for (row, x) in normal.iter_mut().zip(known) {
-                row.iter_mut().zip(known).for_each(|(cell, y)| *cell += weight * x * y);
+        for (covariates, weight) in rows.iter().zip(weights) {
+            for (row, x) in normal.iter_mut().zip(covariates) {
+                row.iter_mut().zip(covariates).for_each(|(cell, y)| *cell += weight * x * y);
             }
         }
         // Gauss-Jordan with the unit matrix beside the matrix. A column is left out if its pivot is lost in rounding,
@@ -60,11 +60,11 @@ impl Regression {
 
     /// The leverage of each window: the share of its own value in its fitted value; limited to 0.9.
     pub(super) fn leverage(&self, rows: &[Columns], weights: &[f64]) -> Vec<f64> {
-        let of = |(known, weight): (&Columns, &f64)| {
+        let of = |(covariates, weight): (&Columns, &f64)| {
             let used = |at: &usize| self.used[*at];
             let rows = (0..COLUMNS).filter(used).map(|row| {
-                let cells = (0..COLUMNS).filter(used).map(|column| self.inverse[row][column] * known[column]);
-                known[row] * cells.sum::<f64>()
+                let cells = (0..COLUMNS).filter(used).map(|column| self.inverse[row][column] * covariates[column]);
+                covariates[row] * cells.sum::<f64>()
             });
             (weight * rows.sum::<f64>()).clamp(0.0, 0.9)
         };
@@ -74,20 +74,20 @@ impl Regression {
     /// A factor for each window's weight, with which the sums of the used columns are those of `all`.
     pub(super) fn calibration(&self, rows: &[Columns], weights: &[f64], all: &Columns) -> Vec<f64> {
         let mut missing = *all;
-        for (known, weight) in rows.iter().zip(weights) {
-            missing.iter_mut().zip(known).for_each(|(sum, x)| *sum -= weight * x);
+        for (covariates, weight) in rows.iter().zip(weights) {
+            missing.iter_mut().zip(covariates).for_each(|(sum, x)| *sum -= weight * x);
         }
         let used = |at: &usize| self.used[*at];
         let slope = |column: usize| (0..COLUMNS).filter(used).map(|row| missing[row] * self.inverse[row][column]).sum();
         let slopes: Columns = std::array::from_fn(|column| if self.used[column] { slope(column) } else { 0.0 });
-        rows.iter().map(|known| 1.0 + dot(&slopes, known)).collect()
+        rows.iter().map(|covariates| 1.0 + dot(&slopes, covariates)).collect()
     }
 
     /// The slopes that fit `values` best; 0 for unused columns.
     pub(super) fn slopes(&self, rows: &[Columns], weights: &[f64], values: &[f64]) -> Columns {
         let mut right = [0.0; COLUMNS];
-        for ((known, weight), value) in rows.iter().zip(weights).zip(values) {
-            right.iter_mut().zip(known).for_each(|(cell, x)| *cell += weight * x * value);
+        for ((covariates, weight), value) in rows.iter().zip(weights).zip(values) {
+            right.iter_mut().zip(covariates).for_each(|(cell, x)| *cell += weight * x * value);
         }
         std::array::from_fn(|row| {
             let cells = (0..COLUMNS).filter(|&column| self.used[column]).map(|c| self.inverse[row][c] * right[c]);

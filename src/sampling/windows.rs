@@ -4,9 +4,9 @@ use std::mem::take;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::covariates::{Capacity, Covariates};
 use super::cutter::{CutPiece, Lead};
 use super::estimate::Population;
-use super::known::{Capacity, Known};
 use super::plan::Plan;
 use super::strata::Point;
 use super::window_rays::WindowRays;
@@ -20,7 +20,7 @@ pub(crate) struct Part {
     /// The rays.
     pub rays: Arc<Chunk>,
     /// Their covariates.
-    pub known: Known,
+    pub covariates: Covariates,
 }
 
 /// A replay by itself, on warm caches.
@@ -87,7 +87,7 @@ impl Job {
 struct Piece {
     chunk: Arc<Chunk>,
     rays: Range<usize>,
-    known: Known,
+    covariates: Covariates,
 }
 
 /// The rays of pieces.
@@ -98,10 +98,10 @@ fn rays_of(pieces: &[Piece]) -> Chunk {
 }
 
 /// The covariates of pieces.
-fn known_of(pieces: &[Piece]) -> Known {
-    let mut known = Known::default();
-    pieces.iter().for_each(|piece| known += piece.known);
-    known
+fn covariates_of(pieces: &[Piece]) -> Covariates {
+    let mut covariates = Covariates::default();
+    pieces.iter().for_each(|piece| covariates += piece.covariates);
+    covariates
 }
 
 /// A window that is being joined.
@@ -138,7 +138,7 @@ pub(super) struct Windows {
     warmup: Vec<u32>,
     warms_up: bool,
     /// Covariates of the current window so far.
-    known: Known,
+    covariates: Covariates,
     /// Windows of the stream so far.
     windows: usize,
     open: Vec<Open>,
@@ -160,7 +160,7 @@ impl Windows {
             info: FrameInfo::default(),
             warmup: header.warmup.clone(),
             warms_up: false,
-            known: Known::default(),
+            covariates: Covariates::default(),
             windows: 0,
             open: Vec::new(),
             jobs: 0,
@@ -195,14 +195,14 @@ impl Windows {
 
     /// Adds the next piece and its covariates. `warm` is the contents of the caches before it, where a wanted window
     /// begins. Returns the completed jobs.
-    pub(super) fn piece(&mut self, piece: &CutPiece, known: Known, warm: Option<&WarmCaches>) -> Vec<Job> {
+    pub(super) fn piece(&mut self, piece: &CutPiece, covariates: Covariates, warm: Option<&WarmCaches>) -> Vec<Job> {
         let CutPiece { chunk, rays, traced, begin, is_last } = piece;
         if let Some(warm) = warm {
             let begin: Vec<Lead> = begin.iter().filter(|lead| self.wants(lead)).cloned().collect();
             self.open.extend(begin.into_iter().map(|lead| Open::new(lead, warm.clone())));
         }
         let window = self.windows;
-        self.known += known;
+        self.covariates += covariates;
         if *is_last {
             self.end_window();
         }
@@ -219,7 +219,7 @@ impl Windows {
             } else {
                 &mut open.behind
             };
-            of.push(Piece { chunk: Arc::clone(chunk), rays: rays.clone(), known });
+            of.push(Piece { chunk: Arc::clone(chunk), rays: rays.clone(), covariates });
             let behind = self.plan.cut.behind;
             if open.behind.len() == behind || behind == 0 && open.window == window && *is_last {
                 complete.push(at);
@@ -244,9 +244,9 @@ impl Windows {
     }
 
     fn end_window(&mut self) {
-        let known = take(&mut self.known);
+        let covariates = take(&mut self.covariates);
         if !self.warms_up {
-            self.population.add(&known.columns(&self.capacity));
+            self.population.add(&covariates.columns(&self.capacity));
             self.population.windows += 1;
         }
         self.windows += 1;
@@ -263,8 +263,8 @@ impl Windows {
             [before, own, behind]
         });
         let [before_rays, own_rays, behind_rays] = chunks;
-        let [before, own, behind] = pieces.each_ref().map(|pieces| known_of(pieces));
-        let part = |rays, known| Part { rays, known };
+        let [before, own, behind] = pieces.each_ref().map(|pieces| covariates_of(pieces));
+        let part = |rays, covariates| Part { rays, covariates };
         let [before, own, behind] = [part(before_rays, before), part(own_rays, own), part(behind_rays, behind)];
         let work = JobWork::Window(Box::new(WindowWork { hits, before, own, behind, rays }));
         self.jobs += 1;

@@ -4,10 +4,10 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::known::{Capacity, Known};
-use super::path_tags::{PathEnd, Trodden};
+use super::covariates::{Capacity, Covariates};
+use super::path_tags::{PathEnd, PathOutcome};
 use super::performed::{self, Performed};
-use super::requests::{Asker, Request, Requests};
+use super::requests::{Request, Requester, Requests};
 use crate::machine::MachineSpec;
 use crate::machine::kinds::Kind;
 use crate::machine::layout::{Element, Layout, Shift};
@@ -92,57 +92,58 @@ impl WordTags {
 
     /// The policy accesses of a chunk's rays, each at the end of its path. `trodden` has the paths' requests; `shift`
     /// moves their lines to this machine's layout.
-    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, trodden: &Trodden, shift: Shift) -> Requests {
-        let mut to = Requests { list: Vec::with_capacity(trodden.requests.list.len()), known: trodden.requests.known };
+    pub(super) fn piece(&mut self, chunk: &Chunk, rays: Range<usize>, outcome: &PathOutcome, shift: Shift) -> Requests {
+        let mut to =
+            Requests { list: Vec::with_capacity(outcome.requests.list.len()), covariates: outcome.requests.covariates };
         let Self { layout, performed, units, .. } = self;
         let mut from = 0;
-        for end in &trodden.ends {
-            here(&trodden.requests.list[from..end.requests], shift, &mut to);
+        for end in &outcome.ends {
+            here(&outcome.requests.list[from..end.requests], shift, &mut to);
             from = end.requests;
             let policy = chunk.ray(end.ray).packed_policy();
             performed.of_ray(policy, layout, |step| units.perform(step, layout, end, &mut to));
         }
-        here(&trodden.requests.list[from..], shift, &mut to);
-        self.whole_rays(chunk, rays, &mut to.known);
-        self.settle_owner(&mut to.known);
+        here(&outcome.requests.list[from..], shift, &mut to);
+        self.whole_rays(chunk, rays, &mut to.covariates);
+        self.settle_owner(&mut to.covariates);
         to
     }
 
     /// The steps of an end of frame.
-    pub(super) fn frame_end(&mut self, steps: &[u32], trodden: &Trodden, shift: Shift) -> Requests {
-        let mut to = Requests { list: Vec::new(), known: trodden.requests.known };
-        here(&trodden.requests.list, shift, &mut to);
+    pub(super) fn frame_end(&mut self, steps: &[u32], outcome: &PathOutcome, shift: Shift) -> Requests {
+        let mut to = Requests { list: Vec::new(), covariates: outcome.requests.covariates };
+        here(&outcome.requests.list, shift, &mut to);
         for step in self.performed.at_end(steps, &self.layout) {
             self.units.perform(step, &self.layout, &PathEnd::default(), &mut to);
         }
-        self.settle_owner(&mut to.known);
+        self.settle_owner(&mut to.covariates);
         to
     }
 
     /// Rays in traversal units at once, from a piece's covariates ([`Capacity::in_flight`]); `None` if nothing was
     /// done.
-    pub(super) fn in_flight(&self, known: &Known) -> Option<f64> {
-        self.capacity.in_flight(known)
+    pub(super) fn in_flight(&self, covariates: &Covariates) -> Option<f64> {
+        self.capacity.in_flight(covariates)
     }
 
     /// Work of rays outside steps: the host's lines, and decisions that take an operation.
-    fn whole_rays(&mut self, chunk: &Chunk, rays: Range<usize>, known: &mut Known) {
+    fn whole_rays(&mut self, chunk: &Chunk, rays: Range<usize>, covariates: &mut Covariates) {
         if let Some(host) = &mut self.host {
             for ray in rays.clone().map(|ray| chunk.ray(ray)).filter(|ray| !self.spec.is_answered(ray)) {
                 let runs = host.ray().into_iter().chain(host.result(ray.head.kind, ray.packed_path()));
-                runs.for_each(|run| known.dram[run.class as usize] += run.lines);
+                runs.for_each(|run| covariates.dram[run.class as usize] += run.lines);
             }
         }
         if self.spec.decide.takes_an_operation(Decision::Skip) {
             let skipped = rays.filter(|&ray| chunk.head(ray).decision == Decision::Skip).count();
-            known.operations[Kind::ShadowCache as usize] += skipped as u64 * self.units.interval;
+            covariates.operations[Kind::ShadowCache as usize] += skipped as u64 * self.units.interval;
         }
     }
 
     /// Sets the covariate of the busiest owner unit of a piece, in cycles.
-    fn settle_owner(&mut self, known: &mut Known) {
+    fn settle_owner(&mut self, covariates: &mut Covariates) {
         let of_owners = &mut self.units.of_owners;
-        known.owner = of_owners.iter().copied().max().unwrap_or_default().div_ceil(self.width);
+        covariates.owner = of_owners.iter().copied().max().unwrap_or_default().div_ceil(self.width);
         of_owners.fill(0);
     }
 }
@@ -159,7 +160,7 @@ impl Units {
             Step::Read { store, index } => layout.entry(store, index, false),
             Step::Write { store, index } | Step::Update { store, index } => layout.entry(store, index, true),
         };
-        to.known.operations[Kind::ShadowCache as usize] += self.interval;
+        to.covariates.operations[Kind::ShadowCache as usize] += self.interval;
         let lines = layout.lines(&element);
         let units = self.l1s.len();
         if step.entry().is_none() {
@@ -175,7 +176,7 @@ impl Units {
             }
             Place::L2 => {
                 self.of_owners[owner] += self.interval;
-                to.known.missed[Kind::ShadowCache as usize] += 1;
+                to.covariates.missed[Kind::ShadowCache as usize] += 1;
                 to.add(Request { line: lines.0, core: self.core(owner), class: element.class, write: element.write });
             }
             // `Triangle` entries are accessed by the path's units; `Free` ones cost nothing.
@@ -189,8 +190,8 @@ impl Units {
 
     fn access(&mut self, unit: usize, element: &Element, lines: (LineAddr, u64), to: &mut Requests) {
         let access = if element.write { self.writes.access(element.class, true) } else { Access::Read };
-        let asker = Asker { kind: Kind::ShadowCache, core: self.core(unit), class: element.class, access };
-        to.access_all(&mut self.l1s[unit], asker, lines);
+        let requester = Requester { kind: Kind::ShadowCache, core: self.core(unit), class: element.class, access };
+        to.access_all(&mut self.l1s[unit], requester, lines);
     }
 }
 
@@ -209,14 +210,14 @@ mod tests {
     use crate::stream::{Effect, Item, Store};
 
     /// The covariates of a piece of rays with these policy steps; each ray visits one node.
-    fn passed(path: &mut PathTags, words: &mut WordTags, policies: Vec<Vec<u32>>) -> Known {
+    fn passed(path: &mut PathTags, words: &mut WordTags, policies: Vec<Vec<u32>>) -> Covariates {
         let ray = |policy| SyntheticRay { policy, ..SyntheticRay::primary(nodes([0])) };
         let rays: Vec<SyntheticRay> = policies.into_iter().map(ray).collect();
         let items = frame(FrameInfo::default(), &rays, &[], rays.len());
         let Some(Item::Rays(chunk)) = items.get(1) else { panic!("one chunk") };
-        let trodden = path.piece(chunk, 0..chunk.len());
+        let outcome = path.piece(chunk, 0..chunk.len());
         let shift = path.shift_to(words.layout()).unwrap();
-        words.piece(chunk, 0..chunk.len(), &trodden, shift).known
+        words.piece(chunk, 0..chunk.len(), &outcome, shift).covariates
     }
 
     fn read(index: u32) -> Vec<u32> {
@@ -247,16 +248,16 @@ mod tests {
         let mut machine = MachineSpec::default();
         machine.traversal.rays = num(64);
         let (mut path, mut words) = tags(&machine);
-        let known = passed(&mut path, &mut words, vec![read(0); 4000]);
-        assert_eq!(known.owner, 4000);
+        let covariates = passed(&mut path, &mut words, vec![read(0); 4000]);
+        assert_eq!(covariates.owner, 4000);
         let stay = machine.traversal.latency.get() + machine.traversal.cache.latency.get();
-        let in_flight = path.limited(words.in_flight(&known).unwrap());
+        let in_flight = path.limited(words.in_flight(&covariates).unwrap());
         assert_eq!(in_flight as u64, stay, "each visits one node, and one a cycle is let through");
         // Two operations a cycle double it.
         machine.shadow_cache.width = num(2);
         let (mut path, mut words) = tags(&machine);
-        let known = passed(&mut path, &mut words, vec![read(0); 4000]);
-        assert_eq!((known.owner, path.limited(words.in_flight(&known).unwrap()) as u64), (2000, 2 * stay));
+        let covariates = passed(&mut path, &mut words, vec![read(0); 4000]);
+        assert_eq!((covariates.owner, path.limited(words.in_flight(&covariates).unwrap()) as u64), (2000, 2 * stay));
     }
 
     /// Tags do not access what a machine does not perform.

@@ -3,9 +3,9 @@
 use std::sync::LazyLock;
 
 use super::super::axis::Axis;
+use super::super::covariates::{Columns, Span};
 use super::super::estimate::{Estimates, Population, Total, Window, estimates};
 use super::super::figures::{Figure, MemoryLevel};
-use super::super::known::{Columns, Span};
 use super::super::plan::TELLING;
 use super::*;
 use crate::machine::kinds::Kind;
@@ -39,8 +39,8 @@ impl Census {
         let mut windows = Findings::of(&sampler, machine, &CUT, pass(&sampler, machine, &plan, 0, &stream)).measured;
         for window in &mut windows {
             // Replays of windows overlap: here each counts with its own size.
-            window.operations = window.span(Span::Group).known[0];
-            let told = |figure: &Figure| *figure == misses() || TOLD.iter().any(|(told, _)| told == figure);
+            window.operations = window.span(Span::Group).covariates[0];
+            let told = |figure: &Figure| *figure == misses() || REPORTED.iter().any(|(told, _)| told == figure);
             window.spans.iter_mut().for_each(|part| part.figures.retain(|figure, _| told(figure)));
         }
         Self(windows)
@@ -51,9 +51,9 @@ impl Census {
         let windows = &self.0[first..first + length];
         let mut sums = Span::ALL.map(|_| Population::default());
         for window in windows {
-            sums.iter_mut().zip(&window.spans).for_each(|(sum, part)| sum.add(&part.known));
+            sums.iter_mut().zip(&window.spans).for_each(|(sum, part)| sum.add(&part.covariates));
         }
-        Stream { windows, known: sums.map(|sum| sum.known) }
+        Stream { windows, known: sums.map(|sum| sum.covariates) }
     }
 
     pub(super) fn whole(&self) -> Stream<'_> {
@@ -82,7 +82,7 @@ impl Stream<'_> {
     }
 
     fn population(&self, drawn: &Drawn, span: Span) -> Population {
-        Population { strata: drawn.strata, windows: self.windows.len(), known: self.known[span as usize] }
+        Population { strata: drawn.strata, windows: self.windows.len(), covariates: self.known[span as usize] }
     }
 
     pub(super) fn truth(&self, (figure, span): &(Figure, Span)) -> f64 {
@@ -106,7 +106,7 @@ impl Stream<'_> {
     }
 }
 
-pub(super) const TOLD: [(Figure, Span); 3] =
+pub(super) const REPORTED: [(Figure, Span); 3] =
     [(Figure::Cycles, Span::Inside), (Figure::DramBytes, Span::Own), (Figure::L2Bytes, Span::Own)];
 
 fn misses() -> Figure {
@@ -123,7 +123,7 @@ pub(super) fn strata(stream: &Stream<'_>, points: usize, seed: u64) -> Strata {
 fn intervals_cover_the_truth_as_often_as_they_say() {
     let stream = SMALL.whole();
     assert!(stream.windows.len() > 200, "{}", stream.windows.len());
-    for figure in TOLD.into_iter().chain([(misses(), Span::Inside)]) {
+    for figure in REPORTED.into_iter().chain([(misses(), Span::Inside)]) {
         let (mut covered, mut width, truth) = (0, 0.0, stream.truth(&figure));
         for seed in 0..1000 {
             let Total { total, half_width } = stream.estimate(&stream.drawn(strata(&stream, 30, seed), 2), &figure);
@@ -140,7 +140,7 @@ fn intervals_cover_the_truth_as_often_as_they_say() {
 #[test]
 fn intervals_of_few_windows_hold_too() {
     for (length, points) in [(16, 8), (24, 8), (24, 12), (48, 12), (48, 24)] {
-        for figure in &TOLD {
+        for figure in &REPORTED {
             let (mut covered, mut width) = (0, 0.0);
             for seed in 0..500 {
                 let first = seed as usize * 7 % (SMALL.0.len() - length);
@@ -160,7 +160,7 @@ fn intervals_of_few_windows_hold_too() {
 /// interval is narrow by chance.
 #[test]
 fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
-    let (stream, figure) = (SMALL.whole(), &TOLD[0]);
+    let (stream, figure) = (SMALL.whole(), &REPORTED[0]);
     let truth = stream.truth(figure);
     for target in [0.03, 0.05, 0.1] {
         let (mut covered, mut stopped) = (0, 0);
@@ -194,7 +194,7 @@ fn intervals_cover_the_truth_when_sampling_stops_at_a_target() {
 #[test]
 fn intervals_of_changes_hold_when_sampling_stops_at_a_target() {
     let (one, other) = (SMALL.whole(), OTHER.whole());
-    for figure in &TOLD {
+    for figure in &REPORTED {
         let truth = other.truth(figure) / one.truth(figure);
         for target in [0.02, 0.04, 0.08] {
             let (mut covered, mut stopped) = (0, 0);
@@ -230,7 +230,7 @@ fn a_change_from_the_same_windows_is_narrower_and_holds() {
     let (one, other) = (SMALL.whole(), OTHER.whole());
     assert_eq!(one.windows.len(), other.windows.len());
     for (draws, other_draws) in [(2, 2), (2, 4)] {
-        for figure in &TOLD {
+        for figure in &REPORTED {
             let truth = other.truth(figure) / one.truth(figure);
             let (mut covered, mut paired, mut sum) = (0, 0.0, 0.0);
             for seed in 0..500 {

@@ -16,16 +16,16 @@ use crate::memory::cache::Access;
 use crate::memory::replacement::Policy;
 use crate::memory::timeless::TimelessCache;
 use crate::quantity::LineAddr;
-use crate::sampling::known::Known;
+use crate::sampling::covariates::Covariates;
 use crate::sampling::path_tags::PathTags;
 use crate::sampling::word_tags::WordTags;
 use crate::stats::TrafficClass;
 use crate::stream::{Decision, RayKind, Step, Stop};
 
 /// The tags' covariates of a stream.
-fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Known {
+fn covariates(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Covariates {
     let (mut path, mut words) = (PathTags::new(header, machine), WordTags::new(header, machine));
-    let mut sum = Known::default();
+    let mut sum = Covariates::default();
     for item in stream {
         sum += match item {
             Item::Frame(info) => {
@@ -34,14 +34,14 @@ fn known(machine: &MachineSpec, header: &Header, stream: &[Item]) -> Known {
                 continue;
             }
             Item::Rays(chunk) => {
-                let trodden = path.piece(chunk, 0..chunk.len());
+                let outcome = path.piece(chunk, 0..chunk.len());
                 let shift = path.shift_to(words.layout()).unwrap();
-                words.piece(chunk, 0..chunk.len(), &trodden, shift).known
+                words.piece(chunk, 0..chunk.len(), &outcome, shift).covariates
             }
             Item::End { policy, .. } => {
-                let trodden = path.frame_end(policy);
+                let outcome = path.frame_end(policy);
                 let shift = path.shift_to(words.layout()).unwrap();
-                words.frame_end(policy, &trodden, shift).known
+                words.frame_end(policy, &outcome, shift).covariates
             }
         };
     }
@@ -58,9 +58,9 @@ fn tags_perform_the_operations_that_event_does() {
             (machine.shadow_cache.register, machine.shadow_cache.gather) = (num(0), num(0));
             let (header, whole) = (header(), on(&machine, &header(), "Event", &stream));
             let operations = Kind::ALL.map(|kind| whole.operations.get(kind.names().0).copied().unwrap_or(0));
-            let known = known(&machine, &header, &stream).operations;
-            let known = Kind::ALL.map(|kind| known[kind as usize] / kind.spec(&machine).interval);
-            if operations == known { Ok(()) } else { Err(format!("Event {operations:?}, tags {known:?}")) }
+            let covariates = covariates(&machine, &header, &stream).operations;
+            let covariates = Kind::ALL.map(|kind| covariates[kind as usize] / kind.spec(&machine).interval);
+            if operations == covariates { Ok(()) } else { Err(format!("Event {operations:?}, tags {covariates:?}")) }
         },
     );
 }
@@ -113,7 +113,7 @@ fn tags_miss_what_event_misses_where_one_ray_is_in_flight() {
                 let classes = whole.caches.get(kind.names().1).into_iter().flatten();
                 classes.map(|(_, cache)| cache.counts.misses).sum::<u64>()
             });
-            let missed = known(&machine, &header, &stream).missed;
+            let missed = covariates(&machine, &header, &stream).missed;
             let missed = of_path.map(|kind| missed[kind as usize]);
             missed_by_all.fetch_add(misses.iter().sum(), Ordering::Relaxed);
             if misses == missed { Ok(()) } else { Err(format!("Event {misses:?}, tags {missed:?}")) }
@@ -208,7 +208,7 @@ fn tags_ask_for_what_each_element_asks_for() {
             tags.set_in_flight(1);
             let mut asked = Vec::new();
             for item in &stream {
-                let trodden = match item {
+                let outcome = match item {
                     Item::Frame(info) => {
                         tags.begin_frame(info);
                         continue;
@@ -216,7 +216,7 @@ fn tags_ask_for_what_each_element_asks_for() {
                     Item::Rays(chunk) => tags.piece(chunk, 0..chunk.len()),
                     Item::End { policy, .. } => tags.frame_end(policy),
                 };
-                asked.extend(trodden.requests.list.iter().map(|request| (request.line.0, request.write)));
+                asked.extend(outcome.requests.list.iter().map(|request| (request.line.0, request.write)));
             }
             let plain = asked_plainly(&machine, &header, &stream);
             if asked == plain { Ok(()) } else { Err(format!("tags {asked:?}, plainly {plain:?}")) }

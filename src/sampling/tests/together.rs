@@ -110,7 +110,7 @@ fn who_asks_for_fewer_rays_in_flight_parts() {
         let mut cutter = Cutter::new(&header, &machines[0], &plan, 0);
         assert_eq!(lanes.len(), 1);
         for portion in stream.iter().flat_map(|item| cutter.add(item).unwrap()) {
-            let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::parted).collect();
+            let new: Vec<Lane> = lanes.iter_mut().flat_map(Lane::split_off).collect();
             lanes.extend(new);
             lanes.iter_mut().for_each(|lane| drop(lane.add(&portion)));
         }

@@ -11,7 +11,7 @@ const KINDS: usize = Kind::ALL.len();
 const CLASSES: usize = TrafficClass::ALL.len();
 const CACHED: usize = TrafficClass::CACHED;
 
-/// Columns of [`Known::columns`].
+/// Columns of [`Covariates::columns`].
 pub(crate) const COLUMNS: usize = KINDS + 3 + CACHED + CLASSES + KINDS + 2;
 
 /// The column of all operations; columns of each kind of units but the first follow.
@@ -33,7 +33,7 @@ const BANK: usize = OWNER + 1;
 
 /// Covariates of a part of a stream.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Known {
+pub(crate) struct Covariates {
     /// Operations of each kind of units, times the cycles between operations.
     pub operations: [u64; KINDS],
     /// Lines of each class that tags move between L1s and L2.
@@ -49,7 +49,7 @@ pub(crate) struct Known {
     pub bank: u64,
 }
 
-impl AddAssign for Known {
+impl AddAssign for Covariates {
     fn add_assign(&mut self, other: Self) {
         let add = |sums: &mut [u64], others: &[u64]| sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
         add(&mut self.operations, &other.operations);
@@ -110,12 +110,12 @@ impl Capacity {
 
     /// Rays in traversal units at once, by Little's law (Little 1961): the sum of their waits for operations and for
     /// missed lines, over the minimum cycles of the busiest resource. `None` if nothing is done.
-    pub(crate) fn in_flight(&self, known: &Known) -> Option<f64> {
+    pub(crate) fn in_flight(&self, covariates: &Covariates) -> Option<f64> {
         let waits = PATH.iter().zip(self.stays.iter().zip(&self.fetches)).map(|((kind, _), (stay, fetch))| {
             let kind = *kind as usize;
-            known.operations[kind] as f64 * stay + known.missed[kind] as f64 * fetch
+            covariates.operations[kind] as f64 * stay + covariates.missed[kind] as f64 * fetch
         });
-        let busiest = self.busiest(known.operations, known.owner as f64, 0.0);
+        let busiest = self.busiest(covariates.operations, covariates.owner as f64, 0.0);
         (busiest > 0.0).then(|| waits.sum::<f64>() / busiest)
     }
 
@@ -134,7 +134,7 @@ impl Capacity {
     }
 }
 
-impl Known {
+impl Covariates {
     /// The covariates as columns.
     pub(crate) fn columns(&self, capacity: &Capacity) -> Columns {
         let mut columns = [0.0; COLUMNS];
@@ -230,18 +230,18 @@ pub(crate) fn explanation(figure: &Figure) -> Explanation {
 mod tests {
     use super::*;
 
-    fn known(operations: [u64; KINDS], owner: u64) -> Known {
-        Known { operations, owner, ..Known::default() }
+    fn covariates(operations: [u64; KINDS], owner: u64) -> Covariates {
+        Covariates { operations, owner, ..Covariates::default() }
     }
 
     #[test]
     fn the_busiest_is_a_kind_an_owner_or_the_bus() {
         let capacity =
             Capacity { operations: [4.0, 1.0, 2.0, 4.0], lines: Some(0.5), ..Capacity::new(&MachineSpec::default()) };
-        let busiest = |known: Known| known.columns(&capacity)[BUSIEST];
-        assert_eq!(busiest(known([400, 0, 100, 100], 25)), 100.0, "traversal units");
-        assert_eq!(busiest(known([400, 0, 100, 200], 140)), 140.0, "one shadow-cache unit has most of what 4 do");
-        let read = Known { dram: [0, 0, 60, 0, 20, 0, 0, 0, 0, 0], ..known([400, 0, 100, 200], 140) };
+        let busiest = |covariates: Covariates| covariates.columns(&capacity)[BUSIEST];
+        assert_eq!(busiest(covariates([400, 0, 100, 100], 25)), 100.0, "traversal units");
+        assert_eq!(busiest(covariates([400, 0, 100, 200], 140)), 140.0, "one shadow-cache unit has most of what 4 do");
+        let read = Covariates { dram: [0, 0, 60, 0, 20, 0, 0, 0, 0, 0], ..covariates([400, 0, 100, 200], 140) };
         assert_eq!(busiest(read), 160.0, "the bus");
     }
 
@@ -250,9 +250,13 @@ mod tests {
     fn as_many_rays_are_in_flight_as_the_busiest_lets_through() {
         let capacity =
             Capacity { operations: [4.0; KINDS], lines: None, stays: [9.0, 3.0, 5.0], fetches: [20.0, 7.0, 7.0] };
-        let one = Known { missed: [10, 0, 0, 99], ..known([100, 0, 0, 99], 200) };
+        let one = Covariates { missed: [10, 0, 0, 99], ..covariates([100, 0, 0, 99], 200) };
         assert_eq!(capacity.in_flight(&one), Some((900.0 + 200.0) / 200.0));
-        assert_eq!(capacity.in_flight(&known([100, 0, 0, 0], 0)), Some(36.0), "all four units are busy for 25 cycles");
-        assert_eq!(capacity.in_flight(&Known::default()), None);
+        assert_eq!(
+            capacity.in_flight(&covariates([100, 0, 0, 0], 0)),
+            Some(36.0),
+            "all four units are busy for 25 cycles"
+        );
+        assert_eq!(capacity.in_flight(&Covariates::default()), None);
     }
 }
